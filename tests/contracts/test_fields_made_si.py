@@ -18,6 +18,15 @@ import valvetrain as vt
 from valvetrain.cosserat.batch import simulate_batch
 from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
+from valvetrain.parameters.train import (
+    CamParameters,
+    CrankParameters,
+    FollowerParameters,
+    LeverParameters,
+    PushrodParameters,
+    SupportParameters,
+    ValveParameters,
+)
 from valvetrain.quantities.statics import buckling_compression
 from valvetrain.runs.critical_speeds import read_options
 from valvetrain.solution.static import StaticCurve
@@ -54,7 +63,13 @@ IN_SI |= {
     "29 mm": 0.029,
     "54.75 mm": 0.05475,
     "46 mm": 0.046,
+    "150 mm": 0.15,
+    "25 N s/m": 25.0,
+    "2 N m": 2.0,
+    "2e-5 kg m^2": 2e-5,
+    "40 %": 0.4,
 }
+DAMPING = "25 N s/m"
 #: Class -> one of it, and the fields that are given in text.
 PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "CoilContact": (CoilContact, {"stiffness": "30 N/mm^2", "damping_time": SECOND}),
@@ -80,6 +95,21 @@ PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "FilmSetup": (lambda: vt.film.FilmSetup(scale_points=((0, 0), (0, 99)), scale_length=5e-3),
                   {"scale_length": "12 mm", "frame_rate": "2000 1/s", "marker_angle": "2 deg", "first_angle": "2 deg",
                    "cam_speed": "2000 rpm", "exposure": SECOND}),
+    "CamParameters": (lambda: CamParameters(0.018), {"base_radius": "12 mm", "width": "12 mm", "youngs_modulus": "30 N/mm^2"}),
+    "FollowerParameters": (lambda: FollowerParameters(shape="roller", radius=0.01, mass=0.05),
+                           {"radius": "8 mm", "mass": MASS, "offset": LENGTH, "tilt": "2 deg", "damping": DAMPING, "friction": FORCE}),
+    "LeverParameters": (lambda: LeverParameters((0.0, 0.0), 0.03, 0.04, 4e-5),
+                        {"drive_arm": "29 mm", "valve_arm": "30 mm", "inertia": "2e-5 kg m^2", "valve_angle": "2 deg", "drive_angle": "2 deg",
+                         "mass": MASS, "stiffness": RATE, "damping": DAMPING, "holding_torque": "2 N m", "tip_radius": "8 mm"}),
+    "PushrodParameters": (lambda: PushrodParameters(0.06, (0.0, 0.0)), {"mass": MASS, "stiffness": RATE, "damping": DAMPING}),
+    "SupportParameters": (lambda: SupportParameters(2e7, 0.1),
+                          {"stiffness": RATE, "mass": MASS, "damping": DAMPING, "direction": "2 deg"}),
+    "ValveParameters": (lambda: ValveParameters(0.06, stem_stiffness=4e7),
+                        {"mass": MASS, "opening_direction": "2 deg", "head_fraction": "40 %", "stem_stiffness": RATE,
+                         "stem_damping": DAMPING, "damping": DAMPING, "friction": FORCE}),
+    "CrankParameters": (lambda: CrankParameters(0.04, 0.14, 0.002, 0.1),
+                        {"radius": "46 mm", "rod_length": "150 mm", "clearance": LENGTH, "top_dead_centre": "2 deg",
+                         "valve_inclination": "2 deg", "offset": LENGTH}),
     "RodModel": (lambda: vt.springs.FiniteElementRod(SPRING, 6e-3, 6), {"precompression": LENGTH, "time_step": SECOND}),
 }  # fmt: skip
 

@@ -24,7 +24,7 @@ MUTANTS = [
     ("job-t", {"sources": ["nobody1999"]}, ""),
     ("job-t", {"lift_law.maximum_lift": "40 mm"}, "solid"),
     ("job-t", {"spring.precompression": "40 mm"}, "solid"),
-    ("job-t", {"spring.material": {"density": "1e-30 kg/m^3", "name": "OTEVA 90 SC"}}, "density"),
+    ("job-t", {"spring.material": {"density": "-1 kg/m^3", "name": "OTEVA 90 SC"}}, "density"),
     ("job-t", {"lift_law.maximum_lift": "1e300 m"}, ""),
     ("tdi-pushrod", {"train.lash": "120 mm"}, "lash"),
     ("tdi-pushrod", {"train.spring_model": "nobody"}, "unknown"),

@@ -349,7 +349,7 @@ def test_a_run_that_diverges_writes_what_it_has_and_ends_with_1(small):
 
 
 def test_the_cost_of_a_usual_sweep_is_told_within_a_few_times_of_what_it_takes():
-    """31 speeds of two sets and the search take 5 s of one core where they were measured: no usual
+    """31 speeds of two sets and the search take 8 s of one core where they were measured: no usual
     request is refused for its time.
     """
     result = call(
@@ -363,4 +363,4 @@ def test_the_cost_of_a_usual_sweep_is_told_within_a_few_times_of_what_it_takes()
         "1 s",
     )
     (seconds,) = re.findall(r"will take about (\d+) s", sentence(result))
-    assert 5 <= float(seconds) <= 20
+    assert 5 <= float(seconds) <= 30

@@ -288,7 +288,7 @@ def test_static_curves_of_no_step_and_of_countless_steps_are_refused():
         (lambda: vt.simulate(7), "'7' is no case"),
         (lambda: vt.static_curve("job-t", steps=2.5), "a whole number of steps"),
         (lambda: vt.static_curve("job-t", steps="5"), "a whole number of steps"),
-        (lambda: vt.static_curve("job-t", spring_model=["massless"]), "spring model .* is no word"),
+        (lambda: vt.static_curve("job-t", spring_model=["massless"]), "is no spring model"),
         (lambda: vt.static_curve("job-t", steps=float("nan")), "a whole number of steps"),
     ],
 )

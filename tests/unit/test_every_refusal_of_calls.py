@@ -17,7 +17,6 @@ from valvetrain.cam.closed_form import SinePower
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.quantities.cycle import Cycle, reported_cycle
 from valvetrain.report.files import UnfinishedRun
-from valvetrain.report.run_charts import plot_study
 from valvetrain.runs.solid import SolidMotion, check_motion
 from valvetrain.solution.channels import Variable, spring_channels
 from valvetrain.solution.netcdf import load_netcdf
@@ -118,8 +117,8 @@ CALLS = {
     "stretch begins open": (lambda: check_motion(LAW, motion(first_cam_angle=1.6)), "starts at rest.*start at 6[0-9] deg"),
     "one sample": (lambda: reported_cycle(RUN.reduced()), "fewer than two samples"),
     "one sample alone": (lambda: reported_cycle(replace(RUN, channels=cut(RUN, 1))), "fewer than two samples"),
-    "no quantities": (lambda: plot_study(replace(made.sweep_study(3), solutions=tuple(replace(run, quantities={})
-                      for run in made.sweep_study(3).solutions))), "hold no quantities to draw"),
+    "no quantities": (lambda: replace(made.sweep_study(3), solutions=tuple(replace(run, quantities={})
+                      for run in made.sweep_study(3).solutions)).plot(), "hold no quantities to draw"),
     "unknown channel": (lambda: spring_channels(RUN.time, RUN.cam_angle, {"seat_forse": RUN.time}), "'seat_forse' is not declared"),
     "no time": (lambda: channels(time=None), "needs the coordinate 'time'"),
     "time of something else": (lambda: channels(cam_angle=Variable(("turn",), np.zeros(3), {})), "needs the coordinate 'cam_angle'"),

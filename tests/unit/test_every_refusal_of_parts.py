@@ -224,7 +224,8 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("follower", {"shape": "domed"}, "needs a positive radius"), ("follower", {"radius": 0.01}, "has no radius"),
     ("follower", {"shape": "knife", "radius": 0.01}, "has no radius"),
     ("follower", {"tilt": 0.53}, "below 30 degrees"), ("follower", {"tilt": -0.53}, "below 30 degrees"),
-    *(("follower", {name: value}, "must not be negative") for name in ("mass", "damping", "friction") for value in (-1.0, math.inf)),
+    *(("follower", {name: value}, "must not be negative" if value < 0 else "not a finite number")
+      for name in ("mass", "damping", "friction") for value in (-1.0, math.inf)),
     *(("buckling", {"seating_coefficient": value}, "must be positive") for value in (0.0, math.inf)),
     ("low pass", {"time": np.linspace(0, 1, 2), "values": np.ones(2)}, "evenly spaced"),
     ("low pass", {"time": np.linspace(0, 0.1, 101) ** 2}, "evenly spaced"),

@@ -142,7 +142,7 @@ def test_a_study_is_whole_with_failed_runs_critical_speeds_and_static_curves(tmp
     )
     again = read_again(replace(sweep, solutions=(failed, *sweep.solutions)), tmp_path)
     assert again.solutions[0].status == failed.status and again.failures
-    both = JOB.compare(["massless"], "2000 rpm")
+    both = JOB.compare("2000 rpm", ["massless"])
     curve = read_again(both, tmp_path).at_rest("massless").curve
     assert curve.force_at("7.5 mm") == both.at_rest("massless").curve.force_at("7.5 mm") > 0
 

@@ -378,7 +378,7 @@ def test_what_a_case_holds_is_said_in_the_fields_units():
     )
     assert (
         told["spring"] == "uniform-spring, right-handed"
-        and told["cam revolutions"] == "2, the last one reported"
+        and told["cam revolutions"] == "until the motion repeats, the last one reported"
     )
     assert (
         told["title"] == case.title

@@ -13,6 +13,7 @@ import pint
 import pytest
 
 import valvetrain as vt
+from unit.cli_parts import call
 from valvetrain import registry
 from valvetrain.errors import UnusualValueWarning
 from valvetrain.parameters.train import CamParameters, ValveParameters
@@ -137,13 +138,11 @@ def test_no_case_of_the_library_is_unusual():
             vt.load_case(case.name)
 
 
-def test_the_command_warns_in_a_sentence_once():
-    from valvetrain.cli.guard import warning_line
-
-    one = UnusualValueWarning("mass of the valve is 30000 g")
-    lines = [warning_line(one, UnusualValueWarning, "train.py", line) for line in (1, 2)]
-    assert lines == ["warning: mass of the valve is 30000 g\n", ""]
-    assert "train.py:3: RuntimeWarning" in warning_line("x", RuntimeWarning, "train.py", 3)
+def test_the_command_warns_in_a_sentence_once(tmp_path):
+    vt.Case("tdi-pushrod").save(tmp_path / "heavy.toml")
+    found = call("check", str(tmp_path / "heavy.toml"), "--set", "train.valve.mass=30 kg")
+    lines = [line for line in found.stderr.splitlines() if line.startswith("warning:")]
+    assert len(lines) == 1 and "mass" in lines[0] and "30000 g" in lines[0], found.stderr
 
 
 def test_degrees_and_millimetres_are_not_taken_for_radians_and_metres():

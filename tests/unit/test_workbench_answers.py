@@ -170,7 +170,7 @@ def test_a_test_made_from_a_run_is_not_refuted_and_one_shifted_is(runs, tmp_path
         if one.label == "multi-mass" and round(one.engine_speed * 30 / np.pi) == 4000
     )
     angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
-    curve = np.interp(angle + 2 * np.pi, run.cam_angle, run.channel("seat_force"))
+    curve = np.interp(angle + run.cam_angle[0], run.cam_angle, run.channel("seat_force"))
     drawn = curve + np.random.default_rng(1).normal(0.0, 5.0, (6, 90))
 
     def content(values: np.ndarray, cam_speed: float = run.engine_speed / 2) -> bytes:

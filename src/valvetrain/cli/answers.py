@@ -331,8 +331,8 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
         if found
     ]
     if not study.comparisons and not study.findings:
-        for note in study.all_notes:
-            console.print(f"\nnote: {note}")
+        for number, note in enumerate(study.all_notes):
+            console.print(("" if number else "\n") + f"note: {note}")
         return
     if not whole:
         if study.comparisons or more:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -44,6 +44,7 @@ from valvetrain.runs.api import simulate
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.display import table_and_picture
+from valvetrain.solution.later import replaced
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.saveable import Reported
@@ -180,7 +181,7 @@ def compare_with_test(
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
     >>> forces = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"]).solutions[0]
-    >>> last = np.interp(angle + 2 * np.pi, forces.cam_angle, forces.channel("seat_force"))
+    >>> last = np.interp(angle + forces.cam_angle[0], forces.cam_angle, forces.channel("seat_force"))
     >>> drawn = last + np.random.default_rng(1).normal(0.0, 5.0, (8, 360))
     >>> cycles = MeasuredCycles("spring_force", "N", angle, drawn, cam_speed=157.07963267948966, synthetic=True)
     >>> vt.compare_test.compare_with_test("job-t", cycles, spring_models=["multi-mass"]).best.adequacy.adequate
@@ -258,7 +259,7 @@ def compare_study_with_test(
             for name in ("model", "spring_set")
         )
         problem = build(chosen, spring_models=models, spring_set=sets)
-    return _answer(replace(study, solutions=near), request, active_wire(problem))
+    return _answer(replaced(study, solutions=near), request, active_wire(problem))
 
 
 @dataclass(frozen=True)

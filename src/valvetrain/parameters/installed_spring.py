@@ -334,6 +334,11 @@ class InstalledSpring:
         )
 
     @property
+    def end_contact(self) -> str:
+        """Whether the ends lift off seat and retainer where they would pull, as the file says it."""
+        return "bonded" if self.tied else "lifting"
+
+    @property
     def room(self) -> float | None:
         """Lift (m) from the installed state to coil bind; None where it is not known."""
         if self.installed_height is None or self.solid_height is None:

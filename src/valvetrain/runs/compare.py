@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 
@@ -28,6 +27,7 @@ from valvetrain.runs.statics import reach_of, statics_by_model
 from valvetrain.runs.stopping import StudyStopped
 from valvetrain.runs.train_runs import Finished
 from valvetrain.runs.workers import Progress, result_of
+from valvetrain.solution.later import replaced
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
@@ -125,7 +125,7 @@ def compare_study(
             )
     except KeyboardInterrupt:
         stopped = True
-    done = replace(
+    done = replaced(
         study,
         rest=tuple(rest) or study.rest,
         solutions=(*study.solutions, *motions),

@@ -27,6 +27,7 @@ from valvetrain.runs.train_runs import Finished
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.fidelity import FidelityMap, FidelityRow
+from valvetrain.solution.later import replaced
 from valvetrain.solution.study import Study
 from valvetrain.springs.modal_uniform import oscillating_modes
 from valvetrain.springs.own_spring import model_names
@@ -266,7 +267,7 @@ def fidelity_study(
         studies, stopped = [*studies, stop.study], True
     own, *fine = studies
     compared = _compared(problem, own, fine, divided, tolerance)
-    result = replace(own, command="fidelity", fidelity=compared)
+    result = replaced(own, command="fidelity", fidelity=compared)
     if stopped:
         raise StudyStopped(result)
     return result

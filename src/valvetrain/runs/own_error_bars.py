@@ -29,15 +29,18 @@ from valvetrain.solution.later import Later
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 from valvetrain.system.problem import Member, Problem, Rest
-from valvetrain.units import format_quantity
 
 #: Division of the springs of the further run over that of the case; finite elements, whose cost
 #: grows with the square, take the inverse.
 RATIO = 1.5
 #: Share of a value that its uncertainty may be without being named.
 LARGE = 0.05
-#: Numbers that get a bar where a run has them.
-NAMES = tuple(dict.fromkeys((*TRAIN_HEADLINES, *SPRING_HEADLINES)))
+#: Numbers that get a bar where a run has them; counts jump.
+NAMES = tuple(
+    name
+    for name in dict.fromkeys((*TRAIN_HEADLINES, *SPRING_HEADLINES))
+    if not name.endswith("_count")
+)
 
 
 class _Further(NamedTuple):
@@ -147,29 +150,18 @@ def _sentences(
     rows: Sequence[Uncertainty], further: Iterable[_Further], undivided: Sequence[str]
 ) -> Iterable[str]:
     ways = {one.finer for one in further}
+    none = f"none by {' and '.join(dict.fromkeys(undivided))}, which nothing divides"
     if rows:
-        way = " or ".join(
-            text
-            for finer, text in ((True, "more finely"), (False, "more coarsely"))
-            if finer in ways
-        )
-        yield (
-            f"± is the numerical uncertainty: each run once more with its springs divided {RATIO:g} times {way}, Roache's factor of three "
-            "for two grids, and the scatter of motion that does not repeat. Data of the case are not in it."
-        )
+        words = ((True, "more finely"), (False, "more coarsely"))
+        way = " or ".join(text for finer, text in words if finer in ways)
+        end = f"; {none}." if undivided else "."
+        yield f"± is numerical: each run once more, its springs divided {RATIO:g} times {way}{end}"
+    elif undivided:
+        yield f"No error bars: {none}."
     large = sorted(
         (row for row in rows if row.numerical > LARGE * abs(row.value) and row.value),
         key=lambda row: -row.numerical / abs(row.value),
     )
     if large:
-        named = "; ".join(
-            f"{label_of(row.quantity)} {100 * row.numerical / abs(row.value):.0f} % "
-            f"({row.label}, {format_quantity(row.engine_speed or 0.0, 'rpm')})"
-            for row in large[:4]
-        )
-        more = f" and {len(large) - 4} more" if len(large) > 4 else ""
-        yield f"Uncertain by more than {100 * LARGE:.0f} %: {named}{more}."
-    if undivided:
-        yield (
-            f"No error bar by {' or '.join(dict.fromkeys(undivided))}: nothing divides its spring."
-        )
+        named = ", ".join(dict.fromkeys(label_of(row.quantity).lower() for row in large))
+        yield f"Uncertain by more than {100 * LARGE:.0f} %: {named}."

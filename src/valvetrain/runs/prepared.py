@@ -44,6 +44,8 @@ if TYPE_CHECKING:
 
 #: Bytes of one recorded step (time, motion, forces and what is computed from them).
 STEP_BYTES = 128.0
+#: Cam revolutions of a spring alone that nothing damps.
+UNDAMPED_CYCLES = 2
 #: Exceptions that fail one run and not its study: all of them.
 FAILURES = (Exception,)
 #: Codes of runs that gave all of their samples.
@@ -222,8 +224,8 @@ def integrate_from(
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
         return without_channels(status, provenance), None
     until: Until = Periodic(None if prescribed else plan.cycles_to_settle, tolerance=tolerance)
-    if prescribed and plan.cycles is not None:
-        until = Cycles(plan.cycles)
+    if prescribed and (cycles := plan.cycles or _without_end(ready.member)):
+        until = Cycles(cycles)
     options = RunOptions(
         plan.samples,
         time_step=time_step,
@@ -239,6 +241,12 @@ def integrate_from(
     except FAILURES as error:
         status = Status("diverged", reason(error), remedy="look at this run alone")
         return without_channels(status, provenance), None
+
+
+def _without_end(member: Member) -> int | None:
+    """Cam revolutions of springs without damping, whose motion never settles; None of others."""
+    damped = (one.damping.mass_damping or one.damping.stiffness_damping for one in member.springs)
+    return None if any(damped) else UNDAMPED_CYCLES
 
 
 def without_channels(

@@ -7,7 +7,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
-from dataclasses import replace
 from functools import partial
 from operator import attrgetter
 from typing import Any
@@ -56,7 +55,7 @@ from valvetrain.runs.train_runs import (
 )
 from valvetrain.runs.workers import Progress, as_they_come, threads, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
-from valvetrain.solution.later import Later
+from valvetrain.solution.later import Later, replaced
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
@@ -185,7 +184,7 @@ def _with_critical(study: Study) -> Study:
     still = {**study.still}
     for label in study.critical_speeds.labels:
         still[label] = {**still.get(label, {}), **study.critical_speeds.quantities(label)}
-    return replace(study, still=still)
+    return replaced(study, still=still)
 
 
 def run_problem(
@@ -297,21 +296,21 @@ def run_problem(
         whole_study = at_rest.then(partial(_with_rest, study, problem))
         parts = ("rest", "still", "comparisons", "findings", "notes", "gaps")
         named: dict[str, Any] = {one: whole_study.then(attrgetter(one)) for one in parts}
-        study = replace(study, **named) if later and not stopped else whole_study.value
+        study = replaced(study, **named) if later and not stopped else whole_study.value
     if stopped:
         raise StudyStopped(study)
     if load_uncertainty(problem.record):
         return study
     known = at_rest or Later(_rest_of_trains, ready)
     bars = Later(own_error_bars, problem, solutions, plan, known, count)
-    study = replace(study, error_bars=bars)
+    study = replaced(study, error_bars=bars)
     if error_bars and progress is not None:
         progress(0.99, "error bars")
     if error_bars:
         try:
-            return replace(study, error_bars=study.error_bars)
+            return replaced(study, error_bars=study.error_bars)
         except PointsStopped:
-            raise StudyStopped(replace(study, error_bars=ErrorBars())) from None
+            raise StudyStopped(replaced(study, error_bars=ErrorBars())) from None
     return study
 
 
@@ -323,9 +322,9 @@ def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
 
 def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Study:
     """The study with its notes, what is published, and a sentence per part that failed."""
-    study = replace(study, notes=failures.part("notes", (), _notes, problem) + study.notes)
+    study = replaced(study, notes=failures.part("notes", (), _notes, problem) + study.notes)
     study = failures.part("published values", study, next_to_published, study, problem)
-    return replace(study, gaps=failures.sentences)
+    return replaced(study, gaps=failures.sentences)
 
 
 def _with_rest(study: Study, problem: Problem, at_rest: AtRest) -> Study:
@@ -344,7 +343,7 @@ def _with_rest(study: Study, problem: Problem, at_rest: AtRest) -> Study:
         for name, spring in zip(names, problem.springs, strict=True)
         if spring in found
     }
-    return _completed(replace(study, rest=tuple(found.values()), still=still), problem, failures)
+    return _completed(replaced(study, rest=tuple(found.values()), still=still), problem, failures)
 
 
 def _shares(progress: Progress) -> tuple[Progress, Callable[[int, int], None]]:
@@ -396,7 +395,7 @@ def next_to_published(study: Study, problem: Problem) -> Study:
         record, found = study.record, compared.quantities
         notes += record.remarks
         notes += uncertainty_sentences(record, ran, found) + spread_sentences(record, ran, found)
-    return replace(compared, comparisons=rows, notes=notes)
+    return replaced(compared, comparisons=rows, notes=notes)
 
 
 def _run_springs(

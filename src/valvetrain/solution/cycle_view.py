@@ -46,7 +46,7 @@ def last_revolution(cam_angle: NDArray[np.float64]) -> Revolution:
 
 def first_revolution(cam_angle: NDArray[np.float64]) -> int:
     """Number of the revolution in which unwrapped angles (rad) begin; 0 where there is none."""
-    return int(np.floor(cam_angle[0] / TURN + 1e-9)) if len(cam_angle) else 0
+    return int(np.floor(cam_angle[0] / TURN + 1e-9)) if np.isfinite(cam_angle[:1]).any() else 0
 
 
 def angle_within(cam_angle: NDArray[np.float64], revolution: int) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Iterator, Mapping
 from threading import RLock
 from typing import Any, Generic, TypeVar, overload
@@ -120,3 +121,13 @@ class LaterMapping(Mapping[str, T]):
 
     def __repr__(self) -> str:
         return repr(dict(self))
+
+
+def replaced(result: T, **changes: Any) -> T:
+    """A frozen result with other fields, as :func:`dataclasses.replace`; what is computed later stays
+    so.
+    """
+    made = copy.copy(result)
+    for name, value in changes.items():
+        object.__setattr__(made, name, value)
+    return made
