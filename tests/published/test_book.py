@@ -326,7 +326,9 @@ def test_a_cubic_spline_for_the_gas_turns_rows_red(monkeypatch):
 def test_a_fault_in_the_follower_turns_rows_red(monkeypatch):
     whole = followers.lift_table
     monkeypatch.setattr(
-        followers, "lift_table", lambda law: whole(law) * np.array([1.001, 1.0, 1.0, 1.0, 1.0])
+        followers,
+        "lift_table",
+        lambda law: whole(law) * np.r_[1.001, np.ones(whole(law).shape[1] - 1)],
     )
     assert len(red(followers.dwell_after_a_rise())) == 6
     monkeypatch.setattr(followers, "lift_table", whole)

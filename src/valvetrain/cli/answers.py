@@ -49,7 +49,7 @@ def show_study(
         for table in _tables(study):
             console.print()
             console.print(table)
-        if passed := limit_sentences(study):
+        if passed := limit_sentences(study, reasons=False):
             console.print()
         for sentence in passed:
             console.print(f"! {sentence}", soft_wrap=True)

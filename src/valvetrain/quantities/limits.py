@@ -46,12 +46,12 @@ class PassedLimit:
     reason: str
 
     @property
-    def sentence(self) -> str:
-        """The passed limit in words, in the units shown."""
+    def comparison(self) -> str:
+        """Value and limit in words, in the units shown."""
         value, unit = shown(self.quantity, self.value)
         limit, _ = shown(self.quantity, self.limit)
         side = "below" if self.least else "above"
-        return f"{label_of(self.quantity)} {value:.4g} {unit}, {side} {limit:.4g} {unit}: {self.reason}"
+        return f"{label_of(self.quantity)} {value:.4g} {unit}, {side} {limit:.4g} {unit}"
 
 
 def passed_limits(values: Mapping[str, float]) -> dict[str, PassedLimit]:

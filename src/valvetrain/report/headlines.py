@@ -114,8 +114,10 @@ def _passed(runs: Sequence[Solution]) -> list[PassedLimit]:
     return [one for run in runs for one in passed_limits(run.quantities).values()]
 
 
-def limit_sentences(study: Study) -> tuple[str, ...]:
-    """What the marks say: per quantity and label the worst value that passes its limit."""
+def limit_sentences(study: Study, reasons: bool = True) -> tuple[str, ...]:
+    """What the marks say: per quantity and label the worst value that passes its limit, with the
+    ``reasons`` of the limits.
+    """
     found = []
     for label in study.labels:
         worst: dict[str, tuple[PassedLimit, Solution]] = {}
@@ -126,7 +128,8 @@ def limit_sentences(study: Study) -> tuple[str, ...]:
                 ):
                     worst[name] = one, run
         for one, run in worst.values():
-            found.append(f"{label}, {speed_text(run.engine_speed)}: {one.sentence}.")
+            reason = f": {one.reason}." if reasons else ""
+            found.append(f"{label}, {speed_text(run.engine_speed)}: {one.comparison}{reason}")
     return tuple(found)
 
 
