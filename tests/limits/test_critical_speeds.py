@@ -236,6 +236,7 @@ def test_the_verdict_on_the_performance_spring_does_not_follow_the_grid() -> Non
             f"7500:8400:{step} rpm",
             spring_set=["performance"],
             resolution="40 rpm",
+            ranges=False,
             workers=1,
         )
         found.append([[way for way in (row.begins, row.ends)] for row in one if row.found])

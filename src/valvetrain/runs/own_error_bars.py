@@ -152,8 +152,8 @@ def _sentences(
     ways = {one.finer for one in further}
     none = f"none by {' and '.join(dict.fromkeys(undivided))}, which nothing divides"
     if rows:
-        words = ((True, "more finely"), (False, "more coarsely"))
-        way = " or ".join(text for finer, text in words if finer in ways)
+        ways_in_text = ((True, "more finely"), (False, "more coarsely"))
+        way = " or ".join(text for finer, text in ways_in_text if finer in ways)
         end = f"; {none}." if undivided else "."
         yield f"± is numerical: each run once more, its springs divided {RATIO:g} times {way}{end}"
     elif undivided:
