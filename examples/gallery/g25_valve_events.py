@@ -16,7 +16,7 @@ study = vt.sweep(
     "tdi-pushrod",
     "6000:8400:200 rpm",
     spring_models=["massless"],
-    spring_sets=["stock"],
+    spring_set=["stock"],
     critical_speeds=False,
     workers=1,
 )

@@ -24,7 +24,7 @@ for words, (changes, springs) in variants.items():
         vt.load_case("tdi-pushrod", changes),
         "6000:12000:1000 rpm",
         spring_models=["massless"],
-        spring_sets=[springs],
+        spring_set=[springs],
         ranges=False,
         workers=1,
     )

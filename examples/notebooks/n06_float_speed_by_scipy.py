@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 import valvetrain as vt
 
-case, runs = vt.Case("tdi-pushrod"), {"spring_models": "massless", "spring_sets": "stock"}
+case, runs = vt.Case("tdi-pushrod"), {"spring_models": "massless", "spring_set": "stock", "ranges": False}
 
 
 def float_speed(mass):
@@ -20,5 +20,5 @@ def float_speed(mass):
     return lighter.critical_speeds("6000:8000:2000 rpm", **runs).of("float").engine_speed * 30 / pi
 
 
-mass = brentq(lambda mass: float_speed(mass) - 7200, 0.040, 0.070, xtol=1e-3)
+mass = brentq(lambda mass: float_speed(mass) - 7200, 0.040, 0.070, xtol=1e-5)
 print(f"float from 7200 rpm on with a valve of {1e3 * mass:.0f} g")

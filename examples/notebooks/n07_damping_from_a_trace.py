@@ -13,7 +13,7 @@ import valvetrain as vt
 
 case, key = vt.Case("job-t"), "spring.damping.stiffness_damping"
 trace = lambda damping: case.set({key: damping}).run("6000 rpm", model="modal-uniform")
-measured = trace(8e-6)["seat_force"].values + np.random.default_rng(1).normal(0, 5.0, 721)
+measured = trace(8e-6)["seat_force"].values + np.random.default_rng(1).normal(0, 5.0, 720)
 misfit = lambda damping: float(np.std(trace(damping)["seat_force"].values - measured))
 found = minimize_scalar(misfit, bounds=(1e-6, 3e-5), method="bounded", options={"xatol": 1e-7})
 print(f"damping {1e6 * found.x:.2f} us, {found.fun:.1f} N left over")
