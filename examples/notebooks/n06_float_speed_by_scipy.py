@@ -12,7 +12,10 @@ from scipy.optimize import brentq
 
 import valvetrain as vt
 
-case, runs = vt.Case("tdi-pushrod"), {"spring_models": "massless", "spring_set": "stock", "ranges": False}
+case, runs = (
+    vt.Case("tdi-pushrod"),
+    {"spring_models": "massless", "spring_set": "stock", "ranges": False},
+)
 
 
 def float_speed(mass):
