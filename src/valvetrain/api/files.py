@@ -77,7 +77,7 @@ def save(item: Any, path: str | os.PathLike[str]) -> Path:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> study = vt.Case("job-t").compare(["massless", "wave-rod"], "2000 rpm")
+    >>> study = vt.Case("job-t").compare("2000 rpm", ["massless", "wave-rod"])
     >>> again = vt.load(vt.save(study, "both.nc"))
     >>> all(run.identical(other) for run, other in zip(again.solutions, study.solutions))
     True
