@@ -21,7 +21,7 @@ from valvetrain.springs.spec import spring_model
 WIRE = cylindrical("4 mm", "24 mm", "8 mm", 8)
 #: Enough room that coils do not meet; no contact between them.
 SPRING = InstalledSpring(wire=WIRE, precompression=4e-3).with_options(
-    "finite-element", elements_per_coil=12
+    "finite-element", elements_per_coil=12, lifting_ends=True
 )
 
 

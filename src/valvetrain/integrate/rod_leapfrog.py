@@ -39,6 +39,11 @@ def settling_revolutions(rod: FiniteElementRod, cam_speed: float) -> int:
     return int(np.clip(np.ceil(revolutions), *PERIODIC_CYCLES))
 
 
+def _pulled(made: RodTransient) -> bool:
+    """Whether an end that is not bonded pulled in a run."""
+    return bool(min(made.seat_force.min(), made.retainer_force.min()) < 0.0)
+
+
 @dataclass(frozen=True)
 class RodLeapfrog:
     """Second order. A run that diverges is repeated once with half the step; when that fails too,
@@ -80,21 +85,26 @@ class RodLeapfrog:
 
         def turn(step: float | None) -> RodTransient:
             return simulate(
-                rod.mesh,
-                rod.installed.state,
-                lambda time: rod.precompression + system.displacement(time, cam_speed),
+                model.mesh,
+                model.installed.state,
+                lambda time: model.precompression + system.displacement(time, cam_speed),
                 TURN / samples / cam_speed,
                 cycles * samples,
-                rod.dynamics,
+                model.dynamics,
                 step,
                 discard=(cycles - 1) * samples,
                 pair_of=pair_of,
             )
 
-        made = turn(options.time_step or model.time_step or model.stable_time_step())
-        retried = not made.completed
+        def whole() -> tuple[RodTransient, bool]:
+            first = turn(options.time_step or model.time_step or model.stable_time_step())
+            return (first, False) if first.completed else (turn(first.time_step / 2), True)
+
+        made, retried = whole()
+        if not (rod.pulls or rod.lifting) and _pulled(made):
+            model = replace(rod, lifting=True)
+            made, retried = whole()
         if retried:
-            made = turn(made.time_step / 2)
             model = replace(model, time_step=made.time_step)
         channels = (rod_channels if options.keep == "all" else end_channels)(model, made, cam_speed)
         _, unit, label = SPRING_CHANNELS["retainer_acceleration"]

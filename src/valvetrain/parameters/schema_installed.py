@@ -249,6 +249,8 @@ class CardBlock(SpringCardModel):
 
 def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
     options = {word: table.model_dump(exclude_unset=True) for word, table in block.options.items()}
+    if block.end_contact == "lifting":
+        options["finite-element"] = {"lifting_ends": True, **options.get("finite-element", {})}
     if (wrong := options_problem(options, "card" in known)) is not None:
         raise problem(wrong[2], ("options", *wrong[:2]))
     damping = placed("damping", block.damping.build)

@@ -96,6 +96,10 @@ class FiniteElementOptions(SpringOptions):
     time_step: PositiveTime | None = Field(
         default=None, description="time step; without it the stability limit decides"
     )
+    lifting_ends: bool = Field(
+        default=False,
+        description="end coils are bodies on the contact law of coils, which lift; without it only where the ends would pull",
+    )
     card_lift: Length = Field(
         default=0.012,
         description="lift up to which the coils of a wire made from a card stay apart",
@@ -128,6 +132,7 @@ def _make(
         pulls=spring.pulls,
         guide=spring.guide,
         retainer_rotation=spring.retainer_rotation,
+        lifting=options.lifting_ends,
     )
 
 

@@ -64,6 +64,7 @@ class RodModel:
     pulls: bool = True
     guide: Guide | None = None
     retainer_rotation: str = "fixed"
+    lifting: bool = False
 
     def __post_init__(self) -> None:
         keep_si(self, f"spring '{self.name}'", precompression="compression", time_step="time")
@@ -71,7 +72,7 @@ class RodModel:
             raise InputError(
                 f"precompression of spring '{self.name}' is {self.precompression} m; give zero or a positive length"
             )
-        if not self.pulls and self.dynamics.ends is None:
+        if self.lifting and not self.pulls and self.dynamics.ends is None:
             ends = EndCoils(*zip(*map(self._inactive, (0, 1)), strict=True))
             object.__setattr__(self, "dynamics", replace(self.dynamics, ends=ends))
         if self.seats not in ("planes", "clamps"):
