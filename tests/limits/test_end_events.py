@@ -95,3 +95,13 @@ def test_in_a_train_lifting_ends_move_the_valve_as_bonded_ones_until_they_lift()
     for name in ("peak_cam_contact_force", "minimum_cam_contact_force", "seating_velocity"):
         assert lifting[name] == pytest.approx(bonded[name], rel=2e-3), name
     assert lifting["cycle_work_energy"] == pytest.approx(bonded["cycle_work_energy"], rel=0.02)
+
+
+def test_ends_that_stay_pressed_are_those_of_bonded_ones():
+    """Limit: below the speed at which an end would pull, the rod of a spring that may lift is the bonded one."""
+    free, bonded = (
+        case_of(ends).run("4000 rpm", model="finite-element") for ends in (None, "bonded")
+    )
+    assert bonded.quantities["minimum_spring_force"] > 0
+    assert free.quantities["peak_spring_force"] == bonded.quantities["peak_spring_force"]
+    assert not ends_of(free, "end-lift-off")

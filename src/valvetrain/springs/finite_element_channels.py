@@ -104,7 +104,7 @@ def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool)
     values = {
         "valve_lift": run.displacement - model.precompression,
         "retainer_velocity": -speed[:, -1]
-        if mesh.vertices > mesh.last and model.pulls
+        if mesh.vertices > mesh.last and not model.ends_lift
         else np.gradient(run.displacement, run.time),
         "seat_force": run.seat_force,
         "retainer_force": run.retainer_force,

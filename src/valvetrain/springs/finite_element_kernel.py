@@ -27,9 +27,9 @@ from valvetrain.cosserat.time_stepping import (
 # Tail of the state behind the rod's buffer.
 TRAVEL, COUNTER, WATCHED, LOST, STRETCH = SIZE, SIZE + 1, SIZE + 2, SIZE + 3, SIZE + 4
 STATE_SIZE = STRETCH + 2 * STRETCHES
-#: Places in the parameters: precompression first, then the numbers of the time integration and the
-#: contact places.
-NUMBERS, NUMBER_COUNT = 1, LAW_NUMBERS + WIDTH
+#: Places in the parameters: precompression and whether it pulls first, then the numbers of the time
+#: integration and the contact places.
+NUMBERS, NUMBER_COUNT = 2, LAW_NUMBERS + WIDTH
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -52,4 +52,6 @@ def advance_rod(parameters, integers, state, retainer_displacement, retainer_vel
     if time_step > 0.0:
         state[LOST] += kick_and_drift(buffer, integers, numbers)
         state[COUNTER] += 1.0
+    if parameters[1] == 0.0:
+        retainer, seat = max(retainer, 0.0), max(seat, 0.0)
     return retainer, seat

@@ -46,8 +46,9 @@ class RodModel:
     """Rod model of ``definition`` installed at ``precompression`` (m from the free state).
 
     ``time_step`` (s) is set by :meth:`with_time_step`; None means the stable step. Where it does
-    not pull (``pulls``) its end coils lift off seat and retainer and come down on them: each is a
-    rigid body on the axis. ``guide``: bore or rod that the wire
+    not pull (``pulls``) its end forces in a train stop at zero; its inactive coils stay on their
+    seats, unless it is ``lifting``: then its end coils lift off seat and retainer and come down on
+    them, each a rigid body on the axis. ``guide``: bore or rod that the wire
     may lean on.
     ``retainer_rotation``: ``fixed``, or ``free`` about the axis at rest; in motion the retainer
     keeps the angle at which it is installed.
@@ -87,6 +88,11 @@ class RodModel:
             raise InputError(
                 f"retainer_rotation '{self.retainer_rotation}' of spring '{self.definition.name}' is unknown; use fixed or free"
             )
+
+    @property
+    def ends_lift(self) -> bool:
+        """Whether the end coils are bodies that lift off seat and retainer."""
+        return self.dynamics.ends is not None
 
     def _inactive(self, end: int) -> tuple[float, float]:
         """Mass (kg) and length (m) of the inactive wire at the seat (0) or the retainer (1)."""
@@ -143,7 +149,7 @@ class RodModel:
 
     def _equilibrium(self, retainer_displacement: float) -> Equilibrium:
         compression = self.precompression + retainer_displacement
-        if not self.pulls:  # above its free length it stands free
+        if self.ends_lift:  # above its free length it stands free
             compression = max(compression, 0.0)
         if compression == 0.0:
             return self.statics.solve(RodState(self.mesh.position, self.mesh.frame), 0.0)
@@ -177,7 +183,9 @@ class RodModel:
     @cached_property
     def _numbers(self) -> tuple[Array, NDArray[np.int64]]:
         integers, numbers, places = stepping_numbers(self.mesh, self.dynamics, self._step)
-        return np.concatenate(([self.precompression], numbers, places.ravel())), integers
+        return np.concatenate(
+            ([self.precompression, float(self.pulls)], numbers, places.ravel())
+        ), integers
 
     def parameters(self) -> Array:
         return self._numbers[0].copy()
@@ -246,7 +254,7 @@ class RodModel:
         """
         count, compression = self.mesh.vertices, self.precompression + retainer_displacement
         position = np.stack([row(state, name, count) for name in "XYZ"], axis=1)
-        if self.pulls:
+        if not self.ends_lift:
             position[self.mesh.last :, 2] -= compression - state[stepping.TRAVEL]
         frame = np.stack([row(state, f"Q{n}", count + 1) for n in range(4)], axis=1)
         return RodState(position, frame / np.linalg.norm(frame, axis=1)[:, None], compression)
@@ -402,7 +410,7 @@ class RodModel:
         """Inactive wire on the retainer and half the last element (kg); none where they lift: then
         the force on the retainer contains their inertia.
         """
-        return self.end_mass if self.pulls else 0.0
+        return 0.0 if self.ends_lift else self.end_mass
 
     @property
     def end_mass(self) -> float:
