@@ -155,7 +155,7 @@ def _sentences(
         ways_in_text = ((True, "more finely"), (False, "more coarsely"))
         way = " or ".join(text for finer, text in ways_in_text if finer in ways)
         end = f"; {none}." if undivided else "."
-        yield f"± is numerical: each run once more, its springs divided {RATIO:g} times {way}{end}"
+        yield f"± (if there is room) is numerical: runs repeated, springs divided {RATIO:g} times {way}{end}"
     elif undivided:
         yield f"No error bars: {none}."
     large = sorted(
