@@ -288,10 +288,20 @@ def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
         if any(row.label for row in rows)
         else (STIFFNESS_FACTORS, DAMPING_FACTORS)
     )
-    ranges = (
+    ranges = tuple(
         f"contact {word} × {least:g} to {most:g}"
         for word, (least, most) in (("stiffness", stiffness), ("damping", damping))
     )
+    varied = any(
+        low < high for row in rows for low, high in (row.contact_stiffness, row.contact_damping)
+    )
+    if not varied:  # of one further run: neither constants nor orders
+        kept = (0, 1, 2, 3, 4)
+        lines = [
+            (cells if len(cells) == 1 else tuple(cells[n] for n in kept), more)
+            for cells, more in lines
+        ]
+        return Grid(tuple(_HEADERS[n] for n in kept), tuple(lines))
     return Grid((*_HEADERS, *ranges), tuple(lines))
 
 
