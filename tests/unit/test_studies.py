@@ -323,7 +323,9 @@ def test_rubbing_of_a_nested_pair_under_prescribed_motion():
     )
 
 
-@pytest.mark.parametrize("name", ["gu2021-beehive", "vaz-ohc"])
+@pytest.mark.parametrize(
+    "name", ["gu2021-beehive", pytest.param("vaz-ohc", marks=pytest.mark.long)]
+)
 def test_a_sweep_keeps_numbers_and_no_channels_and_warns_of_nothing(name):
     case = load_case(name, COARSE if name == "gu2021-beehive" else {})
     with warnings.catch_warnings():
