@@ -12,15 +12,13 @@ from scipy.optimize import brentq
 
 import valvetrain as vt
 
-case, runs = (
-    vt.Case("tdi-pushrod"),
-    {"spring_models": "massless", "spring_set": "stock", "ranges": False},
-)
+case = vt.Case("tdi-pushrod")
+options = {"spring_models": "massless", "spring_set": "stock", "ranges": False}
 
 
 def float_speed(mass):
-    lighter = case.set({"train.valve.mass": mass})
-    return lighter.critical_speeds("6000:8000:2000 rpm", **runs).of("float").engine_speed * 30 / pi
+    found = case.set({"train.valve.mass": mass}).critical_speeds("6000:8000:2000 rpm", **options)
+    return found.of("float").engine_speed * 30 / pi
 
 
 mass = brentq(lambda mass: float_speed(mass) - 7200, 0.040, 0.070, xtol=1e-5)

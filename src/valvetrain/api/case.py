@@ -189,13 +189,14 @@ class Case:
 
         return sweep(self.parameters, engine_speeds, model, **options)
 
+    @renamed(spring_models="model")
     def critical_speeds(
-        self, engine_speeds: Any = "1000:9000:100 rpm", **options: Any
+        self, engine_speeds: Any = "1000:9000:100 rpm", model: Any = "", **options: Any
     ) -> CriticalSpeeds:
         """Where a train loses contact, floats and bounces; as :func:`valvetrain.critical_speeds`."""
         from valvetrain.runs.api import critical_speeds
 
-        return critical_speeds(self.parameters, engine_speeds, **options)
+        return critical_speeds(self.parameters, engine_speeds, model, **options)
 
     def static(self, largest_compression: Any = None, **options: Any) -> StaticCurve:
         """Force over compression of its spring; as :func:`valvetrain.static_curve`."""
@@ -218,6 +219,7 @@ class Case:
 
         return write_study(simulate(self.parameters, engine_speeds, **options), folder)
 
+    @renamed(model="models", spring_models="models")
     def study(
         self,
         varied: Mapping[str, Any],
@@ -228,6 +230,7 @@ class Case:
         seed: int = 1,
         engine_speeds: Any = None,
         models: Any = (),
+        spring_set: Sequence[str] | str = (),
         **options: Any,
     ) -> StudyTable:
         """Outputs at points of a space, and only these.
@@ -241,7 +244,7 @@ class Case:
             run and the case, and give a number; with functions one engine speed and one model
         sampling : name of a sampler (docs/studies.md), or ``"listed"``: lists of one length, row by row
         count, seed : points and random seed of the sampler; a grid and a list have neither
-        engine_speeds, models : a run of each combination at every point
+        engine_speeds, models, spring_set : a run of each combination at every point
         options : ``workers``, ``output`` and others of :class:`valvetrain.Experiment`
 
         Returns
@@ -259,7 +262,7 @@ class Case:
         if any(map(callable, names)) or any(map(is_object, varied.values())):
             experiment = experiment_of_points(self, varied, names, engine_speeds, models)
         else:
-            experiment = self._experiment(varied, names, engine_speeds, models)
+            experiment = self._experiment(varied, names, engine_speeds, models, spring_set)
         if sampling == "listed":
             lists = [one.distribution for one in experiment.space]
             lengths = {len(one.values) if isinstance(one, Values) else 0 for one in lists}
@@ -270,6 +273,7 @@ class Case:
         settings = {} if sampling == "grid" else {"count": count, "seed": seed}
         return experiment.sample(sampling, settings, **options)
 
+    @renamed(model="models", spring_models="models")
     def optimise(
         self,
         varied: Mapping[str, Any],
@@ -279,6 +283,7 @@ class Case:
         engine_speeds: Any = None,
         models: Any = (),
         search: Mapping[str, Any] | None = None,
+        spring_set: Sequence[str] | str = (),
         **options: Any,
     ) -> Optimum:
         """The best design.
@@ -288,7 +293,7 @@ class Case:
         varied : as for :meth:`study`
         objective : quantity -> ``"minimise"`` or ``"maximise"``
         constraints : quantity -> ``{"at_most": "800 MPa"}``, ``at_least`` or both
-        engine_speeds, models : as for :meth:`study`
+        engine_speeds, models, spring_set : as for :meth:`study`
         search : as in an optimisation file (docs/optimisation.md), such as ``{"trials": 60}``
         options : as for :meth:`study`
 
@@ -298,7 +303,7 @@ class Case:
         """
         limits = constraints or {}
         experiment = self._experiment(
-            varied, list(dict.fromkeys([*objective, *limits])), engine_speeds, models
+            varied, list(dict.fromkeys([*objective, *limits])), engine_speeds, models, spring_set
         )
         return experiment.optimise(
             [{"quantity": name, "direction": way} for name, way in objective.items()],
@@ -307,6 +312,7 @@ class Case:
             **options,
         )
 
+    @renamed(model="models", spring_models="models")
     def identify(
         self,
         unknowns: Mapping[str, Any],
@@ -314,6 +320,7 @@ class Case:
         *,
         engine_speeds: Any = None,
         models: Any = (),
+        spring_set: Sequence[str] | str = (),
         **options: Any,
     ) -> Identified:
         """Unknowns that agree with measurements.
@@ -322,7 +329,7 @@ class Case:
         ----------
         unknowns : key path -> (least, largest) or a distribution
         measured : quantity -> (value, standard deviation), SI or text with units
-        engine_speeds, models : as for :meth:`study`
+        engine_speeds, models, spring_set : as for :meth:`study`
         options : ``search`` (:class:`valvetrain.explore.Search`) and those of :meth:`study`
 
         Raises
@@ -341,12 +348,12 @@ class Case:
         for name, pair in measured.items():
             (value, scatter), _ = numbers_of(*pair, dimension=definition_of(name).dimension or None)
             data.append(Datum(name, value, scatter))
-        return self._experiment(priors, list(measured), engine_speeds, models).calibrate(
-            data, **options
-        )
+        return self._experiment(
+            priors, list(measured), engine_speeds, models, spring_set
+        ).calibrate(data, **options)
 
     def _experiment(
-        self, varied: Mapping[str, Any], outputs: Any, speeds: Any, models: Any
+        self, varied: Mapping[str, Any], outputs: Any, speeds: Any, models: Any, sets: Any
     ) -> Experiment:
         from valvetrain.explore.experiment import Experiment
         from valvetrain.explore.outputs import Outputs
@@ -359,7 +366,7 @@ class Case:
         return Experiment(
             self.parameters,
             Space(space),
-            Outputs(outputs, engine_speeds=speeds, spring_models=models),
+            Outputs(outputs, engine_speeds=speeds, spring_models=models, spring_set=sets),
         )
 
     def save(self, path: str | os.PathLike[str]) -> Path:
