@@ -192,6 +192,22 @@ def test_an_unknown_is_found_again():
     assert found.best["spring.precompression"] == pytest.approx(7.3e-3, rel=1e-3)
 
 
+def test_a_trace_tells_an_unknown():
+    """Recovery within its own interval: the precompression behind a force with noise of 3 N."""
+    case, options = vt.Case("job-t"), {"engine_speeds": "4000 rpm", "models": "massless"}
+    true = case.set({"spring.precompression": "7.3 mm"}).run("4000 rpm", model="massless")
+    trace = true["seat_force"] + np.random.default_rng(2).normal(0.0, 3.0, 720)
+    unknown = {"spring.precompression": ("6 mm", "8 mm")}
+    quick = vt.explore.Search(draws=10)
+    found = case.identify(
+        unknown, trace.rename("seat_force"), scatter="3 N", search=quick, **options
+    )
+    # 180 samples of 3 N know a force to 0.22 N, a compression at 30 N/mm to 7.5 um
+    assert found.best["spring.precompression"] == pytest.approx(7.3e-3, abs=4 * 7.5e-6)
+    with pytest.raises(vt.InputError, match="whose name is a channel"):
+        case.identify(unknown, trace.rename(None), **options)
+
+
 def test_starts_that_cannot_be_computed_say_why():
     with pytest.raises(vt.InputError, match="a damping ratio holds at one frequency"):
         vt.Case("job-t").identify(

@@ -19,6 +19,8 @@ from valvetrain.units import numbers_of, renamed, si_speeds
 from valvetrain.units.text import clipped
 
 if TYPE_CHECKING:
+    import xarray
+
     from valvetrain.explore.experiment import Experiment
     from valvetrain.explore.identified import Identified
     from valvetrain.explore.optimum import Optimum
@@ -316,8 +318,9 @@ class Case:
     def identify(
         self,
         unknowns: Mapping[str, Any],
-        measured: Mapping[str, tuple[Any, Any]],
+        measured: Mapping[str, tuple[Any, Any]] | xarray.DataArray,
         *,
+        scatter: Any = None,
         engine_speeds: Any = None,
         models: Any = (),
         spring_set: Sequence[str] | str = (),
@@ -328,7 +331,9 @@ class Case:
         Parameters
         ----------
         unknowns : key path -> (least, largest) or a distribution
-        measured : quantity -> (value, standard deviation), SI or text with units
+        measured : quantity -> (value, standard deviation), SI or text with units; or a trace, an
+            xarray.DataArray along ``cam_angle`` (rad) whose name is a channel (``run["seat_force"]``)
+        scatter : standard deviation of a trace; a hundredth of its span without
         engine_speeds, models, spring_set : as for :meth:`study`
         options : ``search`` (:class:`valvetrain.explore.Search`) and those of :meth:`study`
 
@@ -344,6 +349,23 @@ class Case:
             key: Uniform(*item) if isinstance(item, tuple) else item
             for key, item in unknowns.items()
         }
+        if not isinstance(measured, Mapping):
+            from valvetrain.api.trace import Trace
+            from valvetrain.explore.identify import identify
+
+            trace, keys = Trace.of(measured, scatter), list(priors)
+            chosen = {
+                "engine_speed": engine_speeds,
+                "model": models or "",
+                "spring_set": spring_set,
+            }
+            run_options = {name: one for name, one in chosen.items() if one}
+            return identify(
+                priors,
+                trace.data(),
+                lambda points: trace.outcomes(self, keys, points, run_options),
+                **options,
+            )
         data = []
         for name, pair in measured.items():
             (value, scatter), _ = numbers_of(*pair, dimension=definition_of(name).dimension or None)

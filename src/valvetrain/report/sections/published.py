@@ -296,12 +296,12 @@ def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
         low < high for row in rows for low, high in (row.contact_stiffness, row.contact_damping)
     )
     if not varied:  # of one further run: neither constants nor orders
-        kept = (0, 1, 2, 3, 4)
+        shown_columns = (0, 1, 2, 3, 4)
         lines = [
-            (cells if len(cells) == 1 else tuple(cells[n] for n in kept), more)
+            (cells if len(cells) == 1 else tuple(cells[n] for n in shown_columns), more)
             for cells, more in lines
         ]
-        return Grid(tuple(_HEADERS[n] for n in kept), tuple(lines))
+        return Grid(tuple(_HEADERS[n] for n in shown_columns), tuple(lines))
     return Grid((*_HEADERS, *ranges), tuple(lines))
 
 
