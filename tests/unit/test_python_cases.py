@@ -204,8 +204,27 @@ def test_a_trace_tells_an_unknown():
     )
     # 180 samples of 3 N know a force to 0.22 N, a compression at 30 N/mm to 7.5 um
     assert found.best["spring.precompression"] == pytest.approx(7.3e-3, abs=4 * 7.5e-6)
-    with pytest.raises(vt.InputError, match="whose name is a channel"):
-        case.identify(unknown, trace.rename(None), **options)
+    for wrong, scatter, words in (
+        (trace.rename(None), None, "whose name is a channel"),
+        (trace.rename("seat_forse"), None, "did you mean seat_force"),
+        (trace.rename("seat_force").assign_attrs(units="mm"), None, "is in mm, the channel in N"),
+        (trace.rename("seat_force"), "3 mm", "force is needed"),
+        (trace.rename("seat_force").assign_coords(cam_angle=np.arange(720) / 2), None, "degrees"),
+    ):
+        with pytest.raises(vt.InputError, match=words):
+            case.identify(unknown, wrong, scatter=scatter, **options)
+
+
+def test_a_trace_in_other_units_is_the_same_trace():
+    case, options = vt.Case("job-t"), {"engine_speeds": "4000 rpm", "models": "massless"}
+    force = case.run("4000 rpm", model="massless")["seat_force"]
+    pounds = (force / 4.4482216152605).assign_coords(cam_angle=np.degrees(force["cam_angle"]))
+    pounds = pounds.rename("seat_force").assign_attrs(units="lbf")
+    pounds["cam_angle"].attrs["units"] = "deg"
+    found = case.identify(
+        {"spring.precompression": ("6 mm", "8 mm")}, pounds, scatter="1 lbf", search=vt.explore.Search(draws=10), **options,
+    )  # fmt: skip
+    assert found.best["spring.precompression"] == pytest.approx(7e-3, rel=1e-6)
 
 
 def test_starts_that_cannot_be_computed_say_why():

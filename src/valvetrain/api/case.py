@@ -350,22 +350,11 @@ class Case:
             for key, item in unknowns.items()
         }
         if not isinstance(measured, Mapping):
-            from valvetrain.api.trace import Trace
-            from valvetrain.explore.identify import identify
+            from valvetrain.api.trace import identify_by_trace
 
-            trace, keys = Trace.of(measured, scatter), list(priors)
-            chosen = {
-                "engine_speed": engine_speeds,
-                "model": models or "",
-                "spring_set": spring_set,
-            }
-            run_options = {name: one for name, one in chosen.items() if one}
-            return identify(
-                priors,
-                trace.data(),
-                lambda points: trace.outcomes(self, keys, points, run_options),
-                **options,
-            )
+            chosen = {"engine_speed": engine_speeds, "model": models, "spring_set": spring_set}
+            ways = {name: one for name, one in chosen.items() if one}
+            return identify_by_trace(self, priors, measured, scatter, ways, **options)
         data = []
         for name, pair in measured.items():
             (value, scatter), _ = numbers_of(*pair, dimension=definition_of(name).dimension or None)

@@ -176,7 +176,9 @@ class ErrorBars:
         ):
             return label
         for held in self.rows.get(row.name, ()):
-            if held.label in ("", column.label) and same_speed(
+            # stored bars without a label are those of the rod
+            own = held.label or "finite-element"
+            if own == (column.label or "finite-element") and same_speed(
                 held.engine_speed, column.engine_speed
             ):
                 bar = float(shown(row.name, held.numerical)[0])

@@ -216,7 +216,7 @@ def check_flat(table: Array) -> None:
         raise InputError(
             f"a flat follower needs a cam with a cusp near cam angle {worst * 360 / len(table):.1f} deg (radius "
             f"{radius[worst] * 1e3:.2f} mm); "
-            "enlarge the base circle, soften the opening flank or use a roller"
+            "enlarge the base circle, soften that flank or use a roller"
         )
 
 

@@ -149,14 +149,14 @@ def grid_convergence(
     )
 
 
-def two_grids(value: float, finer: float, ratio: float) -> GridConvergence:
-    """Uncertainty of ``value`` from one grid ``ratio`` times as fine, with the declared order and
+def two_grids(
+    value: float, finer: float, ratio: float, order: float = DECLARED_ORDER
+) -> GridConvergence:
+    """Uncertainty of ``value`` from one grid ``ratio`` times as fine, with an assumed ``order`` and
     Roache's factor of three.
     """
-    finest = DOUBTFUL * abs(value - finer) / (ratio**DECLARED_ORDER - 1)
-    return GridConvergence(
-        (value, value, finer), None, False, finer, finest * ratio**DECLARED_ORDER, finest
-    )
+    finest = DOUBTFUL * abs(value - finer) / (ratio**order - 1)
+    return GridConvergence((value, value, finer), None, False, finer, finest * ratio**order, finest)
 
 
 def convergence(

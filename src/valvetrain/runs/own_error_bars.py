@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.at_rest import AtRest
 from valvetrain.runs.error_bars import SPRING_HEADLINES, two_grids
 from valvetrain.runs.prepared import (
@@ -21,8 +22,8 @@ from valvetrain.runs.prepared import (
     statics_of,
     with_quantities,
 )
+from valvetrain.runs.refine_trains import DIVISIONS, ROUNDING, divided
 from valvetrain.runs.refine_trains import HEADLINES as TRAIN_HEADLINES
-from valvetrain.runs.refine_trains import ROUNDING, divided
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.later import Later
@@ -31,8 +32,14 @@ from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 from valvetrain.system.problem import Member, Problem, Rest
 
 #: Division of the springs of the further run over that of the case; finite elements, whose cost
-#: grows with the square, take the inverse.
+#: grows with the square, take the inverse where it can run.
 RATIO = 1.5
+#: Springs of fewer parts than this surge at other frequencies altogether: the further run takes so many
+#: times as many.
+FEW, MANY = 20, 4.0
+#: Order assumed of a rod, whose refinement shows it, and of chains and modes, of which few parts are far
+#: from the limit.
+ROD_ORDER, OTHER_ORDER = 2.0, 1.0
 #: Share of a value that its uncertainty may be without being named.
 LARGE = 0.05
 #: Numbers that get a bar where a run has them; counts jump.
@@ -44,10 +51,11 @@ NAMES = tuple(
 
 
 class _Further(NamedTuple):
-    """The run of a member with its springs divided otherwise; whether more finely."""
+    """The run of a member with its springs divided otherwise, and its division over the own one."""
 
     ready: PreparedRun
-    finer: bool
+    ratio: float
+    order: float
 
 
 def own_error_bars(
@@ -60,7 +68,7 @@ def own_error_bars(
 ) -> ErrorBars:
     """Error bars of the completed ``solutions`` of a problem that ran by ``plan``.
 
-    The bar is Roache's for two grids: three times the difference, over the ratio squared less one;
+    The bar is Roache's for two grids: three times the difference to the limit of the assumed order;
     scatter of a motion that does not repeat is added. ``at_rest``: the springs at rest as computed
     for the solutions. Raises :class:`PointsStopped` when it is stopped.
     """
@@ -70,7 +78,7 @@ def own_error_bars(
     for member in problem.members:
         found = _further(problem, member, rest)
         if found is None:
-            undivided.append(member.model.label)
+            undivided.append(member.model.word)
         else:
             further[member.label] = found
     runs = [
@@ -88,30 +96,55 @@ def own_error_bars(
     rows = tuple(
         row
         for run, numbers in zip(runs, again, strict=True)
-        for row in _rows(run, numbers, further[run.label].finer)
+        for row in _rows(run, numbers, further[run.label])
     )
-    return ErrorBars(rows, tuple(_sentences(rows, further.values(), undivided)))
+    barred = {(row.label, row.engine_speed) for row in rows}
+    without = [
+        f"{run.label} at {run.engine_speed * 30 / math.pi:.6g} rpm"
+        for run in solutions
+        if run.label in further and (run.label, run.engine_speed) not in barred
+    ]
+    return ErrorBars(rows, tuple(_sentences(rows, further.values(), undivided, without)))
 
 
 def _further(problem: Problem, member: Member, rest: Rest) -> _Further | None:
     """A member with its springs divided otherwise, prepared; None where nothing divides them."""
-    finer = member.model.word != "finite-element"
-    springs = tuple(
-        divided(member, spring, RATIO if finer else 1 / RATIO) for spring in member.springs
-    )
-    if springs == member.springs:
-        return None
-    at_rest = {
-        other: rest[own] for own, other in zip(member.springs, springs, strict=True) if own in rest
-    }
-    try:
-        ready = prepare(problem, replace(member, springs=springs), at_rest, problem.record.study)
-    except FAILURES:
-        return None
     _, frequencies = statics_of(member, rest)  # numbers are defined by those of the case's own
-    return _Further(
-        replace(ready, frame=replace(ready.frame, surge_frequencies=frequencies)), finer
-    )
+    rod = member.model.word == "finite-element"
+    few = not rod and min(_parts(member, member.springs), default=FEW) < FEW
+    for factor in (1 / RATIO, RATIO) if rod else (MANY if few else RATIO,):
+        try:
+            springs = tuple(divided(member, spring, factor) for spring in member.springs)
+            divisions = zip(_parts(member, springs), _parts(member, member.springs), strict=True)
+            ratios = [new / old for new, old in divisions if new != old]
+            if not ratios:
+                continue
+            ratio = min(ratios, key=lambda one: abs(math.log(one)))  # whole numbers leave less
+            pairs = zip(member.springs, springs, strict=True)
+            at_rest = {other: rest[own] for own, other in pairs if own in rest}
+            other = replace(member, springs=springs)
+            ready = prepare(problem, other, at_rest, problem.record.study)
+        except FAILURES:
+            continue
+        if not ready.refusal:
+            frame = replace(ready.frame, surge_frequencies=frequencies)
+            return _Further(replace(ready, frame=frame), ratio, ROD_ORDER if rod else OTHER_ORDER)
+    return None
+
+
+def _parts(member: Member, springs: Sequence[InstalledSpring]) -> list[float]:
+    """Elements, masses or modes of each spring, by the options that its kind of data uses."""
+    model, found = member.model, []
+    for spring in springs:
+        unused = model.options.card_only if spring.card is None else model.options.wire_only
+        options = model.read_options(spring.options_of(model.word)).model_dump()
+        coils = 1.0 if spring.wire is None else spring.wire.total_coils
+        found += [
+            options[key] * (coils if key.endswith("_per_coil") else 1.0)
+            for key in DIVISIONS
+            if key not in unused and options.get(key)
+        ]
+    return found
 
 
 def _run_again(
@@ -129,17 +162,19 @@ def _run_again(
     return dict(found.quantities) if found.status.completed else {}
 
 
-def _rows(run: Solution, other: Mapping[str, float], finer: bool) -> Iterable[Uncertainty]:
+def _rows(run: Solution, other: Mapping[str, float], way: _Further) -> Iterable[Uncertainty]:
+    if all(other.get(name) == run.quantities.get(name) for name in NAMES):
+        return  # the model had no further parts to take: both runs are one
     for name in NAMES:
         value, again = run.quantities.get(name, math.nan), other.get(name, math.nan)
         if not (math.isfinite(value) and math.isfinite(again)) or 0 < abs(value) < ROUNDING:
             continue
-        if finer:
-            bar = two_grids(value, again, RATIO).uncertainty
+        if way.ratio > 1:
+            bar = two_grids(value, again, way.ratio, way.order).uncertainty
         else:
-            bar = two_grids(again, value, RATIO).finest_index
+            bar = two_grids(again, value, 1 / way.ratio, way.order).finest_index
         bar += run.quantities.get(f"cycle_scatter_{name}", 0.0)
-        best = again if finer else value
+        best = again if way.ratio > 1 else value
         same = (value, value)
         yield Uncertainty(
             name, run.engine_speed, value, bar, None, best, 0.0, same, same, run.label
@@ -147,17 +182,21 @@ def _rows(run: Solution, other: Mapping[str, float], finer: bool) -> Iterable[Un
 
 
 def _sentences(
-    rows: Sequence[Uncertainty], further: Iterable[_Further], undivided: Sequence[str]
+    rows: Sequence[Uncertainty],
+    further: Iterable[_Further],
+    undivided: Sequence[str],
+    without: Sequence[str],
 ) -> Iterable[str]:
-    ways = {one.finer for one in further}
-    none = f"none by {' and '.join(dict.fromkeys(undivided))}, which nothing divides"
+    ways = sorted({one.ratio for one in further})
+    none = f"none by {', '.join(dict.fromkeys(undivided))}"
     if rows:
-        ways_in_text = ((True, "more finely"), (False, "more coarsely"))
-        way = " or ".join(text for finer, text in ways_in_text if finer in ways)
+        divided_by = " and ".join(
+            f"{max(one, 1 / one):.2g} times {'finer' if one > 1 else 'coarser'}" for one in ways
+        )
         end = f"; {none}." if undivided else "."
-        yield f"± (if there is room) is numerical: runs repeated, springs divided {RATIO:g} times {way}{end}"
+        yield f"± where there is room: runs repeated, springs divided {divided_by}{end}"
     elif undivided:
-        yield f"No error bars: {none}."
+        yield f"No error bars: {none}, whose spring has no division."
     large = sorted(
         (row for row in rows if row.numerical > LARGE * abs(row.value) and row.value),
         key=lambda row: -row.numerical / abs(row.value),
@@ -165,3 +204,6 @@ def _sentences(
     if large:
         named = ", ".join(dict.fromkeys(label_of(row.quantity).lower() for row in large))
         yield f"Uncertain by more than {100 * LARGE:.0f} %: {named}."
+    if without:
+        more = f" and {len(without) - 3} more" if len(without) > 3 else ""
+        yield f"No error bar of {', '.join(without[:3])}{more}: that run or its repeat did not settle."

@@ -68,6 +68,10 @@ class RodModel:
     lifting: bool = False
 
     def __post_init__(self) -> None:
+        if not isinstance(self.definition, SpringDefinition):
+            raise InputError(
+                f"a rod is made of the definition of a wire, not of a {type(self.definition).__name__}; give its wire"
+            )
         keep_si(self, f"spring '{self.name}'", precompression="compression", time_step="time")
         if not self.precompression >= 0:
             raise InputError(
