@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.equivalent import EquivalentSpring
@@ -14,6 +15,7 @@ from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.modal_varied import ModalVaried
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.nested import NestedSprings, RadialRubbing
+from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.springs.wave_rod import WaveRod
 from valvetrain.springs.wave_rod_clash import WaveRodWithClash
 
@@ -74,6 +76,10 @@ def build_models() -> dict:
         "modal-varied-damped": straight_modal(0.016),
         "modal-varied-curved": curved_modal(),
         "finite-element": FiniteElementRod(CLOSED_ENDS, PRECOMPRESSION, elements_per_coil=24),
+        "reduced-rod": ReducedRod(FiniteElementRod(CLOSED_ENDS, PRECOMPRESSION, 12)),
+        "reduced-rod-damped": ReducedRod(
+            FiniteElementRod(CLOSED_ENDS, PRECOMPRESSION, 12, RodDynamics(60.0, 2e-6))
+        ),
         "nested": NestedSprings(
             MultiMassSpring.from_definition(CLOSED_ENDS, PRECOMPRESSION), WaveRod(SLIM, 100)
         ),

@@ -70,6 +70,7 @@ BUILT_IN["springs"] = {
     "modal-varied": "valvetrain.springs.modal_varied:SPEC",
     "wave-rod": "valvetrain.springs.wave_rod:SPEC",
     "wave-rod-clash": "valvetrain.springs.wave_rod_clash:SPEC",
+    "reduced-rod": "valvetrain.springs.reduced_rod:SPEC",
     "finite-element": "valvetrain.springs.finite_element:SPEC",
     "solid": "valvetrain.springs.solid.spec:SPEC",
 }

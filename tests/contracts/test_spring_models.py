@@ -276,6 +276,7 @@ def test_energy_balance(name, lift, duration):
         "rod-damped",
         "modal-damped",
         "modal-varied-damped",
+        "reduced-rod-damped",
         "nested-rubbing",
     ):
         assert end.dissipated > 1e-4 * turnover
@@ -285,7 +286,7 @@ def test_energy_balance(name, lift, duration):
 
 def test_clash_happens_in_the_clashing_event_and_costs_energy():
     """The battery's contact cases do touch: otherwise its balances would prove nothing."""
-    for name in ("chain", "chain-7-per-coil", "wave-rod-clash", "nested"):
+    for name in ("chain", "chain-7-per-coil", "wave-rod-clash", "nested", "reduced-rod"):
         model = MODELS[name]
         time_step = 0.5 * model.stable_time_step()
         displacement, velocity = raised_cosine(9e-3, 5e-3, time_step, rest=3e-3)
@@ -297,7 +298,8 @@ def test_clash_happens_in_the_clashing_event_and_costs_energy():
 #: Spacing (s) of the record of a model's coil contacts: 2 us of a chain, twice that of a rod with
 #: its many points; None without coils.
 RECORDED = {
-    **dict.fromkeys(("chain", "chain-damped", "chain-7-per-coil", "wave-rod-clash", "nested", "nested-rubbing"), 2e-6),
+    **dict.fromkeys(("chain", "chain-damped", "chain-7-per-coil", "wave-rod-clash", "nested", "nested-rubbing",
+                    "reduced-rod", "reduced-rod-damped"), 2e-6),
     "finite-element": 4e-6,
 }  # fmt: skip
 

@@ -155,6 +155,15 @@ class LargeSpring(Protocol):
         ...
 
 
+@runtime_checkable
+class TabulatedSpring(Protocol):
+    """A spring model made of tables over lift, which is told how far the retainer goes."""
+
+    def reaching(self, largest_lift: float) -> SpringModel:
+        """The model with tables up to a lift (m) and a little more."""
+        ...
+
+
 def contact_watch_of(spring: object) -> ContactWatch | None:
     """The watch of a spring model, None where its kind or this spring has no coil contacts to
     record.

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
 from valvetrain.mechanism.parts import AssembledMechanism
@@ -13,7 +15,7 @@ from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import LiftEvent
-from valvetrain.springs.contract import Array, SpringModel
+from valvetrain.springs.contract import Array, SpringModel, TabulatedSpring
 from valvetrain.springs.nested import NestedSprings, RadialRubbing
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.contract import PRESCRIBED, TRAIN
@@ -78,7 +80,7 @@ class Member:
             raise InputError(self.model.no_motion)
         models: BuiltModels = {} if built is None else built
         springs: tuple[SpringModel, ...] = tuple(
-            _once(models, self.model, spring, (rest or {}).get(spring)) for spring in self.springs
+            _reaching(models, self, spring, (rest or {}).get(spring)) for spring in self.springs
         )
         if self.rubbing is not None and len(springs) == 2:
             springs = (NestedSprings(springs[0], springs[1], self.rubbing, name=self.model.word),)
@@ -139,6 +141,22 @@ class Problem:
         :class:`InputError` where it cannot represent it.
         """
         return _once(self.built, spring_model(word), spring, rest)
+
+
+def _reaching(
+    built: BuiltModels, member: Member, spring: InstalledSpring, rest: SpringAtRest | None
+) -> SpringModel:
+    """The model of an installed spring; one of tables over lift as far as the member lifts it."""
+    model = _once(built, member.model, spring, rest)
+    if not isinstance(model, TabulatedSpring):
+        return model
+    if member.gear is not None and member.gear.mechanism.kinematics is not None:
+        lift = member.gear.mechanism.kinematics.maximum_lift
+    else:
+        lift = np.max(member.valve_lift.lift(np.linspace(0.0, 2 * np.pi, 721)))
+    found = model.reaching(float(lift))
+    built[member.model.word, spring, rest if member.model.needs_rest else None] = found
+    return found
 
 
 def _once(

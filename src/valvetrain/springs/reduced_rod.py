@@ -1,0 +1,395 @@
+"""Spring reduced from its finite-element rod: the wire in some forty coordinates that are carried
+over lift, with clash in all contact points of the rod.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from valvetrain.cosserat.contact_points import ContactPoints
+from valvetrain.cosserat.static import RodStatics
+from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.spring_options import SpringOptions
+from valvetrain.solution.static import SpringAtRest
+from valvetrain.springs import reduced_rod_kernel as kernels
+from valvetrain.springs.contract import (
+    WATCH_INTERVAL,
+    Array,
+    ContactWatch,
+    EndForces,
+    SpringEnergy,
+    SpringOutputs,
+)
+from valvetrain.springs.finite_element import SPEC as ROD
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.reduced_rod_tables import (
+    PARTS,
+    SPACING,
+    ReducedTables,
+    path_of_equilibria,
+    reduce_rod,
+)
+from valvetrain.springs.spec import SpringModelSpec
+
+#: Travel (m) of the tables below the installed state; share of a lift and length (m) beyond it to
+#: which they reach; share of the travel left to solid that they never pass.
+BELOW, BEYOND, MORE, NEARLY_SOLID = 0.6e-3, 0.05, 0.5e-3, 0.97
+#: Share of the stable step that is given as such; steps of Newton's method for a state at rest.
+STEP_SAFETY, NEWTON_STEPS = 0.95, 60
+
+
+class _AtLift(NamedTuple):
+    """The tables at one retainer displacement, and their slopes by it."""
+
+    rest: Array
+    load: Array
+    overlap: Array
+    stiffness: Array
+    gradient: Array
+    rest_slope: Array
+    load_slope: Array
+    overlap_slope: Array
+    stiffness_slope: Array
+    gradient_slope: Array
+    place: float
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedRod:
+    """Spring reduced from ``rod``, with tables up to a ``largest_lift`` (m) of the retainer and a
+    little more, to nearly solid without one; they are made on first use.
+
+    What the rod is asked at rest (statics, modes, stress) is answered by the rod itself. Raises
+    :class:`InputError` for a rod in a guide, with a contact law of its own, or whose ends lift.
+
+    >>> import valvetrain as vt
+    >>> wire = vt.parameters.cylindrical("4 mm", "24 mm", total_coils=5, free_length="40 mm")
+    >>> spring = ReducedRod(vt.springs.FiniteElementRod(wire, "7 mm", elements_per_coil=12), 2e-3)
+    >>> state = spring.initial_state(2e-3)
+    >>> round(spring.force(state, 2e-3).retainer), round(spring.rod.static_point("9 mm").force)
+    (666, 666)
+    """
+
+    rod: FiniteElementRod
+    largest_lift: float | None = None
+    name: str = "reduced-rod"
+
+    def __post_init__(self) -> None:
+        if reason := _why_not(self.rod):
+            raise InputError(reason)
+
+    @property
+    def pulls(self) -> bool:
+        """Whether seat and retainer can pull at the spring; where not, end forces stop at zero."""
+        return self.rod.pulls
+
+    def reaching(self, largest_lift: float) -> ReducedRod:
+        """The spring with tables up to a lift (m) and a little more."""
+        return (
+            self if self.largest_lift == largest_lift else replace(self, largest_lift=largest_lift)
+        )
+
+    @cached_property
+    def statics(self) -> RodStatics:
+        """Statics of the rod, its retainer at the angle that it has as installed."""
+        rod = self.rod
+        if not rod.statics.turns:
+            return rod.statics
+        return RodStatics(rod.mesh, rod.dynamics.contact_stiffness)
+
+    @cached_property
+    def tables(self) -> ReducedTables:
+        """The tables, made on first use. Raises :class:`InputError` where the rod has no
+        equilibria.
+        """
+        rod = self.rod
+        top = NEARLY_SOLID * (
+            rod.definition.free_length - rod.definition.solid_height - rod.precompression
+        )
+        if self.largest_lift is not None:
+            top = min(top, (1 + BEYOND) * self.largest_lift + MORE)
+        coarse = max(2, int(np.ceil((top + BELOW) / SPACING)))
+        spacing = (top + BELOW) / (coarse * PARTS)
+        below = int(min(rod.precompression, BELOW) / spacing)
+        path = path_of_equilibria(
+            self.statics, rod.installed, below, coarse * PARTS - below, spacing
+        )
+        start = path[0].state.compression - rod.installed.state.compression
+        return reduce_rod(self.statics, path, start, spacing)
+
+    @property
+    def unknowns(self) -> int:
+        return self.tables.coordinates
+
+    @property
+    def kernel(self) -> Any:
+        return kernels.advance_reduced
+
+    @cached_property
+    def _parameters(self) -> Array:
+        t, d = self.tables, self.rod.dynamics
+        head = [t.start, t.spacing, d.mass_damping, d.stiffness_damping, d.contact_damping_time]
+        reach = np.sqrt(np.max(np.sum(t.gradient**2, axis=2), axis=0))
+        tables = (
+            t.contact_stiffness, reach, t.rest, t.rest_load, t.overlap, t.wire_force, t.stiffness, t.gradient, t.momentum,
+        )  # fmt: skip
+        return np.concatenate([head, *(table.ravel() for table in tables)])
+
+    def parameters(self) -> Array:
+        return self._parameters.copy()
+
+    @cached_property
+    def _pairs(self) -> tuple[Array, NDArray[np.int64]]:
+        """Coil numbers of the coil pairs, and the pair of each contact point (-1: a seat)."""
+        upper_coil, pair_of = self.rod.coil_pairs
+        found = np.full(self.tables.points, -1, dtype=np.int64)
+        vertices = ContactPoints.of(self.rod.mesh).vertex
+        found[: len(vertices)] = pair_of[vertices]
+        return upper_coil, found
+
+    @cached_property
+    def _integers(self) -> NDArray[np.int64]:
+        t, (upper_coil, pair_of) = self.tables, self._pairs
+        sizes = [t.coordinates, t.points, len(t.rest), len(t.stiffness), t.parts, int(self.pulls)]
+        return np.array([*sizes, len(upper_coil), *pair_of.tolist()], dtype=np.int64)
+
+    def integers(self) -> NDArray[np.int64]:
+        return self._integers.copy()
+
+    def with_time_step(self, time_step: float) -> ReducedRod:
+        return self
+
+    def _at(self, retainer_displacement: float) -> _AtLift:
+        t = self.tables
+        place = (retainer_displacement - t.start) / t.spacing
+        fine = min(max(int(np.floor(place)), 0), len(t.rest) - 2)
+        coarse = fine // t.parts
+        values, slopes = [], []
+        for tables, at, part in (
+            ((t.rest, t.rest_load, t.overlap), fine, 1),
+            ((t.stiffness, t.gradient), coarse, t.parts),
+        ):
+            for table in tables:
+                step = table[at + 1] - table[at]
+                values.append(table[at] + (place / part - at) * step)
+                slopes.append(step / (part * t.spacing))
+        return _AtLift(*values, *slopes, place)
+
+    def _apart(self, state: Array, here: _AtLift) -> tuple[Array, Array]:
+        """Coordinates from rest on, and overlaps of all points."""
+        apart = state[: self.unknowns] - here.rest
+        return apart, here.overlap + here.gradient @ apart
+
+    def initial_state(self, retainer_displacement: float) -> Array:
+        t, here = self.tables, self._at(retainer_displacement)
+        apart = np.zeros(t.coordinates)
+        for _ in range(NEWTON_STEPS):
+            depth = here.overlap + here.gradient @ apart
+            closed = t.contact_stiffness * (depth > 0)
+            residual = here.stiffness @ apart + here.load + (closed * depth) @ here.gradient
+            tangent = here.stiffness + (here.gradient.T * closed) @ here.gradient
+            step = np.linalg.solve(tangent, residual)
+            apart = apart - step
+            if np.max(np.abs(step)) <= 1e-14 * max(1e-3, np.max(np.abs(here.rest))):
+                break
+        state = np.zeros(kernels.state_size(t.coordinates, t.points, len(self._pairs[0])))
+        state[: t.coordinates] = here.rest + apart
+        return state
+
+    def frequencies(self, retainer_displacement: float, count: int = 6) -> Array:
+        """First ``count`` natural frequencies (Hz), both ends fixed, about rest at a displacement
+        (m); touching coils stay closed.
+        """
+        here = self._at(retainer_displacement)
+        _, depth = self._apart(self.initial_state(retainer_displacement), here)
+        closed = self.tables.contact_stiffness * (depth > 0)
+        matrix = here.stiffness + (here.gradient.T * closed) @ here.gradient
+        squares = np.linalg.eigvalsh(matrix)[:count]
+        return np.asarray(np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi))
+
+    @cached_property
+    def _stable(self) -> float:
+        """The largest step h of velocities damped at the half step before, 4 > 2 h C + h^2 K, every
+        contact closed.
+        """
+        t, d, step = self.tables, self.rod.dynamics, np.inf
+        for stiffness, gradient in ((t.stiffness[k], t.gradient[k]) for k in (0, -1)):
+            closed = (gradient.T * t.contact_stiffness) @ gradient
+            damped = d.stiffness_damping * stiffness + d.contact_damping_time * closed
+            # with h = 1 / x a quadratic eigenvalue problem, x^2 = C x / 2 + K / 4
+            zero, one = np.zeros_like(closed), np.eye(len(closed))
+            form = np.block([[zero, one], [(stiffness + closed) / 4, damped / 2]])
+            step = min(step, 1 / float(np.max(np.linalg.eigvals(form).real)))
+        return STEP_SAFETY * float(step)
+
+    def stable_time_step(self) -> float:
+        return self._stable
+
+    def force(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> EndForces:
+        return self._forces(state, retainer_displacement, retainer_velocity)[0]
+
+    def _forces(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float
+    ) -> tuple[EndForces, Array]:
+        """End forces and the state with its scratch filled."""
+        work = state.copy()
+        found = kernels.advance_reduced(
+            self._parameters, self._integers, work, retainer_displacement, retainer_velocity, 0.0
+        )
+        return EndForces(*found), work
+
+    def energy(
+        self,
+        state: Array,
+        retainer_displacement: float,
+        retainer_velocity: float = 0.0,
+        time_step: float = 0.0,
+    ) -> SpringEnergy:
+        """Elastic energy counted from the lowest table on; the end masses belong to the valve."""
+        t, here = self.tables, self._at(retainer_displacement)
+        apart, depth = self._apart(state, here)
+        velocity = state[t.coordinates : 2 * t.coordinates]
+        if time_step > 0:
+            _, work = self._forces(state, retainer_displacement, retainer_velocity)
+            place = kernels.pull_place(t.coordinates)
+            pull = work[place : place + t.coordinates] - self.rod.dynamics.mass_damping * velocity
+            velocity = velocity + time_step / 2 * pull
+        fine = min(max(int(np.floor(here.place)), 0), len(t.rest) - 2)
+        share, force = here.place - fine, t.wire_force
+        path = np.sum((force[:fine] + force[1 : fine + 1]) / 2) + share * (
+            force[fine] + share / 2 * (force[fine + 1] - force[fine])
+        )
+        elastic = t.spacing * path + here.load @ apart + apart @ here.stiffness @ apart / 2
+        contact = t.contact_stiffness @ np.maximum(depth, 0.0) ** 2 / 2
+        return SpringEnergy(
+            float(velocity @ velocity / 2),
+            float(elastic),
+            float(contact),
+            float(state[2 * t.coordinates]),
+        )
+
+    def tangent(self, state: Array, retainer_displacement: float) -> float:
+        if not self.pulls and self.force(state, retainer_displacement).retainer <= 0.0:
+            return 0.0
+        t, here = self.tables, self._at(retainer_displacement)
+        apart, depth = self._apart(state, here)
+        fine = min(max(int(np.floor(here.place)), 0), len(t.rest) - 2)
+        slope, turns = here.rest_slope, here.gradient_slope
+        by_travel = here.overlap_slope + turns @ apart - here.gradient @ slope
+        stiffness = t.contact_stiffness * (depth > 0)
+        grows = here.load_slope + here.stiffness_slope @ apart
+        return float(
+            (t.wire_force[fine + 1] - t.wire_force[fine]) / t.spacing
+            - 2 * slope @ grows
+            + slope @ here.stiffness @ slope
+            + stiffness @ by_travel**2
+            - 2 * (stiffness * depth) @ (turns @ slope)
+        )
+
+    def outputs(
+        self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
+    ) -> SpringOutputs:
+        t, here = self.tables, self._at(retainer_displacement)
+        forces = self.force(state, retainer_displacement, retainer_velocity)
+        apart, depth = self._apart(state, here)
+        fine = min(max(int(np.floor(here.place)), 0), len(t.rest) - 2)
+        coarse = fine // t.parts
+        shape = t.axial_shape[coarse] + (here.place / t.parts - coarse) * (
+            t.axial_shape[coarse + 1] - t.axial_shape[coarse]
+        )
+        step = t.height[fine + 1] - t.height[fine]
+        height = t.height[fine] + (here.place - fine) * step
+        rate = state[t.coordinates : 2 * t.coordinates] - retainer_velocity * here.rest_slope
+        upper_coil, pair_of = self._pairs
+        gap, pressed = np.full(len(upper_coil), np.inf), np.zeros(len(upper_coil))
+        coils = pair_of >= 0
+        np.minimum.at(gap, pair_of[coils], -depth[coils])
+        elastic = t.contact_stiffness * np.maximum(depth, 0.0)
+        np.add.at(pressed, pair_of[coils], elastic[coils])
+        return SpringOutputs(
+            *forces,
+            coil_number=self.rod.mesh.coil_number,
+            axial_displacement=height + shape @ apart - self.rod.installed.state.position[:, 2],
+            axial_velocity=step / t.spacing * retainer_velocity + shape @ rate,
+            upper_coil=upper_coil,
+            coil_gap=gap,
+            coil_contact_force=pressed,
+        )
+
+    def contact_watch(self) -> ContactWatch | None:
+        """Force and stored energy of every coil pair, which the kernel leaves behind its scratch."""
+        upper_coil = self._pairs[0]
+        count = len(upper_coil)
+        if not count:
+            return None
+
+        def read(
+            record: Array, spacing: float, time_step: float
+        ) -> tuple[NDArray[np.int64], Array, Array, Array]:
+            touched = np.flatnonzero(np.max(record[:, :count], axis=0) > 0)
+            force, energy = (
+                np.ascontiguousarray(record[:, first + touched].T) for first in (0, count)
+            )
+            return touched, upper_coil[touched], force, energy
+
+        first = kernels.pairs_place(self.tables.coordinates, self.tables.points)
+        return ContactWatch(np.array([[first, 2 * count]], dtype=np.int64), WATCH_INTERVAL, read)
+
+    def retainer_mass(self) -> float:
+        """That of the rod, and what the coordinates do not hold of the wire that follows (kg)."""
+        return self.rod.retainer_mass() + self.tables.retainer_mass
+
+
+def _why_not(rod: FiniteElementRod) -> str:
+    """Why a rod cannot be reduced; empty where it can."""
+    name = rod.definition.name
+    if rod.guide is not None:
+        return f"spring '{name}' is in a guide, which a reduced rod does not know; use finite-element or remove the guide"
+    if rod.dynamics.contact_law.kernel is not None:
+        return f"spring '{name}' has a contact law of its own, which a reduced rod does not know; use finite-element or multi-mass"
+    if rod.ends_lift:
+        return f"the ends of spring '{name}' lift, which those of a reduced rod do not; use finite-element"
+    return ""
+
+
+class ReducedRodOptions(SpringOptions):
+    """Options of the reduced rod."""
+
+    elements_per_coil: int = Field(
+        default=24, ge=8, le=200, description="elements of the rod along one turn of the wire"
+    )
+
+
+def _make(
+    spring: InstalledSpring, options: ReducedRodOptions, rest: SpringAtRest | None
+) -> ReducedRod:
+    # lifting ends are an option of the rod; here end forces stop at zero instead
+    as_rod = spring.with_options(
+        ROD.word, elements_per_coil=options.elements_per_coil, lifting_ends=False
+    )
+    rod = ROD.build(as_rod)
+    assert isinstance(rod, FiniteElementRod)
+    return ReducedRod(rod)
+
+
+SPEC = SpringModelSpec(
+    "reduced-rod",
+    "reduced rod",
+    "#2e7d5b",
+    ReducedRodOptions,
+    _make,
+    shows=("sections", "clash"),
+    wire_only="a reduced rod is made from the wire; use modal-uniform or wave-rod",
+    processor_time=1.0,
+    knows="the rod's wire over lift in some forty coordinates, all its contact points",
+    leaves_out="hard clash to a per cent, guides, ends that lift",
+)
