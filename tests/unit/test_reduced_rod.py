@@ -5,6 +5,9 @@ order and the energy of the model stand in the battery of all models (contract).
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from dataclasses import fields, replace
+
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
@@ -19,6 +22,7 @@ from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import Guide
+from valvetrain.springs import reduced_rod_cache
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.reduced_rod import ReducedRod
@@ -138,7 +142,25 @@ def test_a_state_changed_from_outside_meets_its_contacts_at_once(spring):
 
 
 def test_what_it_does_not_know_is_refused_with_the_name_of_what_does(rod):
-    from dataclasses import replace
-
-    with pytest.raises(InputError, match="guide.*finite-element"):
+    with pytest.raises(InputError, match="is in a guide"):
         ReducedRod(replace(rod, guide=Guide(bore=35e-3)))
+
+
+def test_tables_are_read_where_they_stand_and_made_anew_where_a_file_is_damaged(
+    rod, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(reduced_rod_cache, "_folder", lambda: tmp_path)
+    monkeypatch.setattr(reduced_rod_cache, "_MADE", OrderedDict())
+    made = ReducedRod(rod, 1e-3).tables
+    (file,) = tmp_path.glob("*.npz")
+    whole = file.read_bytes()
+    for content in (whole, whole[:-200], b""):
+        file.write_bytes(content)
+        reduced_rod_cache._MADE.clear()
+        found = ReducedRod(rod, 1e-3).tables
+        for one in fields(made):
+            assert np.array_equal(getattr(found, one.name), getattr(made, one.name))
+        assert file.read_bytes() == whole
+    assert ReducedRod(rod, 1e-3).tables is found
+    stiffer = replace(rod, dynamics=replace(DYNAMICS, contact_stiffness=3e10))
+    assert ReducedRod(stiffer, 1e-3).tables is not found

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class CondensedRod:
     """``stiffness`` and ``mass`` (n, n) of the n position components of the free vertices about one
-    state, both ends held; ``turning`` (r, n): rotations that follow a change of positions.
+    state, both ends fixed; ``turning`` (r, n): rotations that follow a change of positions.
 
     ``stiffness`` is that of the wire, with what contact forces add as their direction turns with
     the wire, without the stiffness of closed contacts.

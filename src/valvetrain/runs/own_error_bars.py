@@ -1,5 +1,5 @@
 """Error bars of the runs of any case: each run once more, its springs divided more finely, or more
-coarsely where they are large.
+coarsely where they are large; springs reduced from their rods beside those rods.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.runs.against_rod import TOO_FAR, BesideRod, beside_rod
 from valvetrain.runs.at_rest import AtRest
 from valvetrain.runs.error_bars import SPRING_HEADLINES, two_grids
 from valvetrain.runs.prepared import (
@@ -40,6 +41,8 @@ FEW, MANY = 20, 4.0
 #: Order assumed of a rod, whose refinement shows it, and of chains and modes, of which few parts are far
 #: from the limit.
 ROD_ORDER, OTHER_ORDER = 2.0, 1.0
+#: Springs whose rod is at hand.
+REDUCED = "reduced-rod"
 #: Share of a value that its uncertainty may be without being named.
 LARGE = 0.05
 #: Numbers that get a bar where a run has them; counts jump.
@@ -75,7 +78,11 @@ def own_error_bars(
     further: dict[str, _Further] = {}
     rest = at_rest.value.springs
     undivided: list[str] = []
+    reduced = [member for member in problem.members if member.model.word == REDUCED]
+    beside, far = _beside_rods(problem, reduced, solutions, rest, workers)
     for member in problem.members:
+        if member in reduced:
+            continue
         found = _further(problem, member, rest)
         if found is None:
             undivided.append(member.model.word)
@@ -104,7 +111,63 @@ def own_error_bars(
         for run in solutions
         if run.label in further and (run.label, run.engine_speed) not in barred
     ]
-    return ErrorBars(rows, tuple(_sentences(rows, further.values(), undivided, without)))
+    rows += beside
+    return ErrorBars(rows, (*_sentences(rows, further.values(), undivided, without), *far))
+
+
+def _beside_rods(
+    problem: Problem,
+    members: Sequence[Member],
+    solutions: Sequence[Solution],
+    rest: Rest,
+    workers: int,
+) -> tuple[tuple[Uncertainty, ...], tuple[str, ...]]:
+    """Rows of the runs of reduced rods beside their rods, and sentences on them."""
+    ready = {member.label: prepare(problem, member, rest, "") for member in members}
+    runs = [
+        run for run in solutions if run.label in ready and run.status.completed and run.quantities
+    ]
+    if not runs:
+        return (), ()
+    found = map_points(_beside_rod, (ready, runs), range(len(runs)), workers, lost=lambda _: None)
+    rows, far, measured = [], [], []
+    for run, one in zip(runs, found, strict=True):
+        if one is None:
+            continue
+        measured.append(one.rms)
+        if one.rms > TOO_FAR:
+            far.append(f"{run.engine_speed * 30 / math.pi:.6g} rpm ({100 * one.rms:.2g} %)")
+        for name in set(NAMES) & set(one.differences) & set(run.quantities):
+            value, bar = run.quantities[name], abs(one.differences[name])
+            bar += run.quantities.get(f"cycle_scatter_{name}", 0.0)
+            same = (value, value)
+            rows.append(
+                Uncertainty(
+                    name, run.engine_speed, value, bar, None, value, 0.0, same, same, run.label
+                )
+            )
+    if not measured:
+        return (), ()
+    said = [
+        f"± of {REDUCED}: beside its rod under the motion found; the seat force differs by up to "
+        f"{100 * max(measured):.2g} % (rms below 20 kHz)."
+    ]
+    if far:
+        said.append(
+            f"Coils clash too hard for {REDUCED} at {', '.join(far)}: take finite-element there."
+        )
+    return tuple(rows), tuple(said)
+
+
+def _beside_rod(
+    shared: tuple[Mapping[str, PreparedRun], Sequence[Solution]], place: int
+) -> BesideRod | None:
+    ready, runs = shared
+    system = ready[runs[place].label].system
+    try:
+        return None if system is None else beside_rod(system, runs[place])
+    except FAILURES:
+        return None
 
 
 def _further(problem: Problem, member: Member, rest: Rest) -> _Further | None:
@@ -189,13 +252,13 @@ def _sentences(
 ) -> Iterable[str]:
     ways = sorted({one.ratio for one in further})
     none = f"none by {', '.join(dict.fromkeys(undivided))}"
-    if rows:
+    if rows and ways:
         divided_by = " and ".join(
             f"{max(one, 1 / one):.2g} times {'finer' if one > 1 else 'coarser'}" for one in ways
         )
         end = f"; {none}." if undivided else "."
         yield f"± where there is room: runs repeated, springs divided {divided_by}{end}"
-    elif undivided:
+    elif undivided and not rows:
         yield f"No error bars: {none}, whose spring has no division."
     large = sorted(
         (row for row in rows if row.numerical > LARGE * abs(row.value) and row.value),

@@ -29,6 +29,7 @@ from valvetrain.springs.contract import (
 )
 from valvetrain.springs.finite_element import SPEC as ROD
 from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.reduced_rod_cache import tables_of
 from valvetrain.springs.reduced_rod_tables import (
     PARTS,
     SPACING,
@@ -48,6 +49,7 @@ STEP_SAFETY, NEWTON_STEPS = 0.95, 60
 class _AtLift(NamedTuple):
     """The tables at one retainer displacement, and their slopes by it."""
 
+    place: float
     rest: Array
     load: Array
     overlap: Array
@@ -58,7 +60,6 @@ class _AtLift(NamedTuple):
     overlap_slope: Array
     stiffness_slope: Array
     gradient_slope: Array
-    place: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +107,14 @@ class ReducedRod:
 
     @cached_property
     def tables(self) -> ReducedTables:
-        """The tables, made on first use. Raises :class:`InputError` where the rod has no
+        """The tables, made on first use or read. Raises :class:`InputError` where the rod has no
         equilibria.
         """
+        rod, contact = self.rod, self.rod.dynamics.contact_stiffness
+        numbers = (rod.precompression, rod.retainer_rotation, contact, self.largest_lift)
+        return tables_of(rod.mesh, numbers, self._made)
+
+    def _made(self) -> ReducedTables:
         rod = self.rod
         top = NEARLY_SOLID * (
             rod.definition.free_length - rod.definition.solid_height - rod.precompression
@@ -171,7 +177,8 @@ class ReducedRod:
         place = (retainer_displacement - t.start) / t.spacing
         fine = min(max(int(np.floor(place)), 0), len(t.rest) - 2)
         coarse = fine // t.parts
-        values, slopes = [], []
+        values: list[Array] = []
+        slopes: list[Array] = []
         for tables, at, part in (
             ((t.rest, t.rest_load, t.overlap), fine, 1),
             ((t.stiffness, t.gradient), coarse, t.parts),
@@ -180,7 +187,7 @@ class ReducedRod:
                 step = table[at + 1] - table[at]
                 values.append(table[at] + (place / part - at) * step)
                 slopes.append(step / (part * t.spacing))
-        return _AtLift(*values, *slopes, place)
+        return _AtLift(place, *values, *slopes)
 
     def _apart(self, state: Array, here: _AtLift) -> tuple[Array, Array]:
         """Coordinates from rest on, and overlaps of all points."""

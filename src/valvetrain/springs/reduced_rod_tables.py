@@ -74,17 +74,17 @@ class ReducedTables:
     @property
     def coordinates(self) -> int:
         """Number of coordinates."""
-        return self.rest.shape[1]
+        return int(self.rest.shape[1])
 
     @property
     def points(self) -> int:
         """Number of contact points."""
-        return self.overlap.shape[1]
+        return int(self.overlap.shape[1])
 
     @property
     def displacements(self) -> Array:
         """Retainer displacements (f,) of the fine tables (m)."""
-        return self.start + self.spacing * np.arange(len(self.rest))
+        return np.asarray(self.start + self.spacing * np.arange(len(self.rest)), dtype=float)
 
 
 class _Lift(NamedTuple):
@@ -188,8 +188,8 @@ def _basis(
         held = shapes.T @ wire.stiffness
         softness -= shapes @ np.linalg.solve(held @ shapes, held @ softness)
         energy, mix = np.linalg.eigh(softness.T @ wire.stiffness @ softness)
-        kept = slice(-1, -1 - min(SHAPES, int(np.sum(energy > 1e-9 * energy[-1]))), -1)
-        local = softness @ (mix[:, kept] / np.sqrt(energy[kept]))
+        chosen = slice(-1, -1 - min(SHAPES, int(np.sum(energy > 1e-9 * energy[-1]))), -1)
+        local = softness @ (mix[:, chosen] / np.sqrt(energy[chosen]))
         shapes = np.linalg.solve(factor.T, _extended(basis, factor.T @ local, 0.0))
     squares, turn = np.linalg.eigh(shapes.T @ wire.stiffness @ shapes)
     return (shapes @ turn)[:, squares < (2 * np.pi * HIGHEST_FREQUENCY) ** 2], middle
@@ -240,7 +240,7 @@ def _softened(
     moved = gradient @ shape
     held = np.linalg.solve(shape.T @ wire.stiffness @ shape, moved.T)
     lacking = np.einsum("pn,np->p", gradient, whole) - np.einsum("pm,mp->p", moved, held)
-    return stiffness / (1 + sharing * stiffness * np.maximum(lacking, 0.0))
+    return np.asarray(stiffness / (1 + sharing * stiffness * np.maximum(lacking, 0.0)))
 
 
 def _tables(
@@ -265,7 +265,7 @@ def _tables(
 
     def mixed(table: Array, place: int) -> Array:
         k, t = lower[place], share[place]
-        return (1 - t) * table[k] + t * table[k + 1]
+        return np.asarray((1 - t) * table[k] + t * table[k + 1])
 
     gradients = np.array([lift.gradient @ one for lift, one in zip(lifts, shapes, strict=True)])
     for place, point in enumerate(path):

@@ -1,0 +1,107 @@
+"""Springs reduced from their rods beside those rods: both under the motion of the retainer that a run
+found, over two revolutions. The error bar of such a run, at the cost of the rod alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicHermiteSpline
+
+from valvetrain.cam.contract import LiftLaw
+from valvetrain.integrate.contract import Cycles
+from valvetrain.integrate.run import run
+from valvetrain.integrate.train_channels import position_name
+from valvetrain.quantities.signal import fine_series, low_pass
+from valvetrain.solution.result import Solution
+from valvetrain.springs.contract import SpringModel
+from valvetrain.springs.reduced_rod import ReducedRod
+from valvetrain.system.contract import System
+from valvetrain.system.prescribed import PrescribedSpring
+from valvetrain.system.train_system import TrainSystem
+
+Array = NDArray[np.float64]
+#: Share of the seat force (rms of the difference over rms, below ``CUTOFF``) from which a run says
+#: that its rod is to be taken; revolutions of both, the second compared; Hz.
+TOO_FAR, REVOLUTIONS, CUTOFF = 0.03, 2, 20e3
+
+
+class BesideRod(NamedTuple):
+    """How far springs are from their rods: ``rms`` of the seat force as a share, and the difference
+    of numbers (SI) by the name of their quantities.
+    """
+
+    rms: float
+    differences: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class _Recorded:
+    """A recorded motion of the retainer as a lift law."""
+
+    curve: CubicHermiteSpline
+
+    continuity: int = 1
+    joints: tuple[float, ...] = ()
+
+    def lift(self, cam_angle: ArrayLike, derivative: int = 0) -> Array:
+        return np.asarray(self.curve(np.mod(cam_angle, 2 * np.pi), derivative))
+
+
+def beside_rod(system: System, solution: Solution) -> BesideRod | None:
+    """The springs of a finished run beside their rods; None where they are no reduced rods, or rub."""
+    springs = system.springs
+    reduced = [spring for spring in springs if isinstance(spring, ReducedRod)]
+    if not reduced or len(reduced) < len(springs):
+        return None
+    cam_speed = solution.engine_speed / 2
+    law = _motion(system, solution)
+    found = _forces(reduced, law, cam_speed)
+    expected = _forces([spring.rod for spring in reduced], law, cam_speed)
+    if found is None or expected is None:
+        return None
+    own, rods = found["below_20_khz"], expected["below_20_khz"]
+    differences = {
+        f"{kind}_{end}_force": pick(found[channel]) - pick(expected[channel])
+        for end, channel in (("spring", "seat_force"), ("retainer", "retainer_force"))
+        for kind, pick in (("peak", np.max), ("minimum", np.min))
+    }
+    differences["below_20_khz_peak_spring_force"] = np.max(own) - np.max(rods)
+    rms = np.sqrt(np.mean((own - rods) ** 2) / np.mean(rods**2))
+    return BesideRod(float(rms), {name: float(value) for name, value in differences.items()})
+
+
+def _motion(system: System, solution: Solution) -> LiftLaw:
+    """The retainer of the last revolution as a law over the cam angle."""
+    if not isinstance(system, TrainSystem):
+        assert isinstance(system, PrescribedSpring)
+        return system.valve_lift
+    parts, at = system.mechanism.coordinates, system.arrays.retainer
+    cycle = solution.cycle
+    place = np.asarray(cycle[position_name(parts[at], system.mechanism.valve)])
+    rate = np.asarray(cycle["retainer_velocity"]) / (solution.engine_speed / 2)
+    angle = np.asarray(cycle["cam_angle"])
+    around = [np.append(values, values[0]) for values in (place, rate)]
+    return _Recorded(CubicHermiteSpline(np.append(angle, angle[0] + 2 * np.pi), *around))
+
+
+def _forces(
+    springs: Sequence[SpringModel], law: LiftLaw, cam_speed: float
+) -> dict[str, Array] | None:
+    """End forces of all springs over the last revolution at even times, and the seat force below
+    20 kHz; None of a run that failed.
+    """
+    grid = np.arange(0.0, 2 * np.pi / cam_speed, 2e-6)
+    total = {name: np.zeros(len(grid)) for name in ("seat_force", "retainer_force")}
+    for spring in springs:
+        one = run(PrescribedSpring((spring,), law), cam_speed, Cycles(REVOLUTIONS))
+        if not one.status.completed:
+            return None
+        for name in total:
+            time, _, values = fine_series(one, name)
+            total[name] += np.interp(grid, time - time[0], values)
+    return total | {"below_20_khz": low_pass(grid, total["seat_force"], CUTOFF)}
