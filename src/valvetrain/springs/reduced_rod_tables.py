@@ -136,7 +136,7 @@ def reduce_rod(
 
     def overlaps(state: RodState) -> tuple[Array, Array]:
         overlap, gradient = points.overlaps(state)
-        return overlap, gradient[:, free].reshape(points.count, -1)
+        return overlap, gradient[:, free].reshape(points.count, 3 * (free.stop - free.start))
 
     bare = elastic_statics(statics.mesh)
     lifts = []
@@ -226,21 +226,21 @@ def _carried(lifts: Sequence[_Lift], made: tuple[Array, int]) -> list[Array]:
     return found
 
 
-def _softened(
+def _lengthened(
     lifts: Sequence[_Lift], shapes: Sequence[Array], stiffness: Array, sharing: int
 ) -> Array:
-    """Stiffness of the contacts (p,) in series with what the shapes lack of the wire's compliance
-    there, which the ``sharing`` points of an element feel together.
+    """Travel of each contact (p,) over its own, in series with what the shapes lack of the wire's
+    compliance there, which the ``sharing`` points of an element feel together.
     """
     if not len(stiffness):
-        return stiffness
+        return np.ones(0)
     middle = len(lifts) // 2
     wire, gradient, shape = lifts[middle].wire, lifts[middle].gradient, shapes[middle]
     whole = cho_solve(cho_factor(wire.stiffness), gradient.T)
     moved = gradient @ shape
     held = np.linalg.solve(shape.T @ wire.stiffness @ shape, moved.T)
     lacking = np.einsum("pn,np->p", gradient, whole) - np.einsum("pm,mp->p", moved, held)
-    return np.asarray(stiffness / (1 + sharing * stiffness * np.maximum(lacking, 0.0)))
+    return np.asarray(1 + sharing * stiffness * np.maximum(lacking, 0.0))
 
 
 def _tables(
@@ -258,7 +258,8 @@ def _tables(
     weighted = np.array([lift.wire.mass @ one for lift, one in zip(lifts, shapes, strict=True)])
     rest, load = np.zeros((fine, count)), np.zeros((fine, count))
     overlap = np.zeros((fine, len(stiffness)))
-    soft = _softened(lifts, shapes, stiffness, statics.mesh.contact.groups)
+    longer = _lengthened(lifts, shapes, stiffness, statics.mesh.contact.groups)
+    soft = stiffness / longer
     between = np.arange(fine) / PARTS
     lower = np.minimum(between.astype(int), len(lifts) - 2)
     share = between - lower
@@ -274,7 +275,7 @@ def _tables(
             rest[place] = rest[place - 1] + mean.T @ (positions[place] - positions[place - 1])
         found, _ = points.overlaps(point.state)
         pressed = stiffness * np.maximum(found, 0.0)
-        overlap[place] = np.where(found > 0, pressed / soft, found) if len(soft) else found
+        overlap[place] = np.where(found > 0, found * longer, found)
         load[place] = -pressed @ mixed(gradients, place)
     force = np.array([point.retainer_force for point in path])
     tangents = np.gradient(positions, spacing, axis=0)[::PARTS]
