@@ -102,14 +102,29 @@ def compare_page(desk: Desk, a: str, b: str) -> None:
             )
             return
         with tag("form", classes="row end compare", action="/compare", method="get"):
-            for name, label, chosen in (
-                ("a", "Run A", a or runs[1].run_id),
-                ("b", "Run B", b or runs[0].run_id),
-            ):
+            first, second = two_runs(runs, a, b)
+            for name, label, chosen in (("a", "Run A", first), ("b", "Run B", second)):
                 _choice(name, label, chosen, runs)
             tag("button", "Compare", "button main", type="submit")
         if a and b:
             Results(f"/part-compare?a={quote(a)}&b={quote(b)}", whole=True)
+
+
+def two_runs(runs: Sequence[Run], a: str, b: str) -> tuple[str, str]:
+    """Two different runs to compare, those asked for where they are; the other one is the newest
+    of the same case, where there is one.
+    """
+    given = a or b
+    case = next((run.case for run in runs if run.run_id == given), "")
+    others = [run for run in runs if run.run_id != given]
+    other = next((run for run in others if run.case == case), others[0]).run_id
+    if a and b and a != b:
+        return a, b
+    if given:
+        return (given, other) if a else (other, given)
+    newest = runs[0].run_id
+    same = next((run for run in runs[1:] if run.case == runs[0].case), runs[1])
+    return same.run_id, newest
 
 
 def _choice(name: str, label: str, chosen: str, runs: Sequence[Run]) -> None:
