@@ -233,16 +233,16 @@ def first_bracket(
     once ``stopped``, asked before each run, says so.
     """
     plan = Plan("contacts", None, False, problem.cycles, problem.cycles_to_settle)
-    kept, lost, ahead = 0.0, math.inf, list(engine_speeds)
-    while ahead or (kept and lost - kept > options.resolution and math.isfinite(lost)):
+    low, high, ahead = 0.0, math.inf, list(engine_speeds)
+    while ahead or (low and high - low > options.resolution and math.isfinite(high)):
         if stopped():
             return None
-        engine_speed = ahead.pop(0) if ahead else (kept + lost) / 2
+        engine_speed = ahead.pop(0) if ahead else (low + high) / 2
         if _sample(problem, ready, plan, options, engine_speed).lost(kind):
-            lost, ahead = engine_speed, []
+            high, ahead = engine_speed, []
         else:
-            kept = engine_speed
-    return SpeedBracket(kept, lost)
+            low = engine_speed
+    return SpeedBracket(low, high)
 
 
 def critical_speed(

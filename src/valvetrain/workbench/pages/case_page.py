@@ -29,7 +29,7 @@ from valvetrain.workbench.pages.elements import (
     Results,
     Slider,
     button,
-    float_words,
+    float_text,
     link,
     live_lines,
     live_numbers,
@@ -92,7 +92,7 @@ class CasePage:
         self.shown_run = ""
         self.moved: tuple[str, LiveResult] | None = None
         self.own_float: float | None = None
-        self.drawn, self.wanted, self.drawing = "", ("", ""), False
+        self.drawn, self.requested, self.drawing = "", ("", ""), False
         self.looks = -1
         self.line = asyncio.Lock()
 
@@ -166,14 +166,14 @@ class CasePage:
         """Draw the case with ``value`` at ``key``; of positions that come meanwhile, the newest is
         drawn next.
         """
-        self.wanted = key, value
+        self.requested = key, value
         if self.drawing:
             return
         self.drawing = True
         try:
-            while (address := of_case(self.desk, self.case, *self.wanted)) != self.drawn:
+            while (address := of_case(self.desk, self.case, *self.requested)) != self.drawn:
                 self.drawn = address
-                await asyncio.to_thread(prepare, self.desk, self.case, *self.wanted)
+                await asyncio.to_thread(prepare, self.desk, self.case, *self.requested)
                 self.picture.props["src"] = address
                 self.picture.update()
         finally:
@@ -300,7 +300,7 @@ class CasePage:
         if not event.args.get("asked"):
             self.own_float = speed
         if not found.skipped:
-            self.slider.float_answer(float_words(speed, self.own_float, found.sentence))
+            self.slider.float_answer(float_text(speed, self.own_float, found.sentence))
 
     async def rest(self, event: events.GenericEventArguments) -> None:
         """The slider rests: the curve by the rod too."""

@@ -80,17 +80,17 @@ def live_numbers(base: LiveResult, moved: LiveResult | None) -> list[dict[str, s
     return found
 
 
-def float_words(speed: float | None, own: float | None, sentence: str) -> str:
+def float_text(engine_speed: float | None, own: float | None, sentence: str) -> str:
     """A float speed (rpm) in tens, with the change from the case's ``own``; else the sentence.
 
-    >>> float_words(8524.0, 8401.0, ""), float_words(None, None, "no float up to 9000 rpm")
+    >>> float_text(8524.0, 8401.0, ""), float_text(None, None, "no float up to 9000 rpm")
     ('8520 rpm (+120)', 'no float up to 9000 rpm')
     """
-    if speed is None:
+    if engine_speed is None:
         return sentence
-    change = 0 if own is None else 10 * (round(speed / 10) - round(own / 10))
+    change = 0 if own is None else 10 * (round(engine_speed / 10) - round(own / 10))
     more = f" ({'+' if change > 0 else '−'}{abs(change)})" if change else ""
-    return f"{10 * round(speed / 10)} rpm{more}"
+    return f"{10 * round(engine_speed / 10)} rpm{more}"
 
 
 def _line(result: LiveResult, name: str, colour: str, dash: str = "solid") -> Line:
