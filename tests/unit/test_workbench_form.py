@@ -84,9 +84,7 @@ def test_values_of_the_beehive_as_its_file_has_them():
         True,
     ) and wire.source.startswith("identified")
     assert (
-        wire.slider is not None
-        and wire.slider[0] < 3.77 < wire.slider[1]
-        and wire.slider[2] == 0.1
+        wire.slider is not None and wire.slider[0] < 3.77 < wire.slider[1] and wire.slider[2] == 0.1
     )
     assert form["spring.pitch"].kind == "curve" and form["spring.pitch"].number is None
     assert form["spring.hand"].choices == ("right", "left")

@@ -20,6 +20,7 @@ from valvetrain.workbench.form import FieldGroup
 from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.live import LiveResult
 from valvetrain.workbench.pages.case_files import CaseFiles
+from valvetrain.workbench.pages.compare_page import verdict_in
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import (
     Form,
@@ -415,9 +416,10 @@ class CasePage:
         if chosen is None:
             return
         self.results.show(f"/part/{chosen.run_id}")
+        verdict = await asyncio.to_thread(verdict_in, chosen)
         self.head.clear()
         with self.head:
-            run_head(self.desk, chosen, full=False)
+            run_head(self.desk, chosen, full=False, verdict=verdict)
         self.list.clear()
         others = earlier(runs, chosen.run_id)[:MAX_RUNS]
         if others:

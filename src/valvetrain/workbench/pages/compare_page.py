@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
+from html import unescape
 from typing import Any
 from urllib.parse import quote
 
@@ -23,6 +24,7 @@ _DATA = re.compile(
 _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)</script>')
 #: Pictures for readers without scripts.
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
+_VERDICT = re.compile(r'<p class="verdict">([^<]*)</p>')
 _CHART = re.compile(r'data-chart="([^"]*)"')
 #: Sections that are seen first, whose figures come with them.
 FIRST = ("opening", "answers", "force", "verdict")
@@ -41,6 +43,15 @@ def report_part(run: Run) -> str:
     return (
         sections + "\n" + "".join(match[0] for match in _DATA.finditer(data) if match[1] in first)
     )
+
+
+def verdict_in(run: Run) -> str:
+    """The one sentence with which a run's report opens; empty where it has none."""
+    try:
+        found = _VERDICT.search(_report(run))
+    except (InputError, OSError):
+        return ""
+    return "" if found is None else unescape(found[1])
 
 
 def report_rest(run: Run) -> str:
