@@ -234,7 +234,7 @@ def run_problem(
         problem.cycles,
         problem.cycles_to_settle,
         created_at,
-        limits.bytes,
+        limits.seconds,
         implausible,
         later,
     )
