@@ -24,6 +24,7 @@ from valvetrain.quantities.plausible import REMEDY, implausible
 from valvetrain.quantities.request import LIGHT
 from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
+from valvetrain.runs.coil_bind import ENDED, bound
 from valvetrain.runs.cost import Limits, duration_text
 from valvetrain.solution.channels import empty_channels
 from valvetrain.solution.later import Later, LaterMapping
@@ -48,8 +49,6 @@ STEP_TIME, LEAST_CYCLES = 0.5e-6, 2
 UNDAMPED_CYCLES = 2
 #: Exceptions that fail one run and not its study: all of them.
 FAILURES = (Exception,)
-#: Codes of runs that gave all of their samples.
-ENDED = ("completed", "not-converged")
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,34 +281,6 @@ def plausible(solution: Solution) -> Solution:
     if solution.status.code not in ENDED or not (message := implausible(solution)):
         return solution
     status = Status("diverged", message, float(solution.time[-1]), remedy=REMEDY)
-    return replace(solution, status=status)
-
-
-def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
-    """The run with status ``coil-bind`` where the retainer passed the lift at which the first of
-    ``springs`` is solid.
-
-    Only models with coil contact represent it, so later values of the run are invalid. A spring
-    without installed and solid height is not judged; nor is a run that diverged.
-    """
-    known = [(spring.room, spring) for spring in springs if spring.room is not None]
-    if not known or solution.status.code not in ENDED or not solution.has("valve_lift"):
-        return solution
-    travel, spring = min(known, key=lambda pair: pair[0])
-    lift = solution.channel("valve_lift")
-    past = lift >= travel
-    if not np.any(past):
-        return solution
-    index = int(np.argmax(past))
-    angle = float(np.degrees(solution.cam_angle[index]) % 360)
-    message = (
-        f"spring '{spring.name}' is solid at {travel * 1e3:.4g} mm of lift, which the retainer passes at {angle:.1f} cam degrees "
-        f"and exceeds to {float(np.max(lift)) * 1e3:.4g} mm"
-    )
-    remedy = (
-        "run slower, or fit a spring that holds the valve and has more room to its solid height"
-    )
-    status = Status("coil-bind", message, float(solution.time[index]), spring.name, remedy)
     return replace(solution, status=status)
 
 
