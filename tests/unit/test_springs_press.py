@@ -194,5 +194,5 @@ def test_of_several_springs_the_first_to_be_solid_is_named(rooms, named):
         pytest.approx(first / 300.0),
     )
     assert found.message == (
-        f"spring '{named}' is solid at 7 mm of lift, which the retainer passes at {np.degrees(first):.1f} cam degrees; nothing is shown beyond"
+        f"spring '{named}' is solid at 7 mm of lift, which the retainer passes at {np.degrees(first):.1f} cam degrees, where the run ends"
     )

@@ -31,8 +31,8 @@ BLOCK = 2**20
 
 def dense_records(sample_interval: float, samples: int) -> int:
     """Force records per sample, of which ``samples`` of ``sample_interval`` (s) are stored."""
-    wanted = max(1, round(sample_interval / DENSE_INTERVAL))
-    return min(wanted, max(1, MAX_DENSE // max(1, samples)))
+    records = max(1, round(sample_interval / DENSE_INTERVAL))
+    return min(records, max(1, MAX_DENSE // max(1, samples)))
 
 
 @dataclass(frozen=True)

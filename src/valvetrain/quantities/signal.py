@@ -216,10 +216,10 @@ def prominences(values: Array, peaks: Index) -> Array:
     # Turning points suffice. scipy.signal gives the same, but takes a quarter of a second to import.
     rise = np.sign(np.diff(values))
     turning = np.flatnonzero(rise[1:] * rise[:-1] <= 0) + 1
-    kept = np.unique(np.r_[0, turning, len(values) - 1, peaks])
-    level = values[kept].tolist()
+    stops = np.unique(np.r_[0, turning, len(values) - 1, peaks])
+    level = values[stops].tolist()
     lowest = np.maximum(_lowest_since_higher(level), _lowest_since_higher(level[::-1])[::-1])
-    where = np.searchsorted(kept, peaks)
+    where = np.searchsorted(stops, peaks)
     rises: Array = values[peaks] - lowest[where]
     return rises
 

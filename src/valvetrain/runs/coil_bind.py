@@ -36,8 +36,8 @@ def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
     index = int(np.argmax(past))
     angle = float(np.degrees(solution.cam_angle[index]) % 360)
     message = (
-        f"spring '{spring.name}' is solid at {travel * 1e3:.4g} mm of lift, which the retainer passes at {angle:.1f} cam degrees; "
-        "nothing is shown beyond"
+        f"spring '{spring.name}' is solid at {travel * 1e3:.4g} mm of lift, which the retainer passes at {angle:.1f} cam degrees, "
+        "where the run ends"
     )
     remedy = (
         "run slower, or fit a spring that holds the valve and has more room to its solid height"

@@ -19,7 +19,7 @@ from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 
 #: Tensile strength (Pa) above that of any wire of a valve spring.
-MOST_STRENGTH = 2.5e9
+MAX_STRENGTH = 2.5e9
 
 
 def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
@@ -119,7 +119,7 @@ def beyond_wire_notes(problem: Problem, solutions: Iterable[Solution]) -> tuple[
             beyond.setdefault(f"'{name}', all closed at {most:.4g} N", []).append(
                 f"{label} {force:.4g} N{shown}"
             )
-        strength = numbers.get(f"{first}wire_tensile_strength", MOST_STRENGTH)
+        strength = numbers.get(f"{first}wire_tensile_strength", MAX_STRENGTH)
         names = ("peak_shear_stress", "nominal_peak_shear_stress")
         stress = max(numbers.get(first + one, 0.0) for one in names)
         if stress > strength:
