@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 
 from valvetrain.report.text import number, rpm, unit_text
@@ -136,16 +136,20 @@ def sentence(parts: Sequence[str]) -> str:
     return f"{text[:1].upper()}{text[1:]}." if text else ""
 
 
-def told(clauses: Sequence[Clause], runs: Runs) -> list[str]:
+def clause_texts(clauses: Sequence[Clause], runs: Runs) -> list[str]:
     """Clauses as text: neighbours about one run together, with its place; those about the one run
-    that is worst throughout under its place.
+    that is worst throughout, or about one engine speed, under that.
     """
-    about = {id(one.run) for one in clauses if one.run is not None}
+    about = {id(one.run): one.run for one in clauses if one.run is not None}
     several = len(runs.solutions) > 1
-    run: Solution | None
     if several and len(about) == 1 and len(clauses) > 1:
-        run = next(one.run for one in clauses if one.run is not None)
-        return [f"worst {runs.place(run)}: {', '.join(one.text for one in clauses)}"]
+        place = runs.place(next(iter(about.values())))
+        return [f"worst {place}: {', '.join(one.text for one in clauses)}"]
+    speeds = {rpm(run.engine_speed) for run in about.values()}
+    if runs.speeds > 1 and len(speeds) == 1 and len(clauses) > 1:
+        there = [run for run in runs.solutions if rpm(run.engine_speed) in speeds]
+        first, *more = clause_texts(clauses, replace(runs, solutions=tuple(there)))
+        return [f"worst at {speeds.pop():.6g} rpm: {first}", *more]
     found = []
     for _, group in groupby(clauses, key=lambda one: id(one.run)):
         some = list(group)

@@ -21,7 +21,7 @@ from valvetrain.report.run_charts import (
     over_angle,
     runs_at,
 )
-from valvetrain.report.run_verdict import judged_runs, worst_run
+from valvetrain.report.run_clauses import judged_runs, worst_run
 from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.report.text import number, speed_text
 from valvetrain.solution.partial_failures import reason

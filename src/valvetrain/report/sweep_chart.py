@@ -93,12 +93,12 @@ def _curves(study: Study, names: tuple[str, ...], rules: tuple[Rule, ...]) -> Pa
             layers.append(Line(x, values, f"{look.label}{what}", look.colour, 1.8, dash))
             restless = f"{look.label}{what}, not settled"
             layers += _restless(study, label, x, values, restless, look.colour)
-    words = (
+    axis = (
         "minimum cam force while open" if names[0].startswith("minimum_cam") else label_of(names[0])
     )
-    words = "spring force" if len(names) > 1 else words
+    axis = "spring force" if len(names) > 1 else axis
     return Panel(
-        "engine speed (rpm)", f"{words} ({unit})", tuple(layers), rules=rules, x_range=_reach(study)
+        "engine speed (rpm)", f"{axis} ({unit})", tuple(layers), rules=rules, x_range=_reach(study)
     )
 
 

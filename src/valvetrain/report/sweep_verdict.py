@@ -5,7 +5,6 @@ is worst.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -20,8 +19,8 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
+from valvetrain.report.run_clauses import FLOAT_LIFT, bind_clause
 from valvetrain.report.run_summary import searched
-from valvetrain.report.run_verdict import FLOAT_LIFT, bind_clause
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import CriticalSpeed
 from valvetrain.solution.definition import label_of
@@ -37,7 +36,6 @@ LOST = {
 }
 #: Share of a critical speed that its range over damping and division is named from.
 WIDE = 0.05
-_ORDER = re.compile(r"surge_order_(\d+)_force")
 #: Engine speeds that are named one by one.
 MAX_NAMED = 3
 
@@ -217,21 +215,15 @@ def _spring_forces(runs: Runs) -> list[str]:
 
 
 def worst_surge(runs: Sequence[Solution]) -> Surge | None:
-    """Where the surge amplitude is largest, with the cam order that is largest near the surge."""
+    """Where the surge amplitude is largest, and the cam order that makes it."""
     known = [
         run for run in runs if math.isfinite(run.quantities.get("surge_amplitude_force", math.nan))
     ]
     if not known:
         return None
     run = max(known, key=lambda one: one.quantities["surge_amplitude_force"])
-    near = run.quantities.get("surge_cam_order", math.nan)
-    sizes = {
-        int(match[1]): value
-        for name, value in run.quantities.items()
-        if (match := _ORDER.fullmatch(name)) and 0.5 * near <= int(match[1]) <= 1.5 * near
-    }
-    order = max(sizes, key=lambda one: sizes[one]) if sizes else 0
-    return Surge(run.quantities["surge_amplitude_force"], run, order)
+    order = run.quantities.get("surge_amplitude_cam_order", 0.0)
+    return Surge(run.quantities["surge_amplitude_force"], run, round(order))
 
 
 def unsettled(runs: Sequence[Solution]) -> list[str]:
