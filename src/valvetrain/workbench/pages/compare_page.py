@@ -25,6 +25,8 @@ _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)
 #: Pictures for readers without scripts.
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
 _VERDICT = re.compile(r'<p class="verdict">([^<]*)</p>')
+#: What stands between the picture of a report and its first section, which the page of a run shows itself.
+_ABOUT = re.compile(r'<div class="about">.*?</dl>\n</div>\n?', re.DOTALL)
 _CHART = re.compile(r'data-chart="([^"]*)"')
 #: Sections that are seen first, whose figures come with them.
 FIRST = ("opening", "answers", "force", "verdict")
@@ -68,9 +70,10 @@ def _taken_apart(run: Run) -> tuple[str, str]:
     if start < 0 or end < start:
         raise InputError("the report of this run has no sections; run it again", run.run_id)
     scripts = text.find("\n<script>", end)
-    return _WITHOUT_SCRIPTS.sub("", text[start:end]), text[
-        end : scripts if scripts > 0 else len(text)
-    ]
+    shown = text[start:end]
+    for left_out in (_WITHOUT_SCRIPTS, _ABOUT, _VERDICT):  # the page tells these itself
+        shown = left_out.sub("", shown)
+    return shown, text[end : scripts if scripts > 0 else len(text)]
 
 
 def _seen_first(sections: str) -> set[str]:
