@@ -155,4 +155,6 @@ def test_comparing_offers_two_different_runs(bench):
             assert chosen == set(runs), query
         page.goto(f"{bench.url}/run/{runs[0]}")
         shown(page)
-        assert "Limit speeds" not in page.inner_text(".results")
+        verdict = page.locator(".verdict")
+        assert verdict.count() == 1 and "coil bind" in verdict.inner_text()
+        assert verdict.bounding_box()["y"] < 200, "first on its page"

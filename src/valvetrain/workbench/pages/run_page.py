@@ -110,8 +110,8 @@ def run_page(desk: Desk, run_id: str) -> None:
         return
     with frame(f"{run.case}, {run.command}"):
         run_head(desk, run, full=True, verdict=verdict_in(run))
-        RunTests(desk, run)
         Results(f"/part/{run_id}")
+        RunTests(desk, run)
 
 
 def runs_page(desk: Desk) -> None:
