@@ -397,7 +397,8 @@ def test_values_with_stated_scatter_are_counted_in_it(tmp_path):
     force = vt.simulate("job-t", SPEED, spring_models=CHAIN).solutions[0].quantities
     peak, angle = force["peak_spring_force"], np.degrees(force["peak_spring_force_cam_angle"])
     (tmp_path / "values.csv").write_text(
-        "# engine speed: 3000 rpm\nquantity,unit,value,scatter,cam angle [deg],angle scatter [deg]\n"
+        "# engine speed: 3000 rpm\n# note: no scatter is stated; assumed are 1 %\n"
+        "quantity,unit,value,scatter,cam angle [deg],angle scatter [deg]\n"
         f"peak_spring_force,N,{peak - 6},3,{angle + 1},2\nleast_spring_force,N,{chain().values.min() + 2},1 %,,\n"
         f"spring_force,N,{chain().at(np.array([np.pi]))[0]},5,180,\nshoe_size,mm,1,1,,\n"
     )
@@ -413,6 +414,8 @@ def test_values_with_stated_scatter_are_counted_in_it(tmp_path):
     )
     assert any("shoe_size" in note for note in found.notes) and "does not refute" in found.verdict
     page = render(compare_test_page(found))
+    assert "stated scatter" not in page and "no scatter is stated" in page.lower()
+    assert "stated" not in repr(found)
     assert (
         "All 4 values lie within two scatters" in page
         or "values lie more than two scatters off" in page

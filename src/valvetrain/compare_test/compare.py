@@ -484,6 +484,6 @@ def _with_values(
         )
     elif test.repeats == 1:
         said.append(
-            "stated scatters count as independent errors of each value; an error they share, as of a calibration, is not in them"
+            "scatters of a table count as independent errors of each value; an error they share, as of a calibration, is not in them"
         )
     return ModelAgainstTest(study, test, tuple(found), rows, tuple(said), failures)
