@@ -286,5 +286,5 @@ def test_random_points_end_in_one_sentence(tmp_path):
 def test_what_cannot_be_bridged_is_named(tmp_path):
     """Half of the turn is not seen: no smooth curve tells how the coils go on behind it."""
     np.savetxt(tmp_path / "half.xyz", one_sided(springs()["cylindrical"], 67.0, 200.0), fmt="%.4f")
-    with pytest.raises(InputError, match="sector of (19|20). degrees about the axis; scan that"):
+    with pytest.raises(InputError, match=r"sector of (19|20). degrees about the axis; scan that"):
         spring_from_scan(tmp_path / "half.xyz", unit="mm")

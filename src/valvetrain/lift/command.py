@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -268,7 +269,10 @@ def _answer(request: _Request) -> None:
         show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
     failures = () if carried is None else (*carried.mean.failures, *carried.failures)
-    deliver(Outcome(data, lambda console: _show(console, lobes, pair, carried, folder), failures))
+    from valvetrain.lift.verdict import lift_verdict
+
+    show = partial(_show, lobes=lobes, pair=pair, carried=carried, folder=folder)
+    deliver(Outcome(data, show, failures, lift_verdict(lobes)))
 
 
 def _lobes(request: _Request) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]:

@@ -70,8 +70,11 @@ def lift_page(
     ]
     if pair:
         sections.append(Section("pair", "Both lobes", (figure_grid(pair),)))
+    picture = Figure(derivatives_chart(lobes[0]))
     for one in lobes:
-        drawn = (Figure(derivatives_chart(one)), Figure(residuals_chart(one)))
+        drawn = (Figure(residuals_chart(one)),)
+        if one is not lobes[0]:
+            drawn = (Figure(derivatives_chart(one)), *drawn)
         sections.append(
             Section(f"curves-{one.measured.name}", f"Lift and derivatives, {_whose(one)}", drawn)
         )
@@ -88,6 +91,7 @@ def lift_page(
             f"table-{one.measured.name}",
             f"What the table of the {_whose(one)} means",
             answer_blocks(one),
+            folded=True,
         )
         for one in lobes
     ]
@@ -101,7 +105,10 @@ def lift_page(
         "The curves are the law behind the measured stations. The bands hold 95 % of the laws that these stations allow; where a band is "
         "wide, the table leaves it open."
     )
-    return Page(title, "Measured lift", lead, facts, tuple(sections), "Angles are cam degrees.")
+    from valvetrain.lift.verdict import lift_verdict
+
+    foot, said = "Angles are cam degrees.", lift_verdict(lobes)
+    return Page(title, "Measured lift", lead, facts, tuple(sections), foot, said, (picture,))
 
 
 def _whose(one: LobeResult) -> str:

@@ -262,8 +262,9 @@ def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) ->
         degrees = 360 * unseen_sector(frame.inside(points))[1]
         if degrees < 15:
             raise
+        reason = str(error).partition(";")[0]
         raise InputError(
-            f"{str(error).partition(';')[0]}: no point is in a sector of {degrees:.0f} degrees about the axis; scan that side too and join both clouds"
+            f"{reason}: no point is in a sector of {degrees:.0f} degrees about the axis; scan that side too and join both clouds"
         ) from error
 
 
