@@ -42,7 +42,7 @@ def _of_cycles(found: ModelAgainstTest, test: MeasuredCycles, best: RunAgainstTe
     rms, reach = best.agreement.rms * factor, float(np.ptp(mean))
     share = f", {100 * rms / reach:.2g} % of its range" if reach > 0 else ""
     return (
-        f"{best.label} follows the {label_of(test.quantity)} within {number(rms, 3)} {unit} (root mean square{share}); "
+        f"{best.label} is {number(rms, 3)} {unit} off the {label_of(test.quantity)} of the test (root mean square{share}); "
         f"its largest is {number(float(curve.max()), 4)} {unit}, test {number(float(mean.max()), 4)} {unit}"
     )
 

@@ -151,7 +151,7 @@ def odd(found: Identified) -> list[Predicted]:
 
 #: Quantities that the verdict tells, and share of the prior's variance below which the data have not
 #: determined one.
-MAX_TOLD, LEARNED = 3, 0.5
+MAX_NAMED, LEARNED = 3, 0.5
 
 
 def identified_verdict(found: Identified) -> str:
@@ -163,7 +163,7 @@ def identified_verdict(found: Identified) -> str:
     known = [k for k in order if branch.information.determined[k] >= LEARNED]
     open_ = [_plain_name(found.unknowns[k].name) for k in order if k not in known]
     parts = []
-    for index in known[:MAX_TOLD]:
+    for index in known[:MAX_NAMED]:
         one = found.unknowns[index]
         interval = branch.quantities[one.name]
         low, best, high = (
@@ -172,11 +172,11 @@ def identified_verdict(found: Identified) -> str:
         parts.append(
             f"{_plain_name(one.name)} {best} {unit_text(one.unit)}".rstrip() + f" ({low} to {high})"
         )
-    if len(known) > MAX_TOLD:
-        parts.append(f"{len(known) - MAX_TOLD} more")
+    if len(known) > MAX_NAMED:
+        parts.append(f"{len(known) - MAX_NAMED} more")
     said = ", ".join(parts) or "The data determine nothing"
     if parts and open_:
-        said += f"; not determined: {', '.join(open_[:MAX_TOLD])}"
+        said += f"; not determined: {', '.join(open_[:MAX_NAMED])}"
     missed, fitted = odd(found), len(found.predicted)
     if missed:
         verb = "is" if len(missed) == 1 else "are"

@@ -61,18 +61,23 @@ LISTED, MAX_LISTED = 12, 300
 def points_page(table: StudyTable) -> Page:
     """The whole page."""
     plan, named = table.plan, list[Section]()
-    for place, run in enumerate(plan.runs[:MAX_RUNS]):
-        blocks = _figures_of(table, run, f"run-{place}")
-        if blocks:
-            named.append(Section(f"run-{place}", run_label(run) or "Points", tuple(blocks)))
-    picture, named = _opening(table, named)
+    lines = _values_at_points(table)
+    if lines:
+        picture, rest = lines[:1], lines[1:]
+        named += [Section("points", "Every point", rest)] if rest else []
+    else:
+        for place, run in enumerate(plan.runs[:MAX_RUNS]):
+            blocks = _figures_of(table, run, f"run-{place}")
+            if blocks:
+                named.append(Section(f"run-{place}", run_label(run) or "Points", tuple(blocks)))
+        picture, named = _opening(named)
     few = text(f"Figures of the first {MAX_RUNS} runs follow.", "note")
-    answers = (*_answers(table), *([few] if len(plan.runs) > MAX_RUNS else []))
+    answers = (*_answers(table), *([few] if len(plan.runs) > MAX_RUNS and not lines else []))
     sections = [Section("answers", "What comes out", answers), *named]
     if table.failures:
         sections.append(Section("failed", "Points that failed", _failed(table)))
-    asked = (varied_grid(table),)
-    sections.append(Section("asked", "What was varied", asked, folded=True))
+    request = (varied_grid(table),)
+    sections.append(Section("asked", "What was varied", request, folded=True))
     done = int(np.count_nonzero(table.completed))
     facts = (
         ("case", plan.case_name), ("points", f"{done} of {len(table)} completed"), ("sampler", plan.sampler.shown_name),
@@ -113,15 +118,16 @@ def _figures_of(table: StudyTable, run: Run, key: str) -> list[Block]:
     return blocks
 
 
-def _opening(table: StudyTable, named: list[Section]) -> tuple[tuple[Block, ...], list[Section]]:
-    """The picture: of a list the value at every point, else the first figure, which leaves its
-    section.
-    """
-    if table.plan.sampler.word == "list" and not changed_alone(table):
-        name = next((one for one in table.outputs if np.isfinite(table.column(one)).any()), "")
-        picture = figure_or_gap("values", values_chart, table, name, "opening") if name else ()
-        if picture:
-            return picture, named
+def _values_at_points(table: StudyTable) -> tuple[Block, ...]:
+    """Of a list every output at every point; nothing where one quantity at a time is changed."""
+    if table.plan.sampler.word != "list" or changed_alone(table):
+        return ()
+    charts = (figure_or_gap(name, values_chart, table, name, name) for name in table.outputs)
+    return tuple(block for blocks in charts for block in blocks)
+
+
+def _opening(named: list[Section]) -> tuple[tuple[Block, ...], list[Section]]:
+    """The first figure as the picture, which leaves its section."""
     for place, section in enumerate(named):
         first = next((block for block in section.blocks if isinstance(block, Figure)), None)
         if first is not None:
@@ -197,7 +203,7 @@ def sentences(table: StudyTable) -> tuple[str, ...]:
 
 
 def _answers(table: StudyTable) -> tuple[Block, ...]:
-    told = tuple(text(sentence) for sentence in sentences(table))
+    lines = tuple(text(sentence) for sentence in sentences(table))
     heads, rows, right = answer_table(table)
     cells = [
         (tuple(Cell(one, "number" if k in right else "") for k, one in enumerate(row)), ())
@@ -205,12 +211,12 @@ def _answers(table: StudyTable) -> tuple[Block, ...]:
     ]
     grid = Grid(heads, tuple(cells[:LISTED]))
     if len(cells) <= LISTED:
-        return (*told, grid)
+        return (*lines, grid)
     rest = Grid(heads, tuple(cells[LISTED:MAX_LISTED]))
     more = f"{len(rest.rows)} more rows"
     if len(cells) > MAX_LISTED:
         more += f" of {len(cells) - LISTED}; points.csv has all"
-    return (*told, grid, Details(more, (rest,)))
+    return (*lines, grid, Details(more, (rest,)))
 
 
 def shares_grid(one: Sensitivity) -> Grid:

@@ -107,8 +107,8 @@ def point_table(
         *map(output_label, table.outputs),
     )
     first = 1 + len(varied)
-    words = {first} if several else set()
-    return heads, rows, tuple(k for k in range(len(heads)) if k not in words)
+    texts_at = {first} if several else set()
+    return heads, rows, tuple(k for k in range(len(heads)) if k not in texts_at)
 
 
 def _texts(values: Array) -> tuple[str, ...]:
@@ -131,11 +131,11 @@ def values_chart(table: StudyTable, name: str, key: str) -> Chart | None:
         label, known = run_label(run) or definition_of(name).label, values[there, place]
         layers.append(Marks(known, height[there], label, colour, filled=True, size=9.0))
     panel = _lines(table, output_label(name), layers, list(range(count)), height)
-    title = definition_of(name).label
+    title, every = definition_of(name).label, len(table.plan.runs)
     return Chart(
         f"{key}-values",
         f"{title[:1].upper()}{title[1:]} at every point",
-        "",
+        f"The first {MAX_SERIES} of {every} runs." if every > MAX_SERIES else "",
         (panel,),
         1,
         110 + LINE * count,
@@ -169,6 +169,14 @@ def changes_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
     )
 
 
+def _reach(layers: list[Layer], zero: float | None) -> tuple[float, float] | None:
+    """The values with room on both sides for their marks; None where all are one."""
+    values = np.concatenate([np.asarray(layer.x, dtype=float) for layer in layers])
+    values = np.append(values[np.isfinite(values)], [] if zero is None else [zero])
+    room = 0.06 * float(np.ptp(values))
+    return (float(values.min()) - room, float(values.max()) + room) if room > 0 else None
+
+
 def _lines(
     table: StudyTable,
     label: str,
@@ -184,6 +192,7 @@ def _lines(
         label,
         "",
         tuple(layers),
+        x_range=_reach(layers, zero),
         y_range=(-0.7, len(points) - 0.3),
         y_tick_labels=ticks,
         rules=() if zero is None else (Rule("x", zero),),

@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.lift.band import LiftBandStudy
-    from valvetrain.lift.figures import LiftFigure
-    from valvetrain.lift.page import LobeResult
+    from valvetrain.lift.figures import LiftFigure, LobeResult
     from valvetrain.measured.lift_file import LiftAnswers
     from valvetrain.runs.cost import Limits
 
@@ -281,8 +280,7 @@ def _lobes(request: _Request) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]
     """
     from dataclasses import replace
 
-    from valvetrain.lift.figures import lift_figures, pair_figures
-    from valvetrain.lift.page import LobeResult
+    from valvetrain.lift.figures import LobeResult, lift_figures, pair_figures
     from valvetrain.measured.lift_file import read_lift
     from valvetrain.measured.lift_smoothing import smooth_lift
 

@@ -5,7 +5,6 @@ their bands.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +12,10 @@ import numpy as np
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
-from valvetrain.lift.figures import LiftFigure
-from valvetrain.measured.lift_file import MeasuredLift
+from valvetrain.lift.figures import LiftFigure, LobeResult
+from valvetrain.lift.verdict import lift_verdict
 from valvetrain.measured.lift_formats import LiftFormat, LiftTable
-from valvetrain.measured.lift_smoothing import BAND, SmoothedLift
+from valvetrain.measured.lift_smoothing import BAND
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import parse_case
@@ -40,15 +39,6 @@ CARRIED = (
     "seating_velocity", "bounce_height", "clash_energy", "surge_amplitude_force", "peak_valve_acceleration", "peak_shear_stress",
     "rigid_contact_loss_engine_speed", "contact_loss_engine_speed", "float_engine_speed", "bounce_engine_speed",
 )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class LobeResult:
-    """One lobe: as measured, smoothed, and its figures."""
-
-    measured: MeasuredLift
-    smoothed: SmoothedLift
-    figures: tuple[LiftFigure, ...]
 
 
 def lift_page(
@@ -105,8 +95,6 @@ def lift_page(
         "The curves are the law behind the measured stations. The bands hold 95 % of the laws that these stations allow; where a band is "
         "wide, the table leaves it open."
     )
-    from valvetrain.lift.verdict import lift_verdict
-
     foot, said = "Angles are cam degrees.", lift_verdict(lobes)
     return Page(title, "Measured lift", lead, facts, tuple(sections), foot, said, (picture,))
 

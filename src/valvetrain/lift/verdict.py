@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from valvetrain.lift.page import LobeResult, figure_rows
+from valvetrain.lift.figures import LiftFigure, LobeResult
+from valvetrain.report.text import number
+from valvetrain.units import unit_factor
 
 #: Standard deviations from which a station is off the law.
 OFF = 4.0
@@ -18,28 +20,22 @@ def lift_verdict(lobes: Sequence[LobeResult]) -> str:
 
 
 def _lobe(one: LobeResult, named: bool) -> str:
-    values = {
-        figure.name: (text, unit)
-        for figure, (_, text, _, unit) in zip(one.figures, figure_rows(one.figures), strict=True)
-    }
     name = f"{one.measured.name} {one.measured.lift_of}" if named else one.measured.lift_of
-    parts = [f"{name} lift {_text(values['peak_lift'])}".capitalize()]
-    duration = next((key for key in values if key.startswith("duration_at")), None)
-    if duration is not None:
-        figure = next(row for row in one.figures if row.name == duration)
-        parts.append(f"{figure.label} {_text(values[duration])} of the cam")
+    parts = []
+    for figure in one.figures:
+        if figure.name == "peak_lift":
+            parts.append(f"{name} lift {_shown(figure)}".capitalize())
+        elif figure.name.startswith("duration_at"):
+            parts.append(figure.label.replace("duration", f"duration {_shown(figure)}"))
+            break
     lift = one.smoothed
     noise = f"noise {1e6 * lift.noise:.2g} µm"
     off = int(np.count_nonzero(np.abs(lift.residuals) > OFF * lift.noise))
-    verb = "lies" if off == 1 else "lie"
-    parts.append(
-        f"{noise}, {off} of {len(lift.residuals)} stations {verb} off the law"
-        if off
-        else f"{noise}, every station fits"
-    )
-    return ", ".join(parts)
+    verb = "is" if off == 1 else "are"
+    stations = f"{off} of {len(lift.residuals)} stations {verb} off the law"
+    return ", ".join([*parts, noise, stations if off else "every station fits"])
 
 
-def _text(pair: tuple[str, str]) -> str:
-    value, unit = pair
-    return f"{value} {'degrees' if unit == 'deg' else unit}"
+def _shown(figure: LiftFigure) -> str:
+    unit = "cam degrees" if figure.unit == "deg" else figure.unit
+    return f"{number(figure.value / unit_factor(figure.unit), 4)} {unit}"

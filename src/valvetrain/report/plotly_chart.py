@@ -239,8 +239,12 @@ def _add_axes(
             "tickmode": "array",
             "tickvals": list(places),
             "ticktext": [plain(one) for one in label],
-            "showticklabels": not narrow,
         }
+        if narrow:  # no room beside the lines, so each label stands on its own
+            y_axis |= {
+                "ticklabelposition": "inside top",
+                "tickfont": {"size": 10.5, "color": theme.MUTED},
+            }
     layout[f"yaxis{suffix}"] = common | y_axis
     _add_furniture(layout, panel, suffix, x_domain, y_domain, parted)
 

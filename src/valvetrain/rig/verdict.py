@@ -1,4 +1,4 @@
-"""The verdict on a recording: cycles that were kept, the largest value of its channels, and where
+"""The verdict on a recording: cycles that were retained, the largest value of its channels, and where
 its mark lies.
 """
 
@@ -17,10 +17,12 @@ MAX_CHANNELS = 2
 
 def rig_verdict(result: RigResult) -> str:
     """The sentence; cycles that were left out come first."""
-    kept, every = len(result.retained), result.grid.cycles
+    retained, every = len(result.retained), result.grid.cycles
     lead = "Synthetic recording: " if result.synthetic else ""
     counted = (
-        f"{every} cycle{'s' * (every != 1)}" if kept == every else f"{kept} of {every} cycles kept"
+        f"{every} cycle{'s' * (every != 1)}"
+        if retained == every
+        else f"{retained} of {every} cycles retained"
     )
     rpm = float(result.grid.cam_speeds[list(result.retained)].mean()) * 30 / np.pi
     parts = []

@@ -352,12 +352,12 @@ def _unseen(fitted: FittedSpring, wire: Wire) -> list[str]:
         notes.append(
             f"no point is in a sector of {360 * width:.0f} degrees about the axis; the smooth curve bridges it on every coil"
         )
-        words = ("upper", "lower") if wire.turned_over else ("lower", "upper")
-        for word, tip, side in zip(words, fitted.tips, (-1, 1), strict=True):
+        names = ("upper", "lower") if wire.turned_over else ("lower", "upper")
+        for name, tip, side in zip(names, fitted.tips, (-1, 1), strict=True):
             beyond = np.mod(fitted.tube.hand * (tip + 0.5 * side * width) - begin, 1.0)
             if beyond < width:
                 notes.append(
-                    f"the {word} tip is at the edge of that sector or in it, so the wire may be up to {width:.2f} turns longer there"
+                    f"the {name} tip is at the edge of that sector or in it, so the wire may be up to {width:.2f} turns longer there"
                 )
     share = float(np.mean(np.abs(fitted.on.left) < 4 * fitted.tube.noise))
     if share < EXPLAINED:

@@ -17,21 +17,19 @@ def card_verdict(fit: SpringFit) -> str:
     made = (
         f"{number(wire.total_coils, 4)} turns of {number(1e3 * wire.free_length, 4)} mm free length"
     )
-    asked = [one for one in fit.held if one.requested]
+    requested = [one for one in fit.held if one.requested]
     missed = [
         f"{ROWS[one.quantity][0]} by {percent(one.found / one.requested - 1)}"
-        for one in asked
+        for one in requested
         if one.requested and abs(one.found / one.requested - 1) > MISSED
     ]
     if missed:
-        said = f"{made} miss {' and '.join(missed)} of the card, the other {len(asked) - len(missed)} numbers are met within 1 %"
+        said = f"{made} miss {' and '.join(missed)} of the card, the other {len(requested) - len(missed)} numbers are met within 1 %"
     else:
         worst = max(
-            (abs(one.found / one.requested - 1) for one in asked if one.requested), default=0.0
+            (abs(one.found / one.requested - 1) for one in requested if one.requested), default=0.0
         )
-        said = (
-            f"{made} meet all {len(asked)} numbers of the card within {max(100 * worst, 0.1):.1f} %"
-        )
+        said = f"{made} meet all {len(requested)} numbers of the card within {max(100 * worst, 0.1):.1f} %"
     left = len(fit.free)
     return f"{said}; the card left {left} point{'s' * (left != 1)} open."
 
