@@ -85,8 +85,8 @@ def point_table(
     if count <= MAX_SIDE:
         for index, values in zip(varied, inputs, strict=True):
             one = table.plan.varied[index]
-            texts = (number(float(value), 5) for value in values)
-            rows.append((one.shown_name, *([""] * several), *texts, unit_text(one.unit)))
+            own = [number(float(value), 5) for value in values]
+            rows.append((one.shown_name, *([""] * several), *own, unit_text(one.unit)))
         for place, run in enumerate(runs):
             for name in table.outputs:
                 row, texts = definition_of(name), _texts(outputs[name][:, place])
@@ -123,7 +123,7 @@ def values_chart(table: StudyTable, name: str, key: str) -> Chart | None:
     values = shown_output(table, name).reshape(count, -1)
     if not 2 <= count <= MAX_LINES or not np.any(np.isfinite(values)):
         return None
-    height = count - 1.0 - np.arange(count)
+    height: Array = np.arange(count, dtype=float)[::-1]
     layers: list[Layer] = []
     for place, run in enumerate(runs):
         there = np.isfinite(values[:, place])
@@ -152,7 +152,7 @@ def changes_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
         return None
     points = sorted(alone, key=lambda point: (alone[point], point))
     change = np.array([values[point] - values[0] for point in points])
-    height = len(points) - 1.0 - np.arange(len(points))
+    height: Array = np.arange(len(points), dtype=float)[::-1]
     there = np.isfinite(change)
     strokes = np.column_stack([np.zeros_like(change), change, np.full_like(change, np.nan)])[there]
     layers: list[Layer] = [

@@ -80,10 +80,12 @@ def _best(table: StudyTable, name: str) -> str:
         return f"the {_label(name)} is {_shown(name, values[low])} at every point{runs}"
     sense = definition_of(name).sense
     if not sense:
-        ends = [f"{_shown(name, values[k])} with {point_label(table, k)}" for k in (low, high)]
-        return f"the {_label(name)} is between {ends[0]} and {ends[1]}{runs}"
+        least, most = (
+            f"{_shown(name, values[k])} with {point_label(table, k)}" for k in (low, high)
+        )
+        return f"the {_label(name)} is between {least} and {most}{runs}"
     best, other = (high, low) if sense == "larger is better" else (low, high)
-    costs = []
+    costs: list[str] = []
     for one in table.outputs:
         if one == name or not definition_of(one).sense or not _known(table, one):
             continue

@@ -285,7 +285,8 @@ class StudyTable(Reported):
                     ends = (_shown(name, float(one)) for one in (np.min(found), np.max(found)))
                     said = " to ".join(f"{one:.5g}" for one in ends) + f" {unit}"
                 lines.append(f"  {label_of(name)}: {said}".rstrip())
-        lines += [f"  {one.sentence}" for one in (*self.sensitivities, *self.surrogates)]
+        lines += [f"  {one.sentence}" for one in self.sensitivities]
+        lines += [f"  {one.sentence}" for one in self.surrogates]
         first: str = find("displays", "verdict")(self)
         return "\n".join([first, *lines] if first else lines)
 

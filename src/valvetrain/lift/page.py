@@ -62,9 +62,8 @@ def lift_page(
         sections.append(Section("pair", "Both lobes", (figure_grid(pair),)))
     picture = Figure(derivatives_chart(lobes[0]))
     for one in lobes:
-        drawn = (Figure(residuals_chart(one)),)
-        if one is not lobes[0]:
-            drawn = (Figure(derivatives_chart(one)), *drawn)
+        other = () if one is lobes[0] else (Figure(derivatives_chart(one)),)
+        drawn = (*other, Figure(residuals_chart(one)))
         sections.append(
             Section(f"curves-{one.measured.name}", f"Lift and derivatives, {_whose(one)}", drawn)
         )
