@@ -366,6 +366,7 @@ def _spared(plan: OptimumPlan) -> Stop:
     return stop
 
 
+@renamed()
 @shows_progress("optimise")
 def optimise(
     file: str | os.PathLike[str],
@@ -424,6 +425,7 @@ def optimise(
     return search_plan(read_optimum(text), workers, dask, output, limit, progress)
 
 
+@renamed()
 @shows_progress("optimise")
 def search_plan(
     plan: OptimumPlan,
