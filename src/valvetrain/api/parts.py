@@ -253,10 +253,10 @@ class Spring:
         ... )
         >>> spring.modes(5)
         SpringModes: 5 modes
-          422.24 Hz, surge, 92% axial
-          463 Hz, lateral, 5% axial
-          519.3 Hz, lateral, 12% axial
-          530.5 Hz, lateral, 8% axial
+          422.24 Hz, surge, 91% axial
+          463.04 Hz, lateral, 5% axial
+          519.26 Hz, lateral, 12% axial
+          530.45 Hz, lateral, 8% axial
           821.2 Hz, surge, 87% axial
         """
         from valvetrain.springs.finite_element import FiniteElementRod
@@ -268,7 +268,9 @@ class Spring:
                 "modes",
             )
         if not (isinstance(count, (int, np.integer)) and count >= 1):
-            raise InputError(f"modes are counted from one; count is {clipped(repr(count))}", "count")
+            raise InputError(
+                f"modes are counted from one; count is {clipped(repr(count))}", "count"
+            )
         built = self._built("finite-element")
         assert isinstance(built, FiniteElementRod)
         return spring_modes(built, int(count))

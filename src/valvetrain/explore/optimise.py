@@ -29,6 +29,7 @@ from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, available_cores
+from valvetrain.units import renamed
 
 #: Trials of the first round or rounds, drawn evenly before the search learns; and for each varied
 #: quantity.

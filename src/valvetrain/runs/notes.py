@@ -12,12 +12,12 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.quantities.statics import formula_compression
-from valvetrain.runs.prepared import largest_lift, law_lift, prepare
+from valvetrain.runs.prepared import FAILURES, largest_lift, law_lift, prepare
 from valvetrain.solution.later import replaced
 from valvetrain.solution.result import Solution
-from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
+from valvetrain.units import believed
 
 
 def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
@@ -71,12 +71,17 @@ def chain_notes(members: Iterable[Member]) -> tuple[str, ...]:
 def _chain_note(member: Member, spring: InstalledSpring) -> str:
     from valvetrain.springs.chain_from_rod import match  # most runs have no chain of a wire
 
-    if not getattr(member.model.read_options(spring.options_of("multi-mass")), "from_rod", False):
+    given = dict(spring.options_of("multi-mass"))
+    if not getattr(member.model.read_options(given), "from_rod", False):
         return ""
-    uncorrected = spring.with_options("multi-mass", from_rod=False)
-    chain = member.model.build(uncorrected)
-    assert isinstance(chain, MultiMassSpring)
-    compared, name = match(chain, spring), f"The chain of spring '{spring.name}'"
+    try:
+        options = member.model.read_options(given | {"from_rod": False})
+        with believed():
+            chain = member.model.make(spring, options, None)
+            compared = match(chain, spring)
+    except FAILURES:  # its run says why
+        return ""
+    name = f"The chain of spring '{spring.name}'"
     if compared is None:
         return (
             f"{name} has rate and frequency by formula, some per cent high: its rod, which it would take them from, "
@@ -85,7 +90,7 @@ def _chain_note(member: Member, spring: InstalledSpring) -> str:
     second = compared.second_error
     high = "" if second is None else f", its second frequency {percent(second)} off"
     return (
-        f"{name} takes force at mid travel and first frequency ({compared.frequency:.0f} Hz) from its rod. Its force at rest is "
+        f"{name} takes force at mid travel and first frequency ({compared.surge_frequency:.0f} Hz) from its rod. Its force at rest is "
         f"then within {percent(compared.force_error)} of the rod's{high}, and it has no sway: forces of surge and clash "
         "are estimates, which '--spring finite-element' has right."
     )

@@ -105,9 +105,9 @@ class ModalResult(Saveable):
         return frame(columns, "mode", {"natural_frequency": "Hz", "axial_transmission": "1"})
 
 
-#: Share of a mode's kinetic energy along the axis from which it is called axial, and below which
+#: Share of a mode's kinetic energy along the axis from which it can be surge, and below which it is
 #: lateral.
-AXIAL, LATERAL = 2 / 3, 1 / 3
+AXIAL, LATERAL = 1 / 2, 1 / 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,13 +134,14 @@ class SpringModes:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """The kind of each mode: ``surge`` (of that series, two thirds or more of its energy along the
-        axis), ``lateral`` (less than a third along the axis) or ``coupled``.
+        """The kind of each mode: ``surge`` (of that series, as far up as half of the energy or more is
+        along the axis), ``lateral`` (less than a third along the axis) or ``coupled``.
         """
-        pairs = zip(self.surge.tolist(), self.axial_share.tolist(), strict=True)
+        weak = np.flatnonzero(self.surge & (self.axial_share < AXIAL))
+        end = int(weak[0]) if len(weak) else len(self.surge)
         return tuple(
-            "surge" if surge and share >= AXIAL else "lateral" if share < LATERAL else "coupled"
-            for surge, share in pairs
+            "surge" if surge and place < end else "lateral" if share < LATERAL else "coupled"
+            for place, (surge, share) in enumerate(zip(self.surge, self.axial_share, strict=True))
         )
 
     @property

@@ -6,20 +6,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import DampingParameters, InstalledSpring
-from valvetrain.springs.chain_statics import solve_static
+from valvetrain.springs.chain_statics import static_curve
 from valvetrain.springs.finite_element import SPEC as ROD
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_statics import equilibrium_at
-from valvetrain.springs.multi_mass import MultiMassSpring
 
-#: Elements per coil of the rod: force within 0.1 %, first frequency within 0.4 % of 24.
+#: Elements per coil of the rod: force within 0.3 %, first frequency within 0.4 % of 24.
 ELEMENTS_PER_COIL = 12
 #: Places over the travel to solid at which chain and rod are compared; the correction is made at the
 #: second, where few coils have closed.
@@ -34,23 +33,24 @@ FAILURES = (InputError, ArithmeticError, ValueError, RuntimeError)
 
 
 class RodReference(NamedTuple):
-    """The rod of a spring at rest: ``forces`` (N) at :data:`PLACES`, first surge ``frequencies``
+    """The rod of a spring at rest: ``forces`` (N) at :data:`PLACES`, first ``surge_frequencies``
     (Hz) at the middle one, one or two.
     """
 
     forces: tuple[float, ...]
-    frequencies: tuple[float, ...]
+    surge_frequencies: tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class ChainMatch:
     """A chain next to its rod: ``force_error``, the largest at rest, and ``second_error`` of the
-    second surge frequency (None where the rod shows none), over the rod's; ``frequency`` (Hz) is
-    the first, which both share.
+    second surge frequency (None where the rod shows none), over the rod's; ``surge_frequency`` (Hz)
+    is the first, which both share. ``chain`` is a
+    :class:`~valvetrain.springs.multi_mass.MultiMassSpring`.
     """
 
-    chain: MultiMassSpring
-    frequency: float
+    chain: Any
+    surge_frequency: float
     force_error: float
     second_error: float | None
 
@@ -66,7 +66,8 @@ def _reference(spring: InstalledSpring) -> RodReference | None:
     if spring.wire.total_coils > MAX_COILS:
         return None
     try:
-        rod = ROD.build(spring.with_options("finite-element", elements_per_coil=ELEMENTS_PER_COIL))
+        options = ROD.read_options({"elements_per_coil": ELEMENTS_PER_COIL})
+        rod = ROD.make(spring, options, None)
         assert isinstance(rod, FiniteElementRod)
         path = [equilibrium_at(rod, spring.precompression + y) for y in _lifts(spring)]
         modes = natural_modes(rod.statics, path[MID].state, MODES)
@@ -84,7 +85,7 @@ def _lifts(spring: InstalledSpring) -> list[float]:
     return [share * spring.room for share in PLACES]
 
 
-def match(chain: MultiMassSpring, spring: InstalledSpring) -> ChainMatch | None:
+def match(chain: Any, spring: InstalledSpring) -> ChainMatch | None:
     """The ``chain`` of a wire with its stiffness scaled to the force of the rod at mid travel and
     its masses to the rod's first surge frequency there; None where that cannot be had.
     """
@@ -96,19 +97,19 @@ def match(chain: MultiMassSpring, spring: InstalledSpring) -> ChainMatch | None:
     for _ in range(4):  # coils that have closed carry a part that is not scaled
         scale *= found.forces[MID] / _force(stiff, lifts[MID])
         stiff = replace(chain, layout=replace(layout, stiffness=layout.stiffness * scale))
-    heavier = (stiff.frequencies(lifts[MID], 1)[0] / found.frequencies[0]) ** 2
+    heavier = (stiff.frequencies(lifts[MID], 1)[0] / found.surge_frequencies[0]) ** 2
     if not all(CREDIBLE[0] < factor < CREDIBLE[1] for factor in (scale, heavier)):
         return None
     corrected = replace(stiff, layout=replace(stiff.layout, masses=layout.masses * heavier))
     forces = np.array([_force(corrected, lift) for lift in lifts])
     second = None
-    if len(found.frequencies) > 1 and corrected.unknowns > 1:
+    if len(found.surge_frequencies) > 1 and corrected.unknowns > 1:
         own = corrected.frequencies(lifts[MID], 2)[1]
-        second = float(own / found.frequencies[1] - 1)
+        second = float(own / found.surge_frequencies[1] - 1)
     error = float(np.max(np.abs(forces - found.forces))) / max(found.forces)
-    return ChainMatch(corrected, found.frequencies[0], error, second)
+    return ChainMatch(corrected, found.surge_frequencies[0], error, second)
 
 
-def _force(chain: MultiMassSpring, lift: float) -> float:
-    nodes = solve_static(chain.layout, chain.precompression + lift)
-    return float(-chain._node_forces(nodes, np.zeros_like(nodes))[0][-1])
+def _force(chain: Any, lift: float) -> float:
+    at = np.array([chain.precompression + lift])
+    return float(static_curve(chain.layout, at)[0][0])
