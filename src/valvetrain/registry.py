@@ -27,6 +27,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "quantities": ("valvetrain.quantities", "table of quantities"),
     "sections": ("valvetrain.sections", "section of the report"),
     "results": ("valvetrain.results", "kind of result"),
+    "verdicts": ("valvetrain.verdicts", "verdict"),
     "displays": ("valvetrain.displays", "display"),
     "files": ("valvetrain.files", "writer of a result"),
     "commands": ("valvetrain.commands", "command"),
@@ -99,8 +100,16 @@ BUILT_IN["results"] = {
     "TesterFit": "valvetrain.spring_card.page:tester_page",
     "ModelAgainstTest": "valvetrain.compare_test.page:compare_test_page",
 }
+#: Class of a result -> the function that gives its one sentence, without end of line.
+BUILT_IN["verdicts"] = {
+    "Solution": "valvetrain.report.run_verdict:solution_verdict",
+    "Study": "valvetrain.report.run_verdict:study_verdict",
+    "FidelityMap": "valvetrain.report.model_verdict:fidelity_verdict",
+    "UncertaintyStudy": "valvetrain.report.model_verdict:refine_verdict",
+}
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
+    "verdict": "valvetrain.report.verdict:verdict_of",
     "html": "valvetrain.report.notebook:html_of",
     "picture": "valvetrain.report.notebook:picture_of",
     "figure": "valvetrain.report.notebook:figure_of",
@@ -208,7 +217,6 @@ BUILT_IN["sections"] = {
     "gu2021": "valvetrain.report.sections.gu2021:SPEC",
     "uncertainty": "valvetrain.report.sections.published:UNCERTAINTY_SPEC",
     "force": "valvetrain.report.sections.curves:FORCE_SPEC",
-    "in-motion": "valvetrain.report.sections.curves:IN_MOTION_SPEC",
     "coils": "valvetrain.report.sections.coils:COILS_SPEC",
     "motion": "valvetrain.report.sections.curves:MOTION_SPEC",
     "train": "valvetrain.report.sections.curves:TRAIN_SPEC",

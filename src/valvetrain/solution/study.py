@@ -15,7 +15,7 @@ from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
-from valvetrain.solution.display import table_and_picture, value_text
+from valvetrain.solution.display import table_and_picture, value_text, verdict_first
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.later import LaterField
 from valvetrain.solution.provenance import CaseRecord, Provenance
@@ -124,7 +124,7 @@ class Study(Reported):
         if self.critical_speeds.rows:
             lines += repr(self.critical_speeds).splitlines()
         lines += [f"note: {text}" for text in self.notes]
-        return "\n  ".join(lines)
+        return verdict_first(self, lines)
 
     def _unsettled(self) -> list[str]:
         """A line per label on the runs of a sweep whose motion does not settle, which is a finding."""
