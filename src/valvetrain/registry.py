@@ -41,6 +41,7 @@ BUILT_IN["commands"] = {
     "run": "valvetrain.cli.run:register_run",
     "compare": "valvetrain.cli.run:register_compare",
     "sweep": "valvetrain.cli.run:register_sweep",
+    "compare-springs": "valvetrain.cli.compare_springs:register",
     "study": "valvetrain.explore.points_command:register",
     "optimise": "valvetrain.explore.points_command:register_optimise",
     "run-up": "valvetrain.cli.run:register_run_up",

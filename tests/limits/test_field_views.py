@@ -13,6 +13,7 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import UnusualValueWarning
 from valvetrain.parameters.loading import parse_case
+from valvetrain.report.chart import Line, Panel, label_heights
 from valvetrain.report.page import charts, gaps_of
 from valvetrain.report.sections import cam_contact, lift_by_speed, piston, strength
 from valvetrain.system.build import build, lift_law_of
@@ -181,3 +182,18 @@ def test_stress_beside_the_strength_of_the_wire():
     assert point.x[0] == pytest.approx(found["nominal_minimum_shear_stress"] * 1e-6)
     assert point.y[0] == pytest.approx(found["nominal_peak_shear_stress"] * 1e-6)
     assert chart.panels[0].rules[0].value == found["permitted_shear_stress"] * 1e-6
+
+
+def test_labels_of_two_springs_on_an_order_map_do_not_overlap():
+    """Lines that end close to each other, some below the top: labels a step apart, in their order,
+    within the panel.
+    """
+    ends = [5.0, 5.2, 5.3, 39.9, 40.0]
+    lines = tuple(
+        Line(np.array([1e3, 8e3]), np.array([30.0, end]), str(end), "#000000", direct=str(end))
+        for end in ends
+    )
+    panel = Panel("", "", lines, x_range=(1e3, 8e3), y_range=(0.5, 40.5))
+    heights = [label_heights(panel)[place] for place in range(len(ends))]
+    assert np.all(np.diff(heights) >= 0.054 * 40) and max(heights) <= 40.5
+    assert heights[0] == 5.0  # the lowest stays at its line

@@ -10,7 +10,7 @@ import select
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -111,6 +111,15 @@ class Outcome:
     data: Mapping[str, Any]
     show: Callable[[Console], None]
     failures: tuple[str, ...] = ()
+
+    def ending_with(self, sentence: str) -> Outcome:
+        """The outcome with a last line for people."""
+
+        def show(console: Console) -> None:
+            self.show(console)
+            console.print(f"\n{sentence}", soft_wrap=True)
+
+        return replace(self, show=show)
 
 
 def deliver(outcome: Outcome) -> None:

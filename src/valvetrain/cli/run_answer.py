@@ -165,7 +165,7 @@ class StudyRequest:
     created_at: datetime
 
 
-def _shared(
+def shared_options(
     case: CaseArgument,
     engine_speed: SpeedOption = None,
     spring: SpringOption = None,
@@ -221,7 +221,7 @@ def run_command(function: Callable[..., None]) -> Callable[..., None]:
     An own option that :data:`valvetrain.cli.options.IN_EVERY_SPRING` knows is set in the case.
     """
     own = list(inspect.signature(function).parameters.values())[1:]
-    shared = list(inspect.signature(_shared).parameters.values())[:-1]
+    shared = list(inspect.signature(shared_options).parameters.values())[:-1]
 
     @functools.wraps(function)
     def command(**given: Any) -> None:
@@ -236,9 +236,11 @@ def run_command(function: Callable[..., None]) -> Callable[..., None]:
             )
         options = {f"--{name.replace('_', '-')}": value for name, value in mine.items()}
         more = {option: value for option, value in options.items() if option in IN_EVERY_SPRING}
-        function(StudyRequest(command=function.__name__, **_shared(**given, more=more)), **mine)
+        function(
+            StudyRequest(command=function.__name__, **shared_options(**given, more=more)), **mine
+        )
 
-    hints = get_type_hints(_shared, include_extras=True) | {
+    hints = get_type_hints(shared_options, include_extras=True) | {
         name: hint
         for name, hint in get_type_hints(
             function, vars(sys.modules[function.__module__]), include_extras=True
@@ -260,12 +262,13 @@ def answer_study(
     request: StudyRequest,
     compute: Callable[[Report, Finished], Study],
     choices: Mapping[str, Any] = MappingProxyType({}),
+    last: Callable[[Study], str] | None = None,
 ) -> None:
     """Compute the study, save its folder and print its answer; a stopped one saves what was
     finished.
 
     ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was
-    further choices, saved among the inputs.
+    further choices, saved among the inputs; ``last``: the sentence that ends the answer.
     """
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
@@ -293,6 +296,8 @@ def answer_study(
                 complain(sentence)
         raise
     outcome = _saved_outcome(request, study, choices, unfinished)
+    if last is not None:
+        outcome = outcome.ending_with(last(study))
     if not stopped:
         deliver(outcome)
         return

@@ -334,9 +334,10 @@ def of_bucket(train: TrainModel | None, law: LiftModel | None) -> LiftModel | No
 
     A card that gives another one is refused with its own place.
     """
-    if train is None or train.kind != "direct" or "rocker_ratio" not in type(law).model_fields:
+    if train is None or law is None or train.kind != "direct":
         return law
-    assert law is not None
+    if "rocker_ratio" not in type(law).model_fields:
+        return law
     ratio = getattr(law, "rocker_ratio", None)
     if ratio not in (None, 1.0):
         raise problem(

@@ -69,11 +69,11 @@ def clearance_chart(study: Study, runs: list[Solution], key: str, title: str) ->
         )
     if not least:
         return None
-    gap, angle = min(least)
-    side = "after" if angle >= 0 else "before"
+    gap, at = min(least)
+    side = "after" if at >= 0 else "before"
     caption = (
         "Distance of valve and piston crown along the cylinder about top dead centre of gas exchange. Least: "
-        f"{number(1e3 * gap, 4)} mm at {number(abs(angle), 3)} crank degrees {side} it."
+        f"{number(1e3 * gap, 4)} mm at {number(abs(at), 3)} crank degrees {side} it."
     )
     return panels_chart(key, title, caption, panels, 270)
 
