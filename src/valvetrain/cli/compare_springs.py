@@ -20,7 +20,13 @@ from valvetrain.cli.options import (
     WorkersOption,
     choose_case,
 )
-from valvetrain.cli.run_answer import StudyRequest, answer_study, refuse_beyond, shared_options
+from valvetrain.cli.run_answer import (
+    StudyRequest,
+    answer_study,
+    refuse_beyond,
+    say_sweep_time,
+    shared_options,
+)
 from valvetrain.errors import InputError
 
 #: Crank speeds of a comparison that names none.
@@ -82,6 +88,7 @@ def compare_springs(
     request = StudyRequest(command="compare-springs", **shared)
     refuse_beyond(request, whole=False, searches=True)
     announce_compilation("statics", "transient", "train")
+    say_sweep_time(request)
     answer_study(
         request,
         lambda report, finished: sweep_study(

@@ -10,7 +10,7 @@ import select
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextvars import ContextVar
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -112,15 +112,6 @@ class Outcome:
     show: Callable[[Console], None]
     failures: tuple[str, ...] = ()
     verdict: str = ""
-
-    def ending_with(self, sentence: str) -> Outcome:
-        """The outcome with a last line for people."""
-
-        def show(console: Console) -> None:
-            self.show(console)
-            console.print(f"\n{sentence}", soft_wrap=True)
-
-        return replace(self, show=show)
 
 
 def deliver(outcome: Outcome) -> None:

@@ -9,7 +9,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
@@ -43,7 +43,7 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
-from valvetrain.cli.outcome import complain, say_cost
+from valvetrain.cli.outcome import complain, say_cost, tell
 from valvetrain.errors import InputError
 from valvetrain.runs.run_folders import ANSWER
 
@@ -297,7 +297,7 @@ def answer_study(
         raise
     outcome = _saved_outcome(request, study, choices, unfinished)
     if last is not None:
-        outcome = outcome.ending_with(last(study))
+        outcome = replace(outcome, verdict=last(study))
     if not stopped:
         deliver(outcome)
         return
@@ -483,7 +483,34 @@ def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = Fa
     ``whole``: whether every run is saved with its channels; ``searches``: whether a train's
     critical speeds are searched as well.
     """
-    from valvetrain.runs.cost import FEWER
+    from valvetrain.runs.cost import FEWER, refuse_cost
     from valvetrain.runs.request_cost import request_cost
 
-    say_cost(request_cost(request, whole, searches), request.limits, FEWER)
+    cost = request_cost(request, whole, searches)
+    if searches and request.case.train is not None:
+        refuse_cost(cost, request.limits, fewer=FEWER)  # say_sweep_time gives the time, measured
+    else:
+        say_cost(cost, request.limits, FEWER)
+
+
+def say_sweep_time(request: StudyRequest) -> None:
+    """Print how long a sweep of a train that searches its critical speeds will take, where that is
+    long, by a run of each of its springs.
+    """
+    from valvetrain.cli.outcome import WORTH_SAYING
+    from valvetrain.cli.progress import busy
+    from valvetrain.runs.cost import duration_text
+    from valvetrain.runs.measured_cost import sweep_seconds
+
+    if request.case.train is None or not request.engine_speeds:
+        return
+    with busy("estimating the time"):
+        seconds = sweep_seconds(
+            request.case,
+            request.engine_speeds,
+            spring_models=request.spring_models,
+            spring_sets=request.spring_sets,
+            workers=request.workers,
+        )
+    if seconds is not None and seconds > WORTH_SAYING:
+        tell(f"this will take about {duration_text(seconds)}, by a run at the highest speed")
