@@ -226,14 +226,6 @@ def run_command(function: Callable[..., None]) -> Callable[..., None]:
     @functools.wraps(function)
     def command(**given: Any) -> None:
         mine = {parameter.name: given.pop(parameter.name) for parameter in own}
-        if (
-            function.__name__ in ("sweep", "fidelity")
-            and (text := given["engine_speed"])
-            and not any(char.isalpha() for char in text)
-        ):
-            given["engine_speed"] = (
-                f"{text} rpm"  # a range over the whole engine can mean nothing else
-            )
         options = {f"--{name.replace('_', '-')}": value for name, value in mine.items()}
         more = {option: value for option, value in options.items() if option in IN_EVERY_SPRING}
         function(
