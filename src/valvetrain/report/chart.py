@@ -160,6 +160,12 @@ def label_heights(panel: Panel) -> dict[int, float]:
     return heights
 
 
+def near_right_end(panel: Panel, rule: Rule) -> bool:
+    """Whether a vertical rule is so far right that its label is written left of it."""
+    low, high = visible_range(panel)[0]
+    return rule.value > low + 0.9 * (high - low)
+
+
 def shares_axis(chart: Chart, columns: int | None = None) -> bool:
     """True when panels stand above each other over one x axis, which is then labelled once, at the
     bottom.
