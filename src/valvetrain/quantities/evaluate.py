@@ -158,6 +158,8 @@ def _with_rigid(solution: Solution, frame: Frame) -> Solution:
     }
     if "pressure_root" in rigid.columns and solution.has("cam_contact_force"):
         force = np.maximum(solution.channel("cam_contact_force"), 0.0)
-        words = {"units": "Pa", "long_name": "Hertz pressure of the cam contact"}
-        added[PRESSURE] = Variable(("sample",), at_samples("pressure_root") * np.sqrt(force), words)
+        attributes = {"units": "Pa", "long_name": "Hertz pressure of the cam contact"}
+        added[PRESSURE] = Variable(
+            ("sample",), at_samples("pressure_root") * np.sqrt(force), attributes
+        )
     return solution.with_channels(added)

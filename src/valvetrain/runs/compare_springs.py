@@ -16,11 +16,11 @@ from valvetrain.solution.study import Study
 _OWN = ("springs", "spring_set", "variants", "rubbing")
 #: Spring model of both where one is a card and one a wire: a chain of a card is coarser than one of a wire.
 MIXED_MODEL = "modal-uniform"
-#: Quantities of the sentence, with what is said of the better spring.
+#: Quantities of the sentence: what is said of the better spring, and the value (SI) below which nothing is.
 SAID = {
-    "surge_amplitude_force": "surges less",
-    "clash_energy": "clashes less",
-    "nominal_peak_shear_stress": "is stressed less",
+    "surge_amplitude_force": ("surges less", 1.0),
+    "clash_energy": ("clashes less", 1e-5),
+    "nominal_peak_shear_stress": ("is stressed less", 1e6),
 }
 #: Share below which two numbers are not told apart.
 ALIKE = 0.01
@@ -65,11 +65,11 @@ def with_two_springs(train: AnyCase, first: AnyCase, second: AnyCase) -> Case:
     for case in pair:
         name = next(n for n in (case.name, f"{case.name} (2)") if n not in sets)
         sets[name] = [_damped(block, own) for block in _blocks(case)]
-    kept = {key: value for key, value in tree["train"].items() if key not in _OWN}
+    other = {key: value for key, value in tree["train"].items() if key not in _OWN}
     parts = {key: value for key, value in tree.items() if key in ("lift_law", "operation")}
     title = " against ".join(sets)
     return case_of_tree(
-        {"title": f"{title} in {engine.name}", **parts, "train": {**kept, "springs": sets}},
+        {"title": f"{title} in {engine.name}", **parts, "train": {**other, "springs": sets}},
         f"{engine.name}-springs",
     )
 
@@ -98,17 +98,17 @@ def _damped(block: Mapping[str, Any], own: list[Mapping[str, Any]]) -> dict[str,
 def models_of(case: Case, spring_models: tuple[str, ...]) -> tuple[str, ...]:
     """The given models, or one for both springs where a card stands against a wire."""
     assert case.train is not None
-    usual = {case.train.model_of(name) for name in case.train.springs}
-    return spring_models or ((MIXED_MODEL,) if len(usual) > 1 else ())
+    models = {case.train.model_of(name) for name in case.train.springs}
+    return spring_models or ((MIXED_MODEL,) if len(models) > 1 else ())
 
 
 def verdict(study: Study) -> str:
     """Which of two springs floats later, surges, clashes and is stressed less, as one sentence."""
     first, second = study.labels[:2] if len(study.labels) > 1 else (*study.labels, *study.labels)
     found = [_float_text(study, first, second)] if len(study.critical_speeds) else []
-    for name, word in SAID.items():
+    for name, (word, least) in SAID.items():
         one, other = (_worst(study, label, name) for label in (first, second))
-        if math.isnan(one) or math.isnan(other) or abs(one - other) <= ALIKE * max(one, other):
+        if not abs(one - other) > max(ALIKE * max(one, other), least):  # NaN where one has none
             continue
         better, low, high = (first, one, other) if one < other else (second, other, one)
         (low_shown, unit), high_shown = shown(name, low), shown(name, high)[0]

@@ -64,7 +64,7 @@ def stacked_chart(study: Study, label: str, key: str, title: str) -> Chart | Non
     panels = tuple(
         Panel(
             ANGLE_LABEL,
-            words,
+            label,
             tuple(layers),
             heading,
             event_bands(study),
@@ -77,7 +77,7 @@ def stacked_chart(study: Study, label: str, key: str, title: str) -> Chart | Non
             ),
             y_tick_labels=((0.0, "0"), (mark, f"{number(mark, 3)}")),
         )
-        for layers, apart, mark, low, high, words, heading in (
+        for layers, apart, mark, low, high, label, heading in (
             (stacks[0], step, top, 0.0, 1.1 * top, "lift (mm), each engine speed on its own zero", "Valve lift"),
             (stacks[1], step_off, off, -off, 1.3 * off, "lift less rigid lift (mm)", "Difference to rigid parts"),
         )
