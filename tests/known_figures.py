@@ -365,10 +365,14 @@ def rigid(study: Study, place: str) -> Panels:
     ]
 
 
-def sweep(study: Study) -> Panels:
-    shown = (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1),
-             ("surge_amplitude_force", "surge amplitude (N)", 1), ("clash_energy", "clash energy (mJ)", 1e3),
-             ("seating_velocity", "seating velocity (m/s)", 1), ("lift_loss_displacement", "lift lost (mm)", 1e3))  # fmt: skip
+def sweep(study: Study, place: str | None) -> Panels:
+    """The first figure has the forces, the others surge, clash and what happens at the seat."""
+    shown = {
+        None: (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1)),
+        "-1": (("surge_amplitude_force", "surge amplitude (N)", 1),),
+        "-2": (("clash_energy", "clash energy (mJ)", 1e3),),
+        "-3": (("seating_velocity", "seating velocity (m/s)", 1), ("lift_loss_displacement", "lift lost (mm)", 1e3)),
+    }[place]  # fmt: skip
     panels = []
     for name, label, factor in shown:
         drawn = {}
@@ -570,7 +574,7 @@ FIGURES = {
     r"coil-coils-(\d)-(\d)-(\w+)": coils, r"clash-coils-(\d)-(\d)-(\w+)": clash, r"motion-(\d)": motion, r"static-1": static,
     r"modes-1": modes, r"orders": orders, r"stress-(\d)-(\d)-(\w+)": stress, r"energy-(\d)-(\d)": energy, r"train-(\d)-1": contacts,
     r"train-(\d)-2": torque, r"spring-margin-(\d)": margin, r"cam-pressure-(\d)": pressure, r"piston-(\d)": piston,
-    r"kinematics-(\d)": rigid, r"sweep": sweep, r"order-map-(\d)": order_map, r"ratios": ratios,
+    r"kinematics-(\d)": rigid, r"sweep(-\d)?": sweep, r"order-map-(\d)": order_map, r"ratios": ratios,
     r"gu2021-(\d)-force": stages, r"gu2021-(\d)-spikes": spikes, r"gu2021-(\d)-nodes-(\d)": nodes,
 }  # fmt: skip
 

@@ -225,6 +225,7 @@ BUILT_IN["sections"] = {
     "fidelity": "valvetrain.report.sections.answers:FIDELITY_SPEC",
     "critical-speeds": "valvetrain.report.sections.sweep:CRITICAL_SPEC",
     "sweep": "valvetrain.report.sections.sweep:SWEEP_SPEC",
+    "timing": "valvetrain.report.sections.timing:SPEC",
     "published": "valvetrain.report.sections.published:PUBLISHED_SPEC",
     "gu2021": "valvetrain.report.sections.gu2021:SPEC",
     "uncertainty": "valvetrain.report.sections.published:UNCERTAINTY_SPEC",
