@@ -71,7 +71,8 @@ def surge_orders(study: Study, run: Solution) -> dict[str, float]:
         if value is not None and run.engine_speed > 0:
             whose = name.removesuffix("surge_frequency").replace("_", " ")
             found[f"{whose}surge {number(value)} Hz"] = value * 4 * np.pi / run.engine_speed
-    return found
+    nested = {line: order for line, order in found.items() if not line.startswith("surge")}
+    return nested or found  # of a pair its own springs
 
 
 def order_chart(study: Study) -> Chart | None:
