@@ -323,8 +323,34 @@ def torque(study: Study, place: str) -> Panels:
     return [
         ("", ANGLE, "cam torque (N m)", lines(runs, "cam_torque")),
         ("", ANGLE, "lever speed (deg/s)", lines(runs, "lever_speed", 180 / np.pi)),
-        ("", ANGLE, "piston clearance (mm)", lines(runs, "piston_clearance", 1e3)),
     ]
+
+
+def margin(study: Study, place: str) -> Panels:
+    run = at_speed(study, 1)[int(place) - 1]  # a figure per label
+    opened = last_turn(run, "rigid_valve_lift") > 0
+    surplus = np.where(opened, last_turn(run, "rigid_spring_margin"), np.nan)
+    still = last_turn(run, "static_retainer_force")
+    speed = f"{run.engine_speed * 30 / np.pi:g} rpm"
+    carried = {"spring force at rest": (turn(run), still), speed: (turn(run), surplus)}
+    return [("", ANGLE, "spring margin (N)", carried)]
+
+
+def pressure(study: Study, place: str) -> Panels:
+    runs = at_speed(study, int(place))
+    rigid = {"rigid parts": (turn(runs[0]), 1e-6 * last_turn(runs[0], "rigid_hertz_pressure"))}
+    carried = rigid | lines(runs, "cam_contact_pressure", 1e-6)
+    return [("", ANGLE, "contact pressure (MPa)", carried)]
+
+
+def piston(study: Study, place: str) -> Panels:
+    """From 90 crank degrees before top dead centre to 90 after it."""
+    carried = {}
+    for run in at_speed(study, int(place)):
+        crank = np.degrees(last_turn(run, "crank_angle"))
+        near = np.abs(crank) <= 90
+        carried[words(run)] = (crank[near], 1e3 * last_turn(run, "piston_clearance")[near])
+    return [("", "crank angle from top dead centre (crank degrees)", "clearance (mm)", carried)]
 
 
 def rigid(study: Study, place: str) -> Panels:
@@ -332,7 +358,6 @@ def rigid(study: Study, place: str) -> Panels:
     rows = (
         ("valve lift", "mm", "rigid_valve_lift", 1e3),
         ("contact force", "N", "rigid_contact_force", 1.0),
-        ("hertz pressure", "MPa", "rigid_hertz_pressure", 1e-6),
     )
     return [
         ("", ANGLE, f"{name} ({unit})", {name: (turn(run), factor * last_turn(run, channel))})
@@ -340,10 +365,14 @@ def rigid(study: Study, place: str) -> Panels:
     ]
 
 
-def sweep(study: Study) -> Panels:
-    shown = (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1),
-             ("surge_amplitude_force", "surge amplitude (N)", 1), ("clash_energy", "clash energy (mJ)", 1e3),
-             ("seating_velocity", "seating velocity (m/s)", 1), ("lift_loss_displacement", "lift lost (mm)", 1e3))  # fmt: skip
+def sweep(study: Study, place: str | None) -> Panels:
+    """The first figure has the forces, the others surge, clash and what happens at the seat."""
+    shown = {
+        None: (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1)),
+        "-1": (("surge_amplitude_force", "surge amplitude (N)", 1),),
+        "-2": (("clash_energy", "clash energy (mJ)", 1e3),),
+        "-3": (("seating_velocity", "seating velocity (m/s)", 1), ("lift_loss_displacement", "lift lost (mm)", 1e3)),
+    }[place]  # fmt: skip
     panels = []
     for name, label, factor in shown:
         drawn = {}
@@ -475,12 +504,77 @@ def nodes(study: Study, place: str, number: str) -> Panels:
 
 
 #: Key of a figure -> what it carries.
+def opening(study: Study) -> Panels:
+    """Of a spring the force at the speed where most is worst, of a train lift and cam force, of a
+    sweep the forces and the regimes of the run with critical speeds.
+    """
+    if study.over_speed:
+        return [forces_over_speed(study), regimes(study)]
+    runs = at_speed(study, len(study.engine_speeds))
+    if runs[0].provenance.system != "train":
+        return [("", *panel[1:]) for panel in force(study, "seat_force", "spring force (N)")[:1]]
+    panels = []
+    for axis, channel, rigid, factor in (
+        ("valve lift (mm)", "valve_lift", "rigid_valve_lift", 1e3),
+        ("cam contact force (N)", "cam_contact_force", "rigid_contact_force", 1.0),
+    ):
+        still = {"rigid parts": (turn(runs[0]), factor * last_turn(runs[0], rigid))}
+        panels.append(("", ANGLE, axis, still | lines(runs, channel, factor)))
+    return panels
+
+
+def forces_over_speed(study: Study) -> tuple:
+    found = {}
+    for label in study.labels:
+        runs = study.runs(label)
+        x = np.array([run.engine_speed * 30 / np.pi for run in runs])
+        restless = np.array([run.status.code != "completed" for run in runs])
+        for name in ("peak_spring_force", "minimum_spring_force"):
+            y = np.array([run.quantities[name] for run in runs])
+            found[f"{label}, {name.replace('_', ' ')}"] = (x, y)
+            found[f"{label}, {name.replace('_', ' ')}, not settled"] = (x[restless], y[restless])
+    return ("", "engine speed (rpm)", "spring force (N)", found)
+
+
+def regimes(study: Study) -> tuple:
+    """Rows from the top: controlled, contact loss, float, bounce; thin the range of an onset."""
+    last = study.engine_speeds[-1] * 30 / np.pi
+    first = study.engine_speeds[0] * 30 / np.pi
+    rows = {row.kind: row for row in study.critical_speeds}
+    contact, over = (rows[kind].engine_speed * 30 / np.pi for kind in ("contact-loss", "float"))
+    gap = np.nan
+    found = {
+        "controlled": [(first, contact)],
+        "contact loss": [
+            (contact, rows["contact-loss"].ends.from_rest.lower_engine_speed * 30 / np.pi),
+            *(
+                (one.lower_engine_speed * 30 / np.pi, one.upper_engine_speed * 30 / np.pi)
+                for one in rows["contact-loss"].again
+            ),
+        ],
+        "float": [(over, last)],
+    }
+    height = {"controlled": 3.0, "contact loss": 2.0, "float": 1.0}
+    bars = {}
+    for name, spans in found.items():
+        x = np.array([value for low, high in spans for value in (low, high, gap)])
+        bars[name] = (x, np.where(np.isnan(x), gap, height[name]))
+    low, high = (
+        min(max(getattr(rows["float"].printed, end) * 30 / np.pi, first), last)
+        for end in ("lower_engine_speed", "upper_engine_speed")
+    )
+    bars["float, range"] = (np.array([low, high]), np.full(2, 1.0))
+    return ("", "engine speed (rpm)", "regime (one row each)", bars)
+
+
 FIGURES = {
+    r"opening": opening,
     r"force-seat": lambda study: force(study, "seat_force", "force on the cylinder head (N)"),
     r"force-retainer": lambda study: force(study, "retainer_force", "force on the retainer (N)"),
     r"coil-coils-(\d)-(\d)-(\w+)": coils, r"clash-coils-(\d)-(\d)-(\w+)": clash, r"motion-(\d)": motion, r"static-1": static,
     r"modes-1": modes, r"orders": orders, r"stress-(\d)-(\d)-(\w+)": stress, r"energy-(\d)-(\d)": energy, r"train-(\d)-1": contacts,
-    r"train-(\d)-2": torque, r"kinematics-(\d)": rigid, r"sweep": sweep, r"order-map-(\d)": order_map, r"ratios": ratios,
+    r"train-(\d)-2": torque, r"spring-margin-(\d)": margin, r"cam-pressure-(\d)": pressure, r"piston-(\d)": piston,
+    r"kinematics-(\d)": rigid, r"sweep(-\d)?": sweep, r"order-map-(\d)": order_map, r"ratios": ratios,
     r"gu2021-(\d)-force": stages, r"gu2021-(\d)-spikes": spikes, r"gu2021-(\d)-nodes-(\d)": nodes,
 }  # fmt: skip
 

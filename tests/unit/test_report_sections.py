@@ -311,7 +311,7 @@ def test_energy_balance_is_millijoules_and_signed(own):
 def test_sweep_curves_and_order_map():
     study = sweep_study()
     shown = drawn(study)
-    panels = {panel.y_label: panel for panel in shown["sweep"].panels}
+    panels = {panel.y_label: panel for panel in shown["sweep-2"].panels}
     speeds, values = study.series("stock", "clash_energy")
     line = next(layer for layer in panels["clash energy (mJ)"].layers if layer.name == "stock")
     np.testing.assert_allclose(line.x, speeds * 30 / np.pi, atol=1e-6)

@@ -19,9 +19,16 @@ from valvetrain.report.headlines import (
     headline_columns,
     headline_rows,
     largest_clash_rows,
-    limit_sentences,
 )
-from valvetrain.report.run_summary import critical_rows, reach_rows, reason_for, searched, share
+from valvetrain.report.run_summary import (
+    CRITICAL_LEGEND,
+    critical_rows,
+    reach_rows,
+    reason_for,
+    searched,
+    share,
+    unsettled_text,
+)
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import label_of, names_for
@@ -49,13 +56,11 @@ def show_study(
         for table in _tables(study):
             console.print()
             console.print(table)
-        if passed := limit_sentences(study, reasons=False):
-            console.print()
-        for sentence in passed:
-            console.print(f"! {sentence}", soft_wrap=True)
+        if searched(study) and any(not row.main for row in critical_rows(study, study.labels)):
+            console.print(f"\n{CRITICAL_LEGEND}")
         _show_published(console, study, published)
     finally:  # the folder is printed even where a table fails
-        console.print(f"\nresults  {folder}", soft_wrap=True)
+        console.print(f"results  {folder}", soft_wrap=True)
         if page is not None:
             console.print(f"report   {page}", soft_wrap=True)
 
@@ -190,10 +195,10 @@ def _over_speeds(
             ]
             table.add_row(row.label, unit_text(row.unit), *cells)
     speeds = [study.runs(column.label) for column in columns]
-    unsettled = [sum(run.status.code == "not-converged" for run in runs) for runs in speeds]
     table.add_row("Engine speeds run", "", *(str(len(runs)) for runs in speeds))
+    unsettled = [unsettled_text(runs) for runs in speeds]
     if any(unsettled):
-        table.add_row("  that did not settle", "", *map(str, unsettled))
+        table.add_row("  that did not settle", "", *(cell or "0" for cell in unsettled))
     return table
 
 

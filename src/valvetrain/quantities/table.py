@@ -150,6 +150,9 @@ RUNS: tuple[QuantityRow, ...] = (
     both("surge_amplitude_force", "surge amplitude",
         "Largest amplitude (0 to peak), among the cam orders from half to one and a half times the surge order, of the spring "
         "force less its static value at the same lift.", sense=LESS, topic=SURGE, uses=ALL),
+    both("surge_amplitude_cam_order", "cam order of the surge amplitude",
+        "Cam order whose amplitude is the surge amplitude; times the cam frequency it is the frequency at which the spring swings, "
+        "which differs from that at rest where coils close or part.", topic=SURGE, uses=("study", "one speed")),
     train("surge_order_{n}_engine_speed", "surge at cam order {n}, engine speed",
         "Engine speed at which cam order {n} of the lift meets the surge frequency, among those run and a quarter beyond."),
     both("surge_order_{n}_force", "surge at cam order {n}",
@@ -184,7 +187,8 @@ RUNS: tuple[QuantityRow, ...] = (
         "Half the sum of largest and smallest shear stress at the point of the largest amplitude.", uses=("stress",)),
     both("largest_amplitude_coil_number", "largest stress amplitude, coil number", "Coil number of the largest stress amplitude."),
     both("nominal_peak_shear_stress", "peak shear stress by EN 13906-1",
-        "Shear stress of the peak spring force by EN 13906-1 with the Bergsträsser factor, where wire and index make it largest.",
+        "Shear stress of the peak spring force by EN 13906-1 with the Bergsträsser factor, where wire and index make it largest; "
+        "of a force above that at solid, the stress at solid: the rest passes from coil to coil, not through the wire.",
         sense=LESS, topic=STRESS, uses=("brief", "sweep", "stress")),
     both("nominal_minimum_shear_stress", "minimum shear stress by EN 13906-1",
         "Shear stress of the minimum spring force by EN 13906-1 with the Bergsträsser factor, at the same place.", topic=STRESS,
@@ -219,6 +223,9 @@ TRAINS: tuple[QuantityRow, ...] = (
     train("minimum_{place}_contact_force", "minimum {place} contact force while open",
         "Smallest sampled force of the {place} contact while the valve is open.", sense=MORE, uses=("curve",),
         answered_as=("minimum_cam_contact_force",)),
+    train("peak_cam_contact_pressure", "peak contact pressure of the cam",
+        "Largest Hertz pressure of cam and follower at the samples of the cycle, as a line contact over the width of the cam.",
+        dimension="pressure", shown_unit="MPa", sense=LESS),
     train("nose_cam_contact_force", "cam contact force at the nose", "Cam contact force at the largest rigid lift."),
     train("peak_support_force", "peak support force", "Largest force of the elastic support, either sign."),
     train("peak_stem_force", "peak stem force", "Largest force of the elastic valve stem, either sign."),

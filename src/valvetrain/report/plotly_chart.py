@@ -19,6 +19,8 @@ from valvetrain.report.chart import (
     Line,
     Marks,
     Panel,
+    label_heights,
+    near_right_end,
     rule_levels,
     shares_axis,
     visible_range,
@@ -239,8 +241,16 @@ def _add_axes(
             "tickmode": "array",
             "tickvals": list(places),
             "ticktext": [plain(one) for one in label],
-            "showticklabels": not narrow,
         }
+        if narrow:  # no room beside the lines, so each label stands on its own
+            y_axis["showticklabels"] = False
+            layout["annotations"] += [
+                {
+                    "xref": f"x{suffix} domain", "yref": f"y{suffix}", "x": 0, "y": at, "xanchor": "left", "yanchor": "bottom",
+                    "yshift": 4, "showarrow": False, "text": plain(one), "font": {"size": 10.5, "color": theme.MUTED},
+                }
+                for at, one in panel.y_tick_labels
+            ]  # fmt: skip
     layout[f"yaxis{suffix}"] = common | y_axis
     _add_furniture(layout, panel, suffix, x_domain, y_domain, parted)
 
@@ -291,12 +301,13 @@ def _add_furniture(
             shapes.append(
                 across | thin_line | {"x0": rule.value, "x1": rule.value, "y0": 0, "y1": 1}
             )
-            place = across | {
+            left_of_it = near_right_end(panel, rule)
+            place: dict[str, Any] = across | {
                 "x": rule.value,
                 "y": 0.98 - 0.08 * level,
-                "xanchor": "left",
+                "xanchor": "right" if left_of_it else "left",
                 "yanchor": "top",
-                "xshift": 3,
+                "xshift": -3 if left_of_it else 3,
             }
         else:
             along = {"xref": f"x{suffix} domain", "yref": f"y{suffix}"}
@@ -306,13 +317,14 @@ def _add_furniture(
             place = along | {"x": 1, "y": rule.value, "xanchor": "right", "yanchor": "bottom"}
         if rule.label:
             notes.append(place | small | {"text": plain(rule.label)})
-    for layer in panel.layers:
-        if isinstance(layer, Line) and layer.direct and len(layer.x):
+    heights = label_heights(panel)
+    for number, layer in enumerate(panel.layers):
+        if isinstance(layer, Line) and number in heights:
             place = {
                 "xref": f"x{suffix}",
                 "yref": f"y{suffix}",
                 "x": float(layer.x[-1]),
-                "y": float(layer.y[-1]),
+                "y": heights[number],
             }
             sentence = {"text": plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
             notes.append(place | sentence | {"showarrow": False, "xanchor": "left", "xshift": 4})

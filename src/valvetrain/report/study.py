@@ -17,6 +17,7 @@ from valvetrain.errors import InputError, RunFailedError
 from valvetrain.registry import find, places
 from valvetrain.report.chart import Chart
 from valvetrain.report.files import FreeNames, remove_earlier
+from valvetrain.report.opening import opening_blocks
 from valvetrain.report.page import (
     Block,
     Details,
@@ -33,10 +34,12 @@ from valvetrain.report.page import (
     sentences,
 )
 from valvetrain.report.run_charts import covered_by_source, line_styles
+from valvetrain.report.run_summary import unsettled_text
 from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, comparison_table, table
 from valvetrain.report.text import rpm
+from valvetrain.report.verdict import verdict_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
@@ -88,13 +91,15 @@ def study_page(study: Study) -> Page:
         if (section := _section(find("sections", word), study)) is not None
     )
     record, gaps = study.record, PartialFailures()
+    picture = gaps.part("picture at the top", (), opening_blocks, study)
+    verdict = verdict_of(study)
     by_source = gaps.part("what the source tells of the case", False, covered_by_source, study)
     lines = sentences(record.description) if by_source else []
     facts = gaps.part("facts below the title", (), _facts, study)
     lead, more = " ".join(lines[:_LEAD_SENTENCES]), tuple(lines[_LEAD_SENTENCES:])
     if more and sections:
         about = Section(
-            "about", "About the case", prose((" ".join(lines),), "The whole description")
+            "about", "About the case", prose((" ".join(lines),), "The whole description"), True
         )
         sections = (*sections[:-1], about, sections[-1])
     zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
@@ -118,6 +123,8 @@ def study_page(study: Study) -> Page:
             facts,
             sections,
             footer,
+            verdict,
+            picture,
         )
     )
 
@@ -127,7 +134,7 @@ def _section(spec: SectionSpec, study: Study) -> Section | None:
         blocks = spec.blocks(study)
     except Exception as error:  # one section must not cost the page
         blocks = (gap(f"The section '{spec.title}' could not be drawn: {reason(error)}"),)
-    return Section(spec.key, spec.title, blocks) if blocks else None
+    return Section(spec.key, spec.title, blocks, spec.folded) if blocks else None
 
 
 def _facts(study: Study) -> tuple[tuple[str, str], ...]:
@@ -145,10 +152,16 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
         if study.command == "sweep"
         else "completed"
     )
+    open_ends = [
+        f"{label} at {found.partition(': ')[2]} rpm"
+        for label in (study.labels if study.over_speed else ())
+        if (found := unsettled_text(study.runs(label)))
+    ]
+    unsettled = f"; not {'; '.join(open_ends)}" if open_ends else ""
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
         "spring model": mark.join(names), "changed": ", ".join(study.record.changed),
-        "runs": f"{ended} of {len(study.solutions)} {word}" if study.solutions else "none run",
+        "runs": f"{ended} of {len(study.solutions)} {word}{unsettled}" if study.solutions else "none run",
     }  # fmt: skip
     return tuple((name, value) for name, value in facts.items() if value)
 
@@ -181,7 +194,7 @@ def _unique_keys(page: Page) -> Page:
         return tuple(found)
 
     taken: set[str] = set()
-    sections = []
+    picture, sections = renamed(page.picture), []
     for section in page.sections:
         key = next(
             name
@@ -189,8 +202,8 @@ def _unique_keys(page: Page) -> Page:
             if (name := section.key if n == 1 else f"{section.key}-{n}") not in taken
         )
         taken.add(key)
-        sections.append(Section(key, section.title, renamed(section.blocks)))
-    return replace(page, sections=tuple(sections))
+        sections.append(replace(section, key=key, blocks=renamed(section.blocks)))
+    return replace(page, picture=picture, sections=tuple(sections))
 
 
 #: Wire points of the CSV files, in turns; the NetCDF files hold every one.

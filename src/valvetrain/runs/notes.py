@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -11,10 +13,16 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.quantities.statics import formula_compression
-from valvetrain.runs.prepared import largest_lift, law_lift, prepare
+from valvetrain.quantities.stress import most_force_of_wire
+from valvetrain.runs.prepared import FAILURES, largest_lift, law_lift, prepare
+from valvetrain.solution.later import replaced
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
+from valvetrain.units import believed
+
+#: Tensile strength (Pa) above that of any wire of a valve spring.
+MAX_STRENGTH = 2.5e9
 
 
 def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
@@ -55,6 +63,77 @@ def ringing_note(members: Iterable[Member]) -> str:
     )
 
 
+def chain_notes(members: Iterable[Member]) -> tuple[str, ...]:
+    """A sentence per wire that a chain of masses stands for: what it has from the rod, and what not."""
+    found: dict[str, None] = {}
+    for member in members:
+        for spring in member.springs if member.model.word == "multi-mass" else ():
+            if spring.wire is not None and (text := _chain_note(member, spring)):
+                found[text] = None
+    return tuple(found)
+
+
+def _chain_note(member: Member, spring: InstalledSpring) -> str:
+    from valvetrain.springs.chain_from_rod import match  # most runs have no chain of a wire
+
+    given = dict(spring.options_of("multi-mass"))
+    if not getattr(member.model.read_options(given), "from_rod", False):
+        return ""
+    try:
+        options = member.model.read_options(given | {"from_rod": False})
+        with believed():
+            chain = member.model.make(spring, options, None)
+            compared = match(chain, spring)
+    except FAILURES:  # its run says why
+        return ""
+    name = f"The chain of spring '{spring.name}'"
+    if compared is None:
+        return (
+            f"{name} has rate and frequency by formula, some per cent high: its rod, which it would take them from, "
+            "finds no equilibrium or no surge."
+        )
+    second = compared.second_error
+    high = "" if second is None else f", its second frequency {percent(second)} off"
+    return (
+        f"{name} takes force at mid travel and first frequency ({compared.surge_frequency:.0f} Hz) from its rod. Its force at rest is "
+        f"then within {percent(compared.force_error)} of the rod's{high}, and it has no sway: forces of surge and clash "
+        "are estimates, which '--spring finite-element' has right."
+    )
+
+
+def percent(share: float) -> str:
+    """A share in per cent, two digits."""
+    return f"{100 * abs(share):.2g} %"
+
+
+def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...]:
+    """The notes of a study that concern one run of a ``member``."""
+    alone = replace(problem, members=(member,))
+    return tuple(
+        filter(
+            None,
+            (
+                ringing_note((member,)),
+                *undamped_notes((member,)),
+                *chain_notes((member,)),
+                *buckling_notes(alone),
+                *pulling_end_notes((run,)),
+            ),
+        )
+    )
+
+
+def with_notes(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solution, ...]:
+    """The solutions of a problem, each with the notes that concern it."""
+    members = {member.label: member for member in problem.members}
+    return tuple(
+        replaced(run, provenance=replace(run.provenance, notes=notes))
+        if (notes := run_notes(problem, members[run.label], run))
+        else run
+        for run in solutions
+    )
+
+
 def buckling_notes(problem: Problem) -> tuple[str, ...]:
     """A sentence on each wire of a train without a guide that buckles by the formula before the
     largest lift.
@@ -92,6 +171,43 @@ def pulling_end_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
     return (
         f"The ends of the spring would pull: {', '.join(runs)}. Its modes are those of fixed ends, so it shows no force there "
         "but does not lift, and what follows is not right: take multi-mass, wave-rod or finite-element.",
+    )
+
+
+def beyond_wire_notes(problem: Problem, solutions: Iterable[Solution]) -> tuple[str, ...]:
+    """Sentences on runs whose peak force is above that at which all coils are closed, and whose
+    stress is above the strength of the wire.
+    """
+    beyond: dict[str, list[str]] = {}
+    broken: list[str] = []
+    springs = {one.name: one for member in problem.members for one in member.springs}
+    for run, (name, spring) in product(solutions, springs.items()):
+        numbers, label = run.quantities, f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm"
+        first = f"{name}_" if len(run.springs) > 1 else ""
+        if name not in run.springs and len(run.springs) > 1:
+            continue
+        most, force = most_force_of_wire(spring), numbers.get(f"{first}peak_spring_force", 0.0)
+        if force > most:
+            own = numbers.get(f"{first}peak_shear_stress")
+            shown = "" if own is None else f", {own / 1e6:.4g} MPa in its wire"
+            beyond.setdefault(f"'{name}', all closed at {most:.4g} N", []).append(
+                f"{label} {force:.4g} N{shown}"
+            )
+        strength = numbers.get(f"{first}wire_tensile_strength", MAX_STRENGTH)
+        names = ("peak_shear_stress", "nominal_peak_shear_stress")
+        stress = max(numbers.get(first + one, 0.0) for one in names)
+        if stress > strength:
+            broken.append(f"{label} {stress / 1e6:.4g} MPa")
+    return tuple(
+        f"Coils of spring {spring} strike one another: {', '.join(runs)} at the peak. What passes the force at solid goes from "
+        "coil to coil and depends on their contact, so it makes no stress by EN 13906-1, which is that at solid."
+        for spring, runs in beyond.items()
+    ) + (
+        (
+            f"No spring wire bears the shear stress of {', '.join(broken)} (above its tensile strength): the numbers there hold for no real spring.",
+        )
+        if broken
+        else ()
     )
 
 

@@ -53,9 +53,10 @@ from valvetrain.springs.finite_element_statics import modal_result
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import names_of
 from valvetrain.system.problem import Problem
-from valvetrain.units import Given, si_speeds
+from valvetrain.units import Given, renamed, si_speeds
 
 
+@renamed()
 @shows_progress("refine")
 def refine(
     case: AnyCase,
@@ -168,7 +169,7 @@ def refine_springs(
     speeds = checked_speeds(problem, engine_speeds, implausible)
     samples = round(2 * np.pi / problem.output_step)
     plan = Plan(
-        samples=samples, cycles=problem.cycles, max_bytes=limits.bytes, implausible=implausible
+        samples=samples, cycles=problem.cycles, max_seconds=limits.seconds, implausible=implausible
     )
     # The own mesh comes first: its surge frequencies and clash windows define the numbers of every variant.
     base, base_numbers = _prepare((problem, ()), problem.members[0].springs)

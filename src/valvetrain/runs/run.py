@@ -22,12 +22,15 @@ from valvetrain.runs.between_speeds import between_notes, run_between
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.runs.notes import (
+    beyond_wire_notes,
     buckling_notes,
+    chain_notes,
     pulling_end_notes,
     refuse_implausible,
     refuse_speeds,
     ringing_note,
     undamped_notes,
+    with_notes,
 )
 from valvetrain.runs.own_error_bars import own_error_bars
 from valvetrain.runs.prepared import (
@@ -234,7 +237,7 @@ def run_problem(
         problem.cycles,
         problem.cycles_to_settle,
         created_at,
-        limits.bytes,
+        limits.seconds,
         implausible,
         later,
     )
@@ -270,6 +273,7 @@ def run_problem(
             problem, speeds, plan, count, progress, finished, later
         )
         rest = ()
+    solutions = failures.part("notes of runs", solutions, with_notes, problem, solutions)
     provenance = collect_provenance(
         problem.record.name,
         ", ".join(dict.fromkeys(member.model.word for member in problem.members)),
@@ -322,7 +326,10 @@ def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
 
 def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Study:
     """The study with its notes, what is published, and a sentence per part that failed."""
-    study = replaced(study, notes=failures.part("notes", (), _notes, problem) + study.notes)
+    notes = failures.part("notes", (), _notes, problem) + study.notes
+    if not load_uncertainty(problem.record):  # a published run is told beside its measured peaks
+        notes += failures.part("notes", (), beyond_wire_notes, problem, study.solutions)
+    study = replaced(study, notes=notes)
     study = failures.part("published values", study, next_to_published, study, problem)
     return replaced(study, gaps=failures.sentences)
 
@@ -366,7 +373,8 @@ def _notes(problem: Problem) -> tuple[str, ...]:
         *dict.fromkeys(contacts),
         ringing_note(members),
     )
-    return (*filter(None, notes), *undamped_notes(members), *buckling_notes(problem))
+    named = (*undamped_notes(members), *chain_notes(members), *buckling_notes(problem))
+    return (*filter(None, notes), *named)
 
 
 def next_to_published(study: Study, problem: Problem) -> Study:

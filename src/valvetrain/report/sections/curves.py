@@ -1,6 +1,4 @@
-"""Curves over the cam angle: spring force, motion, rigid parts, contact forces, moving picture and
-energy balance.
-"""
+"""Curves over the cam angle: spring force, motion, rigid parts, contact forces and energy balance."""
 
 from __future__ import annotations
 
@@ -9,9 +7,7 @@ import numpy as np
 from valvetrain.quantities.forces import energy_balance
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
-from valvetrain.report.motion.project import motion_json, still_svg
-from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.page import Block, Motion, SectionSpec, figure_or_gap, gap
+from valvetrain.report.page import Block, SectionSpec, figure_or_gap
 from valvetrain.report.run_charts import (
     ANGLE_LABEL,
     STATIC_LABEL,
@@ -25,7 +21,6 @@ from valvetrain.report.run_charts import (
     unit_of_channel,
 )
 from valvetrain.report.text import speed_text
-from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -116,11 +111,18 @@ def kinematics_blocks(study: Study) -> tuple[Block, ...]:
     return by_speed(study, "kinematics", at)
 
 
+#: Channels of rigid parts that sections of their own show.
+_OWN_SECTIONS = ("rigid_spring_margin", "rigid_hertz_pressure")
+
+
 def rigid_chart(study: Study, runs: list[Solution], key: str, title: str) -> Chart | None:
     """A panel per rigid channel; runs of one train share them, so one line represents all."""
     panels = []
     for name in dict.fromkeys(
-        str(name) for run in runs for name in run.arrays.variables if str(name).startswith("rigid_")
+        str(name)
+        for run in runs
+        for name in run.arrays.variables
+        if str(name).startswith("rigid_") and name not in _OWN_SECTIONS
     ):
         run = next(run for run in runs if run.has(name))
         found, (unit, factor) = over_angle(run, name), unit_of_channel(run, name)
@@ -183,7 +185,7 @@ def force_channels(runs: list[Solution]) -> list[str]:
 
 
 def train_blocks(study: Study) -> tuple[Block, ...]:
-    """Contact and link forces, then torque, lever speed and piston clearance, by engine speed."""
+    """Contact and link forces, then torque and lever speed, by engine speed."""
 
     def panels_of(runs: list[Solution], channels: list[str]) -> list[Panel]:
         found = []
@@ -199,14 +201,12 @@ def train_blocks(study: Study) -> tuple[Block, ...]:
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         speed = speed_text(engine_speed)
         rest = [
-            name
-            for name in ("cam_torque", "lever_speed", "piston_clearance")
-            if any(run.has(name) for run in runs)
+            name for name in ("cam_torque", "lever_speed") if any(run.has(name) for run in runs)
         ]
-        titles = (f"Contact and link forces at {speed}", f"Cam torque and clearance at {speed}")
+        titles = (f"Contact and link forces at {speed}", f"Cam torque at {speed}")
         captions = (
             "Force of every contact and elastic link over the steady cycle; dashed: the cam contact force of rigid parts.",
-            "Torque that drives the cam, turning speed of the lever, clearance of piston and valve along the cylinder.",
+            "Torque that drives the cam, turning speed of the lever.",
         )
         found: tuple[Block, ...] = ()
         for place, names in enumerate((force_channels(runs), rest)):
@@ -226,26 +226,6 @@ def train_blocks(study: Study) -> tuple[Block, ...]:
 
 
 TRAIN_SPEC = SectionSpec("train", "Contacts and cam torque", train_blocks)
-
-
-def in_motion_blocks(study: Study) -> tuple[Block, ...]:
-    """The moving picture; nothing where no run moves, a sentence where it fails."""
-    try:
-        moving = moving_picture(study)
-        if moving is None:
-            return ()
-        first = moving.variants[0]
-        caption = (
-            "The reported cam revolution, slowed. Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
-            "degree, with shift by ten, page keys go from mark to mark. Triangles on the slider are peaks of the force, orange strokes "
-            "clashes."
-        )
-        return (Motion("in-motion", moving.title, caption, motion_json(moving), still_svg(first)),)
-    except Exception as error:  # one picture must not cost the page
-        return (gap(f"The moving picture could not be drawn: {reason(error)}"),)
-
-
-IN_MOTION_SPEC = SectionSpec("in-motion", "In motion", in_motion_blocks)
 
 
 def energy_blocks(study: Study) -> tuple[Block, ...]:
