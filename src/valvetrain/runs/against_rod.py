@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 TOO_FAR, REVOLUTIONS, CUTOFF = 0.03, 2, 20e3
 
 
-class BesideRod(NamedTuple):
+class RodDifference(NamedTuple):
     """How far springs are from their rods: ``rms`` of the seat force as a share, and the difference
     of numbers (SI) by the name of their quantities.
     """
@@ -52,7 +52,7 @@ class _Recorded:
         return np.asarray(self.curve(np.mod(cam_angle, 2 * np.pi), derivative))
 
 
-def beside_rod(system: System, solution: Solution) -> BesideRod | None:
+def rod_difference(system: System, solution: Solution) -> RodDifference | None:
     """The springs of a finished run beside their rods; None where they are no reduced rods, or rub."""
     springs = system.springs
     reduced = [spring for spring in springs if isinstance(spring, ReducedRod)]
@@ -72,7 +72,7 @@ def beside_rod(system: System, solution: Solution) -> BesideRod | None:
     }
     differences["below_20_khz_peak_spring_force"] = np.max(own) - np.max(rods)
     rms = np.sqrt(np.mean((own - rods) ** 2) / np.mean(rods**2))
-    return BesideRod(float(rms), {name: float(value) for name, value in differences.items()})
+    return RodDifference(float(rms), {name: float(value) for name, value in differences.items()})
 
 
 def _motion(system: System, solution: Solution) -> LiftLaw:

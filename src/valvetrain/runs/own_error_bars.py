@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.runs.against_rod import TOO_FAR, BesideRod, beside_rod
+from valvetrain.runs.against_rod import TOO_FAR, RodDifference, rod_difference
 from valvetrain.runs.at_rest import AtRest
 from valvetrain.runs.error_bars import SPRING_HEADLINES, two_grids
 from valvetrain.runs.prepared import (
@@ -91,7 +91,7 @@ def own_error_bars(
     rest = at_rest.value.springs
     undivided: list[str] = []
     reduced = [member for member in problem.members if member.model.word == REDUCED]
-    beside, far = _beside_rods(problem, reduced, solutions, rest, workers)
+    differing, far = _rod_differences(problem, reduced, solutions, rest, workers)
     for member in problem.members:
         if member in reduced:
             continue
@@ -123,11 +123,11 @@ def own_error_bars(
         for run in solutions
         if run.label in further and (run.label, run.engine_speed) not in barred
     ]
-    rows += beside
+    rows += differing
     return ErrorBars(rows, (*_sentences(rows, further.values(), undivided, without), *far))
 
 
-def _beside_rods(
+def _rod_differences(
     problem: Problem,
     members: Sequence[Member],
     solutions: Sequence[Solution],
@@ -141,7 +141,9 @@ def _beside_rods(
     ]
     if not runs:
         return (), ()
-    found = map_points(_beside_rod, (ready, runs), range(len(runs)), workers, lost=lambda _: None)
+    found = map_points(
+        _rod_difference, (ready, runs), range(len(runs)), workers, lost=lambda _: None
+    )
     rows, far, measured = [], [], []
     for run, one in zip(runs, found, strict=True):
         if one is None:
@@ -171,13 +173,13 @@ def _beside_rods(
     return tuple(rows), tuple(said)
 
 
-def _beside_rod(
+def _rod_difference(
     shared: tuple[Mapping[str, PreparedRun], Sequence[Solution]], place: int
-) -> BesideRod | None:
+) -> RodDifference | None:
     ready, runs = shared
     system = ready[runs[place].label].system
     try:
-        return None if system is None else beside_rod(system, runs[place])
+        return None if system is None else rod_difference(system, runs[place])
     except FAILURES:
         return None
 
