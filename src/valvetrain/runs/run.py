@@ -42,7 +42,7 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.stored_error_bars import (
-    load_uncertainty,
+    has_stored_bars,
     spread_sentences,
     uncertainty_sentences,
 )
@@ -299,7 +299,7 @@ def run_problem(
         study = replaced(study, **named) if later and not stopped else whole_study.value
     if stopped:
         raise StudyStopped(study)
-    if load_uncertainty(problem.record):
+    if any(has_stored_bars(problem.record, run) for run in solutions):
         return study
     known = at_rest or Later(_rest_of_trains, ready)
     bars = Later(own_error_bars, problem, solutions, plan, known, count)
