@@ -30,6 +30,7 @@ from valvetrain.solution.definition import label_of
 from valvetrain.solution.later import Later
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
+from valvetrain.springs.modal_uniform import oscillating_modes
 from valvetrain.system.problem import Member, Problem, Rest
 
 #: Division of the springs of the further run over that of the case; finite elements, whose cost
@@ -40,8 +41,10 @@ FEW, MANY = 20, 60
 #: Order assumed of a rod, whose refinement shows it, and of chains and modes, of which few parts are far
 #: from the limit.
 ROD_ORDER, OTHER_ORDER = 2.0, 1.0
-#: Models whose grid follows the time step: their further run takes a shorter step alone.
+#: Models whose grid follows the time step: their further run takes a shorter step alone, as do
+#: modes of which no more oscillate.
 BY_STEP = ("wave-rod", "wave-rod-clash")
+MODES = "modal-uniform"
 #: Numbers that differ by a constant from one whose scatter is known, or hold the same peak.
 SAME_SCATTER = {
     "lift_loss_displacement": "peak_valve_lift",
@@ -138,10 +141,10 @@ def _further(problem: Problem, member: Member, rest: Rest) -> _Further | None:
     parts = min(_parts(member, member.springs), default=FEW)
     for factor in (1 / RATIO, RATIO) if rod else (MANY / parts if parts < FEW else RATIO,):
         try:
-            springs = tuple(divided(member, spring, factor) for spring in member.springs)
+            springs = tuple(_finer(member, spring, factor) for spring in member.springs)
             divisions = zip(_parts(member, springs), _parts(member, member.springs), strict=True)
             ratios = [new / old for new, old in divisions if new != old]
-            if member.model.word in BY_STEP:
+            if member.model.word in (*BY_STEP, MODES) and max(ratios, default=0.0) < 1.0:
                 ratios = [factor]
             if not ratios:
                 continue
@@ -157,6 +160,15 @@ def _further(problem: Problem, member: Member, rest: Rest) -> _Further | None:
             order, steps = (ROD_ORDER, None) if rod else (OTHER_ORDER, RATIO)
             return _Further(replace(ready, frame=frame), ratio, order, steps)
     return None
+
+
+def _finer(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
+    """A spring divided otherwise, of modes no more than still oscillate."""
+    found = divided(member, spring, factor)
+    if member.model.word != MODES:
+        return found
+    (count,) = _parts(member, (found,))
+    return found.with_options(MODES, modes=oscillating_modes(found, round(count)))
 
 
 def _parts(member: Member, springs: Sequence[InstalledSpring]) -> list[float]:
