@@ -115,8 +115,10 @@ class Guide:
         return answer
 
 
-def in_unit(value: float, unit: str) -> float:
-    """A value in SI in the unit of the page."""
+def in_unit(value: float | Mapping[str, Any], unit: str) -> float:
+    """A value in SI, or with its unit as ``--json`` prints it, in the unit of the page."""
+    if isinstance(value, Mapping):
+        value = value["value"]
     return value / unit_factor(unit) if unit not in ("", "1") else value
 
 

@@ -137,6 +137,7 @@ def surge() -> Known:
         "nearest_lift_harmonic_order": 13.0,
         "nearest_lift_harmonic_lift": 2e-5,
         "surge_amplitude_force": 25.0,
+        "surge_amplitude_cam_order": 18.0,
         "surge_order_3_force": 40.0,
         "surge_order_13_force": 9.0,
         "surge_order_18_force": 25.0,

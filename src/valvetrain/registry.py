@@ -27,6 +27,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "quantities": ("valvetrain.quantities", "table of quantities"),
     "sections": ("valvetrain.sections", "section of the report"),
     "results": ("valvetrain.results", "kind of result"),
+    "verdicts": ("valvetrain.verdicts", "verdict"),
     "displays": ("valvetrain.displays", "display"),
     "files": ("valvetrain.files", "writer of a result"),
     "commands": ("valvetrain.commands", "command"),
@@ -99,8 +100,11 @@ BUILT_IN["results"] = {
     "TesterFit": "valvetrain.spring_card.page:tester_page",
     "ModelAgainstTest": "valvetrain.compare_test.page:compare_test_page",
 }
+#: Class of a result -> the function that gives its one sentence, without end of line.
+BUILT_IN["verdicts"] = {}
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
+    "verdict": "valvetrain.report.verdict:verdict_of",
     "html": "valvetrain.report.notebook:html_of",
     "picture": "valvetrain.report.notebook:picture_of",
     "figure": "valvetrain.report.notebook:figure_of",

@@ -14,6 +14,7 @@ from how_to_parts import FOLDER, PAGES, ROOT, Guide, number_of, rows_of_study
 #: Guides whose command takes seconds: asked by make test-long.
 LONG = ("01", "02", "03", "05", "06", "15", "16")
 MAX_PICTURE = 60_000
+NUMBER = re.compile(r"\d+(?:\.\d+)?")
 QUESTIONS = 20
 
 
@@ -53,6 +54,25 @@ def test_a_guide_has_one_command_one_picture_and_its_parts(path):
     )
     heads = re.findall(r"^## (.*)$", guide.text, re.MULTILINE)
     assert heads == ["How to read it", "What to try next", "Limits"]
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+def test_a_guide_opens_with_its_answer_in_numbers_that_the_page_gives(path):
+    guide = Guide(path)
+    _, answer, rest = guide.text.split("\n\n", 2)
+    assert answer.startswith("**") and answer.endswith("**") and "\n" not in answer
+    given = [float(text) for text in NUMBER.findall(rest)]
+    strange = [
+        text
+        for text in NUMBER.findall(answer)
+        if not any(_rounds_to(value, text) for value in given)
+    ]
+    assert not strange and len(NUMBER.findall(answer)) >= 2
+
+
+def _rounds_to(value: float, text: str) -> bool:
+    """Whether the value is the number of the text to the digits that the text has."""
+    return abs(value - float(text)) <= 0.5001 * 10.0 ** -len(text.partition(".")[2])
 
 
 @pytest.mark.parametrize("path", [*PAGES, FOLDER / "README.md"], ids=lambda path: path.stem)

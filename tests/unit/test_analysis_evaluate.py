@@ -91,6 +91,7 @@ def test_surge_stands_where_it_was_put():
     ).quantities
     assert found["surge_cam_order"] == pytest.approx(13.2) and found["surge_frequency"] == frequency
     assert found["surge_amplitude_force"] == pytest.approx(9.0, abs=1e-6)
+    assert found["surge_amplitude_cam_order"] == 13.0
     assert (found["surge_order_3_force"], found["surge_order_13_force"]) == pytest.approx(
         (40.0, 9.0), abs=1e-6
     )

@@ -104,13 +104,14 @@ def manner() -> Manner:
 
 @dataclass(frozen=True)
 class Outcome:
-    """``data``: the object of ``--json``. ``show`` prints the same for people. ``failures``: a
-    sentence per run that did not complete.
+    """``data``: the object of ``--json``. ``show`` prints the same for people, below it stands the
+    ``verdict``, one sentence. ``failures``: a sentence per run that did not complete.
     """
 
     data: Mapping[str, Any]
     show: Callable[[Console], None]
     failures: tuple[str, ...] = ()
+    verdict: str = ""
 
 
 def deliver(outcome: Outcome) -> None:
@@ -120,7 +121,7 @@ def deliver(outcome: Outcome) -> None:
     failures = outcome.failures
     try:
         if manner().json:
-            sys.stdout.write(to_json(outcome.data) + "\n")
+            sys.stdout.write(to_json(_with_verdict(outcome)) + "\n")
         elif not manner().quiet:
             failures = (*failures, *_show(outcome))
         sys.stdout.flush()
@@ -136,10 +137,17 @@ def deliver(outcome: Outcome) -> None:
         raise typer.Exit(1)
 
 
+def _with_verdict(outcome: Outcome) -> Mapping[str, Any]:
+    return {**outcome.data, "verdict": outcome.verdict} if outcome.verdict else outcome.data
+
+
 def _show(outcome: Outcome) -> tuple[str, ...]:
     """Print for people; what could not be printed, since results are saved whatever printing does."""
     try:
-        outcome.show(output_console())
+        console = output_console()
+        outcome.show(console)
+        if outcome.verdict:
+            console.print(f"\n{outcome.verdict}")
     except (OSError, InputError, typer.Exit):
         raise
     except Exception as error:

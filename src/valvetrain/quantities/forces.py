@@ -295,7 +295,9 @@ def surge_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
         }
     first, last = int(np.ceil(SURGE_BAND[0] * place)), int(np.floor(SURGE_BAND[1] * place))
     if amplitude is not None and max(first, 1) <= last < len(amplitude):
-        found["surge_amplitude_force"] = float(np.max(amplitude[max(first, 1) : last + 1]))
+        largest = max(first, 1) + int(np.argmax(amplitude[max(first, 1) : last + 1]))
+        found["surge_amplitude_force"] = float(amplitude[largest])
+        found["surge_amplitude_cam_order"] = float(largest)
     return found
 
 

@@ -1,11 +1,12 @@
-"""Results in a notebook: the first table of a result's page with its first figure, and that figure
-by plotly.
+"""Results in a notebook: verdict and picture of a result's page, below them its first table; the
+picture by plotly as well.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from html import escape
 from typing import TYPE_CHECKING
 
 from valvetrain import registry
@@ -14,7 +15,8 @@ from valvetrain.report import plotly_chart
 from valvetrain.report.chart import Chart, HeatMap
 from valvetrain.report.page import Block, Figure, Grid, Page, Text
 from valvetrain.report.svg_chart import svg
-from valvetrain.solution.display import table
+from valvetrain.report.verdict import verdict_of
+from valvetrain.solution.display import heading, table
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -24,16 +26,17 @@ _TITLE, _LEGEND = 64, 90
 
 
 def html_of(result: object) -> str:
-    """Text, first table and first figure of a result; a part that cannot be shown is left out."""
+    """Verdict, picture, text and first table of a result; a part that cannot be shown is left out."""
     blocks = _shown(result)
     grid = next((one for one in blocks if isinstance(one, Grid)), None)
     rows = [[cell.text for cell in cells] for cells, _ in grid.rows] if grid else []
-    return table(repr(result), grid.headers if grid else (), rows) + _picture(blocks)
+    text = repr(result).removeprefix(verdict_of(result)).strip()
+    return _opening(result, blocks) + table(text, grid.headers if grid else (), rows)
 
 
 def picture_of(result: object) -> str:
-    """The first figure of a result as SVG; nothing where it has none."""
-    return _picture(_shown(result))
+    """Verdict and first figure (SVG) of a result; what it does not have is left out."""
+    return _opening(result, _shown(result))
 
 
 def figure_of(result: object) -> go.Figure:
@@ -47,7 +50,7 @@ def figure_of(result: object) -> go.Figure:
         reasons = [one.html for one in blocks if isinstance(one, Text) and one.gap]
         reason = reasons[0] if reasons else f"this {type(result).__name__} holds nothing to draw"
         raise InputError(reason)
-    return plotly_figure(chart, repr(result).partition("\n")[0])
+    return plotly_figure(chart, heading(result))
 
 
 def plotly_figure(chart: Chart, title: str) -> go.Figure:
@@ -85,6 +88,7 @@ def _blocks(result: object) -> Iterator[Block]:
     """Blocks of the page of a result, in their order."""
     made = registry.find("results", type(result).__name__)(result)
     if isinstance(made, Page):
+        yield from made.picture
         for section in made.sections:
             yield from section.blocks
     else:
@@ -101,6 +105,11 @@ def _shown(result: object) -> list[Block]:
 
 def _first_chart(blocks: list[Block]) -> Chart | None:
     return next((one.chart for one in blocks if isinstance(one, Figure)), None)
+
+
+def _opening(result: object, blocks: list[Block]) -> str:
+    sentence = verdict_of(result)
+    return (f"<p><strong>{escape(sentence)}</strong></p>" if sentence else "") + _picture(blocks)
 
 
 def _picture(blocks: list[Block]) -> str:

@@ -172,27 +172,32 @@ Block = Motion | Text | Figure | Grid | Cards | Tabs | Details | Listing
 @dataclass(frozen=True, slots=True)
 class SectionSpec:
     """A section of the report as the registry lists it: ``blocks`` asks a study for what it has;
-    nothing leaves the section out.
+    nothing leaves the section out. ``folded``: see :class:`Section`.
     """
 
     key: str
     title: str
     blocks: Callable[[Study], tuple[Block, ...]]
+    folded: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A part of the page with an entry in the contents."""
+    """A part of the page with an entry in the contents; ``folded`` ones stand together at its end,
+    closed, under "How it was computed".
+    """
 
     key: str
     title: str
     blocks: tuple[Block, ...]
+    folded: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """A whole report: ``kicker`` above the title, ``lead`` below it, ``facts`` as (name, value)
-    pairs, a footer.
+    """A whole report: ``kicker`` above the title, ``verdict`` (one sentence) and ``picture`` (one
+    figure, or a moving picture) below it, then ``lead``, ``facts`` as (name, value) pairs, sections
+    and a footer.
     """
 
     title: str
@@ -201,6 +206,13 @@ class Page:
     facts: tuple[tuple[str, str], ...]
     sections: tuple[Section, ...]
     footer: str = ""
+    verdict: str = ""
+    picture: tuple[Block, ...] = ()
+
+    @property
+    def parts(self) -> tuple[tuple[Block, ...], ...]:
+        """Blocks of the picture, then those of each section."""
+        return (self.picture, *(section.blocks for section in self.sections))
 
 
 def text(label: str, tone: str = "") -> Text:
@@ -217,8 +229,8 @@ def gaps_of(page: Page) -> tuple[str, ...]:
     """A sentence per part of a page that failed."""
     return tuple(
         unescape(block.html)
-        for section in page.sections
-        for block in _all(section.blocks)
+        for part in page.parts
+        for block in _all(part)
         if isinstance(block, Text) and block.gap
     )
 
@@ -251,12 +263,7 @@ def figure_or_gap(
 
 def charts(page: Page) -> list[Chart]:
     """Every chart on a page, in order, those behind tabs included."""
-    return [
-        block.chart
-        for section in page.sections
-        for block in _all(section.blocks)
-        if isinstance(block, Figure)
-    ]
+    return [block.chart for part in page.parts for block in _all(part) if isinstance(block, Figure)]
 
 
 def _all(blocks: Sequence[Any]) -> Iterator[Any]:
@@ -305,12 +312,7 @@ def render_part(sections: Sequence[Section]) -> str:
 
 def _moving(page: Page) -> list[Motion]:
     """Every moving picture of a page, in order."""
-    return [
-        block
-        for section in page.sections
-        for block in _all(section.blocks)
-        if isinstance(block, Motion)
-    ]
+    return [block for part in page.parts for block in _all(part) if isinstance(block, Motion)]
 
 
 def page_style() -> str:

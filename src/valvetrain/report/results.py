@@ -31,7 +31,7 @@ from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.cycle_view import angle_within, first_revolution
-from valvetrain.solution.display import SHOWN_UNITS, value_text
+from valvetrain.solution.display import SHOWN_UNITS, heading, value_text
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.modes import ModalResult, TrainModes
 from valvetrain.solution.quantity import unit_of
@@ -260,7 +260,7 @@ def _panel(
 
 
 def _figure(result: object, *panels: Panel) -> Figure:
-    title, named = repr(result).partition("\n")[0], len(panels[0].y_tick_labels)
+    title, named = heading(result), len(panels[0].y_tick_labels)
     height = max(240 * len(panels), 24 * named) + 90
     return Figure(Chart("result", title, "", panels, 1, height))
 

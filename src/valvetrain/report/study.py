@@ -94,7 +94,7 @@ def study_page(study: Study) -> Page:
     lead, more = " ".join(lines[:_LEAD_SENTENCES]), tuple(lines[_LEAD_SENTENCES:])
     if more and sections:
         about = Section(
-            "about", "About the case", prose((" ".join(lines),), "The whole description")
+            "about", "About the case", prose((" ".join(lines),), "The whole description"), True
         )
         sections = (*sections[:-1], about, sections[-1])
     zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
@@ -127,7 +127,7 @@ def _section(spec: SectionSpec, study: Study) -> Section | None:
         blocks = spec.blocks(study)
     except Exception as error:  # one section must not cost the page
         blocks = (gap(f"The section '{spec.title}' could not be drawn: {reason(error)}"),)
-    return Section(spec.key, spec.title, blocks) if blocks else None
+    return Section(spec.key, spec.title, blocks, spec.folded) if blocks else None
 
 
 def _facts(study: Study) -> tuple[tuple[str, str], ...]:
@@ -181,7 +181,7 @@ def _unique_keys(page: Page) -> Page:
         return tuple(found)
 
     taken: set[str] = set()
-    sections = []
+    picture, sections = renamed(page.picture), []
     for section in page.sections:
         key = next(
             name
@@ -189,8 +189,8 @@ def _unique_keys(page: Page) -> Page:
             if (name := section.key if n == 1 else f"{section.key}-{n}") not in taken
         )
         taken.add(key)
-        sections.append(Section(key, section.title, renamed(section.blocks)))
-    return replace(page, sections=tuple(sections))
+        sections.append(replace(section, key=key, blocks=renamed(section.blocks)))
+    return replace(page, picture=picture, sections=tuple(sections))
 
 
 #: Wire points of the CSV files, in turns; the NetCDF files hold every one.

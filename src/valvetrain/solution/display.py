@@ -112,7 +112,20 @@ class Shown:
         return figure
 
 
+def verdict_first(result: object, lines: Sequence[str]) -> str:
+    """Text of a result: its verdict, then ``lines`` about it."""
+    sentence: str = registry.find("displays", "verdict")(result)
+    return "\n  ".join([sentence, *lines] if sentence else lines)
+
+
+def heading(result: object) -> str:
+    """The first line of the text of a result that is not its verdict."""
+    sentence: str = registry.find("displays", "verdict")(result)
+    return repr(result).removeprefix(sentence).strip().partition("\n")[0]
+
+
 def table_and_picture(result: object, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table under the text of a result, and below it the first figure of its page."""
-    picture: str = registry.find("displays", "picture")(result)
-    return table(repr(result), head, rows) + picture
+    """Verdict and picture of a result as on its page, below them its text and a table."""
+    first: str = registry.find("displays", "picture")(result)
+    sentence: str = registry.find("displays", "verdict")(result)
+    return first + table(repr(result).removeprefix(sentence).strip(), head, rows)

@@ -15,6 +15,12 @@ class Saveable(Shown):
 
     __slots__ = ()
 
+    @property
+    def verdict(self) -> str:
+        """The result in one sentence, which opens its page and ends the answer of its command."""
+        sentence: str = find("displays", "verdict")(self)
+        return sentence
+
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write it to one NetCDF file (``.nc``), whole or not at all; :func:`valvetrain.load` reads
         an equal one. A solution may be a CSV file (``.csv``) as well.

@@ -40,7 +40,7 @@ def _cells(one: CaseValue) -> tuple[Cell, ...]:
     )
 
 
-CASE_SPEC = SectionSpec("case", "Values of the case", case_blocks)
+CASE_SPEC = SectionSpec("case", "Values of the case", case_blocks, folded=True)
 
 
 #: Rows up to which the table stands open.
@@ -129,7 +129,7 @@ def _plain(key: str, value: object) -> str:
     return f"{number(value) if isinstance(value, float) else value} {unit_text(shown)}".strip()
 
 
-RUNS_SPEC = SectionSpec("runs", "How it was computed", runs_blocks)
+RUNS_SPEC = SectionSpec("runs", "Runs and versions", runs_blocks, folded=True)
 
 
 def references_blocks(study: Study) -> tuple[Block, ...]:
@@ -142,4 +142,4 @@ def references_blocks(study: Study) -> tuple[Block, ...]:
     return tuple(text(reference, "reference") for reference in dict.fromkeys(every))
 
 
-REFERENCES_SPEC = SectionSpec("references", "Papers to cite", references_blocks)
+REFERENCES_SPEC = SectionSpec("references", "Papers to cite", references_blocks, folded=True)

@@ -45,6 +45,13 @@ const valvetrainFigures = (function () {
   const watcher = new IntersectionObserver(function (entries) {
     entries.forEach(function (entry) { if (entry.isIntersecting) { draw(entry.target); watcher.unobserve(entry.target); } });
   }, { rootMargin: "900px 0px" });
+  // Paper has nothing to click: what is folded is opened for it and closed again.
+  window.addEventListener("beforeprint", function () {
+    document.querySelectorAll("details:not([open])").forEach(function (part) { part.dataset.folded = "1"; part.open = true; });
+  });
+  window.addEventListener("afterprint", function () {
+    document.querySelectorAll("details[data-folded]").forEach(function (part) { delete part.dataset.folded; part.open = false; });
+  });
   window.addEventListener("beforeprint", function () { document.querySelectorAll(".plot[data-chart]").forEach(draw); });
 
   // Moving pictures are mounted when they come near, as figures are drawn.
@@ -166,7 +173,10 @@ const valvetrainFigures = (function () {
   if (document.documentElement.dataset.workbench !== undefined) { return; }
   valvetrainFigures.wire(document);
   const links = new Map(Array.from(document.querySelectorAll("nav a")).map(function (a) { return [a.getAttribute("href").slice(1), a]; }));
-  const sections = Array.from(document.querySelectorAll("section"));
+  const sections = Array.from(document.querySelectorAll("section, details.computed")).filter(function (part) { return links.has(part.id); });
+  links.forEach(function (link, key) {
+    link.addEventListener("click", function () { const part = document.getElementById(key); if (part.tagName === "DETAILS") { part.open = true; } });
+  });
   function mark() {
     let current = sections[0];
     sections.forEach(function (section) { if (section.getBoundingClientRect().top < window.innerHeight * 0.35) { current = section; } });

@@ -25,7 +25,7 @@ _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
 _CHART = re.compile(r'data-chart="([^"]*)"')
 #: Sections that are seen first, whose figures come with them.
-FIRST = ("answers", "force", "verdict")
+FIRST = ("opening", "answers", "force", "verdict")
 #: Largest report that is read for its sections (bytes).
 MAX_REPORT = 200_000_000
 
