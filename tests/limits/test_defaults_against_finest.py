@@ -11,7 +11,7 @@ import pytest
 import valvetrain as vt
 from valvetrain.system.build import build
 from valvetrain.validation import defaults
-from valvetrain.validation.defaults import Subject, compare, compare_exact
+from valvetrain.validation.default_runs import Subject, compare, compare_exact
 
 
 def default_model(subject: Subject) -> str:
@@ -69,7 +69,7 @@ def test_bars_hold_where_impacts_depend_on_the_step():
 
 def test_rods_in_a_train_forget_their_start():
     """Limit: the numbers of twelve revolutions; the valve repeats after one, when its spring does not."""
-    case = defaults.Subject("finger", "stock", ()).case()
+    case = Subject("finger", "stock", ()).case()
     ways = {"spring_models": "finite-element", "spring_set": "stock", "workers": 1}
     first, long = (
         vt.simulate(one, "8000 rpm", **ways).solutions[0]

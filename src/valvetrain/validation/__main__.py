@@ -89,8 +89,10 @@ def merged(old: str, rows: Iterable[Row]) -> str:
     """The page ``old`` with the tables of the topics of ``rows`` made anew, at its end where it had none."""
     head, *tables = page(rows).split("\n## ")
     known, *before = old.split("\n## ")
-    anew = {table.partition("\n")[0]: table for table in tables}
-    sections = [anew.pop(table.partition("\n")[0], table) for table in before] + [*anew.values()]
+    remade = {table.partition("\n")[0]: table for table in tables}
+    sections = [remade.pop(table.partition("\n")[0], table) for table in before] + [
+        *remade.values()
+    ]
     lines = {
         line.split("|")[1]: line
         for text in (known, head)
