@@ -18,8 +18,8 @@ from pathlib import Path
 import valvetrain as vt
 from valvetrain.report.motion.project import motion_json
 from valvetrain.report.motion.scene import moving_picture
+from valvetrain.report.opening import motion_blocks as blocks
 from valvetrain.report.page import Page, Section, motion_script, render
-from valvetrain.report.sections.curves import in_motion_blocks as blocks
 
 #: The page is put together on the processor, WebGL is drawn there too.
 OPTIONS = ["--no-sandbox", "--enable-unsafe-swiftshader"]

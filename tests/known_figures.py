@@ -475,7 +475,71 @@ def nodes(study: Study, place: str, number: str) -> Panels:
 
 
 #: Key of a figure -> what it carries.
+def opening(study: Study) -> Panels:
+    """Of a spring the force at the speed where most is worst, of a train lift and cam force, of a
+    sweep the forces and the regimes of the run with critical speeds.
+    """
+    if study.over_speed:
+        return [forces_over_speed(study), regimes(study)]
+    runs = at_speed(study, len(study.engine_speeds))
+    if runs[0].provenance.system != "train":
+        return [("", *panel[1:]) for panel in force(study, "seat_force", "spring force (N)")[:1]]
+    panels = []
+    for axis, channel, rigid, factor in (
+        ("valve lift (mm)", "valve_lift", "rigid_valve_lift", 1e3),
+        ("cam contact force (N)", "cam_contact_force", "rigid_contact_force", 1.0),
+    ):
+        still = {"rigid parts": (turn(runs[0]), factor * last_turn(runs[0], rigid))}
+        panels.append(("", ANGLE, axis, still | lines(runs, channel, factor)))
+    return panels
+
+
+def forces_over_speed(study: Study) -> tuple:
+    found = {}
+    for label in study.labels:
+        runs = study.runs(label)
+        x = np.array([run.engine_speed * 30 / np.pi for run in runs])
+        restless = np.array([run.status.code != "completed" for run in runs])
+        for name in ("peak_spring_force", "minimum_spring_force"):
+            y = np.array([run.quantities[name] for run in runs])
+            found[f"{label}, {name.replace('_', ' ')}"] = (x, y)
+            found[f"{label}, {name.replace('_', ' ')}, not settled"] = (x[restless], y[restless])
+    return ("", "engine speed (rpm)", "spring force (N)", found)
+
+
+def regimes(study: Study) -> tuple:
+    """Rows from the top: controlled, contact loss, float, bounce; thin the range of an onset."""
+    last = study.engine_speeds[-1] * 30 / np.pi
+    first = study.engine_speeds[0] * 30 / np.pi
+    rows = {row.kind: row for row in study.critical_speeds}
+    contact, over = (rows[kind].engine_speed * 30 / np.pi for kind in ("contact-loss", "float"))
+    gap = np.nan
+    found = {
+        "controlled": [(first, contact)],
+        "contact loss": [
+            (contact, rows["contact-loss"].ends.from_rest.lower_engine_speed * 30 / np.pi),
+            *(
+                (one.lower_engine_speed * 30 / np.pi, one.upper_engine_speed * 30 / np.pi)
+                for one in rows["contact-loss"].again
+            ),
+        ],
+        "float": [(over, last)],
+    }
+    height = {"controlled": 3.0, "contact loss": 2.0, "float": 1.0}
+    bars = {}
+    for name, spans in found.items():
+        x = np.array([value for low, high in spans for value in (low, high, gap)])
+        bars[name] = (x, np.where(np.isnan(x), gap, height[name]))
+    low, high = (
+        min(max(getattr(rows["float"].printed, end) * 30 / np.pi, first), last)
+        for end in ("lower_engine_speed", "upper_engine_speed")
+    )
+    bars["float, range"] = (np.array([low, high]), np.full(2, 1.0))
+    return ("", "engine speed (rpm)", "regime (one row each)", bars)
+
+
 FIGURES = {
+    r"opening": opening,
     r"force-seat": lambda study: force(study, "seat_force", "force on the cylinder head (N)"),
     r"force-retainer": lambda study: force(study, "retainer_force", "force on the retainer (N)"),
     r"coil-coils-(\d)-(\d)-(\w+)": coils, r"clash-coils-(\d)-(\d)-(\w+)": clash, r"motion-(\d)": motion, r"static-1": static,

@@ -101,7 +101,12 @@ BUILT_IN["results"] = {
     "ModelAgainstTest": "valvetrain.compare_test.page:compare_test_page",
 }
 #: Class of a result -> the function that gives its one sentence, without end of line.
-BUILT_IN["verdicts"] = {}
+BUILT_IN["verdicts"] = {
+    "Solution": "valvetrain.report.run_verdict:solution_verdict",
+    "Study": "valvetrain.report.run_verdict:study_verdict",
+    "FidelityMap": "valvetrain.report.model_verdict:fidelity_verdict",
+    "UncertaintyStudy": "valvetrain.report.model_verdict:refine_verdict",
+}
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
     "verdict": "valvetrain.report.verdict:verdict_of",
@@ -212,7 +217,6 @@ BUILT_IN["sections"] = {
     "gu2021": "valvetrain.report.sections.gu2021:SPEC",
     "uncertainty": "valvetrain.report.sections.published:UNCERTAINTY_SPEC",
     "force": "valvetrain.report.sections.curves:FORCE_SPEC",
-    "in-motion": "valvetrain.report.sections.curves:IN_MOTION_SPEC",
     "coils": "valvetrain.report.sections.coils:COILS_SPEC",
     "motion": "valvetrain.report.sections.curves:MOTION_SPEC",
     "train": "valvetrain.report.sections.curves:TRAIN_SPEC",

@@ -18,8 +18,8 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.motion.project import motion_json
 from valvetrain.report.motion.scene import moving_picture
+from valvetrain.report.opening import motion_blocks as blocks
 from valvetrain.report.page import Page, Section, motion_script, render
-from valvetrain.report.sections.curves import in_motion_blocks as blocks
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = pytest.mark.chromium

@@ -57,7 +57,7 @@ def blow(damping_time: float, preload: float = 0.0, steps: int = 20_000, time_st
         np.zeros((steps + 1, 2)),
         np.zeros((0, len(state))),
     )
-    assert advance(model.kernel, *arrays, watch.stretches, spacing, pressed) == steps + 1
+    assert advance(model.kernel, *arrays, watch.stretches, spacing, pressed, 0, 1) == steps + 1
     time = spacing * time_step * np.arange(len(pressed))
     event, *others = find_clashes(
         PairSeries(time, 300.0 * time, *watch.read(pressed, spacing * time_step, time_step))

@@ -123,7 +123,9 @@ def test_two_masses_that_collide_part_as_they_met_and_store_all_energy_between()
     watch = model.contact_watch()
     pressed = np.empty((steps, watch.entries))
     ends = np.zeros((steps + 1, 2))
-    assert advance(model.kernel, *arrays, ends, states, watch.stretches, 1, pressed) == steps + 1
+    assert (
+        advance(model.kernel, *arrays, ends, states, watch.stretches, 1, pressed, 0, 1) == steps + 1
+    )
     deepest = (0.5 * REDUCED_MASS * VELOCITY**2 * 2.4 * EQUAL_OVERLAP**0.4 / STIFFNESS) ** (1 / 2.4)
     assert np.max(states[:, 1] - states[:, 0]) - GAP == pytest.approx(deepest, rel=2e-3)
     assert states[-1, 3] - states[-1, 2] == pytest.approx(-VELOCITY, rel=1e-3)

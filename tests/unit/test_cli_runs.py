@@ -58,7 +58,13 @@ def test_every_template_runs_as_it_stands_and_answers_within_40_lines(tmp_path, 
     assert known == sorted(known) and len(known) == {"spring": 5, "pushrod": 4}.get(
         kind, 6
     )  # a card knows no coils
-    assert re.match(r"results  runs.mine.\d{8}-\d{6}-[0-9a-f]{8}$", lines[-1])
+    assert re.match(
+        r"results  runs.mine.\d{8}-\d{6}-[0-9a-f]{8}$",
+        next(line for line in lines if line.startswith("results")),
+    )
+    assert lines[-1].endswith(".") and "clear of coil bind by" in " ".join(
+        " ".join(lines[-4:]).lower().split()
+    )
 
 
 def test_a_run_is_kept_whole_and_repeated_from_its_folder(small):

@@ -125,7 +125,7 @@ def scan_compared() -> Shown:
 #: Class of a result -> one, a word of its table, and what the axes of its figure show.
 RESULTS = {
     "Solution": (rod_run, "peak spring force", "force (N)"),
-    "Study": (own_study, "engine speed", "peak spring force (N)"),
+    "Study": (own_study, "engine speed", "spring force (N)"),
     "StaticCurve": (lambda: at_rest()[0].curve, "compression", "stiffness (N/mm)"),
     "ModalResult": (lambda: at_rest()[0].modes, "natural frequency", "axial displacement (1)"),
     "TrainModes": (test_every_notebook_table.train, "moving", "share of kinetic energy (%)"),

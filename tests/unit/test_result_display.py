@@ -196,7 +196,7 @@ def test_a_plot_draws_what_was_computed():
     assert (rod.name, chain.name) == ("rod", "chain")
     assert np.allclose(rod.x, [4200, 5600]) and np.allclose(rod.y, 800.0)
     one_speed = replace(study(), solutions=study().solutions[:1])
-    assert len(one_speed.plot().data[0].x) == 361
+    assert len(one_speed.plot().data[0].x) == 360  # one revolution
 
 
 def test_what_holds_nothing_to_draw_is_refused():

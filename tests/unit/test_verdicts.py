@@ -77,7 +77,7 @@ def test_the_page_opens_with_sentence_and_picture_and_ends_with_what_is_folded()
 def test_a_page_read_back_has_its_picture_in_a_section_of_its_own():
     read = sections_of(render(page_of(None)))
     assert [section.key for section in read] == ["opening", "first", "second", "versions"]
-    assert isinstance(read[0].parts[0], PageFigure)
+    assert read[0].parts[0].text == SENTENCE and isinstance(read[0].parts[1], PageFigure)
 
 
 def test_a_notebook_shows_sentence_then_picture_then_table(known):

@@ -67,7 +67,8 @@ def test_every_figure_and_table_of_a_page_is_read_back(read):
     """Nothing is lost or invented: figures with their data, tables cell by cell, in the order of
     the page.
     """
-    page, back = read
+    page, (first, *back) = read
+    assert first.key == "opening" and first.parts[0].text == page.verdict
     assert [(one.key, one.title) for one in back] == [(one.key, one.title) for one in page.sections]
     for drawn, found in zip(page.sections, back, strict=True):
         blocks = list(_all(drawn.blocks))
@@ -110,7 +111,7 @@ def test_words_of_a_case_are_words_and_no_markup(read):
 
     evil = "</script><script>alert(1)</script><b>&amp;"
     page = replace(read[0], sections=tuple(replace(one, title=evil) for one in read[0].sections))
-    assert {one.title for one in sections_of(render(page))} == {evil}
+    assert {one.title for one in sections_of(render(page))[1:]} == {evil}
 
 
 @pytest.mark.parametrize(

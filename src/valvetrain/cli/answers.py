@@ -19,7 +19,6 @@ from valvetrain.report.headlines import (
     headline_columns,
     headline_rows,
     largest_clash_rows,
-    limit_sentences,
 )
 from valvetrain.report.run_summary import critical_rows, reach_rows, reason_for, searched, share
 from valvetrain.report.text import rpm
@@ -49,13 +48,9 @@ def show_study(
         for table in _tables(study):
             console.print()
             console.print(table)
-        if passed := limit_sentences(study, reasons=False):
-            console.print()
-        for sentence in passed:
-            console.print(f"! {sentence}", soft_wrap=True)
         _show_published(console, study, published)
     finally:  # the folder is printed even where a table fails
-        console.print(f"\nresults  {folder}", soft_wrap=True)
+        console.print(f"results  {folder}", soft_wrap=True)
         if page is not None:
             console.print(f"report   {page}", soft_wrap=True)
 

@@ -148,6 +148,7 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     )
     from valvetrain.report.study import write_page
     from valvetrain.report.text import rpm
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.atomic import write_text
 
     case, engine_speeds = request.case, request.engine_speeds
@@ -174,7 +175,10 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
         folder, files = keep_run(request, case.record().text, choices, data, write)
     data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
     return Outcome(
-        data, lambda console: _show(console, study, str(folder / "report.html")), study.failures
+        data,
+        lambda console: _show(console, study, str(folder / "report.html")),
+        study.failures,
+        verdict_of(study),
     )
 
 

@@ -319,13 +319,16 @@ def _saved_outcome(
     from valvetrain.cli.outcome import Outcome
     from valvetrain.report.json import study_json
     from valvetrain.report.text import rpm
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.partial_failures import PartialFailures
 
     gaps = PartialFailures(unfinished.gaps.sentences)
+    verdict = verdict_of(study)
     none: tuple[str, ...] = ()
     failures = gaps.part("list of failures", none, lambda: study.failures)
     plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
     data = gaps.part("JSON answer", plain, study_json, study) | {"command": request.command}
+    data |= {"verdict": verdict} if verdict else {}
     choices_made = {
         **choices, "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
         "spring_models": list(dict.fromkeys(run.model for run in study.solutions)) or list(request.spring_models),
@@ -338,7 +341,10 @@ def _saved_outcome(
     if page is not None and request.open_page:
         show_page(page)
     return Outcome(
-        data, lambda console: show_study(console, study, folder, page, request.published), failed
+        data,
+        lambda console: show_study(console, study, folder, page, request.published),
+        failed,
+        verdict,
     )
 
 

@@ -17,7 +17,7 @@ from valvetrain.cosserat.layout import PAD, ROWS, STRIDE, empty_buffer
 from valvetrain.cosserat.mesh import MAXIMUM_VERTICES, RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.time_stepping import GUIDED, LOWER_END, STRETCHES, UPPER_START
-from valvetrain.cosserat.transient import DENSE_INTERVAL, simulate
+from valvetrain.cosserat.transient import dense_records, simulate
 from valvetrain.errors import InputError
 from valvetrain.units import Given, si
 
@@ -103,7 +103,7 @@ def simulate_batch(
         if time_step is None
         else si(time_step, "time", "time_step")
     )
-    dense = max(1, round(sample_interval / DENSE_INTERVAL))
+    dense = dense_records(sample_interval, samples)
     sub = max(1, int(np.ceil(sample_interval / dense / limit * (1 - 1e-9))))
     step, steps = sample_interval / (dense * sub), samples * dense * sub
     displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1.0)), dtype=float)

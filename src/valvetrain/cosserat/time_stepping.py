@@ -244,9 +244,13 @@ def integrate_in_time(
     extremes,
     bins,
     pressed,
+    begin,
+    end,
+    carried,
 ):
-    """Integrate ``len(displacement) - 1`` steps of prescribed retainer displacement (m, from the
-    free state).
+    """Integrate the steps ``begin`` to ``end`` - 1 of prescribed retainer ``displacement`` (m, from
+    the free state), whose first value is that of step ``begin``, a whole sample. ``carried`` (6,)
+    takes running values from one call to the next; all zero at first.
 
     ``clock`` = (steps per dense record, dense records per sample, first sample stored, steps per
     record of coil pairs); ``stretches``
@@ -262,11 +266,11 @@ def integrate_in_time(
     in pair ``bins[i]``. Returns (steps
     done, largest vertex speed); a run that diverged stops early.
     """
-    steps, vertices = len(displacement) - 1, np.uint64(integers[VERTICES])
-    count, work, lost, before, fastest, per_sample = 0, 0.0, 0.0, 0.0, 0.0, clock[0] * clock[1]
-    row, seat_high, seat_low, high, low = -1, 0.0, 0.0, 0.0, 0.0
-    dt = numbers[DT]
-    for n in range(steps + 1):
+    vertices, per_sample, dt = np.uint64(integers[VERTICES]), clock[0] * clock[1], numbers[DT]
+    count, work, lost, before = int(carried[0]), carried[1], carried[2], carried[3]
+    travel, fastest, row = carried[4], carried[5], begin // per_sample - 1
+    seat_high, seat_low, high, low = 0.0, 0.0, 0.0, 0.0
+    for n in range(begin, end):
         if n % WATCH_STEPS == 0:
             speed = fastest_vertex(b, np.uint64(0), vertices)
             fastest = max(fastest, speed)
@@ -274,9 +278,11 @@ def integrate_in_time(
                 return n, fastest
             reach = 2.0 * (speed + 2.0) * WATCH_STEPS * dt + WATCH_MARGIN
             count = watch_contacts(b, integers, reach, stretches)
-        retainer, seat = forces_now(b, integers, numbers, places, stretches, count, displacement[n])
+        retainer, seat = forces_now(
+            b, integers, numbers, places, stretches, count, displacement[n - begin]
+        )
         if n > 0:
-            work += 0.5 * (retainer + before) * (displacement[n] - displacement[n - 1])
+            work += 0.5 * (retainer + before) * travel
         before = retainer
         sample = n % per_sample == 0
         if sample:
@@ -308,10 +314,12 @@ def integrate_in_time(
         lost += kick_and_drift(b, integers, numbers)
         if sample and stored >= 0:
             finish_snapshot(b, integers, snapshots[stored], 0.5)
-        if n < steps:
-            travel = displacement[n + 1] - displacement[n]
+        if n - begin < len(displacement) - 1:
+            travel = displacement[n - begin + 1] - displacement[n - begin]
             place_retainer(b, integers, travel, travel / dt)
-    return steps + 1, fastest
+    carried[0], carried[1], carried[2], carried[3] = count, work, lost, before
+    carried[4], carried[5] = travel, fastest
+    return end, fastest
 
 
 @njit(**OPTIONS)

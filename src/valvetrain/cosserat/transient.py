@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from valvetrain.coil_contact.record import contact_spacing
 from valvetrain.cosserat.buffer import RodDynamics, fill_buffer, stable_time_step, stepping_numbers
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
@@ -22,6 +23,16 @@ Array = NDArray[np.float64]
 DENSE_INTERVAL = 4e-6
 #: Target spacing of the record of coil contacts (s), whose blows last some 10 us.
 CONTACT_INTERVAL = 2e-6
+#: Most force records that are stored, however slow the revolution; slower ones stand further apart.
+MAX_DENSE = 2**20
+#: Steps whose motion is computed at a time.
+BLOCK = 2**20
+
+
+def dense_records(sample_interval: float, samples: int) -> int:
+    """Force records per sample, of which ``samples`` of ``sample_interval`` (s) are stored."""
+    records = max(1, round(sample_interval / DENSE_INTERVAL))
+    return min(records, max(1, MAX_DENSE // max(1, samples)))
 
 
 @dataclass(frozen=True)
@@ -93,36 +104,45 @@ def simulate(
     if time_step is not None and not time_step > 0:
         raise InputError(f"the time step must be positive; it is {time_step}")
     limit = stable_time_step(mesh, dynamics) if time_step is None else time_step
-    dense = max(1, round(sample_interval / DENSE_INTERVAL))
+    discard = min(discard, samples)
+    dense = dense_records(sample_interval, samples - discard)
     sub = max(1, int(np.ceil(sample_interval / dense / limit * (1 - 1e-9))))
     step = sample_interval / (dense * sub)
     integers, numbers, places = stepping_numbers(mesh, dynamics, step)
     buffer = fill_buffer(mesh, start, dynamics, step)
     steps = samples * dense * sub
-    displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1.0)), dtype=float)
-    discard = min(discard, samples)
     snapshots = np.empty((samples + 1 - discard, 13, mesh.vertices + 1))
     contacts = np.zeros((samples + 1, 3, mesh.contact.groups, mesh.vertices))
     records, extremes = np.empty((samples * dense + 1, 4)), np.zeros((samples + 1, 8))
-    spacing = max(1, round(CONTACT_INTERVAL / step))
-    clock, stretches = np.array([sub, dense, discard, spacing]), np.zeros((STRETCHES, 2))
     bins = np.full(mesh.vertices, -1, dtype=np.int64) if pair_of is None else pair_of
-    pressed = np.zeros(((samples - discard) * dense * sub // spacing + 1, 2, int(bins.max()) + 1))
-    done, fastest = integrate_in_time(
-        buffer,
-        integers,
-        numbers,
-        places,
-        displacement,
-        clock,
-        stretches,
-        snapshots,
-        contacts,
-        records,
-        extremes,
-        bins,
-        pressed,
-    )
+    pairs, recorded = int(bins.max()) + 1, (samples - discard) * dense * sub
+    spacing = contact_spacing(CONTACT_INTERVAL, step, recorded, 2 * pairs)
+    clock, stretches = np.array([sub, dense, discard, spacing]), np.zeros((STRETCHES, 2))
+    pressed = np.zeros((recorded // spacing + 1, 2, pairs))
+    block, carried = max(1, BLOCK // (dense * sub)) * dense * sub, np.zeros(6)
+    for begin in range(0, steps + 1, block):
+        end = begin + block if begin + block < steps else steps + 1
+        times = step * np.arange(float(begin), float(min(end, steps) + 1))
+        done, fastest = integrate_in_time(
+            buffer,
+            integers,
+            numbers,
+            places,
+            np.ascontiguousarray(motion(times), dtype=float),
+            clock,
+            stretches,
+            snapshots,
+            contacts,
+            records,
+            extremes,
+            bins,
+            pressed,
+            begin,
+            end,
+            carried,
+        )
+        if done < end or end > steps:
+            break
     reached = min(samples, (done - 1) // (dense * sub)) if done <= steps else samples
     if (
         reached < discard
@@ -138,7 +158,7 @@ def simulate(
     vertices = snapshots[stored, :, : mesh.vertices]
     return RodTransient(
         time=time[keep],
-        displacement=displacement[:: dense * sub][keep],
+        displacement=np.asarray(motion(step * (dense * sub * np.arange(samples + 1.0))))[keep],
         position=np.moveaxis(vertices[:, 0:3], 1, 2),
         velocity=np.moveaxis(vertices[:, 7:10], 1, 2),
         frame=np.moveaxis(snapshots[stored, 3:7], 1, 2),

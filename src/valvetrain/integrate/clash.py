@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.coil_contact.record import contact_spacing
 from valvetrain.integrate.clash_kernels import hardest_impact
 from valvetrain.solution.status import Detail, Event
 from valvetrain.springs.contract import ContactWatch
@@ -101,11 +102,13 @@ def impact_impulse(time: Array, force: Array) -> float:
     return float(hardest_impact(area, pad, count, reach, IMPACT_LENGTHS))
 
 
-def steps_between(watch: ContactWatch | None, time_step: float) -> int:
-    """Steps (of ``time_step``, s) between two rows of a record of contacts: the watch's interval,
-    whatever samples are stored.
+def steps_between(watch: ContactWatch | None, time_step: float, steps: int = 0) -> int:
+    """Steps (of ``time_step``, s) between two rows of a record of contacts over as many ``steps``:
+    the watch's interval, whatever samples are stored, and more where the record would be too large.
     """
-    return max(1, round(watch.interval / time_step)) if watch is not None else 1
+    if watch is None:
+        return 1
+    return contact_spacing(watch.interval, time_step, steps, watch.entries)
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,8 @@ TURN = 2 * np.pi
 SAMPLES, STEP_FRACTION, MAX_CYCLES, TOLERANCE = 720, 0.8, 40, 1e-3
 #: A record of inner states beyond this size (bytes) is not stored.
 MAX_RECORD = 400e6
+#: Most steps of a revolution whose forces are stored, and that are computed at a time.
+MAX_FINE = 2**20
 #: Forces (N) beyond any spring's: the run has diverged.
 MAX_FORCE = 1e7
 
@@ -59,6 +61,10 @@ class Leapfrog:
         interval = TURN / cam_speed / samples
         limit = options.time_step or STEP_FRACTION * system.springs[0].stable_time_step()
         sub = max(1, int(np.ceil(interval / limit * (1 - 1e-9))))
+        # Of a slow revolution every ``stride``-th step is stored, and blocks of steps are computed in turn.
+        stride = 1 if isinstance(until, RunUp) else -(-samples * sub // MAX_FINE)
+        sub = stride * -(-sub // stride)
+        block, fine = (samples if stride == 1 else max(1, MAX_FINE // sub)), sub // stride
         step = interval / sub
         model = system.springs[0].with_time_step(step)
         acceleration, turns, tolerance = 0.0, 1, 0.0
@@ -75,7 +81,8 @@ class Leapfrog:
         parameters, integers = model.parameters(), model.integers()
         keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < MAX_RECORD
         watch = contact_watch_of(model)
-        spacing, pressed = steps_between(watch, step), np.zeros((0, 0))
+        bounded = 0 if isinstance(until, RunUp) else samples * sub
+        spacing, pressed = steps_between(watch, step, bounded), np.zeros((0, 0))
         rows = (samples * sub - 1) // spacing + 1
         # a run-up's contacts are recorded in all turns, where they fit
         record = watch is not None and (
@@ -83,21 +90,11 @@ class Leapfrog:
         )
         stretches = watch.stretches if watch is not None else np.zeros((0, 2), dtype=np.int64)
         impacts: list[tuple[Array, Array]] = []
-        forces, before, change, done, turn = (
-            np.zeros((samples * sub + 1, 2)),
-            np.zeros(0),
-            np.inf,
-            0,
-            0,
-        )
+        before, change, done, turn = np.zeros(0), np.inf, 0, 0
         record_parts: list[tuple[Array, Array, Array]] = []
         for turn in range(turns):
-            time = step * np.arange(samples * sub + 1.0) + turn * samples * interval
-            angle = cam_speed * time + 0.5 * acceleration * time**2
-            place = np.ascontiguousarray(system.valve_lift.lift(angle), dtype=float)
-            rate = np.ascontiguousarray(system.valve_lift.lift(angle, 1)) * (
-                cam_speed + acceleration * time
-            )
+            begun = turn * samples * interval
+            time = step * (stride * np.arange(samples * fine + 1.0)) + begun
             states = np.zeros((samples + 1 if keep else 0, len(state)))
             forces = np.zeros((len(time), 2))
             if (
@@ -106,26 +103,41 @@ class Leapfrog:
                 and not (isinstance(until, Cycles) and turn < turns - 1)
             ):
                 pressed = np.empty((rows, watch.entries))
-            done = advance(
-                model.kernel,
-                parameters,
-                integers,
-                state,
-                place,
-                rate,
-                step,
-                sub,
-                forces,
-                states,
-                stretches,
-                spacing,
-                pressed,
-            )
+            for first in range(0, samples * sub, block * sub):
+                last = min(first + block * sub, samples * sub)
+                now = step * np.arange(float(first), last + 1.0) + begun
+                angle = cam_speed * now + 0.5 * acceleration * now**2
+                place = np.ascontiguousarray(system.valve_lift.lift(angle), dtype=float)
+                rate = np.ascontiguousarray(system.valve_lift.lift(angle, 1)) * (
+                    cam_speed + acceleration * now
+                )
+                done = advance(
+                    model.kernel,
+                    parameters,
+                    integers,
+                    state,
+                    place,
+                    rate,
+                    step,
+                    sub,
+                    forces,
+                    states,
+                    stretches,
+                    spacing,
+                    pressed,
+                    first,
+                    stride,
+                )
+                if done <= last:
+                    break
             if len(pressed):
                 whole = min(rows, (done + spacing - 1) // spacing)
                 impacts = [
                     *(impacts if isinstance(until, RunUp) else []),
-                    (time[:-1:spacing][:whole], pressed[:whole]),
+                    (
+                        step * np.arange(0.0, samples * sub, spacing)[:whole] + begun,
+                        pressed[:whole],
+                    ),
                 ]
             record_parts = (
                 [*record_parts, (time, forces, states)]
@@ -144,7 +156,7 @@ class Leapfrog:
             change,
             tolerance,
             turn,
-            record_parts[-1][0][min(done, samples * sub)],
+            step * min(done, samples * sub) + turn * samples * interval,
             cam_speed,
         )
         statistics: dict[str, float | int | str | bool] = {
@@ -153,11 +165,11 @@ class Leapfrog:
         if isinstance(until, Periodic):
             statistics |= {"steady_residual_ratio": change, "steady_tolerance_ratio": tolerance}
         if done <= samples * sub:  # whole samples of what was computed before it diverged
-            whole = done // sub * sub
+            whole = done // sub
             record_parts[-1] = (
-                record_parts[-1][0][: whole + 1],
-                record_parts[-1][1][: whole + 1],
-                record_parts[-1][2][: whole // sub + 1],
+                record_parts[-1][0][: whole * fine + 1],
+                record_parts[-1][1][: whole * fine + 1],
+                record_parts[-1][2][: whole + 1],
             )
         channels = run_channels(
             system,
@@ -165,9 +177,10 @@ class Leapfrog:
             cam_speed,
             acceleration,
             record_parts,
-            sub,
+            fine,
             options.keep == "all",
             later=options.later,
+            stride=stride,
         )
         events: tuple[Event, ...] = ()
         if impacts and watch is not None:
@@ -240,12 +253,14 @@ def run_channels(
     whole: bool,
     half_behind: bool = True,
     later: bool = False,
+    stride: int = 1,
 ) -> ChannelArrays:
     """Channels over the recorded revolutions: end forces at every sample and step, inner motion where states
     were recorded, energies.
 
     ``half_behind``: velocities of the states stand half a step before their places; ``later``:
-    inner motion and energies when one of them is read.
+    inner motion and energies when one of them is read; ``stride``: steps between two recorded
+    forces, of which ``sub`` make a sample.
     """
     cuts = [
         slice(None) if n == len(record_parts) - 1 else slice(None, -1)
@@ -272,7 +287,7 @@ def run_channels(
         values[name] = padded[: len(at) * sub].reshape(len(at), sub)
     if not len(states):
         return spring_channels(at, angle, values, extra=FINE)
-    step = float(time[1] - time[0]) if half_behind and len(time) > 1 else 0.0
+    step = float(time[1] - time[0]) / stride if half_behind and len(time) > 1 else 0.0
     every = Later(_with_inner, model, states, (at, angle, values), step, whole)
     if not later:
         return every.value

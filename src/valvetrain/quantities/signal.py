@@ -213,13 +213,27 @@ def prominences(values: Array, peaks: Index) -> Array:
     """Prominence of each peak: its height above the higher of the lowest points on its two sides,
     up to a higher value or the end.
     """
-    rises = np.zeros(len(peaks))
-    for number, peak in enumerate(peaks):
-        higher = np.flatnonzero(values > values[peak])
-        left = int(higher[higher < peak].max(initial=-1)) + 1
-        right = int(higher[higher > peak].min(initial=len(values)))
-        rises[number] = values[peak] - max(values[left : peak + 1].min(), values[peak:right].min())
+    # Turning points suffice. scipy.signal gives the same, but takes a quarter of a second to import.
+    rise = np.sign(np.diff(values))
+    turning = np.flatnonzero(rise[1:] * rise[:-1] <= 0) + 1
+    stops = np.unique(np.r_[0, turning, len(values) - 1, peaks])
+    level = values[stops].tolist()
+    lowest = np.maximum(_lowest_since_higher(level), _lowest_since_higher(level[::-1])[::-1])
+    where = np.searchsorted(stops, peaks)
+    rises: Array = values[peaks] - lowest[where]
     return rises
+
+
+def _lowest_since_higher(level: list[float]) -> Array:
+    """Lowest value from each place back to the last higher one or the begin, in one pass."""
+    found, open_ = np.empty(len(level)), list[tuple[float, float]]()
+    for place, value in enumerate(level):
+        lowest = value
+        while open_ and open_[-1][0] <= value:
+            lowest = min(lowest, open_.pop()[1])
+        open_.append((value, lowest))
+        found[place] = lowest
+    return found
 
 
 def separate_spikes(position: Array, size: Array, separation: float, threshold: float) -> Index:

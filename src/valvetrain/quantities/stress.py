@@ -13,6 +13,7 @@ from valvetrain.parameters.material import PERMITTED_SHEAR, tensile_strength
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Array, Cycle, Frame
 from valvetrain.quantities.forces import spring_extremes
+from valvetrain.quantities.statics import solid_quantities
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.result import Solution
 from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, nominal_stress_per_force, wire_stress
@@ -80,16 +81,25 @@ def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
 
 def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, float]:
     """Peak and least shear by EN 13906-1 at the worst place of the wire, as if the seat force went
-    through the whole wire at once.
+    through the whole wire at once; what passes the force at solid goes from coil to coil.
     """
     extremes = spring_extremes(cycle, name)
     if spring.wire is None or extremes is None:
         return {}
     factor = nominal_stress_per_force(spring.wire)
     return {
-        "nominal_peak_shear_stress": factor * extremes[1],
+        "nominal_peak_shear_stress": factor * min(extremes[1], most_force_of_wire(spring)),
         "nominal_minimum_shear_stress": factor * extremes[0],
     } | _strength(spring.wire)
+
+
+def most_force_of_wire(spring: InstalledSpring) -> float:
+    """Largest force (N) that the wire of a spring carries, that at solid; infinite where no wire is
+    known or its coils do not meet.
+    """
+    if spring.wire is None or spring.contact.stiffness <= 0:
+        return np.inf
+    return solid_quantities(spring.wire)["solid_force"]
 
 
 def _strength(wire: SpringDefinition) -> dict[str, float]:

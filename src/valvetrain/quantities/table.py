@@ -187,7 +187,8 @@ RUNS: tuple[QuantityRow, ...] = (
         "Half the sum of largest and smallest shear stress at the point of the largest amplitude.", uses=("stress",)),
     both("largest_amplitude_coil_number", "largest stress amplitude, coil number", "Coil number of the largest stress amplitude."),
     both("nominal_peak_shear_stress", "peak shear stress by EN 13906-1",
-        "Shear stress of the peak spring force by EN 13906-1 with the Bergsträsser factor, where wire and index make it largest.",
+        "Shear stress of the peak spring force by EN 13906-1 with the Bergsträsser factor, where wire and index make it largest; "
+        "of a force above that at solid, the stress at solid: the rest passes from coil to coil, not through the wire.",
         sense=LESS, topic=STRESS, uses=("brief", "sweep", "stress")),
     both("nominal_minimum_shear_stress", "minimum shear stress by EN 13906-1",
         "Shear stress of the minimum spring force by EN 13906-1 with the Bergsträsser factor, at the same place.", topic=STRESS,

@@ -128,6 +128,12 @@ def rule_levels(panel: Panel) -> list[int]:
     return levels
 
 
+def near_right_end(panel: Panel, rule: Rule) -> bool:
+    """Whether a vertical rule is so far right that its label is written left of it."""
+    low, high = visible_range(panel)[0]
+    return rule.value > low + 0.9 * (high - low)
+
+
 def shares_axis(chart: Chart, columns: int | None = None) -> bool:
     """True when panels stand above each other over one x axis, which is then labelled once, at the
     bottom.

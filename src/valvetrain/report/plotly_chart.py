@@ -19,6 +19,7 @@ from valvetrain.report.chart import (
     Line,
     Marks,
     Panel,
+    near_right_end,
     rule_levels,
     shares_axis,
     visible_range,
@@ -291,12 +292,13 @@ def _add_furniture(
             shapes.append(
                 across | thin_line | {"x0": rule.value, "x1": rule.value, "y0": 0, "y1": 1}
             )
-            place = across | {
+            left_of_it = near_right_end(panel, rule)
+            place: dict[str, Any] = across | {
                 "x": rule.value,
                 "y": 0.98 - 0.08 * level,
-                "xanchor": "left",
+                "xanchor": "right" if left_of_it else "left",
                 "yanchor": "top",
-                "xshift": 3,
+                "xshift": -3 if left_of_it else 3,
             }
         else:
             along = {"xref": f"x{suffix} domain", "yref": f"y{suffix}"}

@@ -23,6 +23,8 @@ from valvetrain.report.chart import (
     thin,
     visible_range,
 )
+from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
+from valvetrain.report.opening import opening_chart
 from valvetrain.report.page import Block, Cell, Figure, Grid
 from valvetrain.report.run_summary import reach_rows
 from valvetrain.report.sections.published import uncertainty_page
@@ -69,17 +71,15 @@ def solution_blocks(run: Solution) -> Blocks:
 
 
 def study_blocks(study: Study) -> Blocks:
-    """Seat forces at one speed, else peak forces over engine speed. Raises :class:`InputError` for a
-    study without runs.
+    """The figure that opens its page; of runs without channels peak forces over engine speed. Raises
+    :class:`InputError` for a study without runs.
     """
     if not study.solutions:
         raise InputError(
             f"the study of {study.record.name} holds no runs to draw; draw its springs at rest instead"
         )
-    held = [run for run in study.solutions if run.has("seat_force")]
-    if len(study.engine_speeds) == 1 and held:
-        lines = [(run.label, _from_its_revolution(run), run.channel("seat_force")) for run in held]
-        return (_figure(study, _panel(ANGLE, "seat force (N)", lines)),)
+    if (chart := opening_chart(study)) is not None:
+        return (Figure(chart),)
     name = _speaking_quantity(study)
     unit, factor = SHOWN_UNITS.get(unit_of(name), (unit_of(name), 1.0))
     found = [(label, *study.series(label, name)) for label in study.labels]
@@ -174,40 +174,13 @@ def fidelity_map_blocks(found: FidelityMap) -> Blocks:
     """Up to which speed each model is good enough; differences of the first quantity over speed."""
     rows = [(one.label, *one.cells, one.cheapest) for one in reach_rows(found)]
     grid = _grid(("good enough (rpm)", *found.models, "cheapest"), rows)
-    if not found.rows:
-        return (grid,)
-    name = found.quantities[0]
-    lines = []
-    for model in found.models:
-        of_model = found.of(name, model)
-        speeds = np.array([row.engine_speed for row in of_model]) / RPM
-        lines.append((model, speeds, np.array([100 * row.difference for row in of_model])))
-    rules = tuple(Rule("y", sign * 100 * found.tolerance) for sign in (-1, 1))
-    label = f"{quantity_label(name)}, model less {found.reference} (%)"
-    return grid, _figure(found, _panel("engine speed (rpm)", label, lines, rules=rules))
+    return grid, *_figures(fidelity_chart(found))
 
 
 def uncertainty_blocks(study: UncertaintyStudy) -> Blocks:
     """The error bars of the page of ``refine``, and their sizes."""
     first, *others = uncertainty_page(study).sections[0].blocks[1:]
-    rows = [row for row in study.rows if row.value]
-    if not rows:
-        return (first, *others)
-    sizes = np.array([abs(100 * row.numerical / row.value) for row in rows])
-    height = np.arange(len(rows), dtype=float)[::-1]
-    marks = Marks(sizes, height, "numerical error", theme.SERIES[0], filled=True)
-    names = []
-    for row, level in zip(rows, height, strict=True):
-        speed = "" if row.engine_speed is None else f", {value_text(row.engine_speed, 'rad/s')}"
-        names.append((float(level), f"{quantity_label(row.quantity)}{speed}"))
-    panel = Panel(
-        "numerical error, share of the value (%)",
-        "headline number (name)",
-        (marks,),
-        y_range=(-0.6, len(rows) - 0.4),
-        y_tick_labels=tuple(names),
-    )
-    return first, _figure(study, panel), *others
+    return first, *_figures(error_bar_chart(study.rows)), *others
 
 
 def cycles_blocks(cycles: MeasuredCycles) -> Blocks:
@@ -263,6 +236,10 @@ def _figure(result: object, *panels: Panel) -> Figure:
     title, named = heading(result), len(panels[0].y_tick_labels)
     height = max(240 * len(panels), 24 * named) + 90
     return Figure(Chart("result", title, "", panels, 1, height))
+
+
+def _figures(chart: Chart | None) -> Blocks:
+    return () if chart is None else (Figure(chart),)
 
 
 def _grid(heads: tuple[str, ...], rows: Sequence[Sequence[str]]) -> Grid:

@@ -17,6 +17,7 @@ from valvetrain.errors import InputError, RunFailedError
 from valvetrain.registry import find, places
 from valvetrain.report.chart import Chart
 from valvetrain.report.files import FreeNames, remove_earlier
+from valvetrain.report.opening import opening_blocks
 from valvetrain.report.page import (
     Block,
     Details,
@@ -37,6 +38,7 @@ from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, comparison_table, table
 from valvetrain.report.text import rpm
+from valvetrain.report.verdict import verdict_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
@@ -88,6 +90,8 @@ def study_page(study: Study) -> Page:
         if (section := _section(find("sections", word), study)) is not None
     )
     record, gaps = study.record, PartialFailures()
+    picture = gaps.part("picture at the top", (), opening_blocks, study)
+    verdict = verdict_of(study)
     by_source = gaps.part("what the source tells of the case", False, covered_by_source, study)
     lines = sentences(record.description) if by_source else []
     facts = gaps.part("facts below the title", (), _facts, study)
@@ -118,6 +122,8 @@ def study_page(study: Study) -> Page:
             facts,
             sections,
             footer,
+            verdict,
+            picture,
         )
     )
 

@@ -22,6 +22,7 @@ from valvetrain.report.chart import (
     Marks,
     Panel,
     legend_entries,
+    near_right_end,
     rule_levels,
     shares_axis,
     visible_range,
@@ -260,7 +261,14 @@ def _rules(frame: _Frame) -> str:
         if rule.axis == "x":
             place = float(frame.x(rule.value))
             path = f"M{place:.1f} {frame.top:.1f}v{frame.high:.1f}"
-            label = _text(place + 4, frame.top + 13 + 15 * level, rule.label, colour=theme.MUTED)
+            left = near_right_end(frame.panel, rule)
+            label = _text(
+                place + (-4 if left else 4),
+                frame.top + 13 + 15 * level,
+                rule.label,
+                colour=theme.MUTED,
+                anchor="end" if left else "start",
+            )
         else:
             place = float(frame.y(rule.value))
             path = f"M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}"

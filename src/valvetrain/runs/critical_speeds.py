@@ -117,7 +117,8 @@ def sample_of(
         (floats, "float_excess_lift", options.float_lift),
         (bounces, "bounce_height", options.bounce_height),
     ):
-        margins[kind] = max(-limit, limit - float(solution.quantities[name])) if whole else math.nan
+        size = float(solution.quantities.get(name, 0.0))  # none as far as a run to coil bind goes
+        margins[kind] = max(-limit, limit - size) if whole else math.nan
     locations = {contact: opened or "run failed", floats: "valve", bounces: "seat"}
     measures = {contact: margins[contact] or -missing}
     repeats = solution.status.completed and solution.statistics.get("motion_period_count") == 1

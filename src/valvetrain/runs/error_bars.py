@@ -13,6 +13,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.runs.stopping import PointsStopped, Stopped
 from valvetrain.runs.workers import map_points
+from valvetrain.solution.display import verdict_first
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.uncertainty import MIN_ORDER, Range, Uncertainty
@@ -56,7 +57,9 @@ class UncertaintyStudy(Saveable):
     def __repr__(self) -> str:
         failed = f", {len(self.failures)} failed" if self.failures else ""
         ended = f"{self.finished} of {self.runs} runs{failed}"
-        return f"UncertaintyStudy of {self.record.name}: {len(self.rows)} numbers, {ended}"
+        return verdict_first(
+            self, [f"UncertaintyStudy of {self.record.name}: {len(self.rows)} numbers, {ended}"]
+        )
 
 
 def grouped(rows: Iterable[Uncertainty]) -> dict[tuple[float | None, str], list[Uncertainty]]:

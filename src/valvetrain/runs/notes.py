@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -11,10 +12,14 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.quantities.statics import formula_compression
+from valvetrain.quantities.stress import most_force_of_wire
 from valvetrain.runs.prepared import largest_lift, law_lift, prepare
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
+
+#: Tensile strength (Pa) above that of any wire of a valve spring.
+MAX_STRENGTH = 2.5e9
 
 
 def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
@@ -92,6 +97,43 @@ def pulling_end_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
     return (
         f"The ends of the spring would pull: {', '.join(runs)}. Its modes are those of fixed ends, so it shows no force there "
         "but does not lift, and what follows is not right: take multi-mass, wave-rod or finite-element.",
+    )
+
+
+def beyond_wire_notes(problem: Problem, solutions: Iterable[Solution]) -> tuple[str, ...]:
+    """Sentences on runs whose peak force is above that at which all coils are closed, and whose
+    stress is above the strength of the wire.
+    """
+    beyond: dict[str, list[str]] = {}
+    broken: list[str] = []
+    springs = {one.name: one for member in problem.members for one in member.springs}
+    for run, (name, spring) in product(solutions, springs.items()):
+        numbers, label = run.quantities, f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm"
+        first = f"{name}_" if len(run.springs) > 1 else ""
+        if name not in run.springs and len(run.springs) > 1:
+            continue
+        most, force = most_force_of_wire(spring), numbers.get(f"{first}peak_spring_force", 0.0)
+        if force > most:
+            own = numbers.get(f"{first}peak_shear_stress")
+            shown = "" if own is None else f", {own / 1e6:.4g} MPa in its wire"
+            beyond.setdefault(f"'{name}', all closed at {most:.4g} N", []).append(
+                f"{label} {force:.4g} N{shown}"
+            )
+        strength = numbers.get(f"{first}wire_tensile_strength", MAX_STRENGTH)
+        names = ("peak_shear_stress", "nominal_peak_shear_stress")
+        stress = max(numbers.get(first + one, 0.0) for one in names)
+        if stress > strength:
+            broken.append(f"{label} {stress / 1e6:.4g} MPa")
+    return tuple(
+        f"Coils of spring {spring} strike one another: {', '.join(runs)} at the peak. What passes the force at solid goes from "
+        "coil to coil and depends on their contact, so it makes no stress by EN 13906-1, which is that at solid."
+        for spring, runs in beyond.items()
+    ) + (
+        (
+            f"No spring wire bears the shear stress of {', '.join(broken)} (above its tensile strength): the numbers there hold for no real spring.",
+        )
+        if broken
+        else ()
     )
 
 

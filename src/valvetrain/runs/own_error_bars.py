@@ -53,6 +53,8 @@ SAME_SCATTER = {
 }
 #: Share of a value that its uncertainty may be without being named.
 LARGE = 0.05
+#: Names in the sentence on large error bars.
+MAX_NAMES = 5
 #: Numbers that get a bar where a run has them; counts jump.
 NAMES = tuple(
     name
@@ -241,7 +243,9 @@ def _sentences(
         key=lambda row: -row.numerical / abs(row.value),
     )
     if large:
-        named = ", ".join(dict.fromkeys(label_of(row.quantity).lower() for row in large))
+        names = list(dict.fromkeys(label_of(row.quantity).lower() for row in large))
+        more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
+        named = f"{', '.join(names[:MAX_NAMES])}{more}"
         yield f"Uncertain by more than {100 * LARGE:.0f} %: {named}."
     if without:
         more = f" and {len(without) - 3} more" if len(without) > 3 else ""

@@ -24,7 +24,8 @@ from valvetrain.quantities.plausible import REMEDY, implausible
 from valvetrain.quantities.request import LIGHT
 from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
-from valvetrain.runs.cost import Limits, memory_text
+from valvetrain.runs.coil_bind import ENDED, bound
+from valvetrain.runs.cost import Limits, duration_text
 from valvetrain.solution.channels import empty_channels
 from valvetrain.solution.later import Later, LaterMapping
 from valvetrain.solution.partial_failures import PartialFailures, reason
@@ -42,14 +43,12 @@ from valvetrain.system.train_system import TrainSystem
 if TYPE_CHECKING:
     from valvetrain.integrate.contract import Orbit
 
-#: Bytes of one recorded step (time, motion, forces and what is computed from them).
-STEP_BYTES = 128.0
+#: Seconds that a step takes at least, and cam revolutions of a run at least.
+STEP_TIME, LEAST_CYCLES = 0.5e-6, 2
 #: Cam revolutions of a spring alone that nothing damps.
 UNDAMPED_CYCLES = 2
 #: Exceptions that fail one run and not its study: all of them.
 FAILURES = (Exception,)
-#: Codes of runs that gave all of their samples.
-ENDED = ("completed", "not-converged")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +57,7 @@ class Plan:
 
     ``keep`` of its channels (``contacts`` for a sweep), ``samples`` per cam revolution (None: the
     default), ``whole``: the solution has channels at all, ``cycles`` of prescribed motion, most
-    ``cycles_to_settle`` of a train, ``created_at`` (ISO 8601), ``max_bytes`` of memory of one run;
+    ``cycles_to_settle`` of a train, ``created_at`` (ISO 8601), ``max_seconds`` of one run;
     ``implausible`` results pass; ``later``: as in :class:`RunOptions`.
     """
 
@@ -68,7 +67,7 @@ class Plan:
     cycles: int | None = None
     cycles_to_settle: int | None = None
     created_at: str = ""
-    max_bytes: float = Limits().bytes
+    max_seconds: float = Limits().seconds
     implausible: bool = False
     later: bool = False
 
@@ -257,7 +256,7 @@ def without_channels(
 
 
 def _too_many_steps(ready: PreparedRun, cam_speed: float, plan: Plan) -> Status | None:
-    """Refusal of a run whose steps in a cam revolution do not fit the memory; None where they do.
+    """Refusal of a run whose steps take too long; None where they do not.
 
     The step depends on coil contact and wire by orders of magnitude, not only on the count of
     elements.
@@ -266,10 +265,11 @@ def _too_many_steps(ready: PreparedRun, cam_speed: float, plan: Plan) -> Status 
     for spring in ready.system.springs:
         step = float(spring.stable_time_step()) if hasattr(spring, "stable_time_step") else np.inf
         steps = 2 * np.pi / cam_speed / max(step, 1e-300)
-        if not steps * STEP_BYTES <= plan.max_bytes:
+        seconds = steps * STEP_TIME * (plan.cycles or LEAST_CYCLES)
+        if not seconds <= plan.max_seconds:
             message = (
-                f"{spring.name} needs steps of {step:.3g} s, {steps:.3g} in a cam revolution, which take about "
-                f"{memory_text(steps * STEP_BYTES)}, beyond the bound of {memory_text(plan.max_bytes)}"
+                f"{spring.name} needs steps of {step:.3g} s, {steps:.3g} in a cam revolution, which take more than "
+                f"{duration_text(seconds)}, beyond the bound of {duration_text(plan.max_seconds)}"
             )
             remedy = "give a softer coil contact, fewer elements or a higher speed, or raise the bound (--limit, limit=)"
             return Status("refused", message, remedy=remedy)
@@ -281,34 +281,6 @@ def plausible(solution: Solution) -> Solution:
     if solution.status.code not in ENDED or not (message := implausible(solution)):
         return solution
     status = Status("diverged", message, float(solution.time[-1]), remedy=REMEDY)
-    return replace(solution, status=status)
-
-
-def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
-    """The run with status ``coil-bind`` where the retainer passed the lift at which the first of
-    ``springs`` is solid.
-
-    Only models with coil contact represent it, so later values of the run are invalid. A spring
-    without installed and solid height is not judged; nor is a run that diverged.
-    """
-    known = [(spring.room, spring) for spring in springs if spring.room is not None]
-    if not known or solution.status.code not in ENDED or not solution.has("valve_lift"):
-        return solution
-    travel, spring = min(known, key=lambda pair: pair[0])
-    lift = solution.channel("valve_lift")
-    past = lift >= travel
-    if not np.any(past):
-        return solution
-    index = int(np.argmax(past))
-    angle = float(np.degrees(solution.cam_angle[index]) % 360)
-    message = (
-        f"spring '{spring.name}' is solid at {travel * 1e3:.4g} mm of lift, which the retainer passes at {angle:.1f} cam degrees "
-        f"and exceeds to {float(np.max(lift)) * 1e3:.4g} mm"
-    )
-    remedy = (
-        "run slower, or fit a spring that holds the valve and has more room to its solid height"
-    )
-    status = Status("coil-bind", message, float(solution.time[index]), spring.name, remedy)
     return replace(solution, status=status)
 
 

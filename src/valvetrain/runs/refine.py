@@ -168,7 +168,7 @@ def refine_springs(
     speeds = checked_speeds(problem, engine_speeds, implausible)
     samples = round(2 * np.pi / problem.output_step)
     plan = Plan(
-        samples=samples, cycles=problem.cycles, max_bytes=limits.bytes, implausible=implausible
+        samples=samples, cycles=problem.cycles, max_seconds=limits.seconds, implausible=implausible
     )
     # The own mesh comes first: its surge frequencies and clash windows define the numbers of every variant.
     base, base_numbers = _prepare((problem, ()), problem.members[0].springs)

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from valvetrain.coil_contact.record import MAX_BYTES as RECORD_BYTES
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -30,11 +31,18 @@ SEARCH_RUNS = 120
 #: Seconds of one core per simulated second that a train takes besides its springs.
 TRAIN_TIME = 0.06
 #: Seconds for the statics of a spring alone; typical step (s); bytes of a step during the run, and
-#: as stored.
-REST, STEP, STEP_BYTES, STORED_BYTES = 0.3, 2e-6, 128.0, 16.0
+#: as stored; steps of a revolution that are stored at most.
+REST, STEP, STEP_BYTES, STORED_BYTES, MAX_STEPS = 0.3, 2e-6, 128.0, 16.0, 2**20
+#: Spring alone with coil contact: seconds per stored step that its clashes take, bytes of the record
+#: per step and unknown, and copies of that record.
+CLASH_TIME, CLASH_BYTES, CLASH_COPIES = 2e-6, 16.0, 1.2
+#: Time (s) in which the start of a spring alone is forgotten; two revolutions are computed at least.
+FORGOTTEN = 0.1
+#: Time of the rod alone as a share of that in a train, whose steps are shorter.
+ROD_ALONE = 0.4
 #: Runs on the own mesh that take as long as all variants of a refinement, of a spring and of a
 #: train; bytes over those of a run.
-SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 4.0
+SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 3.0
 #: Solid finite elements: name, unknowns per element, bytes per unknown, and solver runs of the
 #: statics (one for the error bar).
 SOLID, SOLID_UNKNOWNS, SOLID_BYTES, SOLID_RUNS = "solid", 15.0, 1e4, 2
@@ -156,7 +164,10 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
     else:
         cycles = train.cycles if train.cycles is not None else TYPICAL_CYCLES
         cycles = cycles if cycles > 60 else min(cycles, TYPICAL_CYCLES)
-    simulated_time = cycles * sum(4 * math.pi / engine_speed for engine_speed in engine_speeds)
+    turns = [4 * math.pi / engine_speed for engine_speed in engine_speeds]
+    simulated_time = cycles * sum(turns)
+    if train is None and not case.operation.cycles:
+        simulated_time = sum(turn * min(cycles, 1 + math.ceil(FORGOTTEN / turn)) for turn in turns)
     samples = 2 * math.pi / (getattr(case.operation, "output_step", None) or TYPICAL_STEP)
     for models, springs in planned(request):
         for model in models:
@@ -166,16 +177,24 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
             ratios, counts = zip(*(unknowns_of(spec, spring) for spring in springs), strict=True)
             refinement = math.hypot(*ratios)  # each spring takes its own time
             own_time = 0.0 if train is None else TRAIN_TIME
+            processor_time = spec.processor_time
             if train is None:
                 # Forces of every step are stored, and one run at a time per worker holds its motion too.
-                steps = [4 * math.pi / speed / STEP * refinement for speed in engine_speeds]
+                steps = [min(turn / STEP * refinement, MAX_STEPS) for turn in turns]
                 at_a_time = max(1, min(request.workers, len(steps)))
                 stored = STORED_BYTES * sum(steps) if whole else 0.0
-                total += Cost(0.0, STEP_BYTES * max(steps) * at_a_time + stored)
+                clash = [0.0] * len(turns)
+                if "clash" in spec.shows:
+                    entries = CLASH_BYTES * sum(counts)
+                    clash = [min(turn / STEP * entries, RECORD_BYTES) for turn in turns]
+                    total += Cost(CLASH_TIME * sum(steps) / at_a_time)
+                running = STEP_BYTES * max(steps) + CLASH_COPIES * max(clash)
+                total += Cost(0.0, running * at_a_time + stored)
+                processor_time *= ROD_ALONE if model == ROD else 1.0
             total += estimate(
                 runs=len(engine_speeds),
                 simulated_time=simulated_time,
-                processor_time=spec.processor_time,
+                processor_time=processor_time,
                 refinement=refinement,
                 own_time=own_time,
                 samples=samples,

@@ -22,6 +22,7 @@ from valvetrain.runs.between_speeds import between_notes, run_between
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
 from valvetrain.runs.notes import (
+    beyond_wire_notes,
     buckling_notes,
     pulling_end_notes,
     refuse_implausible,
@@ -234,7 +235,7 @@ def run_problem(
         problem.cycles,
         problem.cycles_to_settle,
         created_at,
-        limits.bytes,
+        limits.seconds,
         implausible,
         later,
     )
@@ -322,7 +323,10 @@ def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
 
 def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Study:
     """The study with its notes, what is published, and a sentence per part that failed."""
-    study = replaced(study, notes=failures.part("notes", (), _notes, problem) + study.notes)
+    notes = failures.part("notes", (), _notes, problem) + study.notes
+    if not load_uncertainty(problem.record):  # a published run is told beside its measured peaks
+        notes += failures.part("notes", (), beyond_wire_notes, problem, study.solutions)
+    study = replaced(study, notes=notes)
     study = failures.part("published values", study, next_to_published, study, problem)
     return replaced(study, gaps=failures.sentences)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from valvetrain.solution.display import Shown
+from valvetrain.solution.display import Shown, verdict_first
 
 if TYPE_CHECKING:
     import pandas
@@ -131,9 +131,8 @@ class FidelityMap(Shown):
 
     def __repr__(self) -> str:
         models = ", ".join(self.models) or "no models"
-        return (
-            f"FidelityMap: {models} against {self.reference}, tolerance {100 * self.tolerance:g} %"
-        )
+        tolerance = f"tolerance {100 * self.tolerance:g} %"
+        return verdict_first(self, [f"FidelityMap: {models} against {self.reference}, {tolerance}"])
 
     def __iter__(self) -> Iterator[FidelityRow]:
         return iter(self.rows)

@@ -131,3 +131,9 @@ def replaced(result: T, **changes: Any) -> T:
     for name, value in changes.items():
         object.__setattr__(made, name, value)
     return made
+
+
+def is_computed(result: object, name: str) -> bool:
+    """Whether the field ``name`` of ``result`` has its value, so that reading it costs nothing."""
+    found = vars(result).get(f"_{name}")
+    return not isinstance(found, Later) or "_value" in vars(found)

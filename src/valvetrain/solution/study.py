@@ -15,7 +15,7 @@ from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
-from valvetrain.solution.display import table_and_picture, value_text
+from valvetrain.solution.display import table_and_picture, value_text, verdict_first
 from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.later import LaterField
 from valvetrain.solution.provenance import CaseRecord, Provenance
@@ -120,7 +120,7 @@ class Study(Reported):
             )
         if self.failures:
             lines.append(f"{len(self.failures)} not completed: {self.failures[0]}")
-        return "\n  ".join(lines)
+        return verdict_first(self, lines)
 
     def _repr_html_(self) -> str:
         names = list(dict.fromkeys(name for run in self.solutions for name in run.quantities))[:5]

@@ -1,6 +1,4 @@
-"""Curves over the cam angle: spring force, motion, rigid parts, contact forces, moving picture and
-energy balance.
-"""
+"""Curves over the cam angle: spring force, motion, rigid parts, contact forces and energy balance."""
 
 from __future__ import annotations
 
@@ -9,9 +7,7 @@ import numpy as np
 from valvetrain.quantities.forces import energy_balance
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
-from valvetrain.report.motion.project import motion_json, still_svg
-from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.page import Block, Motion, SectionSpec, figure_or_gap, gap
+from valvetrain.report.page import Block, SectionSpec, figure_or_gap
 from valvetrain.report.run_charts import (
     ANGLE_LABEL,
     STATIC_LABEL,
@@ -25,7 +21,6 @@ from valvetrain.report.run_charts import (
     unit_of_channel,
 )
 from valvetrain.report.text import speed_text
-from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -226,26 +221,6 @@ def train_blocks(study: Study) -> tuple[Block, ...]:
 
 
 TRAIN_SPEC = SectionSpec("train", "Contacts and cam torque", train_blocks)
-
-
-def in_motion_blocks(study: Study) -> tuple[Block, ...]:
-    """The moving picture; nothing where no run moves, a sentence where it fails."""
-    try:
-        moving = moving_picture(study)
-        if moving is None:
-            return ()
-        first = moving.variants[0]
-        caption = (
-            "The reported cam revolution, slowed. Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
-            "degree, with shift by ten, page keys go from mark to mark. Triangles on the slider are peaks of the force, orange strokes "
-            "clashes."
-        )
-        return (Motion("in-motion", moving.title, caption, motion_json(moving), still_svg(first)),)
-    except Exception as error:  # one picture must not cost the page
-        return (gap(f"The moving picture could not be drawn: {reason(error)}"),)
-
-
-IN_MOTION_SPEC = SectionSpec("in-motion", "In motion", in_motion_blocks)
 
 
 def energy_blocks(study: Study) -> tuple[Block, ...]:

@@ -10,10 +10,12 @@ import numpy as np
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
+from valvetrain.report.model_charts import error_bar_chart
 from valvetrain.report.page import (
     Block,
     Cell,
     Details,
+    Figure,
     Grid,
     Page,
     Section,
@@ -24,6 +26,7 @@ from valvetrain.report.page import (
 )
 from valvetrain.report.table import Table, comparison_grid, table
 from valvetrain.report.text import in_unit, number, rpm, speed_text, unit_text
+from valvetrain.report.verdict import verdict_of
 from valvetrain.runs.error_bars import (
     CONTACT_FACTORS,
     DAMPING_FACTORS,
@@ -398,6 +401,7 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
     facts = (("case", case.name), *meshes)
     footer = "Angles are cam degrees. Engine speed is crank speed."
     section = Section("uncertainty", "Numbers with error bars", blocks)
+    chart = error_bar_chart(study.rows)
     return Page(
         f"{case.title or case.name}: uncertainty",
         "Refinement study",
@@ -405,6 +409,8 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
         facts,
         (section,),
         footer,
+        verdict_of(study),
+        () if chart is None else (Figure(chart),),
     )
 
 

@@ -23,6 +23,8 @@ _DATA = re.compile(
 _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)</script>')
 #: Pictures for readers without scripts.
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
+#: What stands between the picture of a report and its first section, which the page of a run shows itself.
+_ABOUT = re.compile(r'<div class="about">.*?</dl>\n</div>\n?', re.DOTALL)
 _CHART = re.compile(r'data-chart="([^"]*)"')
 #: Sections that are seen first, whose figures come with them.
 FIRST = ("opening", "answers", "force", "verdict")
@@ -57,7 +59,7 @@ def _taken_apart(run: Run) -> tuple[str, str]:
     if start < 0 or end < start:
         raise InputError("the report of this run has no sections; run it again", run.run_id)
     scripts = text.find("\n<script>", end)
-    return _WITHOUT_SCRIPTS.sub("", text[start:end]), text[
+    return _ABOUT.sub("", _WITHOUT_SCRIPTS.sub("", text[start:end])), text[
         end : scripts if scripts > 0 else len(text)
     ]
 

@@ -1,0 +1,180 @@
+"""Clauses of a verdict: what was found in the worst of several runs, and which run that was."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import groupby
+
+from valvetrain.report.text import number, rpm, unit_text
+from valvetrain.solution.definition import shown
+from valvetrain.solution.quantity import same_speed
+from valvetrain.solution.result import Solution
+from valvetrain.solution.uncertainty import Uncertainty
+
+#: Share of a value above which its error bar is named.
+COARSE = 0.05
+#: Status -> what the run did.
+ENDED = {
+    "not-converged": "did not settle", "diverged": "diverged", "out-of-range": "left the range of its tables",
+    "coil-bind": "reached coil bind", "solid": "ran solid", "buckled": "buckled", "refused": "was refused",
+    "interrupted": "was interrupted", "worker-lost": "lost its process",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Clause:
+    """Part of a verdict; ``run`` is the one that it is about, None where it holds for all."""
+
+    text: str
+    run: Solution | None = None
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The value (SI) of a quantity in the run where it is worst; ``run`` None where all agree."""
+
+    name: str
+    value: float
+    run: Solution | None = None
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Runs that are judged together. ``still``: quantities of no run, by label, model or "".
+    ``bars``: known error bars.
+    """
+
+    solutions: tuple[Solution, ...]
+    still: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    bars: tuple[Uncertainty, ...] = ()
+
+    def value(self, run: Solution, name: str) -> float:
+        """A quantity of a run, or of its spring at rest; NaN where neither has it."""
+        if name in run.quantities:
+            return run.quantities[name]
+        places = (self.still.get(label, {}) for label in (run.label, run.model, ""))
+        return next((one[name] for one in places if name in one), math.nan)
+
+    def worst(self, name: str, least: bool, prefer: Solution | None = None) -> Worst | None:
+        """The least or the largest value over the runs, of equal ones that of ``prefer``; None where
+        no run gives it.
+        """
+        known = [
+            (value, run) for run in self.solutions if math.isfinite(value := self.value(run, name))
+        ]
+        if not known:
+            return None
+        value, run = (min if least else max)(
+            known, key=lambda pair: (pair[0], (pair[1] is prefer) != least)
+        )
+        alike = all(abs(one - value) <= 1e-9 * max(abs(value), 1e-12) for one, _ in known)
+        return Worst(name, value, None if alike else run)
+
+    def text(self, found: Worst, digits: int = 3) -> str:
+        """Value and unit as tables print them, with an error bar above 5 %."""
+        return quantity_text(found.name, found.value, digits) + self._bar(found)
+
+    def _bar(self, found: Worst) -> str:
+        run = found.run or (self.solutions[0] if len(self.solutions) == 1 else None)
+        for row in self.bars:
+            if (
+                row.quantity == found.name
+                and run is not None
+                and (row.label or "finite-element") == (run.label or "finite-element")
+                and same_speed(row.engine_speed, run.engine_speed)
+                and row.numerical > COARSE * abs(found.value) > 0
+            ):
+                return f" ± {100 * row.numerical / abs(found.value):.0f} %"
+        return ""
+
+    def place(self, run: Solution) -> str:
+        """Which of the runs one is: ``at 6000 rpm (modal-varied)``, as far as they differ in it."""
+        speed = f"at {rpm(run.engine_speed):.6g} rpm" if self.speeds > 1 else ""
+        return " ".join(filter(None, (speed, f"({run.label})" if self.labels > 1 else "")))
+
+    @property
+    def speeds(self) -> int:
+        """How many engine speeds."""
+        return len({rpm(run.engine_speed) for run in self.solutions})
+
+    @property
+    def labels(self) -> int:
+        """How many labels."""
+        return len({run.label for run in self.solutions})
+
+
+def figure(value: float, digits: int = 3) -> str:
+    """A number as a sentence gives it: three digits, whole ones never rounded away."""
+    return number(float(round(value)), 12) if abs(value) >= 10**digits else number(value, digits)
+
+
+def quantity_text(name: str, value: float, digits: int = 3) -> str:
+    """An SI value with the unit of its tables; what is less than a tenth of a millimetre in µm."""
+    found, unit = shown(name, value)
+    number_shown = float(found)
+    if unit == "mm" and 0 < abs(number_shown) < 0.1:
+        number_shown, unit = 1e3 * number_shown, "um"
+    return f"{figure(number_shown, digits)} {unit_text(unit)}".strip()
+
+
+def counted(count: int, noun: str, plural: str = "") -> str:
+    """``no bounce``, ``one bounce``, ``3 bounces``."""
+    word = {0: "no", 1: "one"}.get(count, f"{count}")
+    return f"{word} {noun if count < 2 else plural or noun + 's'}"
+
+
+def joined(parts: Sequence[str], last: str = "and") -> str:
+    """``a``, ``a and b``, ``a, b and c``."""
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {last} {parts[-1]}"
+
+
+def sentence(parts: Sequence[str]) -> str:
+    """Parts behind each other, as a sentence; empty without any."""
+    text = "; ".join(part for part in parts if part)
+    return f"{text[:1].upper()}{text[1:]}." if text else ""
+
+
+def clause_texts(clauses: Sequence[Clause], runs: Runs) -> list[str]:
+    """Clauses as text: neighbours about one run together, with its place; those about the one run
+    that is worst throughout, or about one engine speed, under that.
+    """
+    about = {id(one.run): one.run for one in clauses if one.run is not None}
+    several = len(runs.solutions) > 1
+    if several and len(about) == 1 and len(clauses) > 1:
+        place = runs.place(next(iter(about.values())))
+        return [f"worst {place}: {', '.join(one.text for one in clauses)}"]
+    speeds = {rpm(run.engine_speed) for run in about.values()}
+    if runs.speeds > 1 and len(speeds) == 1 and len(clauses) > 1:
+        there = [run for run in runs.solutions if rpm(run.engine_speed) in speeds]
+        first, *more = clause_texts(clauses, replace(runs, solutions=tuple(there)))
+        return [f"worst at {speeds.pop():.6g} rpm: {first}", *more]
+    found = []
+    for _, group in groupby(clauses, key=lambda one: id(one.run)):
+        some = list(group)
+        text = ", ".join(one.text for one in some)
+        run = some[0].run
+        where = runs.place(run) if several and run is not None else ""
+        found.append(f"{text} {where}".strip())
+    return found
+
+
+def ended_clauses(runs: Sequence[Solution]) -> list[str]:
+    """What the runs did that did not complete, by kind, with their places."""
+    found, every = [], Runs(tuple(runs))
+    failed = [run for run in runs if not run.status.completed]
+    for code in dict.fromkeys(run.status.code for run in failed):
+        some = [run for run in failed if run.status.code == code]
+        did = ENDED.get(code, code)
+        if len(runs) == 1:
+            said = some[0].status.message
+            found.append(f"the run {did}{f' ({said})' if said else ''}")
+            continue
+        places = [every.place(run) for run in some]
+        named = (
+            f"{'; '.join(places[:3])}{f' and {len(places) - 3} more' if len(places) > 3 else ''}"
+        )
+        count = "one" if len(some) == 1 else f"{len(some)}"
+        found.append(f"{count} of {len(runs)} runs {did} {named}".strip())
+    return found

@@ -1,0 +1,65 @@
+"""First pictures of models and meshes: differences of models over engine speed, sizes of error bars."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from valvetrain.report import theme
+from valvetrain.report.chart import Chart, Line, Marks, Panel, Rule, visible_range
+from valvetrain.report.text import quantity_label, rpm, speed_text
+from valvetrain.solution.fidelity import FidelityMap
+from valvetrain.solution.uncertainty import Uncertainty
+
+#: Lines and rows of one figure at most.
+MAX_LINES, MAX_ROWS = 8, 24
+
+
+def fidelity_chart(found: FidelityMap) -> Chart | None:
+    """Differences of the models in the first quantity over engine speed; None without rows."""
+    if not found.rows:
+        return None
+    name, layers = found.quantities[0], []
+    for place, model in enumerate(found.models[:MAX_LINES]):
+        rows = found.of(name, model)
+        x = np.array([rpm(row.engine_speed) for row in rows])
+        y = np.array([100 * row.difference for row in rows])
+        layers.append(Line(x, y, model, theme.SERIES[place % len(theme.SERIES)]))
+    rules = tuple(Rule("y", sign * 100 * found.tolerance) for sign in (-1, 1))
+    label = f"{quantity_label(name)}, model less {found.reference} (%)"
+    panel = Panel("engine speed (rpm)", label, tuple(layers), rules=rules)
+    panel = replace(panel, x_range=visible_range(panel)[0])
+    caption = "Per cent of the largest value of the reference; dotted: what still counts as equal."
+    return Chart(
+        "opening", f"Difference in {quantity_label(name).lower()}", caption, (panel,), 1, 340
+    )
+
+
+def error_bar_chart(every: Sequence[Uncertainty]) -> Chart | None:
+    """Numerical error of every number as a share of its value, the largest above; None without any."""
+    rows = [row for row in every if row.value]
+    if not rows:
+        return None
+    rows = sorted(rows, key=lambda row: -abs(row.numerical / row.value))[:MAX_ROWS]
+    sizes = np.array([abs(100 * row.numerical / row.value) for row in rows])
+    height = np.arange(len(rows), dtype=float)[::-1]
+    marks = Marks(sizes, height, "numerical error", theme.SERIES[0], filled=True)
+    names = tuple((float(level), _name(row)) for row, level in zip(rows, height, strict=True))
+    panel = Panel(
+        "numerical error, share of the value (%)",
+        "headline number (name)",
+        (marks,),
+        y_range=(-0.6, len(rows) - 0.4),
+        y_tick_labels=names,
+    )
+    panel = replace(panel, x_range=(0.0, 1.08 * float(sizes.max()) or 1.0))
+    title = "Size of the error bars"
+    return Chart("opening", title, "", (panel,), 1, max(240, 24 * len(rows) + 110), legend=False)
+
+
+def _name(row: Uncertainty) -> str:
+    speed = "" if row.engine_speed is None else f", {speed_text(row.engine_speed)}"
+    whose = f", {row.label}" if row.label else ""
+    return f"{quantity_label(row.quantity)}{speed}{whose}"

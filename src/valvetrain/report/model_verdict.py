@@ -1,0 +1,72 @@
+"""Verdicts on models and meshes: which model is good enough, and how large the error bars are."""
+
+from __future__ import annotations
+
+import math
+
+from valvetrain.report.clauses import figure, joined, sentence
+from valvetrain.report.run_summary import share
+from valvetrain.report.text import speed_text, unit_text
+from valvetrain.runs.error_bars import UncertaintyStudy
+from valvetrain.solution.definition import label_of, shown
+from valvetrain.solution.fidelity import FidelityMap
+from valvetrain.solution.uncertainty import Uncertainty
+
+#: Error bars up to this share of a value count as small.
+SMALL = 0.01
+
+
+def fidelity_verdict(found: FidelityMap) -> str:
+    """The cheapest model that is good enough at every speed, by quantity."""
+    if not found.rows:
+        return ""
+    by_model: dict[str, list[str]] = {}
+    for name in found.quantities:
+        by_model.setdefault(found.cheapest(name), []).append(label_of(name))
+    costs = dict(found.costs)
+    reference = costs.get(found.reference, math.nan)
+
+    def part(model: str, names: list[str]) -> str:
+        what = "every quantity" if len(by_model) == 1 else joined(names)
+        if model == found.reference:
+            return f"no cheaper model for {what}"
+        times = reference / costs[model] if costs.get(model) else math.nan
+        quick = f" ({figure(times, 2)} times quicker)" if times >= 1.5 else ""
+        return f"{model}{quick} for {what}"
+
+    parts = [part(model, names) for model, names in by_model.items()]
+    bound = f"within {share(found.tolerance)} of {found.reference} at every speed"
+    return sentence([f"{bound}: {parts[0]}", *parts[1:]])
+
+
+def refine_verdict(study: UncertaintyStudy) -> str:
+    """The error bar of the peak force, the largest one, and how many are small."""
+    rows = [row for row in study.rows if row.value and math.isfinite(row.numerical)]
+    failed = len(study.failures)
+    first = f"{'one part' if failed == 1 else f'{failed} parts'} failed" if failed else ""
+    if not rows:
+        return sentence([first or "no error bar was found"])
+    peak = next((row for row in rows if row.quantity == "peak_spring_force"), rows[0])
+    largest = max(rows, key=_size)
+    small = sum(_size(row) <= SMALL for row in rows)
+    parts = [first, f"{label_of(peak.quantity)}{_at(peak)} {_value(peak)} ± {share(_size(peak))}"]
+    if largest is not peak:
+        parts.append(
+            f"largest error bar ± {share(_size(largest))} in {label_of(largest.quantity)}{_at(largest)}"
+        )
+    if len(rows) > 1:
+        parts.append(f"{small} of {len(rows)} numbers within {share(SMALL)}")
+    return sentence(parts)
+
+
+def _size(row: Uncertainty) -> float:
+    return abs(row.numerical / row.value)
+
+
+def _value(row: Uncertainty) -> str:
+    value, unit = shown(row.quantity, row.value)
+    return f"{figure(float(value))} {unit_text(unit)}".strip()
+
+
+def _at(row: Uncertainty) -> str:
+    return "" if row.engine_speed is None else f" at {speed_text(row.engine_speed)}"

@@ -1,0 +1,200 @@
+"""The picture that opens the page of a study: the worst run over the cam angle beside its motion,
+regimes over engine speed, or the static curve of springs at rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from valvetrain.report import theme
+from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
+from valvetrain.report.model_charts import fidelity_chart
+from valvetrain.report.motion.project import motion_json, still_svg
+from valvetrain.report.motion.scene import moving_picture
+from valvetrain.report.page import Block, Motion, figure_or_gap, gap
+from valvetrain.report.run_charts import (
+    MAX_LINES,
+    STATIC_LABEL,
+    angle_panels,
+    over_angle,
+    runs_at,
+)
+from valvetrain.report.run_clauses import judged_runs, worst_run
+from valvetrain.report.sweep_chart import regime_chart
+from valvetrain.report.text import number, speed_text
+from valvetrain.solution.partial_failures import reason
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+from valvetrain.system.contract import TRAIN
+
+#: A limit further above the curve than this share of its span is not drawn.
+NEAR = 0.35
+
+
+def opening_blocks(study: Study) -> tuple[Block, ...]:
+    """The picture of a study, one or two blocks; nothing where nothing can be drawn."""
+    if len(study.fidelity):
+        return figure_or_gap("Difference of the models", fidelity_chart, study.fidelity)
+    if _is_over_speed(study):
+        return figure_or_gap("Control over engine speed", regime_chart, study)
+    return (*figure_or_gap("Over the cam angle", run_chart, study), *motion_blocks(study))
+
+
+def opening_chart(study: Study) -> Chart | None:
+    """The figure that opens the page, without the moving picture; None without any."""
+    return regime_chart(study) if _is_over_speed(study) else run_chart(study)
+
+
+def _is_over_speed(study: Study) -> bool:
+    return study.over_speed and len(study.engine_speeds) > 1
+
+
+def run_chart(study: Study) -> Chart | None:
+    """Lift and cam force of the worst speed of a train, the force of a spring alone; None without
+    channels.
+    """
+    run = worst_run(judged_runs(study)) or next(iter(study.solutions[::-1]), None)
+    if run is None:
+        return None
+    runs = runs_at(study, run.engine_speed)
+    if run.label not in [one.label for one in runs[:MAX_LINES]]:
+        runs = [one for one in runs if one.label == run.label] or runs
+    runs = runs[:MAX_LINES]
+    if not runs:
+        return None
+    train = any(one.provenance.system == TRAIN for one in runs)
+    panels = _train_panels(study, runs) if train else _spring_panels(study, runs)
+    if not panels:
+        return None
+    worst = ", the worst speed" if len(study.engine_speeds) > 1 else ""
+    what = "Valve lift and cam force" if train else "Spring force"
+    caption = (
+        "Dashed: rigid parts. Where the cam force reaches zero, contact is lost."
+        if train
+        else "On the cylinder head."
+    )
+    if any(isinstance(one, Line) and one.name == STATIC_LABEL for one in panels[0].layers):
+        caption += " Dashed: what a spring without inertia would give at the same lift."
+    height = 210 * len(panels) + 70 if train else 360
+    return Chart(
+        "opening",
+        f"{what} at {speed_text(run.engine_speed)}{worst}",
+        caption,
+        tuple(panels),
+        1,
+        height,
+    )
+
+
+def _train_panels(study: Study, runs: list[Solution]) -> list[Panel]:
+    lift = angle_panels(
+        study,
+        runs,
+        "valve_lift",
+        "valve lift",
+        still="rigid_valve_lift",
+        static_label="rigid parts",
+    )[:1]
+    force = angle_panels(
+        study,
+        runs,
+        "cam_contact_force",
+        "cam contact force",
+        still="rigid_contact_force",
+        static_label="rigid parts",
+    )[:1]
+    bind = [1e3 * value for value in _of_case(study, "coil_bind_lift")]
+    lift = [_limited(panel, min(bind, default=np.nan), "coil bind") for panel in lift]
+    return [*lift, *map(_from_zero, force)]
+
+
+def _from_zero(panel: Panel) -> Panel:
+    """A panel of contact force, whose axis begins at the loss of contact."""
+    every = np.concatenate([np.asarray(one.y, dtype=float) for one in panel.layers])
+    low, high = min(float(np.nanmin(every)), 0.0), max(float(np.nanmax(every)), 1.0)
+    room = 0.07 * (high - low)
+    rules = (Rule("y", 0.0, "contact lost"),)
+    return replace(panel, rules=rules, y_range=(low - room, high + room))
+
+
+def _spring_panels(study: Study, runs: list[Solution]) -> list[Panel]:
+    panels = angle_panels(study, runs, "seat_force", "spring force", "", "static_retainer_force")[
+        :1
+    ]
+    given = any(one.has("static_retainer_force") for one in runs)
+    still = () if given else _static_line(study, runs[0])
+    panels = [replace(one, layers=(*still, *one.layers)) for one in panels]
+    preload = min(_of_case(study, "preload"), default=np.nan)
+    solid = min(_of_case(study, "solid_force"), default=np.nan)
+    marked = []
+    for panel in panels:
+        found = _limited(panel, solid, "solid")
+        if np.isfinite(preload):
+            rule = Rule("y", float(preload), f"preload {number(float(preload), 3)} N")
+            found = replace(found, rules=(*found.rules, rule))
+        marked.append(found)
+    return marked
+
+
+def _static_line(study: Study, run: Solution) -> tuple[Line, ...]:
+    """What the static curve gives at the same lift; none for several springs or without a curve."""
+    rest, lift = study.at_rest(run.model) or study.at_rest(), over_angle(run, "valve_lift")
+    if rest is None or rest.curve is None or lift is None or len(run.springs) > 1:
+        return ()
+    compression = rest.precompression + lift[1]
+    inside = (compression >= rest.curve.compression[0]) & (
+        compression <= rest.curve.compression[-1]
+    )
+    force = np.interp(compression, rest.curve.compression, rest.curve.force)
+    line = thin(lift[0], np.where(inside, force, np.nan))
+    return (Line(*line, STATIC_LABEL, theme.MUTED, 1.2, "dash"),)
+
+
+def _limited(panel: Panel, limit: float, label: str) -> Panel:
+    """The panel with a limit across it, where that is near the curves."""
+    values = np.concatenate([np.asarray(one.y, dtype=float) for one in panel.layers])
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if not low < limit < high + NEAR * (high - low):
+        return panel
+    top = max(high, limit) + 0.09 * (high - low)
+    rule = Rule("y", float(limit), f"{label} {number(float(limit), 3)}")
+    return replace(panel, rules=(*panel.rules, rule), y_range=(low - 0.07 * (high - low), top))
+
+
+def _of_case(study: Study, name: str) -> list[float]:
+    """Finite values of a quantity, those of the springs of a pair included."""
+    return [
+        value
+        for key, value in study.quantities.items()
+        if (key.name == name or key.name.endswith(f"_{name}")) and np.isfinite(value)
+    ]
+
+
+def motion_blocks(study: Study) -> tuple[Block, ...]:
+    """The moving picture; nothing where no run moves, a sentence where it fails."""
+    try:
+        moving = moving_picture(study)
+        if moving is None:
+            return ()
+        worst = worst_run(judged_runs(study))
+        first = next(
+            (
+                one
+                for one in moving.variants
+                if worst is not None
+                and (one.label, one.engine_speed) == (worst.label, worst.engine_speed)
+            ),
+            moving.variants[0],
+        )
+        others = tuple(one for one in moving.variants if one is not first)
+        moving = replace(moving, variants=(first, *others))
+        caption = (
+            "The reported cam revolution, slowed. Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
+            "degree, with shift by ten, page keys go from mark to mark. Triangles on the slider are peaks of the force, orange strokes "
+            "clashes."
+        )
+        return (Motion("in-motion", moving.title, caption, motion_json(moving), still_svg(first)),)
+    except Exception as error:  # one picture must not cost the page
+        return (gap(f"The moving picture could not be drawn: {reason(error)}"),)

@@ -1,0 +1,135 @@
+"""What is said of runs first: limits passed, room to coil bind, contact, bounce, clash and forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from valvetrain.quantities.limits import PassedLimit, passed_limits
+from valvetrain.report.clauses import Clause, Runs, Worst, counted, quantity_text
+from valvetrain.runs.stored_error_bars import fresh_uncertainty
+from valvetrain.solution.definition import NESTED, label_of
+from valvetrain.solution.later import is_computed
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+from valvetrain.system.contract import TRAIN
+
+#: Lift above the rigid lift from which a valve is said to float (m), as critical speeds take it.
+FLOAT_LIFT = 5e-5
+
+
+def judged_runs(study: Study) -> Runs:
+    """The runs of a study whose numbers count, with the error bars that are known."""
+    bars = fresh_uncertainty(study) if is_computed(study, "error_bars") else ()
+    return Runs(tuple(run for run in study.solutions if is_judged(run)), study.still, bars)
+
+
+def is_judged(run: Solution) -> bool:
+    """Whether the numbers of a run count: it completed, or did not settle."""
+    return run.status.code in ("completed", "not-converged")
+
+
+def run_clauses(runs: Runs) -> Iterator[Clause]:
+    """What a user asks first, limits passed before all else; nothing without runs."""
+    if not runs.solutions:
+        return
+    yield from limit_clauses(runs)
+    if (bind := bind_clause(runs)) is not None:
+        yield bind
+    if any(run.provenance.system == TRAIN for run in runs.solutions):
+        yield from _contact_clauses(runs)
+    yield from _clash_clauses(runs)
+    yield from _force_clauses(runs)
+
+
+def worst_run(runs: Runs) -> Solution | None:
+    """The run that most clauses are about, of equal ones the fastest; None without runs."""
+    named = [id(one.run) for one in run_clauses(runs) if one.run is not None]
+    return max(
+        runs.solutions, key=lambda run: (named.count(id(run)), run.engine_speed), default=None
+    )
+
+
+def limit_clauses(runs: Runs) -> Iterator[Clause]:
+    """Limits passed, coil bind left out: the worst run of each."""
+    worst: dict[str, tuple[PassedLimit, Solution]] = {}
+    for run in runs.solutions:
+        for name, one in passed_limits(run.quantities).items():
+            if name not in worst or one.value > worst[name][0].value:
+                worst[name] = one, run
+    for name, (one, run) in worst.items():
+        if name.endswith("coil_bind_clearance"):
+            continue
+        text = runs.text(Worst(name, one.value, run))
+        bound = quantity_text(name, one.limit)
+        yield Clause(f"{label_of(name)} {text}, above its limit of {bound}", run)
+
+
+def bind_clause(runs: Runs) -> Clause | None:
+    """Room to coil bind of the spring that has the least."""
+    found = [
+        (one, spring)
+        for spring in ("", *NESTED)
+        if (one := runs.worst(f"{spring}_coil_bind_clearance".strip("_"), least=True)) is not None
+    ]
+    if not found:
+        return None
+    one, spring = min(found, key=lambda pair: pair[0].value)
+    whose = f"{spring} spring " if spring else ""
+    if one.value >= 0:
+        return Clause(f"{whose}clear of coil bind by {runs.text(one)}", one.run)
+    short = runs.text(Worst(one.name, -one.value, one.run))
+    return Clause(f"{whose}solid {short} before the largest lift", one.run)
+
+
+def _contact_clauses(runs: Runs) -> Iterator[Clause]:
+    """Loft, float, bounce and clearance to the piston."""
+    loft, lost = runs.worst("loft_gap", False), runs.worst("loss_of_contact_duration", False)
+    if lost is not None and lost.value > 0:
+        time = runs.text(lost)
+        gap = f"loft of {runs.text(loft)}, " if loft is not None and loft.value > 0 else ""
+        yield Clause(
+            f"{gap}{time} without contact" if gap else f"contact lost for {time}", lost.run
+        )
+    elif lost is not None:
+        yield Clause("no loft")
+    over = runs.worst("float_excess_lift", False)
+    if over is not None and over.value > FLOAT_LIFT:
+        yield Clause(f"floats {runs.text(over)} above the rigid lift", over.run)
+    bounces, height = runs.worst("bounce_count", False), runs.worst("bounce_height", False)
+    if bounces is not None:
+        count = round(bounces.value)
+        size = f" of {runs.text(height)}" if height is not None and height.value > 0 else ""
+        high = f" up{size.replace(' of', ' to')}" if count > 1 and size else size
+        run = bounces.run if height is None or not count else height.run or bounces.run
+        yield Clause(f"{counted(count, 'bounce')}{high if count else ''}", run if count else None)
+    piston = runs.worst("minimum_piston_clearance_gap", True)
+    if piston is not None:
+        yield Clause(
+            f"clear of the piston by {runs.text(piston)}"
+            if piston.value > 0
+            else "the valve meets the piston",
+            piston.run,
+        )
+
+
+def _clash_clauses(runs: Runs) -> Iterator[Clause]:
+    clashes = runs.worst("clash_count", False)
+    alone = all(run.provenance.system != TRAIN for run in runs.solutions)
+    if clashes is not None and (clashes.value or alone):
+        count = round(clashes.value)
+        plural = "coil clashes"
+        yield Clause(counted(count, "coil clash", plural), clashes.run if count else None)
+
+
+def _force_clauses(runs: Runs) -> Iterator[Clause]:
+    """The least force at the cam, or of the spring, and the largest of a spring alone."""
+    lofting = runs.worst("loss_of_contact_duration", False)
+    cam = runs.worst("minimum_cam_contact_force", True, lofting.run if lofting else None)
+    if cam is not None:
+        yield Clause(f"minimum cam force {runs.text(cam)}", cam.run)
+        return
+    peak, least = runs.worst("peak_spring_force", False), runs.worst("minimum_spring_force", True)
+    if peak is not None:
+        yield Clause(f"peak spring force {runs.text(peak)}", peak.run)
+    if least is not None:
+        yield Clause(f"minimum {runs.text(least)}", least.run)

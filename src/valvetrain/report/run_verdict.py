@@ -1,0 +1,142 @@
+"""Verdicts of a study and of a single run: what did not complete, limits passed, then coil bind,
+contact, bounce or clash, and the figure that matters most.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Sequence
+
+from valvetrain.report.clauses import (
+    ENDED,
+    Runs,
+    clause_texts,
+    ended_clauses,
+    figure,
+    joined,
+    sentence,
+)
+from valvetrain.report.model_verdict import fidelity_verdict
+from valvetrain.report.run_clauses import is_judged, judged_runs, run_clauses
+from valvetrain.report.sweep_verdict import sweep_clauses
+from valvetrain.report.text import percent, speed_text
+from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.definition import label_of
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+
+
+def study_verdict(study: Study) -> str:
+    """The sentence of a study: of its sweep, its map of models, its runs or its springs at rest."""
+    if len(study.fidelity):
+        return fidelity_verdict(study.fidelity)
+    published = published_clause(study.comparisons)
+    if not study.solutions:
+        return sentence([*rest_failures(study), *rest_clauses(study), published])
+    if study.over_speed:
+        return sentence([*rest_failures(study), *sweep_clauses(study), published])
+    judged = judged_runs(study)
+    return sentence(
+        [
+            *ended_clauses(study.solutions),
+            *rest_failures(study),
+            *clause_texts(list(run_clauses(judged)), judged),
+            _spread(study),
+            published,
+        ]
+    )
+
+
+def solution_verdict(run: Solution) -> str:
+    """The sentence of one run."""
+    judged = Runs((run,) if is_judged(run) else ())
+    return sentence([*ended_clauses((run,)), *clause_texts(list(run_clauses(judged)), judged)])
+
+
+def _spread(study: Study) -> str:
+    """How far models of one spring set are apart in the peak force, where there are several."""
+    worst: tuple[float, float, float, float] | None = None
+    for speed in study.engine_speeds:
+        for name in {run.spring_set for run in study.solutions}:
+            peaks = {
+                run.model: run.quantities["peak_spring_force"]
+                for run in study.solutions
+                if run.label.rpartition(", ")[2] == run.model
+                and run.engine_speed == speed
+                and run.spring_set == name
+                and is_judged(run)
+                and math.isfinite(run.quantities.get("peak_spring_force", math.nan))
+            }
+            if len(peaks) > 1:
+                low, high = min(peaks.values()), max(peaks.values())
+                found = ((high - low) / max(abs(high), 1e-12), low, high, speed)
+                worst = found if worst is None or found > worst else worst
+    if worst is None:
+        return ""
+    apart, _, _, speed = worst
+    where = f" at {speed_text(speed)}" if len(study.engine_speeds) > 1 else ""
+    return f"models differ by {_share(apart)} in peak force{where}"
+
+
+def rest_failures(study: Study) -> list[str]:
+    """Springs whose static curve or modes did not complete."""
+    return [
+        f"{one.spring} {ENDED.get(part.status.code, part.status.code)} by {one.model}, {name}"
+        for one in study.rest
+        for name, part in (("at rest", one.curve), ("in its modes", one.modes))
+        if part is not None and not part.status.completed
+    ]
+
+
+def rest_clauses(study: Study) -> list[str]:
+    """Preload, rate and first axial mode of the first spring at rest, and how far others are."""
+    if not study.rest:
+        return []
+    first = study.rest[0]
+    parts, curve = [], first.curve
+    if curve is not None and curve.compression[0] <= first.precompression <= curve.compression[-1]:
+        force, rate = curve.force_at(first.precompression), curve.stiffness_at(first.precompression)
+        if first.precompression > 0:
+            parts.append(f"preload {figure(float(force))} N")
+        parts.append(f"rate {figure(float(rate) * 1e-3)} N/mm")
+    modes = [] if first.modes is None else [float(one) for one in first.modes.axial_frequencies]
+    if modes:
+        parts.append(f"first axial mode {figure(modes[0])} Hz")
+    if not parts:
+        return []
+    others = [
+        float(one.modes.axial_frequencies[0]) / modes[0] - 1
+        for one in study.rest[1:]
+        if modes and one.spring == first.spring and one.modes is not None
+        if len(one.modes.axial_frequencies)
+    ]
+    whose = f"{first.spring}: " if len({one.spring for one in study.rest}) > 1 else ""
+    text = f"{whose}{joined(parts)} by {first.model}"
+    if others:
+        text += f", other models within {_share(max(map(abs, others)))} in that mode"
+    return [text]
+
+
+def _share(value: float) -> str:
+    """A positive share in per cent."""
+    return "less than 0.1 %" if 0 <= value < 5e-4 else percent(value).lstrip("+")
+
+
+def published_clause(rows: Sequence[Comparison]) -> str:
+    """How the published values of a case compare, in one clause; empty without any."""
+    known = [
+        (abs(row.relative_difference), row)
+        for row in rows
+        if row.relative_difference is not None and row.unit != "deg" and not row.doubt
+    ]
+    if not known:
+        return ""
+    count = f"{len(known)} published values" if len(known) > 1 else "the published value"
+    middle = _share(statistics.median(share for share, _ in known))
+    share, row = max(known, key=lambda pair: pair[0])
+    if len(known) == 1:
+        return f"{count} of {label_of(row.quantity)} differs by {middle}"
+    where = "" if row.engine_speed is None else f" at {speed_text(row.engine_speed)}"
+    most = f"most {_share(share)} in {label_of(row.quantity)}{where}"
+    return f"{count} differ by {middle} in the median, {most}"

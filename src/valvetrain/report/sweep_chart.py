@@ -1,0 +1,161 @@
+"""The first picture of a sweep: least cam force and regimes over engine speed, or the forces and
+the surge of a spring alone, with the speeds of the verdict marked.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
+from valvetrain.report.run_charts import MAX_LINES, Array, line_styles
+from valvetrain.report.sweep_verdict import controlled_to, worst_label, worst_surge
+from valvetrain.report.text import rpm
+from valvetrain.solution.critical import CriticalSpeed
+from valvetrain.solution.definition import label_of, shown
+from valvetrain.solution.study import Study
+
+#: Regimes from the top of the lower panel down: kind of critical speed ("" for none) -> label, colour.
+REGIMES = {
+    "": ("controlled", "#1c6b3c"),
+    "contact-loss": ("contact loss", "#d9772b"),
+    "float": ("float", "#b3261e"),
+    "bounce": ("bounce", "#7a4fa0"),
+}
+#: Words of the marks across the upper panel.
+_MARKS = {"contact-loss": "contact", "float": "float", "bounce": "bounce"}
+
+
+def regime_chart(study: Study) -> Chart | None:
+    """Panels over engine speed; None where no run gives a force."""
+    name = "minimum_cam_contact_force"
+    train = any(name in run.quantities for run in study.solutions)
+    label = worst_label(study)
+    marks = _marks(study, label)
+    panels = [
+        _curves(study, (name,) if train else ("peak_spring_force", "minimum_spring_force"), marks)
+    ]
+    found = [one for one in study.critical_speeds]
+    if found:
+        labels = [one for one in study.labels if any(row.label == one for row in found)]
+        panels += [_regimes(study, one, len(labels) > 1) for one in labels[:MAX_LINES]]
+    elif not train:
+        panels.append(_curves(study, ("surge_amplitude_force",), marks))
+    drawn = [panel for panel in panels if panel.layers]
+    if not drawn:
+        return None
+    title = "Least cam force and control over engine speed" if train else "Forces over engine speed"
+    caption = "Dotted: the speeds of the verdict"
+    caption += f", those of {label}." if len(study.labels) > 1 else "."
+    if found:
+        caption += (
+            " Bars: speeds at which contact is lost, the valve floats or bounces; thin: where that begins with another "
+            "damping of the springs or a finer division. Open marks: the motion did not settle."
+        )
+    return Chart(
+        "opening",
+        title,
+        caption,
+        tuple(drawn),
+        1,
+        (200 if len(drawn) < 3 else 165) * len(drawn) + 70,
+    )
+
+
+def _marks(study: Study, label: str) -> tuple[Rule, ...]:
+    """The speeds of the verdict as lines across a panel."""
+    rules = [
+        Rule("x", rpm(one.engine_speed), f"{_MARKS[one.kind]} {rpm(one.engine_speed):.0f}")
+        for one in study.critical_speeds
+        if one.label == label and one.found
+    ]
+    surge = worst_surge(study.runs(label))
+    if surge is not None:
+        order = f", order {surge.order}" if surge.order else ""
+        rules.append(Rule("x", rpm(surge.run.engine_speed), f"surge{order}"))
+    return tuple(rules)
+
+
+def _curves(study: Study, names: tuple[str, ...], rules: tuple[Rule, ...]) -> Panel:
+    """Quantities over engine speed, a line per label, the second and further ones dashed."""
+    known, layers, unit = line_styles(study), list[Layer](), ""
+    for label in study.labels[:MAX_LINES]:
+        for place, name in enumerate(names):
+            speeds, found = study.series(label, name)
+            values, unit = shown(name, found)
+            if not np.any(np.isfinite(values)):
+                continue
+            x = np.array([rpm(one) for one in speeds])
+            look = known[label]
+            what = f", {label_of(name)}" if len(names) > 1 else ""
+            dash = "dash" if place else look.dash
+            layers.append(Line(x, values, f"{look.label}{what}", look.colour, 1.8, dash))
+            restless = f"{look.label}{what}, not settled"
+            layers += _restless(study, label, x, values, restless, look.colour)
+    axis = (
+        "minimum cam force while open" if names[0].startswith("minimum_cam") else label_of(names[0])
+    )
+    axis = "spring force" if len(names) > 1 else axis
+    return Panel(
+        "engine speed (rpm)", f"{axis} ({unit})", tuple(layers), rules=rules, x_range=_reach(study)
+    )
+
+
+def _restless(
+    study: Study, label: str, x: Array, values: Array, name: str, colour: str
+) -> list[Layer]:
+    """Open marks where the motion did not settle."""
+    some = np.array([not run.status.completed for run in study.runs(label)]) & np.isfinite(values)
+    return (
+        [Marks(x[some], values[some], name, colour, size=6, in_legend=False)] if some.any() else []
+    )
+
+
+def _reach(study: Study) -> tuple[float, float]:
+    first, last = rpm(study.engine_speeds[0]), rpm(study.engine_speeds[-1])
+    return (first, last) if last > first else (first - 100.0, last + 100.0)
+
+
+def _regimes(study: Study, label: str, several: bool) -> Panel:
+    """A bar per regime of a label over the speeds at which it holds."""
+    layers: list[Layer] = []
+    first, last = _reach(study)
+    for level, (kind, (name, colour)) in enumerate(reversed(REGIMES.items())):
+        row = study.critical_speeds.of(kind, label) if kind else None
+        spans = (
+            [(first, min(rpm(controlled_to(study, label)), last))]
+            if row is None
+            else _spans(row, last)
+        )
+        x = np.array([value for low, high in spans for value in (low, high, math.nan)])
+        y = np.where(np.isnan(x), np.nan, float(level))
+        layers += [Line(x, y, name, colour, 7.0)] if spans else []
+        if row is not None and row.found and row.printed is not None:
+            low, high = rpm(row.printed.lower_engine_speed), rpm(row.printed.upper_engine_speed)
+            ends = np.array([max(low, first), min(high, last)])
+            name = f"{name}, range"
+            layers.append(Line(ends, np.full(2, float(level)), name, colour, 2.0, in_legend=False))
+    return Panel(
+        "engine speed (rpm)",
+        "regime (one row each)",
+        tuple(reversed(layers)),
+        label if several else "",
+        x_range=(first, last),
+        y_range=(-0.6, len(REGIMES) - 0.4),
+        y_tick_labels=((-9.0, ""),),
+    )
+
+
+def _spans(row: CriticalSpeed, last: float) -> list[tuple[float, float]]:
+    """Speeds (rpm) at which a kind of loss holds: the first range, then the further ones."""
+    if not row.found:
+        return []
+    start = (
+        row.first_engine_speed
+        if row.begins is None and not math.isfinite(row.nominal_engine_speed)
+        else row.engine_speed
+    )
+    end = last if row.ends is None else rpm(row.ends.from_rest.lower_engine_speed)
+    further = [(rpm(one.lower_engine_speed), rpm(one.upper_engine_speed)) for one in row.again]
+    return [(rpm(start), end), *further]

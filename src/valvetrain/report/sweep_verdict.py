@@ -1,0 +1,254 @@
+"""Verdicts over engine speed: up to where a train is controlled, what is lost then, and where surge
+is worst.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from valvetrain.quantities.limits import passed_limits
+from valvetrain.report.clauses import (
+    ENDED,
+    Runs,
+    Worst,
+    counted,
+    ended_clauses,
+    figure,
+    joined,
+    quantity_text,
+)
+from valvetrain.report.run_clauses import FLOAT_LIFT, bind_clause
+from valvetrain.report.run_summary import searched
+from valvetrain.report.text import rpm
+from valvetrain.solution.critical import CriticalSpeed
+from valvetrain.solution.definition import label_of
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+from valvetrain.system.contract import TRAIN
+
+#: Kind of critical speed -> what happens there first, and what happens from there.
+LOST = {
+    "contact-loss": ("contact is lost", "loses contact from"),
+    "float": ("the valve floats", "floats from"),
+    "bounce": ("the valve bounces", "bounces from"),
+}
+#: Share of a critical speed that its range over damping and division is named from.
+WIDE = 0.05
+#: Engine speeds that are named one by one.
+MAX_NAMED = 3
+
+
+class Surge(NamedTuple):
+    """The largest surge amplitude (N) over the speeds of a label, its run and cam order (0: unknown)."""
+
+    amplitude: float
+    run: Solution
+    order: int
+
+
+def sweep_clauses(study: Study) -> list[str]:
+    """Parts of the verdict over engine speed, of the worst label."""
+    counts = [run for run in study.solutions if run.status.code in ("completed", "not-converged")]
+    stopped = [one for one in ended_clauses(study.solutions) if ENDED["not-converged"] not in one]
+    if not counts:
+        return stopped
+    label = worst_label(study)
+    runs = Runs(tuple(run for run in counts if run.label == label), study.still)
+    if not runs.solutions:
+        return stopped
+    several = len(study.labels) > 1
+    train = any(run.provenance.system == TRAIN for run in runs.solutions)
+    parts = [*_control(study, label, runs)] if train else []
+    bind = bind_clause(runs)
+    if bind is not None and (not train or "solid" in bind.text):
+        parts.insert(0 if "solid" in bind.text else len(parts), bind.text)
+    parts += limits_over_speed(runs)
+    if not train:
+        parts += _spring_forces(runs)
+    if (surge := worst_surge(runs.solutions)) is not None:
+        order = f" (order {surge.order})" if surge.order else ""
+        text = f"{figure(surge.amplitude)} N at {_speed(surge.run)}{order}"
+        parts.append(f"worst surge {text}")
+    parts += unsettled(study.runs(label))
+    if several:
+        parts[0] = f"worst ({label}): {parts[0]}"
+    return [*stopped, *parts]
+
+
+def controlled_to(study: Study, label: str) -> float:
+    """Lowest engine speed (rad/s) at which a label loses contact, floats or bounces: infinite for
+    never, 0 where it does from the first speed on.
+    """
+    found = [one for one in study.critical_speeds if one.label == label and one.found]
+    return min(
+        (
+            0.0
+            if one.begins is None and not math.isfinite(one.nominal_engine_speed)
+            else one.engine_speed
+            for one in found
+        ),
+        default=math.inf,
+    )
+
+
+def worst_label(study: Study) -> str:
+    """The label that loses control first; without critical speeds that with the largest surge."""
+    labels = study.labels
+
+    def key(label: str) -> tuple[float, float]:
+        surge = worst_surge(study.runs(label))
+        return controlled_to(study, label), -(surge.amplitude if surge else 0.0)
+
+    return min(labels, key=key)
+
+
+def _control(study: Study, label: str, runs: Runs) -> list[str]:
+    """Up to where everything stays in contact, and what happens from where."""
+    if not searched(study) or not any(one.label == label for one in study.critical_speeds):
+        return [_control_of_runs(runs)]
+    rows = sorted(
+        (one for one in study.critical_speeds if one.label == label and one.found),
+        key=lambda one: one.engine_speed,
+    )
+    searched_rows = [one for one in study.critical_speeds if one.label == label]
+    first, last = searched_rows[0].first_engine_speed, searched_rows[0].last_engine_speed
+    if not rows:
+        force = runs.worst("minimum_cam_contact_force", True)
+        least = "" if force is None else f", minimum cam force {runs.text(force)}"
+        where = "" if force is None or force.run is None else f" at {_speed(force.run)}"
+        return [f"controlled up to {rpm(last):.6g} rpm, the highest speed searched{least}{where}"]
+    limit = controlled_to(study, label)
+    first_lost = LOST[rows[0].kind][0]
+    if rows[0].kind == "contact-loss" and rows[0].place:
+        first_lost += f" at the {rows[0].place}"
+    begun = (
+        f"not controlled: {first_lost} already at {rpm(first):.6g} rpm, the lowest speed searched"
+        if limit <= 0
+        else f"controlled to {rpm(limit):.0f} rpm, where {first_lost}{_range(rows[0])}"
+    )
+    others = [_loses(one) for one in rows[1:]]
+    return [begun, *([f"{joined(others)} rpm"] if others else [])]
+
+
+def _loses(one: CriticalSpeed) -> str:
+    """``floats from 7302``."""
+    verb = LOST[one.kind][1]
+    speed = one.engine_speed
+    if one.begins is None and not math.isfinite(one.nominal_engine_speed):
+        return f"{verb} below {rpm(one.first_engine_speed):.6g}"
+    return f"{verb} {rpm(speed):.0f}"
+
+
+def _range(one: CriticalSpeed) -> str:
+    """The range of a critical speed where it is wide, empty elsewhere."""
+    span = one.printed
+    wide = WIDE * one.engine_speed
+    if span is None or not span.upper_engine_speed - span.lower_engine_speed > wide:
+        return ""
+    low, high = span.lower_engine_speed, span.upper_engine_speed
+    start = "below " + f"{rpm(one.first_engine_speed):.6g}" if low <= 0 else f"{rpm(low):.0f}"
+    end = "never" if math.isinf(high) else f"{rpm(high):.0f}"
+    return f" ({start} to {end} with other damping or division)"
+
+
+def _control_of_runs(runs: Runs) -> str:
+    """The same of a run-up or of a sweep without search: from the runs themselves."""
+    lost = [
+        (run, what)
+        for run in runs.solutions
+        for name, limit, what in (
+            ("loss_of_contact_duration", 0.0, "contact is lost"),
+            ("float_excess_lift", FLOAT_LIFT, "the valve floats"),
+        )
+        if run.quantities.get(name, 0.0) > limit
+    ]
+    speeds = [run.engine_speed for run in runs.solutions]
+    if not lost:
+        return f"in contact from {rpm(min(speeds)):.6g} to {rpm(max(speeds)):.6g} rpm"
+    first: dict[str, Solution] = {}
+    for run, what in sorted(lost, key=lambda pair: pair[0].engine_speed):
+        first.setdefault(what, run)
+    return joined([f"{what} first at {_speed(run)}" for what, run in first.items()])
+
+
+def limits_over_speed(runs: Runs) -> list[str]:
+    """Limits passed: from which engine speed run, or where alone."""
+    passed: dict[str, list[Solution]] = {}
+    for run in runs.solutions:
+        for name in passed_limits(run.quantities):
+            if not name.endswith("coil_bind_clearance"):
+                passed.setdefault(name, []).append(run)
+    texts = []
+    for name, some in passed.items():
+        limit = quantity_text(name, passed_limits(some[0].quantities)[name].limit)
+        bound = f"{label_of(name)} above its limit of {limit}"
+        above = [run for run in runs.solutions if run.engine_speed >= some[0].engine_speed]
+        texts.append(
+            f"{bound} at every speed"
+            if len(some) == len(runs.solutions)
+            else f"{bound} from {_speed(some[0])}"
+            if len(some) == len(above) > 1
+            else f"{bound} {speeds_text(some, runs.solutions)}"
+        )
+    return texts
+
+
+def _spring_forces(runs: Runs) -> list[str]:
+    """Largest and least force of a spring alone, and where its coils clash."""
+    clashing = [run for run in runs.solutions if run.quantities.get("clash_count", 0) > 0]
+    texts = []
+    if any("clash_count" in run.quantities for run in runs.solutions):
+        texts.append(
+            f"coils clash {speeds_text(clashing, runs.solutions)}" if clashing else "no coil clash"
+        )
+    for name, word, least in (
+        ("peak_spring_force", "peak spring force", False),
+        ("minimum_spring_force", "minimum", True),
+    ):
+        found = runs.worst(name, least)
+        if found is not None:
+            where = "" if found.run is None else f" at {_speed(found.run)}"
+            texts.append(f"{word} {runs.text(Worst(name, found.value, found.run))}{where}")
+    return [", ".join(texts)] if texts else []
+
+
+def worst_surge(runs: Sequence[Solution]) -> Surge | None:
+    """Where the surge amplitude is largest, and the cam order that makes it."""
+    known = [
+        run for run in runs if math.isfinite(run.quantities.get("surge_amplitude_force", math.nan))
+    ]
+    if not known:
+        return None
+    run = max(known, key=lambda one: one.quantities["surge_amplitude_force"])
+    order = run.quantities.get("surge_amplitude_cam_order", 0.0)
+    return Surge(run.quantities["surge_amplitude_force"], run, round(order))
+
+
+def unsettled(runs: Sequence[Solution]) -> list[str]:
+    """How many of the speeds of a label do not settle, and which; nothing where all do."""
+    some = [run for run in runs if run.status.code == "not-converged"]
+    if not some:
+        return []
+    count = "one" if len(some) == 1 else f"{len(some)}"
+    where = speeds_text(some, runs)
+    return [f"{count} of {counted(len(runs), 'speed')} did not settle, {where}"]
+
+
+def speeds_text(some: Sequence[Solution], every: Sequence[Solution]) -> str:
+    """``at 7000 and 7200 rpm``; of more than a few the range, ``from`` where it has no gap."""
+    speeds = [f"{rpm(run.engine_speed):.6g}" for run in some]
+    if len(speeds) <= MAX_NAMED:
+        return f"at {joined(speeds)} rpm"
+    low, high = some[0].engine_speed, some[-1].engine_speed
+    whole = len(speeds) == sum(low <= run.engine_speed <= high for run in every)
+    return (
+        f"from {speeds[0]} to {speeds[-1]} rpm"
+        if whole
+        else f"between {speeds[0]} and {speeds[-1]} rpm"
+    )
+
+
+def _speed(run: Solution) -> str:
+    return f"{rpm(run.engine_speed):.6g} rpm"

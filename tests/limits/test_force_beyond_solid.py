@@ -1,0 +1,101 @@
+"""A spring run to 0.02 mm from solid: limits between models, a closed form, contract of the answers.
+
+The spring is one of a textbook kind (wire 4 mm, mean diameter 28 mm, seven coils), in no library case.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+import valvetrain as vt
+from unit.cli_parts import call
+from valvetrain.quantities.statics import solid_quantities
+from valvetrain.springs.stress import nominal_stress_per_force
+
+NEAR_SOLID = """
+[spring]
+wire_diameter = "4 mm"
+mean_diameter = "28 mm"
+total_coils = 7.0
+pitch = { formula = "closed-ends", pitch = "8.5 mm", ramp = 0.2 }
+ends = { kind = "closed-ground", inactive_coils = 0.9, ground_coils = 0.9 }
+material = "EN 10270-2 VDSiCr"
+installed_height = "HEIGHT mm"
+damping = { ratio = 0.016, ratio_frequency = "400 Hz" }
+contact = { stiffness = "20 kN/mm/mm", damping_time = "1 us" }
+options = { finite-element = { elements_per_coil = 8 } }
+
+[lift_law]
+kind = "polynomial"
+exponents = "3-4-5"
+maximum_lift = "10 mm"
+opening_start = "115 deg"
+opening_end = "180 deg"
+closing_start = "180 deg"
+closing_end = "245 deg"
+
+[operation]
+engine_speeds = "4000 rpm"
+cycles = 2
+"""
+
+
+@pytest.fixture(scope="module")
+def text():
+    solid = vt.Case(NEAR_SOLID.replace("HEIGHT", "40")).parameters.springs[0].solid_height
+    return NEAR_SOLID.replace("HEIGHT", f"{solid * 1e3 + 10.02:.6f}")
+
+
+@pytest.fixture(scope="module")
+def runs(text):
+    return vt.Case(text).compare("4000 rpm", ["finite-element", "multi-mass"])
+
+
+def test_stress_by_the_standard_is_that_of_the_wire_and_not_of_the_blows(text, runs):
+    """Both models press the ends beyond the force at solid; the stress by EN 13906-1 stays that at
+    solid, k 8 F D / (pi d^3), which the wire of the rod reaches within a tenth.
+    """
+    wire = vt.Case(text).parameters.springs[0].wire
+    at_solid = nominal_stress_per_force(wire) * solid_quantities(wire)["solid_force"]
+    for run in runs.solutions:
+        assert run.quantities["peak_spring_force"] > solid_quantities(wire)["solid_force"]
+        assert run.quantities["nominal_peak_shear_stress"] == pytest.approx(at_solid)
+    own = runs.solutions[0].quantities["peak_shear_stress"]
+    assert own == pytest.approx(at_solid, rel=0.1)
+
+
+def test_below_solid_it_is_that_of_the_force(text):
+    spring = vt.Case(text.replace('"10 mm"', '"6 mm"'))
+    (run,) = spring.compare("1500 rpm", ["multi-mass"]).solutions
+    factor = nominal_stress_per_force(spring.parameters.springs[0].wire)
+    force = run.quantities["peak_spring_force"]
+    assert run.quantities["nominal_peak_shear_stress"] == pytest.approx(factor * force)
+
+
+def test_terminal_page_and_json_say_why(text, tmp_path):
+    (tmp_path / "near.toml").write_text(text)
+    result = call(
+        "run", str(tmp_path / "near.toml"), "--spring", "multi-mass", "--workers", "1", "--output", str(tmp_path / "out")
+    )  # fmt: skip
+    sentence = "goes from coil to coil"
+    assert result.exit_code == 0 and sentence in " ".join(result.stdout.split())
+    (note,) = [
+        one
+        for one in json.loads((tmp_path / "out" / "run.json").read_text())["notes"]
+        if sentence in one
+    ]
+    assert "multi-mass at 4000 rpm" in note and "closed at" in note
+    assert sentence in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_stress_above_the_strength_of_the_wire_is_named():
+    """Coils that do not meet take any force: at 40 000 rpm no wire bears it."""
+    text = NEAR_SOLID.replace("HEIGHT", "45").replace('"20 kN/mm/mm"', '"0 N/mm/mm"')
+    study = vt.Case(text).compare("40000 rpm", ["modal-uniform"])
+    (run,) = study.solutions
+    strength = run.quantities.get("wire_tensile_strength", 2.5e9)
+    assert run.quantities["nominal_peak_shear_stress"] > strength and math.isfinite(strength)
+    assert any("No spring wire bears" in note for note in study.notes)
