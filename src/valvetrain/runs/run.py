@@ -44,6 +44,7 @@ from valvetrain.runs.prepared import (
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.stored_error_bars import (
     has_stored_bars,
+    load_uncertainty,
     spread_sentences,
     uncertainty_sentences,
 )
