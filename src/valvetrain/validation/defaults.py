@@ -124,6 +124,14 @@ EXPLAINED: tuple[Explained, ...] = (
         0.1,
         "coils clash: their force spikes change from mesh to mesh without an order, so that two meshes may agree by chance",
     ),
+    Explained(
+        "",
+        ("multi-mass",),
+        ("minimum_retainer", "peak_seat"),
+        0.06,
+        "coils of the chain of a wire close one mass at a time, so that the number does not fall evenly with the division: the bar of "
+        "two divisions misses it",
+    ),
 )
 
 
