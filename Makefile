@@ -85,9 +85,9 @@ faults: environment-test
 test-processor: environment-test
 	OPENBLAS_CORETYPE=Prescott $(PYTEST) -m "not slow and not long and not chromium and not calculix" tests/order tests/limits $(ARGS)
 
-# Benchmarks, scripts, fuzzer and seeded faults, each with its smallest input.
+# Benchmarks, scripts, fuzzer and seeded faults, each with its smallest input; test by test, as one file takes most of the time.
 test-development: environment-test
-	$(PYTEST) tests/development $(ARGS)
+	$(PYTEST) --dist worksteal tests/development $(ARGS)
 
 # Programs and commands of README, docs and examples.
 test-docs: environment-test parts

@@ -78,8 +78,9 @@ install() {
         say "The environment could not be installed (see above); mend the cause, often the network, and repeat 'make $kind'."
         exit 1
     fi
-    # Bytecode on all cores at once (pip takes one, and half a minute), of the package too; what is no Python of this version is left.
-    "$venv/bin/python" -m compileall -qq -j 0 "$venv/lib" src || true
+    # Bytecode on all cores at once (pip takes one, and half a minute), of the package too; tests of other packages, a quarter of all, and what
+    # is no Python of this version are left.
+    "$venv/bin/python" -m compileall -qq -j 0 -x '/tests?/' "$venv/lib" src || true
     key > "$venv/.stamp-$kind"
     if [ "$kind" = test ]; then (pins=requirements.txt; key) > "$venv/.stamp-run"; fi
     rm -f "$unfinished"

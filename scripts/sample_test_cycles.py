@@ -101,7 +101,8 @@ def engine_head_table() -> str:
     """The engine head's printed values; bounds ("as high as") are no values and are left out."""
     lines = [
         "# source: Gu, Hou, Keating and Ye (2021), engine head test, values printed in sections 4.1 to 4.3",
-        f"# note: no scatter is stated; assumed are {FORCE_SHARE} of a force, {ANGLE:g} deg of an angle, {ABOUT:g} deg where it says about",
+        f"# note: the source states no scatter; the table assumes {FORCE_SHARE} of a force, {ANGLE:g} deg of an angle, "
+        f"{ABOUT:g} deg where it says about",
         "quantity,unit,value,scatter,engine speed [rpm]",
     ]  # fmt: skip
     for one in build(load_case("gu2021-beehive")).record.published:

@@ -21,11 +21,15 @@ from package_watch import package_stays_whole  # noqa: E402, F401
 LONG = "VALVETRAIN_LONG"
 
 
-#: Files of half a minute and more: begun first, so that no worker ends with one of them alone.
+#: Files that take longest, longest first: begun first, so that no worker ends with one of them alone.
 FIRST = (
     "test_workbench_browser", "test_code_blocks", "test_report_browser", "test_docstring_examples", "test_how_to",
-    "test_workbench_files_browser", "test_motion_browser", "test_cli_streams", "test_spring_models",
-    "test_train_cli", "test_study_command", "test_workbench_live",
+    "test_workbench_files_browser", "test_motion_browser", "test_report_reading", "test_workers_and_signals", "test_added_laws",
+    "test_output_samples", "test_cli_process", "test_damaged_files", "test_cli_runs", "test_cli_streams", "test_studies",
+    "test_no_result_is_lost", "test_refinement_stopped", "test_lift_command", "test_options_of_commands", "test_card_default",
+    "test_spring_models", "test_workbench_jobs", "test_python_cases", "test_scan_command", "test_study_command",
+    "test_identification_goes_on", "test_springs_from_scans", "test_imports", "test_own_parts", "test_train_cli",
+    "test_identification_closed_forms", "test_critical_speeds", "test_read_apart", "test_hilber_hughes_taylor", "test_workbench_live",
 )  # fmt: skip
 
 

@@ -107,11 +107,12 @@ def opened(folder: Path) -> Iterator[Bench]:
         "--port",
         str(port),
         "--no-open",
-        "--quiet",
     ]
-    server = subprocess.Popen(command, env=environment, start_new_session=True)
+    told = folder.with_name(f"{folder.name}-server.txt")
+    with told.open("wb") as stream:
+        server = subprocess.Popen(command, env=environment, start_new_session=True, stderr=stream)
     try:
-        _wait_for(port, server)
+        _wait_for(port, server, told)
         with sync_api.sync_playwright() as driver:
             browser = driver.chromium.launch(
                 executable_path=program("chromium"), args=["--no-sandbox", "--disable-gpu"]
@@ -159,11 +160,13 @@ def nothing_serious(page: Any) -> None:
     ]
 
 
-def _wait_for(port: int, server: subprocess.Popen[bytes]) -> None:
-    for _ in range(300):
-        with socket.socket() as door:
-            if door.connect_ex(("127.0.0.1", port)) == 0:
-                return
+def _wait_for(port: int, server: subprocess.Popen[bytes], told: Path) -> None:
+    """Until the server prints its address, at which it answers from then on."""
+    for _ in range(600):
+        if f"at http://127.0.0.1:{port}/" in told.read_text("utf-8"):
+            with socket.socket() as door:
+                assert door.connect_ex(("127.0.0.1", port)) == 0, "told before it listens"
+            return
         assert server.poll() is None, "the server ended at once"
-        time.sleep(0.1)
+        time.sleep(0.02)
     raise AssertionError("the server does not listen")

@@ -102,6 +102,17 @@ BUILT_IN["results"] = {
 }
 #: Class of a result -> the function that gives its one sentence, without end of line.
 BUILT_IN["verdicts"] = {
+    "StudyTable": "valvetrain.explore.study_verdict:study_verdict",
+    "Optimum": "valvetrain.explore.optimum_summary:optimum_verdict",
+    "Identified": "valvetrain.explore.identification_summary:identified_verdict",
+    "CoilMotion": "valvetrain.film.verdict:film_verdict",
+    "FilmedModel": "valvetrain.film.verdict:filmed_model_verdict",
+    "RigResult": "valvetrain.rig.verdict:rig_verdict",
+    "ScannedSpring": "valvetrain.scan.verdict:scan_verdict",
+    "ScanComparison": "valvetrain.scan.verdict:scan_comparison_verdict",
+    "SpringFit": "valvetrain.spring_card.verdict:card_verdict",
+    "TesterFit": "valvetrain.spring_card.verdict:tester_verdict",
+    "ModelAgainstTest": "valvetrain.compare_test.verdict:test_verdict",
     "Solution": "valvetrain.report.run_verdict:solution_verdict",
     "Study": "valvetrain.report.run_verdict:study_verdict",
     "FidelityMap": "valvetrain.report.model_verdict:fidelity_verdict",

@@ -188,9 +188,9 @@ def test_the_slider_moves_the_curve_and_its_value_can_be_kept(bench, page, finis
     assert page.locator(".live .plot .scatterlayer .trace").count() == 2
     page.get_by_role("button", name="Keep this value").click()
     page.wait_for_function(
-        "document.getElementById('field-spring-precompression').value === '10.5 mm'"
+        "document.getElementById('field-spring-precompression').value === '10.4 mm'"
     )
-    assert bench.case()["spring"]["precompression"] == "10.5 mm"
+    assert bench.case()["spring"]["precompression"] == "10.4 mm"
     field = page.get_by_label("Precompression", exact=True)
     field.fill("7 mm")
     field.press("Enter")

@@ -74,9 +74,9 @@ def compared(test, **more):
 
 def test_the_truth_is_not_refuted_and_a_bias_is():
     true, off = compared(cycles()), compared(cycles(bias=12.0))
-    assert true.best.adequacy.adequate and "does not refute multi-mass" in true.verdict
-    assert not off.best.adequacy.adequate and off.verdict.startswith(
-        "The test refutes multi-mass: F = "
+    assert true.best.adequacy.adequate and "does not refute multi-mass" in true.best.sentence
+    assert not off.best.adequacy.adequate and off.best.sentence.startswith(
+        "the test refutes multi-mass: F = "
     )
     assert off.best.agreement.bias == pytest.approx(-12.0, abs=1.0)
     assert not true.best.band.outside.any() and off.best.band.outside.mean() > 0.3
@@ -199,7 +199,7 @@ def test_which_model_is_closer_is_students_test_of_the_squares():
 
 def test_one_cycle_two_cycles_and_alike_cycles_say_what_they_cannot():
     one = compared(cycles(1))
-    assert one.best.adequacy is None and "no F-test" in one.verdict and one.best.band is None
+    assert one.best.adequacy is None and "no F-test" in one.best.sentence and one.best.band is None
     assert all(
         event.outside is None for event in one.best.events
     ) and "no event is judged" in render(compare_test_page(one))
@@ -291,7 +291,8 @@ def test_runs_that_fail_are_told_and_no_run_is_no_verdict(tmp_path, monkeypatch)
     found = compared(cycles())
     assert not found.runs and "multi-mass at 3000 rpm of the crank: " in found.failures[0]
     with pytest.raises(InputError, match="nothing to compare"):
-        _ = found.verdict
+        _ = found.best
+    assert found.verdict == "1 run did not complete; nothing can be compared."
     write_cycles("own.csv", [cycles()])
     shown = invoke("compare-test", "job-t", "--test", "own.csv", "--spring", "multi-mass")
     assert shown.exit_code == 1 and "grew without bound" in shown.output
@@ -397,7 +398,8 @@ def test_values_with_stated_scatter_are_counted_in_it(tmp_path):
     force = vt.simulate("job-t", SPEED, spring_models=CHAIN).solutions[0].quantities
     peak, angle = force["peak_spring_force"], np.degrees(force["peak_spring_force_cam_angle"])
     (tmp_path / "values.csv").write_text(
-        "# engine speed: 3000 rpm\nquantity,unit,value,scatter,cam angle [deg],angle scatter [deg]\n"
+        "# engine speed: 3000 rpm\n# note: no scatter is stated; assumed are 1 %\n"
+        "quantity,unit,value,scatter,cam angle [deg],angle scatter [deg]\n"
         f"peak_spring_force,N,{peak - 6},3,{angle + 1},2\nleast_spring_force,N,{chain().values.min() + 2},1 %,,\n"
         f"spring_force,N,{chain().at(np.array([np.pi]))[0]},5,180,\nshoe_size,mm,1,1,,\n"
     )
@@ -411,8 +413,16 @@ def test_values_with_stated_scatter_are_counted_in_it(tmp_path):
     assert found.best.adequacy.p_value == pytest.approx(
         stats.chi2.sf(np.sum(np.square(off)), 4), rel=1e-6
     )
-    assert any("shoe_size" in note for note in found.notes) and "does not refute" in found.verdict
+    assert (
+        any("shoe_size" in note for note in found.notes)
+        and "does not refute" in found.best.sentence
+    )
+    assert found.verdict == (
+        "multi-mass: all 3 values within 1.1 %, angles within 1 cam degree; not refuted by the scatters of the table."
+    )
     page = render(compare_test_page(found))
+    assert "stated scatter" not in page and "no scatter is stated" in page.lower()
+    assert "stated" not in repr(found)
     assert (
         "All 4 values lie within two scatters" in page
         or "values lie more than two scatters off" in page
@@ -450,7 +460,7 @@ def test_tables_that_mix_units_have_no_f_test():
         MeasuredValue("peak_valve_lift", "mm", np.array([1.0, 2.0])),
     )
     found = compared(ValueTable(values), engine_speed=SPEED)
-    assert found.best.adequacy is None and "several units" in found.verdict
+    assert found.best.adequacy is None and "several units" in found.best.sentence
 
 
 def test_curves_of_coils_are_found_by_number_and_by_share():

@@ -206,7 +206,7 @@ def test_the_page_lays_the_model_over_the_film():
     page = film_page(motion, beside)
     assert not gaps_of(page) and "synthetic" not in page.lead
     keys = {chart.key: chart for chart in charts(page)}
-    assert list(keys) == ["displacement", "space-time", "peaks", "overlay", "decay", "spectrum"]
+    assert list(keys) == ["overlay", "displacement", "space-time", "peaks", "decay", "spectrum"]
     overlay = keys["overlay"]
     assert len(overlay.panels) == 6 and [layer.name for layer in overlay.panels[0].layers] == [
         "film, mean of the turns",

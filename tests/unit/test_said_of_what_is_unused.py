@@ -51,7 +51,8 @@ def test_a_massless_spring_says_that_it_leaves_damping_out():
     assert (
         said == "A massless spring has no inner motion: the damping of 'job-t' has no effect in it."
     )
-    assert not run_study(case, engine_speeds=[200.0], spring_models=["multi-mass"], workers=1).notes
+    own = run_study(case, engine_speeds=[200.0], spring_models=["multi-mass"], workers=1).notes
+    assert not any("damping" in one for one in own)
     still = load_case("job-t", {"spring.damping.stiffness_damping": "0 s"})
     assert not run_study(still, engine_speeds=[200.0], spring_models=["massless"], workers=1).notes
 
@@ -62,7 +63,8 @@ def test_a_spring_without_any_damping_is_named_where_it_moves(model):
 
     def notes(**damping):
         case = load_case("job-t").replace({"springs.0.damping": DampingParameters(**damping)})
-        return run_study(case, engine_speeds=[200.0], spring_models=[model], workers=1).notes
+        found = run_study(case, engine_speeds=[200.0], spring_models=[model], workers=1).notes
+        return [one for one in found if "damping" in one]
 
     (said,) = notes()
     assert said.startswith(

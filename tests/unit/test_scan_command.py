@@ -18,7 +18,7 @@ from valvetrain.scan.definition import round_wire, turned_over
 from valvetrain.scan.reconstruct import spring_from_scan
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
-from sample_scan import Scanner, cloud, ply, springs
+from sample_scan import Scanner, cloud, ply, springs, surface
 
 #: The spring of the shipped job T, open ends and clamped, as the design that a cloud is made of.
 DESIGN = "job-t"
@@ -256,3 +256,35 @@ def test_clouds_that_show_no_spring_are_refused_in_one_sentence(tmp_path, kind):
     with pytest.raises(InputError) as refused:
         spring_from_scan(tmp_path / "scan.xyz", unit="mm")
     assert len(str(refused.value)) < 300
+
+
+def one_sided(spring, first, width, count=9_000):
+    """A cloud (mm) that a fixed scanner sees: no point in a sector of ``width`` degrees."""
+    draw = np.random.default_rng(4)
+    points = surface(spring, count, Scanner(), draw)
+    points += draw.normal(0.0, 0.03e-3, points.shape)
+    turn = np.mod(np.degrees(np.arctan2(points[:, 1], points[:, 0])) - first, 360.0)
+    return 1e3 * draw.permutation(points[turn > width])
+
+
+@pytest.mark.parametrize(("name", "first"), [("cylindrical", 67.0), ("conical", 200.0)])
+def test_a_sector_that_no_coil_shows_is_bridged_and_told_of(name, first, tmp_path):
+    np.savetxt(tmp_path / "side.xyz", one_sided(springs()[name], first, 60.0), fmt="%.4f")
+    found = spring_from_scan(tmp_path / "side.xyz", unit="mm")
+    assert found.total_coils[0] == pytest.approx(springs()[name].total_coils, abs=0.05)
+    assert any("sector of 60 degrees" in note or "sector of 57" in note for note in found.notes)
+
+
+def test_random_points_end_in_one_sentence(tmp_path):
+    points = np.random.default_rng(1).random((20_000, 3)) * 50
+    np.savetxt(tmp_path / "random.xyz", points, fmt="%.5f")
+    found = invoke("scan", str(tmp_path / "random.xyz"), "--unit", "mm")
+    assert found.exit_code == 2
+    assert "one spring" in found.stderr and "fault" not in found.stderr
+
+
+def test_what_cannot_be_bridged_is_named(tmp_path):
+    """Half of the turn is not seen: no smooth curve tells how the coils go on behind it."""
+    np.savetxt(tmp_path / "half.xyz", one_sided(springs()["cylindrical"], 67.0, 200.0), fmt="%.4f")
+    with pytest.raises(InputError, match=r"sector of (19|20). degrees about the axis; scan that"):
+        spring_from_scan(tmp_path / "half.xyz", unit="mm")

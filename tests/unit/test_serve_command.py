@@ -25,8 +25,9 @@ def started(monkeypatch, tmp_path):
     """What reached the pages, which end at once as by Ctrl-C."""
     seen = []
 
-    def start(workspace, jobs, settings):
+    def start(workspace, jobs, settings, listening):
         seen.append((workspace, jobs, settings))
+        listening()
         raise KeyboardInterrupt
 
     monkeypatch.chdir(tmp_path)
@@ -133,7 +134,7 @@ def test_a_signal_ends_a_server_without_a_traceback(tmp_path, name):
         "    while (await receive())['type'] != 'lifespan.startup': pass\n"
         "    print('serves', flush=True)\n"
         "    await send({'type': 'lifespan.startup.complete'}); await receive(); await send({'type': 'lifespan.shutdown.complete'})\n"
-        "pages.start = lambda workspace, jobs, settings: uvicorn.run(app, port=settings.port, log_level='error')\n"
+        "pages.start = lambda workspace, jobs, settings, listening: uvicorn.run(app, port=settings.port, log_level='error')\n"
         "command.find_spec = lambda _: True\n"
         "sys.argv = ['valvetrain', 'serve', '--no-open', '--port', '0']; main.main()"
     )

@@ -125,7 +125,9 @@ def test_every_part_of_a_spring_study_is_built_once_for_any_number_of_speeds(cou
         spring_models=["multi-mass", "finite-element"],
         workers=2,
     )
-    assert set(counts.values()) == {1} and counts["mesh_spring"] == 1
+    # the rod of the case, and the coarser one that the chain takes its rate and frequency from
+    assert counts.pop("mesh_spring") == 2
+    assert set(counts.values()) == {1}
 
 
 def test_parts_of_a_train_and_its_variants_are_built_once(counts):
@@ -184,7 +186,7 @@ def test_a_comparison_builds_every_model_once_for_motion_and_rest(counts):
         models_built(counts) == {(word, case.springs[0]) for word in study.labels}
         and len(study.labels) == 6
     )
-    assert counts["mesh_spring"] == counts["build_lift_law"] == 1
+    assert counts["mesh_spring"] == 2 and counts["build_lift_law"] == 1
     assert len(study.rest) == 6
 
 

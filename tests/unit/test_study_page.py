@@ -13,9 +13,15 @@ import pytest
 import valvetrain as vt
 from valvetrain.explore.sensitivity import surrogate_of
 from valvetrain.explore.study import StudyText, analysed, read_plan
-from valvetrain.explore.study_page import points_csv, points_json, points_page, sentences
+from valvetrain.explore.study_page import (
+    answer_table,
+    points_csv,
+    points_json,
+    points_page,
+    sentences,
+)
 from valvetrain.explore.table import StudyTable
-from valvetrain.report.page import Grid, Text, charts, render
+from valvetrain.report.page import Details, Grid, Text, charts, render
 from valvetrain.solution.status import COMPLETED, Status
 
 TEXT = """
@@ -219,14 +225,13 @@ def test_the_first_runs_have_figures_and_all_have_answers(count, drawn, notes):
     assert list(sections) == ["answers", *(f"run-{place}" for place in range(drawn)), "asked"]
     answers = sections["answers"]
     (grid,) = (one for one in answers.blocks if isinstance(one, Grid))
-    assert answers.title == "What comes out" and len(grid.rows) == 2 * count
-    assert [row[0][1].text for row in grid.rows[::2]] == [
-        f"{3000 + 100 * place} rpm, massless" for place in range(count)
-    ]
+    (rest,) = (one for one in answers.blocks if isinstance(one, Details))
+    assert answers.title == "What comes out" and len(grid.rows) == 12
+    assert len(grid.rows) + len(rest.blocks[0].rows) == min(25 * count, 300)
+    runs = [f"{3000 + 100 * place} rpm, massless" for place in range(count)]
+    assert [row[0][3].text for row in grid.rows] == runs[:12]
     assert [one.html for one in answers.blocks if isinstance(one, Text)] == notes
-    assert [sections[f"run-{place}"].title for place in range(drawn)] == [
-        row[0][1].text for row in grid.rows[: 2 * drawn : 2]
-    ]
+    assert [sections[f"run-{place}"].title for place in range(drawn)] == runs[:drawn]
 
 
 @pytest.mark.parametrize(
@@ -242,3 +247,92 @@ def test_the_first_failures_are_listed_and_all_are_counted(failed, more):
     assert all(
         "the coils overlap" in words for _, words in told[:50]
     ) and f"{failed} of 75 points failed." in sentences(table)
+
+
+LIST = """
+title = "Springs compared"
+case = "gu2021-beehive"
+engine_speeds = "6000 rpm"
+spring_models = "massless"
+outputs = ["minimum_spring_force", "peak_spring_force", "peak_valve_lift"]
+points = {{ sampler = "list" }}
+vary = [
+  {{ key = "spring.precompression", values = {first}, label = "compression" }},
+  {{ key = "lift_law.maximum_lift", as = "factor", values = {second}, label = "lift factor" }},
+]
+"""
+
+
+def listed(first, second, forces, failed=()) -> StudyTable:
+    """A list of points whose first two outputs are ``forces`` and twice them; no run behind it."""
+    text = LIST.format(first=[f"{one} mm" for one in first], second=second)
+    plan = read_plan(StudyText(text, "study", Path()))
+    inputs = plan.sampler.first(plan.varied, plan.options)
+    values = np.column_stack([forces, 2 * np.array(forces), np.full(len(forces), 9e-3)])
+    values[list(failed)] = np.nan
+    statuses = [
+        Status("refused", "the coils overlap") if row in failed else COMPLETED
+        for row in range(len(forces))
+    ]
+    return StudyTable(plan, inputs, plan.runs * len(forces), values, tuple(statuses))
+
+
+def test_two_springs_of_a_list_stand_side_by_side_by_their_points():
+    """Percentiles of two values would not tell which is which."""
+    table = listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0])
+    heads, rows, _ = answer_table(table)
+    assert heads == ("", "point 1", "point 2", "")
+    assert rows[:3] == [
+        ("compression", "7", "8", "mm"),
+        ("lift factor", "1", "1.1", ""),
+        ("Minimum spring force", "290", "310", "N"),
+    ]
+    page, notebook, text = render(points_page(table)), table._repr_html_(), repr(table)
+    body = page[page.index("<main>") : page.index("<script", page.index("<main>"))]
+    assert "95 %" not in body and "median" not in body and "mean of the points there" not in page
+    assert "point 2" in notebook and "nine in ten" not in text and "290 to 310 N" in text
+
+
+def test_a_list_that_changes_one_quantity_at_a_time_is_drawn_as_change_from_its_first_point():
+    table = listed([7.0, 8.0, 7.0], [1.0, 1.0, 1.1], [300.0, 330.0, 290.0])
+    page = points_page(table)
+    assert charts(page)[0].key == "run-0-minimum_spring_force-changes"
+    (panel,) = charts(page)[0].panels
+    assert panel.y_tick_labels == ((1.0, "compression 8 mm"), (0.0, "lift factor 1.1"))
+    assert panel.layers[1].x.tolist() == pytest.approx([30.0, -10.0])
+    assert "mean of the points there" not in render(page)
+    assert table.verdict == (
+        "Most is moved by compression 8 mm: minimum spring force 330 N (+30 N) from 300 N."
+    )
+
+
+@pytest.mark.parametrize(
+    ("table", "sentence"),
+    [
+        (
+            lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0]),
+            "Best is compression 8 mm, lift factor 1.1: minimum spring force 310 N, 290 N at the worst point; "
+            "it costs peak spring force 620 N (580 N at best).",
+        ),
+        (
+            lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 290.0]),
+            "The minimum spring force is 290 N at every point.",
+        ),
+        (
+            lambda: listed([7.0, 8.0, 9.0], [1.0, 1.1, 1.2], [290.0, 310.0, 320.0], failed=(2,)),
+            "1 of 3 points failed; of the others: best is compression 8 mm, lift factor 1.1: minimum spring force 310 N, "
+            "290 N at the worst point; it costs peak spring force 620 N (580 N at best).",
+        ),
+        (
+            lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0], failed=(0, 1)),
+            "No point completed: compression 7 mm, lift factor 1, 6000 rpm, massless: refused: the coils overlap.",
+        ),
+        (
+            lambda: made("tolerance", "saltelli"),
+            "The peak spring force is 803.6 to 839.5 N in nine of ten draws, median 821.9 N; "
+            "installed <i>compression</i> makes 98 % of its variance.",
+        ),
+    ],
+)
+def test_the_verdict_of_a_study_names_the_best_point_and_what_it_costs(table, sentence):
+    assert table().verdict == sentence

@@ -84,9 +84,7 @@ def test_values_of_the_beehive_as_its_file_has_them():
         True,
     ) and wire.source.startswith("identified")
     assert (
-        wire.slider is not None
-        and wire.slider[0] < 3.77 < wire.slider[1]
-        and wire.slider[2] == 0.01
+        wire.slider is not None and wire.slider[0] < 3.77 < wire.slider[1] and wire.slider[2] == 0.1
     )
     assert form["spring.pitch"].kind == "curve" and form["spring.pitch"].number is None
     assert form["spring.hand"].choices == ("right", "left")
@@ -175,7 +173,7 @@ def test_the_slider_of_the_speed_stands_about_the_highest_speed_in_rpm(speeds, v
         value,
         "rpm",
         ends,
-        10.0,
+        50.0,
     )
     assert parse_quantity(f"{one['value']} {one['unit']}", "angular speed") == pytest.approx(
         max(wanted), abs=0.06
@@ -198,3 +196,12 @@ def test_a_slider_shows_what_stands_in_the_form_in_its_unit(path):
             and one["low"] <= one["value"] <= one["high"]
             and one["step"] > 0
         )
+
+
+def test_an_arrow_on_a_slider_moves_a_number_by_what_can_be_felt():
+    """Fifteen presses move it by a tenth at least and by half at most; a preload of 130 lbf moved by 1.5 lbf."""
+    form = flat('[spring]\npreload = "130 lbf"\nrate = "32 N/mm"\nmass = "42 g"\n')
+    for key in ("spring.preload", "spring.rate", "spring.mass"):
+        slider, number = form[key].slider, form[key].number
+        assert slider is not None and number is not None
+        assert 0.1 * number <= 15 * slider[2] <= 0.8 * number, key

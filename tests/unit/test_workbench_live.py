@@ -20,6 +20,7 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, parse_case
+from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.workbench import live, live_worker
 from valvetrain.workbench.live import LiveChain, LiveResult
@@ -175,3 +176,36 @@ def test_sliders_are_bounded(monkeypatch):
     with LiveChain(SMALL), pytest.raises(InputError, match="1 sliders are in use"):
         LiveChain(SMALL)
     LiveChain(SMALL).close()
+
+
+def test_the_float_speed_is_where_a_run_begins_to_float():
+    """Runs of the simulation 2.5 % on either side of it, between which the motion of this train does
+    not repeat; the numbers of control beside a curve are those of a run.
+    """
+    text = template_text("direct")
+    live_case = LiveCase(text, Path(), "massless")
+    found = live_case.float_speed({})
+    engine_speed, unit = found["quantities"]["float speed"]
+    assert unit == "rpm" and not found["sentence"]
+    speeds = f"{0.975 * engine_speed}, {1.025 * engine_speed} rpm"
+    runs = vt.simulate(parse_case(text, "direct"), speeds, spring_models="massless").solutions
+    below, above = (run.quantities["float_excess_lift"] for run in runs)
+    assert below <= 50e-6 < above
+    told = live_case.answer({}, f"{0.975 * engine_speed} rpm")["quantities"]
+    for label, name in (
+        ("minimum cam contact force while open", "minimum_cam_contact_force"),
+        ("minimum spring margin", "minimum_spring_margin_force"),
+    ):
+        assert told[label][0] == pytest.approx(runs[0].quantities[name], rel=1e-6, abs=1e-9)
+
+
+def test_a_search_that_is_asked_to_stop_ends_between_two_runs():
+    asked = []
+    found = LiveCase(template_text("direct"), Path(), "massless").float_speed(
+        {}, lambda: bool(asked) or asked.append(1)
+    )
+    assert found["skipped"] and found["sentence"] == ""
+
+
+def test_a_spring_alone_has_no_float_speed():
+    assert "no float speed" in LiveCase(SMALL, Path(), "massless").float_speed({})["sentence"]

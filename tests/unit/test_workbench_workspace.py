@@ -279,3 +279,18 @@ def test_cases_are_bounded(workspace):
         (workspace.cases_folder / f"c{place}").mkdir()
     with pytest.raises(InputError, match=f"there are {MAX_CASES} cases"):
         workspace.upload("small.toml", SMALL.encode())
+
+
+def test_a_solid_height_above_what_the_lift_needs_is_refused_as_by_the_command(tmp_path):
+    """Contract: the field says what a run would say; a case that is bound already may be mended in steps."""
+    workspace = Workspace(tmp_path)
+    case = workspace.new_case("own", "pushrod")
+    key, before = "train.springs.card.0.solid_height", workspace.text("own")
+    with pytest.raises(InputError, match="reaches coil bind"):
+        workspace.set_value(case, key, "1.6 in")
+    assert workspace.text(case) == before
+    workspace.set_value(case, key, "1.0 in")
+    assert '"1.0 in"' in workspace.text(case)
+    workspace.replace_text(case, workspace.text(case).replace('"1.0 in"', '"1.6 in"'))
+    workspace.set_value(case, key, "1.5 in")
+    assert '"1.5 in"' in workspace.text(case)

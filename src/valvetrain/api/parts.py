@@ -17,8 +17,10 @@ from valvetrain.units.text import clipped
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case as Parameters
     from valvetrain.parameters.installed_spring import InstalledSpring
+    from valvetrain.solution.modes import SpringModes
     from valvetrain.solution.result import Solution
     from valvetrain.solution.static import StaticCurve
+    from valvetrain.springs.contract import SpringModel
 
 TURN = 2 * math.pi
 #: Cam angle between the stations of a lift given as a function (rad).
@@ -213,19 +215,74 @@ class Spring:
         return static_curve(self.parameters, largest_compression, **options)
 
     def frequencies(self, model: Any = "finite-element", count: int = 12) -> np.ndarray:
-        """Axial natural frequencies (Hz) as installed, both ends fixed, by a spring ``model``."""
+        """Surge frequencies (Hz) as installed, both ends fixed, by a spring ``model``.
+
+        Those of finite elements that are clearly surge, ascending, ``count`` at most: higher ones
+        couple with sway and twist, so the series ends (:meth:`modes` names every mode).
+        """
         from valvetrain.runs.statics import axial_frequencies
         from valvetrain.springs.finite_element import FiniteElementRod
+
+        built = self._built(model)
+        if isinstance(built, FiniteElementRod):
+            return self.modes(max(2 * count, 24)).surge_frequencies[:count]
+        return axial_frequencies(built, count)
+
+    def modes(self, count: int = 24) -> SpringModes:
+        """Natural modes by finite elements as installed, both ends fixed: frequency, kind, axial share.
+
+        Parameters
+        ----------
+        count : modes, the lowest first
+
+        Returns
+        -------
+        SpringModes: ``natural_frequency`` (Hz), ``kinds`` (surge, lateral, coupled), ``axial_share``
+        of the kinetic energy
+
+        Raises
+        ------
+        InputError : a spring known by its card, a count below one
+
+        Examples
+        --------
+        >>> import valvetrain as vt
+        >>> spring = vt.Spring(
+        ...     wire_diameter="4 mm", mean_diameter="24 mm", total_coils=7.5, pitch="7.6 mm",
+        ...     material="EN 10270-2 VDSiCr", installed_height="42 mm"
+        ... )
+        >>> spring.modes(5)
+        SpringModes: 5 modes
+          422.24 Hz, surge, 91% axial
+          463.04 Hz, lateral, 5% axial
+          519.26 Hz, lateral, 12% axial
+          530.45 Hz, lateral, 8% axial
+          821.2 Hz, surge, 87% axial
+        """
+        from valvetrain.springs.finite_element import FiniteElementRod
+        from valvetrain.springs.finite_element_statics import spring_modes
+
+        if self.parameters.wire is None:
+            raise InputError(
+                "modes by finite elements need the wire of a spring; give it, or use frequencies(model)",
+                "modes",
+            )
+        if not (isinstance(count, (int, np.integer)) and count >= 1):
+            raise InputError(
+                f"modes are counted from one; count is {clipped(repr(count))}", "count"
+            )
+        built = self._built("finite-element")
+        assert isinstance(built, FiniteElementRod)
+        return spring_modes(built, int(count))
+
+    def _built(self, model: Any) -> SpringModel:
         from valvetrain.springs.own_spring import model_name
         from valvetrain.springs.spec import spring_model
 
         spec = spring_model(model_name(model, "model"), "model")
         if reason := spec.why_not(self.parameters):
             raise InputError(reason, "model")
-        built = spec.build(self.parameters, None)
-        if isinstance(built, FiniteElementRod):
-            return built.modes(2 * count).axial_frequencies[:count]
-        return axial_frequencies(built, count)
+        return spec.build(self.parameters, None)
 
     def run(
         self, engine_speed: Any, lift_law: Lift, model: Any = "finite-element", **options: Any

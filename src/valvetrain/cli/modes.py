@@ -137,6 +137,7 @@ def compute_modes(
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.cli.static import saved_outcome
     from valvetrain.report.json import study_json
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.runs.statics import static_study
     from valvetrain.runs.train_runs import train_modes
 
@@ -166,7 +167,7 @@ def compute_modes(
         for one in trains:
             _show_train(console, one, count)
 
-    outcome = Outcome(data, show, study.failures)
+    outcome = Outcome(data, show, study.failures, verdict_of(study))
     return outcome if keep is None else saved_outcome(outcome, study, case, keep, {"count": count})
 
 

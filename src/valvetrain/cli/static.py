@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -176,6 +177,7 @@ def compute_static(
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.report.json import study_json
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.runs.statics import static_study
     from valvetrain.solution.atomic import write_text
 
@@ -196,7 +198,8 @@ def compute_static(
     data = study_json(study)
     if csv is not None:
         data["files"] = [str(write_text(csv, curve_text(study)))]
-    outcome = Outcome(data, lambda console: _show(console, study, csv), study.failures)
+    show = partial(_show, study=study, csv=csv)
+    outcome = Outcome(data, show, study.failures, verdict_of(study))
     return outcome if keep is None else saved_outcome(outcome, study, case, keep, {"steps": steps})
 
 

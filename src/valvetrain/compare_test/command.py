@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -172,7 +173,10 @@ def _answer(found: ModelAgainstTest, request: SavedRequest, test: str, open_page
     if open_page and pages:
         show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0]) if pages else None}
-    deliver(Outcome(data, lambda console: _show(console, found, folder), found.failures))
+    from valvetrain.report.verdict import verdict_of
+
+    show = partial(_show, found=found, folder=folder)
+    deliver(Outcome(data, show, found.failures, verdict_of(found)))
 
 
 def _show(console: Console, found: ModelAgainstTest, folder: Path) -> None:

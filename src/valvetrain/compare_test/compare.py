@@ -43,7 +43,7 @@ from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
-from valvetrain.solution.display import table_and_picture
+from valvetrain.solution.display import table_and_picture, verdict_first
 from valvetrain.solution.later import replaced
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
@@ -66,8 +66,8 @@ class ModelAgainstTest(Reported):
     >>> angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
     >>> level = MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
     >>> found = vt.compare_test.compare_with_test("job-t", level, spring_models=["massless"])
-    >>> found.verdict
-    'One cycle shows no scatter, so there is no F-test; give two or more repeats.'
+    >>> found.best.sentence
+    'one cycle shows no scatter, so there is no F-test; give two or more repeats'
     """
 
     report_word = "compare-test"
@@ -87,12 +87,6 @@ class ModelAgainstTest(Reported):
                 f"no run completed, so there is nothing to compare; {'; '.join(self.failures)[:200]}"
             )
         return self.runs[0]
-
-    @property
-    def verdict(self) -> str:
-        """The verdict on the nearest run in one sentence."""
-        sentence = self.best.sentence
-        return f"{sentence[:1].upper()}{sentence[1:]}."
 
     @property
     def quantity(self) -> str:
@@ -115,7 +109,7 @@ class ModelAgainstTest(Reported):
             f"ModelAgainstTest: {self.study.record.name} against {self.test!r}",
             *(one.sentence for one in self.runs),
         ]
-        return "\n  ".join([*lines, *(f"not completed: {one}" for one in self.failures)])
+        return verdict_first(self, [*lines, *(f"not completed: {one}" for one in self.failures)])
 
     def _repr_html_(self) -> str:
         rows = [
@@ -484,6 +478,6 @@ def _with_values(
         )
     elif test.repeats == 1:
         said.append(
-            "stated scatters count as independent errors of each value; an error they share, as of a calibration, is not in them"
+            "scatters of a table count as independent errors of each value; an error they share, as of a calibration, is not in them"
         )
     return ModelAgainstTest(study, test, tuple(found), rows, tuple(said), failures)

@@ -44,6 +44,7 @@ from valvetrain.report.page import Block, Figure, Page, Section, text
 from valvetrain.report.run_charts import ANGLE_LABEL, LineStyle, line_styles
 from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import quantity_label, speed_text
+from valvetrain.report.verdict import verdict_of
 from valvetrain.solution.atomic import write_text
 
 Array = NDArray[np.float64]
@@ -77,16 +78,21 @@ def compare_test_page(found: ModelAgainstTest) -> Page:
     >>> cycles = vt.measured.MeasuredCycles("spring_force", "N", angle, np.full((1, 90), 430.0), cam_speed=209.44)
     >>> found = vt.compare_test.compare_with_test("job-t", cycles, spring_models="massless")
     >>> [section.title for section in vt.compare_test.compare_test_page(found).sections][0]
-    'Verdict'
+    'What the test refutes'
     """
-    cycles = isinstance(found.test, MeasuredCycles)
+    test, known = found.test, line_styles(found.study)
+    if isinstance(test, MeasuredCycles):
+        picture = Figure(overlay_chart(found, test, *unit_of_test(found), known))
+    else:
+        picture = Figure(values_chart(found, known))
     blocks: list[Block] = [text(SYNTHETIC, "alert")] if found.test.synthetic else []
     blocks += [text(one, "note") for one in verdict_sentences(found)]
-    sections = [Section("verdict", "Verdict", tuple(blocks))]
-    if cycles:
-        sections += _of_cycles(found)
-    else:
-        sections += _of_values(found)
+    sections = [Section("verdict", "What the test refutes", tuple(blocks))]
+    sections += (
+        _of_cycles(found, test, known)
+        if isinstance(test, MeasuredCycles)
+        else _of_values(found, known)
+    )
     tests = [one.adequacy for one in found.runs if one.adequacy is not None]
     if tests:
         explained = text(counting_sentence(tests[0]), "note")
@@ -103,7 +109,9 @@ def compare_test_page(found: ModelAgainstTest) -> Page:
     said = [text(f"{one[:1].upper()}{one[1:]}.", "note") for one in dict.fromkeys(found.notes)]
     said += [text(f"Not completed: {one}", "alert") for one in found.failures]
     if said:
-        sections.append(Section("notes", "Found and assumed", tuple(said)))
+        sections.append(
+            Section("notes", "Found and assumed", tuple(said), folded=not found.failures)
+        )
     lead = (
         "Differences are model less test. The test refutes a model where it misses the mean of the repeats by more than their "
         "scatter allows."
@@ -116,17 +124,17 @@ def compare_test_page(found: ModelAgainstTest) -> Page:
         facts,
         tuple(sections),
         "Angles are cam degrees.",
+        verdict=verdict_of(found),
+        picture=(picture,),
     )
 
 
-def _of_cycles(found: ModelAgainstTest) -> list[Section]:
-    test = found.test
-    assert isinstance(test, MeasuredCycles)
+def _of_cycles(
+    found: ModelAgainstTest, test: MeasuredCycles, known: dict[str, LineStyle]
+) -> list[Section]:
     unit, factor = unit_of_test(found)
-    known = line_styles(found.study)
     drawn = found.runs[:MAX_DRAWN]
     sections = [
-        Section("overlay", "Model and test", (Figure(overlay_chart(found, test, unit, factor, known)),)),
         Section("difference", "Difference with its band",
                 (Figure(difference_chart(found, drawn, unit, factor, known)), *(text(band_sentence(one, test), "note") for one in drawn))),
         Section("agreement", "How near", (grid(agreement_columns(unit, factor), with_agreement(found.runs)), text(NEAR, "note"))),
@@ -283,9 +291,8 @@ def _stretches(found: ModelAgainstTest) -> tuple[Band, ...]:
     )
 
 
-def _of_values(found: ModelAgainstTest) -> list[Section]:
-    known = line_styles(found.study)
-    sections = [Section("values", "Off by, in scatters", (Figure(values_chart(found, known)),))]
+def _of_values(found: ModelAgainstTest, known: dict[str, LineStyle]) -> list[Section]:
+    sections = []
     for one in found.runs:
         key = one.label.replace(" ", "-").replace(",", "")
         sections.append(

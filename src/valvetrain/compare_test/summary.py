@@ -49,7 +49,7 @@ def text_of_test(found: ModelAgainstTest) -> str:
 
 
 def _repeats(repeats: int) -> str:
-    return f"{repeats} repeats" if repeats > 1 else "with stated scatter"
+    return f"{repeats} repeats" if repeats > 1 else "each with a scatter"
 
 
 def verdict_sentences(found: ModelAgainstTest) -> list[str]:
@@ -64,18 +64,14 @@ def verdict_sentences(found: ModelAgainstTest) -> list[str]:
         unit, factor = unit_of_test(found)
         reach = number(best.adequacy.refutable * (factor if best.adequacy.repeats else 1.0), 3)
         of_what = (
-            f"{unit} from the mean of the repeats".strip()
-            if best.adequacy.repeats
-            else "stated scatters"
+            f"{unit} from the mean of the repeats".strip() if best.adequacy.repeats else "scatters"
         )
         sentences.append(
             f"a root mean square difference of more than {reach} {of_what} is refuted by this test"
         )
         if not best.adequacy.repeats and not best.adequacy.adequate:
             times = number(math.sqrt(best.adequacy.ratio / best.adequacy.critical), 3)
-            sentences.append(
-                f"scatters {times} times as large as stated would not refute {best.label}"
-            )
+            sentences.append(f"scatters {times} times as large would not refute {best.label}")
     sentences += [one.sentence for one in found.closer]
     return [f"{one[:1].upper()}{one[1:]}." for one in sentences]
 

@@ -34,7 +34,13 @@ from valvetrain.parameters.curves import (
 )
 from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_types import first_problem
-from valvetrain.units import DIMENSIONS, dimension_of, parse_quantities
+from valvetrain.units import (
+    DIMENSIONS,
+    PlainInteger,
+    PlainNumber,
+    dimension_of,
+    parse_quantities,
+)
 
 #: Keys of a curve over the coils that hold its values; the first that is there is meant.
 CURVE_KEYS = ("values", "clearances", "level")
@@ -106,12 +112,13 @@ def set_in_tree(tree: dict[str, Any], varied: Varied, value: float) -> None:
 
 
 def as_written(value: float, unit: str) -> Any:
-    """A value (SI) as a case file holds it: text with its unit, a plain number where it has none, a
-    whole one where it is whole.
+    """A value (SI) as a case file holds it: text with its unit, else a plain number, whole where it
+    is whole, in the SI unit that its key has.
     """
     if unit:
         return f"{float(value)!r} {unit}"
-    return int(value) if float(value).is_integer() and abs(value) < 2**53 else float(value)
+    whole = float(value).is_integer() and abs(value) < 2**53
+    return PlainInteger(value) if whole else PlainNumber(value)
 
 
 def _unpacked(holder: Any, key: str, varied: Varied) -> Any:

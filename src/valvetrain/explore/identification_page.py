@@ -50,6 +50,7 @@ from valvetrain.report.page import (
 )
 from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.report.text import unit_text
+from valvetrain.report.verdict import verdict_of
 from valvetrain.solution.atomic import closing_line, write_bytes, write_text
 from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.definition import si_unit_text
@@ -73,13 +74,7 @@ def identification_page(title: str, found: Identified) -> Page:
     """The whole page."""
     sections = [Section("found", "What was found", _found(found))]
     sections.append(Section("measured", "Measured against predicted", _measured(found)))
-    sections.append(
-        Section(
-            "marginals",
-            "Before and after the data",
-            figure_or_gap("marginals", marginals_chart, found),
-        )
-    )
+    picture = figure_or_gap("marginals", marginals_chart, found)
     pairs = figure_or_gap("pairs", pairs_chart, found)
     if pairs:
         sections.append(Section("pairs", "What depends on what", pairs))
@@ -87,12 +82,14 @@ def identification_page(title: str, found: Identified) -> Page:
     profiles = figure_or_gap("profiles", profiles_chart, found)
     if profiles:
         sections.append(Section("profiles", "Profiles", profiles))
-    sections.append(Section("priors", "What was known before", (_priors(found),)))
+    priors = (_priors(found),)
+    sections.append(Section("priors", "What was known before", priors, folded=True))
     lead = (
         "Intervals hold 95 % of what the measurements and the priors leave open, if the model is right and the stated scatter is. A "
         "percentile tells where a measured value lies among those that would be measured: near 0 or 100 model and measurement disagree."
     )
-    return Page(title, "Identification", lead, facts(found), tuple(sections))
+    said = verdict_of(found)
+    return Page(title, "Identification", lead, facts(found), tuple(sections), "", said, picture)
 
 
 def identified_page(found: Identified) -> Page:

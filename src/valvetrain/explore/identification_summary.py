@@ -149,6 +149,49 @@ def odd(found: Identified) -> list[Predicted]:
     return [one for one in found.predicted if is_odd(one)]
 
 
+#: Quantities that the verdict tells, and share of the prior's variance below which the data have not
+#: determined one.
+MAX_NAMED, LEARNED = 3, 0.5
+
+
+def identified_verdict(found: Identified) -> str:
+    """The likeliest values with their intervals, those that the data do not determine, and the
+    measurements that are missed, in one sentence.
+    """
+    branch = found.branches[0]
+    order = np.argsort(-branch.information.determined, kind="stable").tolist()
+    known = [k for k in order if branch.information.determined[k] >= LEARNED]
+    open_ = [_plain_name(found.unknowns[k].name) for k in order if k not in known]
+    parts = []
+    for index in known[:MAX_NAMED]:
+        one = found.unknowns[index]
+        interval = branch.quantities[one.name]
+        low, best, high = (
+            shown(value, one.unit, 4) for value in (interval.low, interval.best, interval.high)
+        )
+        parts.append(
+            f"{_plain_name(one.name)} {best} {unit_text(one.unit)}".rstrip() + f" ({low} to {high})"
+        )
+    if len(known) > MAX_NAMED:
+        parts.append(f"{len(known) - MAX_NAMED} more")
+    said = ", ".join(parts) or "The data determine nothing"
+    if parts and open_:
+        said += f"; not determined: {', '.join(open_[:MAX_NAMED])}"
+    missed, fitted = odd(found), len(found.predicted)
+    if missed:
+        verb = "is" if len(missed) == 1 else "are"
+        said += f"; {len(missed)} of {fitted} measurements {verb} missed, first {datum_label(missed[0].datum)}"
+    elif fitted:
+        said += (
+            f"; every one of {fitted} measurements is met"
+            if fitted > 1
+            else "; the measurement is met"
+        )
+    lead = "" if found.whole else "Stopped before its end: "
+    branches = f"; {len(found.branches)} branches fit" if len(found.branches) > 1 else ""
+    return f"{lead}{said}{branches}."
+
+
 def title_of(one: Unknown) -> str:
     """A quantity with its unit, as an axis has it."""
     return f"{_plain_name(one.name)}{f' ({unit_text(one.unit)})' if one.unit else ''}"

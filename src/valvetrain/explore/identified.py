@@ -16,7 +16,7 @@ from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import Information, even_draws
 from valvetrain.explore.least_squares import Profile
 from valvetrain.explore.posterior import Datum, Outcome, Posterior, Unknown
-from valvetrain.solution.display import table_and_picture
+from valvetrain.solution.display import table_and_picture, verdict_first
 from valvetrain.solution.saveable import Reported
 
 if TYPE_CHECKING:
@@ -346,7 +346,7 @@ class Identified(Reported):
                 f"{name} {one.best:.3g} ({one.low:.3g} to {one.high:.3g})"
                 for name, one in branch.quantities.items()
             ]
-        return "\n  ".join([*lines, *self.warnings])
+        return verdict_first(self, [*lines, *self.warnings])
 
     def _repr_html_(self) -> str:
         rows = [

@@ -106,6 +106,7 @@ def _answer(
     from valvetrain.explore.identification_page import identification_json, write_identification
     from valvetrain.explore.identify import identify_request
     from valvetrain.explore.store import FILE
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.atomic import is_abandoned
 
     def reported(phrase: str, seconds: float) -> None:
@@ -142,7 +143,7 @@ def _answer(
         with busy("writing files"):
             files = [str(path) for path in write_identification(found, points, request.title)]
         data |= {"folder": str(points), "files": files, "page": files[-1]}
-        deliver(Outcome(data, lambda console: _show(console, found, points)))
+        deliver(Outcome(data, lambda console: _show(console, found, points), (), verdict_of(found)))
         raise typer.Exit(
             interrupted(
                 f"interrupted: what was computed is stored in '{points}'; start the command again to continue"
@@ -152,7 +153,7 @@ def _answer(
     data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
     if open_page:
         show_page(folder / "report.html")
-    deliver(Outcome(data, lambda console: _show(console, found, folder)))
+    deliver(Outcome(data, lambda console: _show(console, found, folder), (), verdict_of(found)))
 
 
 def _keep(

@@ -29,6 +29,7 @@ from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, available_cores
+from valvetrain.units import renamed
 
 #: Trials of the first round or rounds, drawn evenly before the search learns; and for each varied
 #: quantity.
@@ -366,6 +367,7 @@ def _spared(plan: OptimumPlan) -> Stop:
     return stop
 
 
+@renamed()
 @shows_progress("optimise")
 def optimise(
     file: str | os.PathLike[str],
@@ -424,6 +426,7 @@ def optimise(
     return search_plan(read_optimum(text), workers, dask, output, limit, progress)
 
 
+@renamed()
 @shows_progress("optimise")
 def search_plan(
     plan: OptimumPlan,

@@ -24,6 +24,7 @@ from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, fr
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.atomic import write_bytes
+from valvetrain.solution.display import verdict_first
 from valvetrain.solution.saveable import Reported
 
 if TYPE_CHECKING:
@@ -233,7 +234,7 @@ class Optimum(Reported):
                 lines.append(
                     f"  {varied.shown_name}: {varied.shown(float(value)):.5g} {varied.unit}".rstrip()
                 )
-        return "\n".join(lines)
+        return verdict_first(self, [line.strip() for line in lines])
 
 
 def bound_label(plan: OptimumPlan, place: int) -> str:

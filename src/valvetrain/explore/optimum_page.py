@@ -28,6 +28,7 @@ from valvetrain.explore.trial import Trial
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
 from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.report.text import number, percent, unit_text
+from valvetrain.report.verdict import verdict_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, shown
 from valvetrain.solution.partial_failures import PartialFailures
@@ -52,16 +53,17 @@ def optimum_page(found: Optimum) -> Page:
     if found.best:
         answers.append(_grid(ANSWER_HEADS, answer_rows(found), (1, 2, 4)))
     answers += [text(sentence) for sentence in reported[1:]]
-    figures: list[Block] = [
-        *figure_or_gap("front", front_chart, found),
-        *figure_or_gap("convergence", convergence_chart, found),
-    ]
+    front, search = (
+        figure_or_gap("front", front_chart, found),
+        figure_or_gap("convergence", convergence_chart, found),
+    )
+    picture = (front or search)[:1]
+    figures: list[Block] = [*(search if front else ())]
     for index in range(len(plan.objectives)):
         figures += figure_or_gap("objective", over_chart, found, index)
-    sections = [
-        Section("answer", "The answer", tuple(answers)),
-        Section("figures", "The search", tuple(figures)),
-    ]
+    sections = [Section("answer", "The answer", tuple(answers))]
+    if figures:
+        sections.append(Section("figures", "The search", tuple(figures)))
     if len(plan.objectives) > 1 and found.front:
         sections.append(Section("front-designs", "Designs of the front", _front(found)))
     if plan.constraints and found.best:
@@ -86,7 +88,7 @@ def optimum_page(found: Optimum) -> Page:
                 text(f"And {len(failed) - MAX_FAILURES} more; trials.csv has them all.", "note")
             )
         sections.append(Section("failed", "Trials that could not be computed", tuple(lines)))
-    sections.append(Section("asked", "The request", _requested(found)))
+    sections.append(Section("asked", "The request", _requested(found), folded=True))
     seeds = "" if len(found.seeds) == 1 else f", {len(found.seeds)} seeds"
     facts = (
         ("case", plan.case_name), ("trials", f"{len(found.trials)}, {found.feasible} feasible"),
@@ -100,6 +102,8 @@ def optimum_page(found: Optimum) -> Page:
         facts,
         tuple(sections),
         "A design is feasible where it keeps every bound.",
+        verdict=verdict_of(found),
+        picture=picture,
     )
 
 

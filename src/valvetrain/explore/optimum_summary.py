@@ -77,6 +77,22 @@ def answer(found: Optimum) -> str:
     return f"Within all bounds the {one.label} {verb} {ends} ({least}{change(one, value, before)})."
 
 
+def optimum_verdict(found: Optimum) -> str:
+    """The answer, with the bounds that the best design misses by a finer model, as one sentence."""
+    said = answer(found).rstrip(".")
+    lead = "" if found.finished else f"Stopped after {len(found.trials) - 1} trials: "
+    if found.best is None:
+        return f"{lead}{said}."
+    for one in found.best.confirmed:
+        if one.design.failure:
+            said += f"; by {one.label} the design cannot be computed"
+        elif missed := [
+            _missed_text(one, k) for k, miss in enumerate(one.design.missed) if miss > 0
+        ]:
+            said += f"; by {one.label} it misses {' and '.join(missed)}"
+    return f"{lead}{said}."
+
+
 def _own(case: Trial) -> str:
     """Of the case itself, whether it keeps the bounds."""
     if case.failure:

@@ -37,6 +37,8 @@ STUDIES, SEARCHES = Path("runs/studies"), Path("runs/optimise")
 #: Finished points, below the folder of a study or search.
 POINTS = "points"
 STUDY_JSON, OPTIMUM_JSON = "study.json", "optimum.json"
+#: Rows of the answer in the terminal.
+SHOWN_ROWS = 20
 
 
 def register(app: typer.Typer) -> None:
@@ -175,6 +177,7 @@ def _study_written(request: _Request, table: StudyTable) -> Outcome:
     """The files of a finished study, and its answer."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.explore.study_page import points_json, write_points
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.partial_failures import PartialFailures
 
     failures = PartialFailures()
@@ -187,7 +190,7 @@ def _study_written(request: _Request, table: StudyTable) -> Outcome:
         pairs = zip(table.failures, statuses, strict=True)
         found = tuple(text for text, one in pairs if one.code == "worker-lost")[:5]
     show = partial(_show_study, table=table, folder=request.folder)
-    return Outcome(data, show, (*found, *failures.sentences))
+    return Outcome(data, show, (*found, *failures.sentences), verdict_of(table))
 
 
 def _optimum_written(request: _Request, found: Optimum) -> Outcome:
@@ -195,6 +198,7 @@ def _optimum_written(request: _Request, found: Optimum) -> Outcome:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.explore.optimum_page import optimum_json, write_optimum
     from valvetrain.explore.optimum_summary import answer
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.partial_failures import PartialFailures
 
     failures = PartialFailures()
@@ -202,20 +206,19 @@ def _optimum_written(request: _Request, found: Optimum) -> Outcome:
     data = keep_points("optimise", optimum_json(found), request, write, OPTIMUM_JSON, failures)
     nothing = () if found.best is not None or not found.finished else (answer(found),)
     show = partial(_show_optimum, found=found, folder=request.folder)
-    return Outcome(data, show, (*nothing, *failures.sentences))
+    return Outcome(data, show, (*nothing, *failures.sentences), verdict_of(found))
 
 
 def _show_study(console: Console, table: StudyTable, folder: Path) -> None:
     from valvetrain.cli.outcome import plain_table
-    from valvetrain.explore.study_page import ANSWER_HEADS, answer_rows, sentences
+    from valvetrain.explore.study_page import answer_table, sentences
 
-    several = len(table.plan.runs) > 1
-    rows = [row if several else (row[0], *row[2:]) for row in answer_rows(table)]
-    heads = ANSWER_HEADS if several else (ANSWER_HEADS[0], *ANSWER_HEADS[2:])
-    first = 2 if several else 1
+    heads, rows, right = answer_table(table)
     console.print(table.plan.title)
     console.print()
-    console.print(plain_table(heads, rows, right=range(first, first + 5)))
+    console.print(plain_table(heads, rows[:SHOWN_ROWS], right=right))
+    if len(rows) > SHOWN_ROWS:
+        console.print(f"and {len(rows) - SHOWN_ROWS} more rows, all in points.csv")
     console.print()
     for sentence in sentences(table):
         console.print(sentence)

@@ -38,7 +38,7 @@ from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, available_cores
 from valvetrain.solution.definition import is_defined, no_quantity
 from valvetrain.solution.status import Status
-from valvetrain.units import si_speeds
+from valvetrain.units import renamed, si_speeds
 
 #: Seconds of one point below which :data:`TOGETHER` points form a job.
 SHORT, TOGETHER = 0.15, 8
@@ -70,6 +70,7 @@ class Estimate:
     seconds_each: float
 
 
+@renamed()
 @shows_progress("study")
 def study(
     file: str | os.PathLike[str],
@@ -126,6 +127,7 @@ def study(
     return run_plan(read_plan(text), workers, dask, output, limits_of(limit), progress)
 
 
+@renamed()
 @shows_progress("study")
 def run_experiment(
     experiment: Evaluation,

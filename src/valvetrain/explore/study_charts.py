@@ -53,26 +53,49 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
     if np.count_nonzero(np.isfinite(y)) < 2:
         return None
     panels = []
-    for index in range(len(table.plan.varied)):
+    changing = [
+        index
+        for index in range(len(table.plan.varied))
+        if np.ptp(table.inputs[:, index]) > 0 or len(table.plan.varied) == 1
+    ]
+    # in a list of points, other quantities change along each as well, so a mean would mix them
+    mixed = table.plan.sampler.word == "list" and len(changing) > 1
+    for index in changing:
         x = shown_input(table, index)[rows]
         there = np.flatnonzero(np.isfinite(y))
         few = there[:: max(1, len(there) // MAX_DOTS)]
         colour = theme.mix(theme.SERIES[0], theme.PAPER, 0.45)
         layers: list[Layer] = [
-            Marks(x[few], y[few], "point", colour, filled=True, size=4.0, in_legend=index == 0)
+            Marks(
+                x[few],
+                y[few],
+                "point",
+                colour,
+                filled=True,
+                size=4.0,
+                in_legend=index == changing[0],
+            )
         ]
-        means = _means(x[there], y[there])
+        means = None if mixed else _means(x[there], y[there])
         if means is not None:
             layers.append(
-                Line(*means, "mean of the points there", theme.SERIES[1], 2.0, in_legend=index == 0)
+                Line(
+                    *means,
+                    "mean of the points there",
+                    theme.SERIES[1],
+                    2.0,
+                    in_legend=index == changing[0],
+                )
             )
         panels.append(Panel(input_label(table, index), output_label(name), tuple(layers)))
+    if not panels:
+        return None
     columns = min(3, len(panels)) if len(panels) != 4 else 2
     caption = "A line that rises or falls shows that the output follows this quantity; a cloud about a level line, that it does not."
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over what is varied"
     return Chart(
         f"{key}-over",
-        _titled(title, table, run),
+        titled(title, table, run),
         caption,
         tuple(panels),
         columns,
@@ -124,7 +147,7 @@ def histogram_chart(table: StudyTable, run: Run, key: str) -> Chart | None:
     caption = "Vertical lines: 5, 50 and 95 % of the points lie below."
     return Chart(
         f"{key}-scatter",
-        _titled("How the outputs scatter", table, run),
+        titled("How the outputs scatter", table, run),
         caption,
         tuple(panels),
         columns,
@@ -178,7 +201,7 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
     )
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over both quantities"
     caption = f"Colour: what the output is above its minimum of {number(least, 4)} {unit_text(definition_of(name).shown_unit)}."
-    return Chart(f"{key}-map", _titled(title, table, run), caption, (panel,), 1, 420)
+    return Chart(f"{key}-map", titled(title, table, run), caption, (panel,), 1, 420)
 
 
 def _ends(axis: Array) -> tuple[float, float]:
@@ -249,6 +272,7 @@ def surrogate_chart(one: Surrogate, key: str) -> Chart:
     return Chart(f"{key}-surrogate", title, one.sentence, (panel,), 1, 360)
 
 
-def _titled(title: str, table: StudyTable, run: Run) -> str:
+def titled(title: str, table: StudyTable, run: Run) -> str:
+    """A title with the run where it has a name."""
     phrase = run_label(run)
     return f"{title}, {phrase}" if phrase else title

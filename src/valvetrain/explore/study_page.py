@@ -7,11 +7,13 @@ from __future__ import annotations
 import csv
 import io
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity
 from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.study_charts import (
@@ -23,48 +25,59 @@ from valvetrain.explore.study_charts import (
     shown_output,
     surrogate_chart,
 )
+from valvetrain.explore.study_points import (
+    changed_alone,
+    changes_chart,
+    is_chosen,
+    point_table,
+    values_chart,
+)
 from valvetrain.explore.table import StudyTable, run_label
-from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
+from valvetrain.report.page import (
+    Block,
+    Cell,
+    Details,
+    Figure,
+    Grid,
+    Page,
+    Section,
+    figure_or_gap,
+    render,
+    text,
+)
 from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.report.text import number, unit_text
+from valvetrain.report.verdict import verdict_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.partial_failures import PartialFailures
 
 #: Failed points that are listed; and runs that have figures of their own.
 MAX_FAILURES, MAX_RUNS = 50, 12
+#: Rows of the answer that are seen at once, and those that the page holds.
+LISTED, MAX_LISTED = 12, 300
 
 
 def points_page(table: StudyTable) -> Page:
     """The whole page."""
-    plan = table.plan
-    sections = [Section("answers", "What comes out", _answers(table))]
-    for place, run in enumerate(plan.runs[:MAX_RUNS]):
-        key = f"run-{place}"
-        blocks: list[Block] = []
-        for one in (found for found in table.sensitivities if found.run == run):
-            blocks += (
-                *figure_or_gap(one.output, sensitivity_chart, one, f"{key}-{one.output}"),
-                shares_grid(one),
-            )
-        if plan.sampler.independent:
-            blocks += figure_or_gap("scatter", histogram_chart, table, run, key)
-        for name in table.outputs:
-            if len(plan.varied) == 2:
-                blocks += figure_or_gap(name, map_chart, table, name, run, f"{key}-{name}")
-            blocks += figure_or_gap(name, scatter_chart, table, name, run, f"{key}-{name}")
-        for made in (found for found in table.surrogates if found.run == run):
-            blocks += figure_or_gap(made.output, surrogate_chart, made, f"{key}-{made.output}")
-        sections.append(Section(key, run_label(run) or "Points", tuple(blocks)))
-    if len(plan.runs) > MAX_RUNS:
-        sections[0] = Section(
-            "answers",
-            "What comes out",
-            (*sections[0].blocks, text(f"Figures of the first {MAX_RUNS} runs follow.", "note")),
-        )
+    plan, named = table.plan, list[Section]()
+    lines = _values_at_points(table)
+    if lines:
+        picture, rest = lines[:1], lines[1:]
+        named += [Section("points", "Every point", rest)] if rest else []
+    else:
+        for place, run in enumerate(plan.runs[:MAX_RUNS]):
+            blocks = _figures_of(table, run, f"run-{place}")
+            if blocks:
+                named.append(Section(f"run-{place}", run_label(run) or "Points", tuple(blocks)))
+        picture, named = _opening(named)
+    few = text(f"Figures of the first {MAX_RUNS} runs follow.", "note")
+    answers = (*_answers(table), *([few] if len(plan.runs) > MAX_RUNS and not lines else []))
+    sections = [Section("answers", "What comes out", answers), *named]
     if table.failures:
         sections.append(Section("failed", "Points that failed", _failed(table)))
-    sections.append(Section("asked", "What was varied", (varied_grid(table),)))
+    request = (varied_grid(table),)
+    sections.append(Section("asked", "What was varied", request, folded=True))
     done = int(np.count_nonzero(table.completed))
     facts = (
         ("case", plan.case_name), ("points", f"{done} of {len(table)} completed"), ("sampler", plan.sampler.shown_name),
@@ -76,8 +89,52 @@ def points_page(table: StudyTable) -> Page:
         plan.description,
         facts,
         tuple(sections),
-        "Percentiles are of the points that completed.",
+        "" if is_chosen(table) else "Percentiles are of the points that completed.",
+        verdict=verdict_of(table),
+        picture=picture,
     )
+
+
+def _figures_of(table: StudyTable, run: Run, key: str) -> list[Block]:
+    """Figures and shares of one run, the most telling first."""
+    plan, blocks = table.plan, list[Block]()
+    for one in (found for found in table.sensitivities if found.run == run):
+        blocks += (
+            *figure_or_gap(one.output, sensitivity_chart, one, f"{key}-{one.output}"),
+            shares_grid(one),
+        )
+    if plan.sampler.independent:
+        blocks += figure_or_gap("scatter", histogram_chart, table, run, key)
+    alone = changed_alone(table)
+    for name in table.outputs:
+        if alone:
+            blocks += figure_or_gap(name, changes_chart, table, name, run, f"{key}-{name}")
+            continue
+        if len(plan.varied) == 2:
+            blocks += figure_or_gap(name, map_chart, table, name, run, f"{key}-{name}")
+        blocks += figure_or_gap(name, scatter_chart, table, name, run, f"{key}-{name}")
+    for made in (found for found in table.surrogates if found.run == run):
+        blocks += figure_or_gap(made.output, surrogate_chart, made, f"{key}-{made.output}")
+    return blocks
+
+
+def _values_at_points(table: StudyTable) -> tuple[Block, ...]:
+    """Of a list every output at every point; nothing where one quantity at a time is changed."""
+    if table.plan.sampler.word != "list" or changed_alone(table):
+        return ()
+    charts = (figure_or_gap(name, values_chart, table, name, name) for name in table.outputs)
+    return tuple(block for blocks in charts for block in blocks)
+
+
+def _opening(named: list[Section]) -> tuple[tuple[Block, ...], list[Section]]:
+    """The first figure as the picture, which leaves its section."""
+    for place, section in enumerate(named):
+        first = next((block for block in section.blocks if isinstance(block, Figure)), None)
+        if first is not None:
+            rest = tuple(block for block in section.blocks if block is not first)
+            others = [replace(section, blocks=rest)] if rest else []
+            return (first,), [*named[:place], *others, *named[place + 1 :]]
+    return (), named
 
 
 def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
@@ -112,6 +169,20 @@ def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
 ANSWER_HEADS = ("", "run", "minimum", "5 %", "median", "95 %", "maximum", "")
 
 
+def answer_table(
+    table: StudyTable,
+) -> tuple[tuple[str, ...], list[tuple[str, ...]], tuple[int, ...]]:
+    """Heads, rows and columns of numbers of the answer: of random draws their percentiles, else the
+    values point by point.
+    """
+    if is_chosen(table):
+        return point_table(table)
+    if len(table.plan.runs) > 1:
+        return ANSWER_HEADS, answer_rows(table), (2, 3, 4, 5, 6)
+    rows: list[tuple[str, ...]] = [(row[0], *row[2:]) for row in answer_rows(table)]
+    return (ANSWER_HEADS[0], *ANSWER_HEADS[2:]), rows, (1, 2, 3, 4, 5)
+
+
 def sentences(table: StudyTable) -> tuple[str, ...]:
     """What the numbers say: which quantity makes the spread, how good a surrogate is, how many
     points failed.
@@ -132,19 +203,20 @@ def sentences(table: StudyTable) -> tuple[str, ...]:
 
 
 def _answers(table: StudyTable) -> tuple[Block, ...]:
-    several = len(table.plan.runs) > 1
-    rows = []
-    for label, run, *values, unit in answer_rows(table):
-        cells = [
-            Cell(label),
-            *([Cell(run)] if several else []),
-            *(Cell(value, "number") for value in values),
-            Cell(unit),
-        ]
-        rows.append((tuple(cells), ()))
-    heads = tuple(head for place, head in enumerate(ANSWER_HEADS) if several or place != 1)
-    heads = ("output", *heads[1:])
-    return (*(text(sentence) for sentence in sentences(table)), Grid(heads, tuple(rows)))
+    lines = tuple(text(sentence) for sentence in sentences(table))
+    heads, rows, right = answer_table(table)
+    cells = [
+        (tuple(Cell(one, "number" if k in right else "") for k, one in enumerate(row)), ())
+        for row in rows
+    ]
+    grid = Grid(heads, tuple(cells[:LISTED]))
+    if len(cells) <= LISTED:
+        return (*lines, grid)
+    rest = Grid(heads, tuple(cells[LISTED:MAX_LISTED]))
+    more = f"{len(rest.rows)} more rows"
+    if len(cells) > MAX_LISTED:
+        more += f" of {len(cells) - LISTED}; points.csv has all"
+    return (*lines, grid, Details(more, (rest,)))
 
 
 def shares_grid(one: Sensitivity) -> Grid:

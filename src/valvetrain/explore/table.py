@@ -16,6 +16,7 @@ from valvetrain.explore.outputs import Run
 from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
+from valvetrain.registry import find
 from valvetrain.solution.definition import definition_of, label_of, not_given
 from valvetrain.solution.display import frame
 from valvetrain.solution.saveable import Reported
@@ -269,6 +270,7 @@ class StudyTable(Reported):
 
     def __repr__(self) -> str:
         done = int(np.count_nonzero(self.completed))
+        chosen = not self.plan.sampler.independent
         lines = [f"study '{self.plan.title}': {done} of {len(self)} points completed"]
         lines += [f"  over {one.shown_name} ({one.name})" for one in self.plan.varied]
         for name in self.outputs:
@@ -277,16 +279,16 @@ class StudyTable(Reported):
                 low, middle, high = (
                     _shown(name, value) for value in np.percentile(found, [5, 50, 95])
                 )
-                lines.append(
-                    f"  {label_of(name)}: {middle:.5g} {definition_of(name).shown_unit}, nine in ten {low:.5g} to {high:.5g}"
-                )
-        return "\n".join(
-            [
-                *lines,
-                *(f"  {one.sentence}" for one in self.sensitivities),
-                *(f"  {one.sentence}" for one in self.surrogates),
-            ]
-        )
+                unit = definition_of(name).shown_unit
+                said = f"{middle:.5g} {unit}, nine in ten {low:.5g} to {high:.5g}"
+                if chosen:  # percentiles of points that somebody chose are nobody's scatter
+                    ends = (_shown(name, float(one)) for one in (np.min(found), np.max(found)))
+                    said = " to ".join(f"{one:.5g}" for one in ends) + f" {unit}"
+                lines.append(f"  {label_of(name)}: {said}".rstrip())
+        lines += [f"  {one.sentence}" for one in self.sensitivities]
+        lines += [f"  {one.sentence}" for one in self.surrogates]
+        first: str = find("displays", "verdict")(self)
+        return "\n".join([first, *lines] if first else lines)
 
 
 def _attributes(name: str) -> dict[str, str]:

@@ -273,6 +273,7 @@ def _answer(request: _Request) -> None:
     from valvetrain.film.page import film_json, film_page, write_film
     from valvetrain.parameters.loading import load_case
     from valvetrain.report.page import render
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.atomic import write_text
 
     case = None if request.case_name is None else load_case(request.case_name)
@@ -312,7 +313,8 @@ def _answer(request: _Request) -> None:
     if request.open_page:
         show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
-    deliver(Outcome(data, lambda console: _show(console, motion, model, folder)))
+    verdict = verdict_of(motion) if model is None else verdict_of(model)
+    deliver(Outcome(data, lambda console: _show(console, motion, model, folder), (), verdict))
 
 
 def _lift(request: _Request) -> Lift | None:

@@ -30,6 +30,7 @@ from valvetrain.report.columns import csv_row, grid, json_row
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, text
 from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import number
+from valvetrain.report.verdict import verdict_of
 from valvetrain.solution.atomic import write_text
 
 Array = NDArray[np.float64]
@@ -308,12 +309,16 @@ def film_page(
     motion: CoilMotion, model: FilmedModel | None = None, synthetic: bool = False
 ) -> Page:
     """The whole page of a film."""
+    moved = figure_or_gap("Displacement of the coil sections", displacement_chart, motion)
+    picture = (
+        moved if model is None else figure_or_gap("Film and model", overlay_chart, motion, model)
+    )
     sections = [
         Section(
             "motion",
             "How the coils moved",
             (
-                *figure_or_gap("Displacement of the coil sections", displacement_chart, motion),
+                *(() if model is None else moved),
                 *figure_or_gap("Space-time picture", space_time_chart, motion),
             ),
         )
@@ -333,7 +338,6 @@ def film_page(
             model_rows(motion, model),
         )
         blocks = (
-            *figure_or_gap("Film and model", overlay_chart, motion, model),
             lines,
             _apart(model),
             *_sentences(model.notes),
@@ -346,7 +350,9 @@ def film_page(
     if motion.surge is not None:
         surge = (surge[0], grid(LINE_COLUMNS, line_table(motion)), *surge[1:])
     sections.append(Section("surge", "Surge lines and damping", surge))
-    sections.append(Section("found", "What was found and done", _sentences(motion.notes)))
+    sections.append(
+        Section("found", "What was found and done", _sentences(motion.notes), folded=True)
+    )
     lead = "Coils are followed by the glare line on each of them; displacements are of that line, along the picture."
     if synthetic:
         lead += " The film is synthetic: it was computed, not taken."
@@ -357,6 +363,8 @@ def film_page(
         film_facts(motion),
         tuple(sections),
         "Angles are cam degrees.",
+        verdict=verdict_of(motion) if model is None else verdict_of(model),
+        picture=picture[:1],
     )
 
 

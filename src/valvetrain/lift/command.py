@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -35,8 +36,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from valvetrain.lift.band import LiftBandStudy
-    from valvetrain.lift.figures import LiftFigure
-    from valvetrain.lift.page import LobeResult
+    from valvetrain.lift.figures import LiftFigure, LobeResult
     from valvetrain.measured.lift_file import LiftAnswers
     from valvetrain.runs.cost import Limits
 
@@ -268,7 +268,10 @@ def _answer(request: _Request) -> None:
         show_page(pages[0])
     data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
     failures = () if carried is None else (*carried.mean.failures, *carried.failures)
-    deliver(Outcome(data, lambda console: _show(console, lobes, pair, carried, folder), failures))
+    from valvetrain.lift.verdict import lift_verdict
+
+    show = partial(_show, lobes=lobes, pair=pair, carried=carried, folder=folder)
+    deliver(Outcome(data, show, failures, lift_verdict(lobes)))
 
 
 def _lobes(request: _Request) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]:
@@ -277,8 +280,7 @@ def _lobes(request: _Request) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]
     """
     from dataclasses import replace
 
-    from valvetrain.lift.figures import lift_figures, pair_figures
-    from valvetrain.lift.page import LobeResult
+    from valvetrain.lift.figures import LobeResult, lift_figures, pair_figures
     from valvetrain.measured.lift_file import read_lift
     from valvetrain.measured.lift_smoothing import smooth_lift
 

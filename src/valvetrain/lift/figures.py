@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift
 
 Array = NDArray[np.float64]
@@ -35,6 +36,15 @@ class LiftFigure:
     value: float
     spread: float
     unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class LobeResult:
+    """One lobe: as measured, smoothed, and its figures."""
+
+    measured: MeasuredLift
+    smoothed: SmoothedLift
+    figures: tuple[LiftFigure, ...]
 
 
 def lift_figures(

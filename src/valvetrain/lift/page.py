@@ -5,7 +5,6 @@ their bands.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +12,10 @@ import numpy as np
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
-from valvetrain.lift.figures import LiftFigure
-from valvetrain.measured.lift_file import MeasuredLift
+from valvetrain.lift.figures import LiftFigure, LobeResult
+from valvetrain.lift.verdict import lift_verdict
 from valvetrain.measured.lift_formats import LiftFormat, LiftTable
-from valvetrain.measured.lift_smoothing import BAND, SmoothedLift
+from valvetrain.measured.lift_smoothing import BAND
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import parse_case
@@ -42,15 +41,6 @@ CARRIED = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class LobeResult:
-    """One lobe: as measured, smoothed, and its figures."""
-
-    measured: MeasuredLift
-    smoothed: SmoothedLift
-    figures: tuple[LiftFigure, ...]
-
-
 def lift_page(
     title: str,
     lobes: Sequence[LobeResult],
@@ -70,8 +60,10 @@ def lift_page(
     ]
     if pair:
         sections.append(Section("pair", "Both lobes", (figure_grid(pair),)))
+    picture = Figure(derivatives_chart(lobes[0]))
     for one in lobes:
-        drawn = (Figure(derivatives_chart(one)), Figure(residuals_chart(one)))
+        other = () if one is lobes[0] else (Figure(derivatives_chart(one)),)
+        drawn = (*other, Figure(residuals_chart(one)))
         sections.append(
             Section(f"curves-{one.measured.name}", f"Lift and derivatives, {_whose(one)}", drawn)
         )
@@ -88,6 +80,7 @@ def lift_page(
             f"table-{one.measured.name}",
             f"What the table of the {_whose(one)} means",
             answer_blocks(one),
+            folded=True,
         )
         for one in lobes
     ]
@@ -101,7 +94,8 @@ def lift_page(
         "The curves are the law behind the measured stations. The bands hold 95 % of the laws that these stations allow; where a band is "
         "wide, the table leaves it open."
     )
-    return Page(title, "Measured lift", lead, facts, tuple(sections), "Angles are cam degrees.")
+    foot, said = "Angles are cam degrees.", lift_verdict(lobes)
+    return Page(title, "Measured lift", lead, facts, tuple(sections), foot, said, (picture,))
 
 
 def _whose(one: LobeResult) -> str:

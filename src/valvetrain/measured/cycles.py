@@ -191,8 +191,8 @@ def _word(value: object) -> str:
 
 #: Larger files are no cycles of a few channels.
 MAX_BYTES = 500_000_000
-#: Most cycles (columns) of a text and most of its rows.
-MAX_CYCLES, MAX_ANGLES = 20_000, 100_000
+#: Most cycles (columns) of a text, most of its rows and most numbers of all.
+MAX_CYCLES, MAX_ANGLES, MAX_NUMBERS = 20_000, 100_000, 20_000_000
 _NOUN = "file of measured cycles"
 #: Keys of the comments that are read.
 _KEYS = ("quantity", "unit", "cam speed", "engine speed", "synthetic", "source", "note")
@@ -355,6 +355,10 @@ def _check_row(rows: list[list[float]], number: int, name: str) -> None:
     if len(rows) > MAX_ANGLES or len(rows[0]) > MAX_CYCLES + 1:
         raise InputError(
             f"{name} holds more than {MAX_ANGLES} angles or {MAX_CYCLES} cycles; give fewer"
+        )
+    if len(rows) * len(rows[0]) > MAX_NUMBERS:
+        raise InputError(
+            f"{name} holds more than {MAX_NUMBERS // 1_000_000} million numbers; give every tenth cycle"
         )
     if any(math.isinf(value) for value in rows[-1]):
         raise InputError(f"line {number} of {name} holds a number beyond all bounds; correct it")

@@ -14,8 +14,8 @@ from valvetrain.measured.tables import TextTable, read_content, read_text_table,
 from valvetrain.units import dimension_of, unit_factor
 
 Array = NDArray[np.float64]
-#: Larger files are no tables of a spring tester.
-MAX_BYTES = 20_000_000
+#: Larger files, and more lines, are no tables of a spring tester.
+MAX_BYTES, MAX_LINES = 20_000_000, 200_000
 #: Pattern of a heading -> what the column is; the first that fits.
 _MEANINGS = (
     (r"force|load|kraft|last\b|\bf\b", "force"), (r"height|length|höhe|hoehe|länge|laenge|\bh\b|\bl\b", "height"),
@@ -89,7 +89,9 @@ def read_force_height(
     """
     path = Path(file)
     table = read_text_table(
-        text_of(read_content(path, MAX_BYTES, "table of a spring tester"), path.name), path.name
+        text_of(read_content(path, MAX_BYTES, "table of a spring tester"), path.name),
+        path.name,
+        max_lines=MAX_LINES,
     )
     return force_height_in(table, path.name[:80], columns, length_unit, force_unit, free_length)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.measured.tables import UNIT_NAMES, TextTable, read_text_table, text_of
+from valvetrain.measured.workbooks import EXTRA, MARKS, MAX_COLUMNS, MAX_ROWS, sheets_of
 
 Array = NDArray[np.float64]
 #: What a column may be.
@@ -257,73 +258,33 @@ def write_s96(table: LiftTable) -> bytes:
 S96_SPEC = LiftFormat("s96 of cam analysers", recognise_s96, read_s96, write_s96)
 
 
-#: How files of workbooks begin: a zip archive, an OLE container.
-_MARKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
-#: A sheet beyond these is no table of lifts.
-MAX_ROWS, MAX_COLUMNS = 200_000, 60
-_EXTRA = "install the extra 'measure' (pip install 'valvetrain[measure]')"
-
-
 def recognise_workbook(content: bytes, name: str) -> bool:
     """Whether the content begins as a workbook does."""
-    return content.startswith(_MARKS)
+    return content.startswith(MARKS)
 
 
 def read_workbook(content: bytes, name: str) -> LiftColumns:
     """Columns of the first sheet with numbers. Raises :class:`InputError` where the extra is
     missing or no sheet holds a table.
     """
-    try:
-        from python_calamine import CalamineError, CalamineWorkbook
-    except ImportError as error:
-        raise InputError(
-            f"'{name[:80]}' is a workbook, which needs python-calamine; {_EXTRA}"
-        ) from error
-    try:
-        book = CalamineWorkbook.from_filelike(io.BytesIO(content))
-        sheets = [(title, book.get_sheet_by_name(title)) for title in book.sheet_names]
-        tables = [
-            (title, sheet.to_python(skip_empty_area=True))
-            for title, sheet in sheets
-            if _fits(sheet)
-        ]
-    except (CalamineError, ValueError, OSError) as error:
-        raise InputError(
-            f"'{name[:80]}' is no workbook that can be read; save it again or export the table as text"
-        ) from error
-    for title, cells in tables:
-        text = "\n".join(line for row in cells if (line := _line(row)))
+    sheets, fault = sheets_of(content, name), None
+    for sheet in (one for one in sheets if not one.too_large):
+        where = f"sheet '{sheet.title[:40]}' of {name}"
         try:
-            return from_table(
-                read_text_table(text, f"sheet '{str(title)[:40]}' of {name}"), "workbook"
-            )
+            return from_table(read_text_table(sheet.text, where), "workbook")
         except InputError as error:
             fault = error
-            if any(
-                isinstance(cell, float | int) and not isinstance(cell, bool)
-                for row in cells
-                for cell in row
-            ):
+            if sheet.numeric:
                 raise
+    large = next((one.title for one in sheets if one.too_large), None)
+    if large is not None:
+        raise InputError(
+            f"sheet '{large[:40]}' of '{name[:80]}' has more than {MAX_ROWS} rows or {MAX_COLUMNS} columns, so it is no table of "
+            "lifts; delete what stands far from the table, or export the table as text"
+        )
     raise InputError(
         f"no sheet of '{name[:80]}' holds rows of numbers; put the table on a sheet of its own"
-    ) from (fault if tables else None)
-
-
-def _fits(sheet: object) -> bool:
-    return getattr(sheet, "height", 0) <= MAX_ROWS and getattr(sheet, "width", 0) <= MAX_COLUMNS
-
-
-def _line(row: Sequence[object]) -> str:
-    cells = [
-        repr(float(cell))
-        if isinstance(cell, float | int)
-        else str(cell).replace("\t", " ").replace("\n", " ").strip()
-        for cell in row
-    ]
-    while cells and not cells[-1]:
-        cells.pop()
-    return "\t".join(cells)
+    ) from fault
 
 
 def write_workbook(table: LiftTable) -> bytes:
@@ -333,7 +294,7 @@ def write_workbook(table: LiftTable) -> bytes:
     try:
         import xlsxwriter
     except ImportError as error:
-        raise InputError(f"writing a workbook needs xlsxwriter; {_EXTRA}") from error
+        raise InputError(f"writing a workbook needs xlsxwriter; {EXTRA}") from error
     out = io.BytesIO()
     with xlsxwriter.Workbook(out, {"in_memory": True}) as book:
         sheet = book.add_worksheet("lift")

@@ -29,6 +29,8 @@ HEADINGS = 100
 COMMENTS = ("#", "%", "!", "//", "*", "'", '"')
 #: Most columns of a table of lifts; more is another kind of file.
 MAX_COLUMNS = 12
+#: Most lines of such a table; longer texts are refused before any line is read.
+MAX_LINES = 50_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,16 +49,24 @@ class TextTable:
     first_line: int
 
 
-def read_text_table(text: str, name: str, max_columns: int = MAX_COLUMNS) -> TextTable:
+def read_text_table(
+    text: str, name: str, max_columns: int = MAX_COLUMNS, max_lines: int = MAX_LINES
+) -> TextTable:
     """The table of numbers in ``text``; lines of text may precede it and, marked as comments, be in it.
 
     Semicolons, tabs, bars, commas or blanks part the columns; a decimal comma is read where
     something else does. ``name`` of the file is for messages. Raises :class:`InputError` naming the
-    line that is not as long as the others or not numbers.
+    line that is not as long as the others or not numbers, and for a text of more than
+    ``max_lines``.
     """
     headings: list[str] = []
     lines: list[tuple[int, str]] = []
-    for number, line in enumerate(text.splitlines(), start=1):
+    every = text.splitlines()
+    if len(every) > max_lines:
+        raise InputError(
+            f"{name} has {len(every)} lines, more than {max_lines}; thin it out, or cut it to one cycle"
+        )
+    for number, line in enumerate(every, start=1):
         content = _BLANKS.sub(r"\1", line.strip())
         if not content:
             continue

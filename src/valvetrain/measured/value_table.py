@@ -80,7 +80,7 @@ class ValueTable:
 
     def __repr__(self) -> str:
         count = f"{len(self.values)} value{'s' * (len(self.values) != 1)}"
-        return f"ValueTable: {count} with {f'{self.repeats} repeats' if self.repeats > 1 else 'stated scatter'} of {self.source or 'a table'}"
+        return f"ValueTable: {count} with {f'{self.repeats} repeats' if self.repeats > 1 else 'a scatter for each'} of {self.source or 'a table'}"
 
 
 def is_value_table(text: str) -> bool:

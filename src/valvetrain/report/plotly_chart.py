@@ -240,8 +240,16 @@ def _add_axes(
             "tickmode": "array",
             "tickvals": list(places),
             "ticktext": [plain(one) for one in label],
-            "showticklabels": not narrow,
         }
+        if narrow:  # no room beside the lines, so each label stands on its own
+            y_axis["showticklabels"] = False
+            layout["annotations"] += [
+                {
+                    "xref": f"x{suffix} domain", "yref": f"y{suffix}", "x": 0, "y": at, "xanchor": "left", "yanchor": "bottom",
+                    "yshift": 4, "showarrow": False, "text": plain(one), "font": {"size": 10.5, "color": theme.MUTED},
+                }
+                for at, one in panel.y_tick_labels
+            ]  # fmt: skip
     layout[f"yaxis{suffix}"] = common | y_axis
     _add_furniture(layout, panel, suffix, x_domain, y_domain, parted)
 

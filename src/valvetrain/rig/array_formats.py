@@ -320,8 +320,9 @@ HDF5_SPEC = RigFormat("HDF5", recognise_hdf5, read_hdf5)
 
 # text of columns
 
-#: Larger texts are no recordings; of longer ones the first lines show the form.
-MAX_BYTES, HEAD_LINES = 500_000_000, 400
+#: Larger texts are no recordings; of longer ones the first lines show the form. Most lines of one
+#: that is not alike throughout, which is read line by line.
+MAX_BYTES, HEAD_LINES, MAX_LINES = 500_000_000, 400, 2_000_000
 _RATE = re.compile(
     r"\s*(sampling rate|sample rate|fs|rate)\s*[:=]\s*([\d.]+(?:[eE][+-]?\d+)?)\s*(k?)(?:Hz|1/s|S/s)",
     re.I,
@@ -339,8 +340,9 @@ def recognise_text(head: bytes, file_name: str) -> bool:
 
 def read_text(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
     """The columns of the text: times where a heading says so, channels else."""
-    table = _table(text_of(read_content(path, MAX_BYTES, "recording"), file_name), file_name)
-    budget = Budget(file_name, selected)
+    text = text_of(read_content(path, MAX_BYTES, "recording"), file_name)
+    Budget(file_name).take(text.count("\n"))  # a sample a line at least, before any is read
+    table, budget = _table(text, file_name), Budget(file_name, selected)
     budget.take(table.rows.size)
     times: Array | None = None
     channels = []
@@ -386,7 +388,7 @@ def _table(text: str, name: str) -> TextTable:
                 return TextTable(body, head.headings, head.names, head.units, head.first_line)
         except (InputError, ValueError, KeyError):
             pass  # read line by line, which names the line at fault
-    return read_text_table(text, name, MAX_COLUMNS)
+    return read_text_table(text, name, MAX_COLUMNS, MAX_LINES)
 
 
 TEXT_SPEC = RigFormat("text", recognise_text, read_text, isolated=False)

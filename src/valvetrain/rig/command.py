@@ -255,7 +255,7 @@ def _deliver(answer: _Answer, output: Path | None, open_page: bool) -> None:
         console.print(f"\nresults in {folder}; page: {pages[0]}", soft_wrap=True)
 
     data = answer.data | {"folder": str(folder), "files": files, "page": str(pages[0])}
-    deliver(Outcome(data, show, ()))
+    deliver(Outcome(data, show, (), answer.page.verdict))
 
 
 def _recording_answer(

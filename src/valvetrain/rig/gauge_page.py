@@ -106,9 +106,9 @@ def sensor_page(title: str, responses: Sequence[ChannelResponse], sensor: Sensor
         Section(
             "traces",
             "About the true peak",
-            tuple(Figure(trace_chart(one, count)) for count, one in enumerate(worst, start=1)),
+            tuple(Figure(trace_chart(one, count)) for count, one in enumerate(worst[1:], start=2)),
         ),
-    )
+    )[: 1 + (len(worst) > 1)]
     facts = (
         ("gauge", sensor_text(sensor)),
         ("runs", str(len({_run_label(one) for one in responses}))),
@@ -116,7 +116,17 @@ def sensor_page(title: str, responses: Sequence[ChannelResponse], sensor: Sensor
     )
     lead = "What the model computes, and what this gauge would record of it; channels that lose most are drawn first."
     footer = "Times are from the start of the cam revolution."
-    return Page(title, "Recorded by a gauge", lead, facts, sections, footer)
+    picture = tuple(Figure(trace_chart(one, 1)) for one in worst[:1])
+    said = sensor_verdict(worst[0]) if worst else ""
+    return Page(title, "Recorded by a gauge", lead, facts, sections, footer, said, picture)
+
+
+def sensor_verdict(worst: ChannelResponse) -> str:
+    """One sentence on the channel of which a gauge loses most."""
+    unit, _ = shown_unit(worst.channel, worst.unit)
+    peaks = f"{_shown(worst.recorded_peak, worst, 4)} of {_shown(worst.true_peak, worst, 4)} {unit}"
+    share = f"{100 * sum(worst.share) / 2:.0f} %"
+    return f"The gauge records at least {share} of each peak; least of the {_channel_label(worst)}, {_run_label(worst)}: {peaks.strip()}."
 
 
 def trace_chart(one: ChannelResponse, count: int) -> Chart:

@@ -16,6 +16,7 @@ from valvetrain.report.columns import RowColumn, grid, json_row
 from valvetrain.report.page import Figure, Page, Section, text
 from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import number, unit_text
+from valvetrain.report.verdict import verdict_of
 from valvetrain.rig.result import RigChannelCycles, RigResult, student
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import BY_LAST_WORD
@@ -251,11 +252,11 @@ def data_of(result: RigResult) -> dict[str, Any]:
 def rig_page(title: str, result: RigResult) -> Page:
     """The whole page."""
     channels = result.channels
-    cycles = tuple(Figure(cycles_chart(one)) for one in channels)
+    first, *cycles = (Figure(cycles_chart(one)) for one in channels)
     spectra = tuple(Figure(spectrum_chart(one)) for one in channels)
     sections = [
         Section("figures", "Figures of the cycles", (grid(COLUMNS, peak_rows(result)),)),
-        Section("cycles", "Cycles over the cam angle", cycles),
+        *([Section("cycles", "Cycles over the cam angle", tuple(cycles))] if cycles else ()),
     ]
     if result.alignment is not None:
         figure = Figure(alignment_chart(result))
@@ -265,7 +266,7 @@ def rig_page(title: str, result: RigResult) -> Page:
         Section("speed", "Speed of the cam", (Figure(speed_chart(result)),)),
         Section("raw", "As recorded", (Figure(raw_chart(result)),)),
         Section("spectra", "Spectrum before and after the low-pass", spectra),
-        Section("notes", "How it was read", tuple(notes)),
+        Section("notes", "How it was read", tuple(notes), folded=True),
     ]
     lead = (
         "Means over the retained cycles. The dashed line below each figure is the half width within which 95 % of such means lie: scatter "
@@ -274,7 +275,9 @@ def rig_page(title: str, result: RigResult) -> Page:
     if result.synthetic:
         lead = f"Synthetic recording: computed, not measured. {lead}"
     facts = facts_of(result)
-    return Page(title, "Rig data", lead, facts, tuple(sections), "Angles are cam degrees.")
+    foot = "Angles are cam degrees."
+    said = verdict_of(result)
+    return Page(title, "Rig data", lead, facts, tuple(sections), foot, said, (first,))
 
 
 def _with_unit(label: str, unit: str) -> str:

@@ -339,6 +339,7 @@ def critical_speeds(
     return found.critical_speeds
 
 
+@renamed()
 def static_curve(
     spring: SpringDefinition | InstalledSpring | AnyCase,
     largest_compression: Given | None = None,

@@ -34,6 +34,8 @@ FIRST_STRIDE, MAX_STRIDE, SCATTER_STRIDE = 0.0025, 0.01, 0.005
 #: Steps, at most, through speeds whose motion does not repeat; dips of a margin that are looked at
 #: below the nominal speed, and above it.
 MAX_SCATTERED, MAX_DIPS = 10, 8
+#: Dips, the deepest, that are always looked at; others as far as this multiple of the largest loss at one before.
+MIN_DIPS, MARGIN = 1, 3.0
 #: An onset is a graze where the margin changed by :data:`SMALL` of its largest value moves it up or
 #: down by more than :data:`GRAZE` of the speed: half as far again as inertia, which grows with the
 #: square of speed, would.
@@ -133,18 +135,37 @@ def dips(kind: str, samples: Mapping[float, SpeedSample], nominal: float) -> tup
     return (*sorted(below), *[one for one in low if one > nominal][:MAX_DIPS])
 
 
+def first_lost(measure: Measure, low: Mapping[float, float]) -> float | None:
+    """The lowest of the dips ``low`` (engine speed -> measure of the unchanged train) that the
+    changed train loses; None for none.
+
+    The deepest come first; the search ends at one that is further from zero than :data:`MARGIN`
+    times the largest loss that the change has brought so far.
+    """
+    lost, largest = [], 0.0
+    for count, (speed, before) in enumerate(sorted(low.items(), key=lambda one: one[1])):
+        if count >= MIN_DIPS and before > MARGIN * largest:
+            break
+        after = measure(speed)
+        largest = max(largest, before - after)
+        if not after > 0:
+            lost.append(speed)
+    return min(lost, default=None)
+
+
 def follow(
-    nominal: float, measure: Measure, ends: tuple[float, float], low: Sequence[float]
+    nominal: float, measure: Measure, ends: tuple[float, float], low: Mapping[float, float]
 ) -> float:
     """The onset of a changed train: from the nominal one in growing steps to a change, then to
     :data:`REPEAT_WIDTH`; 0 where control is lost down to the first of ``ends``, infinite where it
     is kept up to the last.
 
     ``measure``: positive where control is kept; ``low``: speeds at which that of the unchanged
-    train dips; the lowest of them that the changed train loses comes first.
+    train dips, and what it is there; the lowest of them that the changed train loses comes first.
     """
     first, last = ends
-    here = next((one for one in low if one < nominal and not measure(one) > 0), nominal)
+    earlier = first_lost(measure, {one: at for one, at in low.items() if one < nominal})
+    here = nominal if earlier is None else earlier
     controlled, step = measure(here) > 0, FIRST_STRIDE * nominal
     while True:
         if controlled:
@@ -210,8 +231,10 @@ def repeated(
     begin = min(nominal, ends[1])
     low = dips(kind, search.samples, begin)
 
+    at = {one: search.samples[one].measure(kind) for one in low}
+
     def onset_of(sample: SampleAt, more: float = 0.0) -> float:
-        return follow(begin, lambda one: sample(one).measure(kind) + more, ends, low)
+        return follow(begin, lambda one: sample(one).measure(kind) + more, ends, at)
 
     small = SMALL * max((one.margins[kind] for one in search.samples.values()), default=0.0)
     moved = [onset_of(search.sample, more) for more in (-small, small)] if steady else []

@@ -5,7 +5,7 @@ speeds of a sweep.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any
@@ -32,6 +32,7 @@ from valvetrain.solution.critical import (
     CriticalSpeed,
     CriticalSpeeds,
     Crossing,
+    SpeedBracket,
 )
 from valvetrain.solution.result import Solution
 from valvetrain.system.problem import Problem
@@ -181,14 +182,10 @@ def _search(
         variant: Variant = Variant("nominal", one),
         tolerance: float | None = None,
     ) -> SpeedSample:
-        origin = provenance_of(problem, one.member, engine_speed, plan.created_at)
         step = variant.time_step(engine_speed, plan.samples)
-        solution, ended = integrate_from(
-            variant.ready, engine_speed, reduced, origin, orbit, time_step=step, tolerance=tolerance
+        return _sample(
+            problem, variant.ready, reduced, options, engine_speed, orbit, step, tolerance
         )
-        missing = missing_force(variant.ready, solution)
-        numbers = with_quantities(variant.ready, solution, reduced, {})
-        return sample_of(numbers, options, ended, missing)
 
     def sampler(variant: Variant) -> SampleAt:
         return cache(partial(run, variant=variant))
@@ -200,6 +197,53 @@ def _search(
     ends = min(samples), max(samples)
     rows = [critical_speed(search, kind, one.member.label, *ends, options) for kind in KINDS]
     return tuple(repeated(row, search, precise, repeats) for row in rows)
+
+
+def _sample(
+    problem: Problem,
+    ready: PreparedRun,
+    plan: Plan,
+    options: CriticalOptions,
+    engine_speed: float,
+    orbit: Any = None,
+    time_step: float | None = None,
+    tolerance: float | None = None,
+) -> SpeedSample:
+    """One run of the search (rad/s of the crank), from ``orbit`` or from rest."""
+    origin = provenance_of(problem, ready.member, engine_speed, plan.created_at)
+    solution, ended = integrate_from(
+        ready, engine_speed, plan, origin, orbit, time_step=time_step, tolerance=tolerance
+    )
+    missing = missing_force(ready, solution)
+    return sample_of(with_quantities(ready, solution, plan, {}), options, ended, missing)
+
+
+def first_bracket(
+    kind: str,
+    problem: Problem,
+    ready: PreparedRun,
+    engine_speeds: Sequence[float],
+    options: CriticalOptions,
+    stopped: Callable[[], bool] = lambda: False,
+) -> SpeedBracket | None:
+    """Where a prepared train first loses control by ``kind``, by few runs: rising ``engine_speeds``
+    (rad/s) from rest until it does, then halves of the last step down to the resolution.
+
+    A range between two of the speeds is not looked for, unlike in :func:`find_critical_speeds`. From
+    0 where control is lost at the first speed, to infinity where it is kept up to the last; None
+    once ``stopped``, asked before each run, says so.
+    """
+    plan = Plan("contacts", None, False, problem.cycles, problem.cycles_to_settle)
+    low, high, ahead = 0.0, math.inf, list(engine_speeds)
+    while ahead or (low and high - low > options.resolution and math.isfinite(high)):
+        if stopped():
+            return None
+        engine_speed = ahead.pop(0) if ahead else (low + high) / 2
+        if _sample(problem, ready, plan, options, engine_speed).lost(kind):
+            high, ahead = engine_speed, []
+        else:
+            low = engine_speed
+    return SpeedBracket(low, high)
 
 
 def critical_speed(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -13,10 +14,12 @@ from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
 from valvetrain.quantities.statics import formula_compression
 from valvetrain.quantities.stress import most_force_of_wire
-from valvetrain.runs.prepared import largest_lift, law_lift, prepare
+from valvetrain.runs.prepared import FAILURES, largest_lift, law_lift, prepare
+from valvetrain.solution.later import replaced
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
+from valvetrain.units import believed
 
 #: Tensile strength (Pa) above that of any wire of a valve spring.
 MAX_STRENGTH = 2.5e9
@@ -57,6 +60,77 @@ def ringing_note(members: Iterable[Member]) -> str:
         f"The case gives {springs} {' and '.join(names)} no damping, so that surge lives on from cycle to cycle: give {its} "
         "damping, such as 'damping = { ratio = 0.016, ratio_frequency = \"600 Hz\" }' at the first surge frequency (0.016: the beehive of "
         "gu2021)."
+    )
+
+
+def chain_notes(members: Iterable[Member]) -> tuple[str, ...]:
+    """A sentence per wire that a chain of masses stands for: what it has from the rod, and what not."""
+    found: dict[str, None] = {}
+    for member in members:
+        for spring in member.springs if member.model.word == "multi-mass" else ():
+            if spring.wire is not None and (text := _chain_note(member, spring)):
+                found[text] = None
+    return tuple(found)
+
+
+def _chain_note(member: Member, spring: InstalledSpring) -> str:
+    from valvetrain.springs.chain_from_rod import match  # most runs have no chain of a wire
+
+    given = dict(spring.options_of("multi-mass"))
+    if not getattr(member.model.read_options(given), "from_rod", False):
+        return ""
+    try:
+        options = member.model.read_options(given | {"from_rod": False})
+        with believed():
+            chain = member.model.make(spring, options, None)
+            compared = match(chain, spring)
+    except FAILURES:  # its run says why
+        return ""
+    name = f"The chain of spring '{spring.name}'"
+    if compared is None:
+        return (
+            f"{name} has rate and frequency by formula, some per cent high: its rod, which it would take them from, "
+            "finds no equilibrium or no surge."
+        )
+    second = compared.second_error
+    high = "" if second is None else f", its second frequency {percent(second)} off"
+    return (
+        f"{name} takes force at mid travel and first frequency ({compared.surge_frequency:.0f} Hz) from its rod. Its force at rest is "
+        f"then within {percent(compared.force_error)} of the rod's{high}, and it has no sway: forces of surge and clash "
+        "are estimates, which '--spring finite-element' has right."
+    )
+
+
+def percent(share: float) -> str:
+    """A share in per cent, two digits."""
+    return f"{100 * abs(share):.2g} %"
+
+
+def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...]:
+    """The notes of a study that concern one run of a ``member``."""
+    alone = replace(problem, members=(member,))
+    return tuple(
+        filter(
+            None,
+            (
+                ringing_note((member,)),
+                *undamped_notes((member,)),
+                *chain_notes((member,)),
+                *buckling_notes(alone),
+                *pulling_end_notes((run,)),
+            ),
+        )
+    )
+
+
+def with_notes(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solution, ...]:
+    """The solutions of a problem, each with the notes that concern it."""
+    members = {member.label: member for member in problem.members}
+    return tuple(
+        replaced(run, provenance=replace(run.provenance, notes=notes))
+        if (notes := run_notes(problem, members[run.label], run))
+        else run
+        for run in solutions
     )
 
 

@@ -53,9 +53,10 @@ from valvetrain.springs.finite_element_statics import modal_result
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import names_of
 from valvetrain.system.problem import Problem
-from valvetrain.units import Given, si_speeds
+from valvetrain.units import Given, renamed, si_speeds
 
 
+@renamed()
 @shows_progress("refine")
 def refine(
     case: AnyCase,

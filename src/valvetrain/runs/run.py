@@ -24,11 +24,13 @@ from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speed
 from valvetrain.runs.notes import (
     beyond_wire_notes,
     buckling_notes,
+    chain_notes,
     pulling_end_notes,
     refuse_implausible,
     refuse_speeds,
     ringing_note,
     undamped_notes,
+    with_notes,
 )
 from valvetrain.runs.own_error_bars import own_error_bars
 from valvetrain.runs.prepared import (
@@ -272,6 +274,7 @@ def run_problem(
             problem, speeds, plan, count, progress, finished, later
         )
         rest = ()
+    solutions = failures.part("notes of runs", solutions, with_notes, problem, solutions)
     provenance = collect_provenance(
         problem.record.name,
         ", ".join(dict.fromkeys(member.model.word for member in problem.members)),
@@ -371,7 +374,8 @@ def _notes(problem: Problem) -> tuple[str, ...]:
         *dict.fromkeys(contacts),
         ringing_note(members),
     )
-    return (*filter(None, notes), *undamped_notes(members), *buckling_notes(problem))
+    named = (*undamped_notes(members), *chain_notes(members), *buckling_notes(problem))
+    return (*filter(None, notes), *named)
 
 
 def next_to_published(study: Study, problem: Problem) -> Study:

@@ -161,6 +161,8 @@ NEAR, GROWTH, FARTHEST = 0.3, 0.02, 0.45
 #: Turns without a section after which the wire is taken to end, and turns behind that tell where it
 #: continues.
 GAP, BEHIND = 0.45, 0.25
+#: Fewest linked sections that a wire is followed from, and chains that are tried.
+SHORTEST, STARTS = 8, 8
 #: Fewest turns of a wire that is a spring.
 MIN_TURNS = 2.0
 
@@ -187,20 +189,18 @@ def follow(sections: Sections, wedges: int) -> Trace:
     wedge = np.round(sections.turn * wedges - 0.5).astype(int)
     members = [np.flatnonzero(wedge == one) for one in range(wedges)]
     after = _links(plane, members, 2 * NEAR * sections.wire_radius)
-    chain = max(_chains(after), key=len)
-    if len(chain) < 8:
+    chains = sorted(_chains(after), key=len, reverse=True)
+    if len(chains[0]) < SHORTEST:
         raise InputError(
             "the sections of the wire do not join to a helix; give the scan of one spring, cleaned of its holder"
         )
-    steps = np.arange(len(chain))
-    slope = float(np.polyfit(steps, plane[chain, 1], 1)[0])
-    hand = 1 if slope > 0 else -1
-    if hand < 0:
-        chain = chain[::-1]
-    known = {hand * int(wedge[chain[0]]) + step: chain[step] for step in range(len(chain))}
-    used = set(chain)
-    for direction in (1, -1):
-        _extend(known, used, plane, members, hand, direction, sections.wire_radius)
+    # where a part of the turn is not seen, every coil is a chain of its own, and some join further
+    followed = [
+        _followed(chain, sections, wedge, members)
+        for chain in chains[:STARTS]
+        if len(chain) >= max(SHORTEST, len(chains[0]) // 2)
+    ]
+    hand, known = max(followed, key=lambda one: len(one[1]))
     places = np.array(sorted(known))
     index = np.array([known[place] for place in places])
     turn = (places + 0.5 * hand) / wedges
@@ -210,6 +210,22 @@ def follow(sections: Sections, wedges: int) -> Trace:
             "but one spring"
         )
     return Trace(turn, plane[index, 0], plane[index, 1], hand, sections.wire_radius)
+
+
+def _followed(
+    chain: list[int], sections: Sections, wedge: NDArray[np.intp], members: list[NDArray[np.intp]]
+) -> tuple[int, dict[int, int]]:
+    """The hand of a wire that begins with ``chain``, and its section by half plane, counted on."""
+    plane = np.column_stack([sections.radius, sections.height])
+    steps = np.arange(len(chain))
+    hand = 1 if float(np.polyfit(steps, plane[chain, 1], 1)[0]) > 0 else -1
+    if hand < 0:
+        chain = chain[::-1]
+    known = {hand * int(wedge[chain[0]]) + step: chain[step] for step in range(len(chain))}
+    used = set(chain)
+    for direction in (1, -1):
+        _extend(known, used, plane, members, hand, direction, sections.wire_radius)
+    return hand, known
 
 
 def _links(plane: Array, members: list[NDArray[np.intp]], reach: float) -> dict[int, int]:

@@ -158,6 +158,7 @@ def _deliver(request: _Request, found: ScannedSpring, compared: ScanComparison |
     from valvetrain.cli.progress import busy
     from valvetrain.parameters.loading import parse_case
     from valvetrain.report.page import render
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.scan.page import scan_page, scan_text, write_scan
     from valvetrain.solution.atomic import write_text
 
@@ -180,6 +181,7 @@ def _deliver(request: _Request, found: ScannedSpring, compared: ScanComparison |
             data,
             lambda console: _show(console, found, compared, folder, pages[0]),
             () if compared is None else compared.failures,
+            verdict_of(found) if compared is None else verdict_of(compared),
         )
     )
 

@@ -252,9 +252,39 @@ def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) ->
     """The spring in points (n, 3) of any order of draw, in mm; ``wedges`` half planes and
     ``per_turn`` pieces of the splines.
 
-    Raises :class:`InputError` where the points show no spring.
+    Raises :class:`InputError` where the points show no spring, with the width of the sector about
+    its axis that holds none.
     """
     frame = find_axis(points)
+    try:
+        return _fit_about(frame, points, wedges, per_turn)
+    except InputError as error:
+        degrees = 360 * unseen_sector(frame.inside(points))[1]
+        if degrees < 15:
+            raise
+        reason = str(error).partition(";")[0]
+        raise InputError(
+            f"{reason}: no point is in a sector of {degrees:.0f} degrees about the axis; scan that side too and join both clouds"
+        ) from error
+
+
+#: Parts of the turn by which a sector without points is found, and share of the typical number of
+#: points below which a part has none.
+SECTORS, EMPTY = 120, 0.05
+
+
+def unseen_sector(points: Array) -> tuple[float, float]:
+    """Begin and width (turns) of the widest sector about the axis without points (n, 3)."""
+    turn = np.mod(np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi), 1.0)
+    counts = np.histogram(turn, np.linspace(0.0, 1.0, SECTORS + 1))[0]
+    seen = np.flatnonzero(counts > EMPTY * np.median(counts[counts > 0]))
+    empty = np.diff(np.append(seen, seen[0] + SECTORS)) - 1
+    widest = int(np.argmax(empty))
+    return float(np.mod((seen[widest] + 1) / SECTORS, 1.0)), float(empty[widest] / SECTORS)
+
+
+def _fit_about(frame: Frame, points: Array, wedges: int, per_turn: int) -> FittedSpring:
+    """The spring in points (n, 3) about nearly the axis of ``frame``."""
     inside = frame.inside(points[:EARLY])
     tube, ends = _first_tube(inside, wedges, per_turn)
     reach = ends[0] - BEYOND, ends[1] + BEYOND

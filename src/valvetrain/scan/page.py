@@ -17,6 +17,7 @@ from valvetrain.report.files import spring_text
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, figure_or_gap, text
 from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import number, percent, speed_text, unit_text
+from valvetrain.report.verdict import verdict_of
 from valvetrain.scan.compare import ComparedNumber, ScanComparison
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.atomic import write_text
@@ -395,11 +396,13 @@ def scan_page(scan: ScannedSpring, found: ScanComparison | None = None) -> Page:
         tuple(((Cell(row_label[:1].upper() + row_label[1:]), Cell(value, "number"), Cell(spread and f"±{spread}", "number quiet"), Cell(unit)), ())
               for row_label, value, spread, unit in scan_rows(scan)),
     )  # fmt: skip
-    drawn: list[Block] = [
-        *figure_or_gap("cloud", cloud_chart, scan),
-        *figure_or_gap("curves", curves_chart, scan, design),
-    ]
-    sections = [Section("curves", "Cloud and curves", tuple(drawn))]
+    cloud = figure_or_gap("cloud", cloud_chart, scan)
+    curves = figure_or_gap("curves", curves_chart, scan, design)
+    picture, drawn = cloud, curves
+    if design is not None:
+        picture = figure_or_gap("difference", difference_chart, scan, design)
+        drawn = (*cloud, *curves)
+    sections = [Section("curves", "Cloud and curves", drawn)]
     if found is not None and design is not None:
         sections.append(Section("design", "Design against scan", _design_blocks(found, scan)))
     fits = (
@@ -413,6 +416,7 @@ def scan_page(scan: ScannedSpring, found: ScanComparison | None = None) -> Page:
             "notes",
             "What was found and assumed",
             tuple(text(one[:1].upper() + one[1:] + ".", "note") for one in scan.notes),
+            folded=True,
         ),
     ]
     facts = (
@@ -430,6 +434,8 @@ def scan_page(scan: ScannedSpring, found: ScanComparison | None = None) -> Page:
         facts,
         tuple(sections),
         "Coils are counted from the lower tip.",
+        verdict=verdict_of(scan) if found is None else verdict_of(found),
+        picture=picture[:1],
     )
 
 
@@ -437,7 +443,6 @@ def _design_blocks(found: ScanComparison, scan: ScannedSpring) -> tuple[Block, .
     design = found.cases[0].springs[0].wire
     assert design is not None
     blocks: list[Block] = [
-        *figure_or_gap("difference", difference_chart, scan, design),
         *figure_or_gap("force", force_chart, found),
     ]
     for chart in motion_charts(found):

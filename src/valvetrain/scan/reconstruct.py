@@ -15,7 +15,14 @@ from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.scan.axis import WEDGES
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.scan.definition import Wire, define, round_wire, wire_of
-from valvetrain.scan.fit import ALL_AROUND, PER_TURN, FittedSpring, fit_spring, seen_around
+from valvetrain.scan.fit import (
+    ALL_AROUND,
+    PER_TURN,
+    FittedSpring,
+    fit_spring,
+    seen_around,
+    unseen_sector,
+)
 from valvetrain.scan.result import ScanCurves, ScannedEnd, ScannedSpring, WireSection
 from valvetrain.units import dimension_of, unit_factor
 
@@ -90,6 +97,9 @@ def _mixed(points: Array) -> NDArray[np.uint64]:
 SMALLEST, LARGEST = 4.0, 500.0
 #: Material where none is given, and the maximum of points that figures show.
 DEFAULT_MATERIAL, SHOWN = "EN 10270-2 VDSiCr", 4000
+#: Sector (turns) without points from which a note tells of it, and share of the points on the wire
+#: below which one does.
+BRIDGED, EXPLAINED = 0.04, 0.8
 
 
 def spring_from_scan(
@@ -190,6 +200,7 @@ def spring_from_scan(
         notes.append(
             f"{100 * around:.0f} % of the way around the wire is seen, so its section is taken as round"
         )
+    notes += _unseen(fitted, wire)
     notes += _assumed(material, definition, fitted)
     on_wire = fitted.weight > 0
     left = 1e-3 * fitted.on.left[np.abs(fitted.on.left) < 8 * fitted.tube.noise]
@@ -330,6 +341,30 @@ def _end(fitted: FittedSpring, definition: SpringDefinition, place: int, over: b
         lean,
         fitted.tip_spread[1 - place if over else place],
     )
+
+
+def _unseen(fitted: FittedSpring, wire: Wire) -> list[str]:
+    """A sector about the axis without points, tips in it, and points that are not explained."""
+    notes = []
+    surface = fitted.points[fitted.weight > 0]
+    begin, width = unseen_sector(surface)
+    if width > BRIDGED:
+        notes.append(
+            f"no point is in a sector of {360 * width:.0f} degrees about the axis; the smooth curve bridges it on every coil"
+        )
+        names = ("upper", "lower") if wire.turned_over else ("lower", "upper")
+        for name, tip, side in zip(names, fitted.tips, (-1, 1), strict=True):
+            beyond = np.mod(fitted.tube.hand * (tip + 0.5 * side * width) - begin, 1.0)
+            if beyond < width:
+                notes.append(
+                    f"the {name} tip is at the edge of that sector or in it, so the wire may be up to {width:.2f} turns longer there"
+                )
+    share = float(np.mean(np.abs(fitted.on.left) < 4 * fitted.tube.noise))
+    if share < EXPLAINED:
+        notes.append(
+            f"{100 * share:.0f} % of the points lie on the wire that was followed; the others are strays, a holder or coils that were missed"
+        )
+    return notes
 
 
 def _assumed(

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.errors import InputError
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 DEGREE = 3
@@ -26,6 +28,8 @@ TOUCHING = 5.0
 #: Rounds of the fit, and movement of the wire axis, in standard deviations of a point, at which it
 #: has settled.
 ROUNDS, SETTLED = 40, 5e-3
+#: Fewest points that a wire is fitted to.
+FEWEST = 50
 #: Entries a turn of the table that tells which coil a point is near.
 TABLE = 256
 
@@ -270,7 +274,7 @@ def fit_tube(
     """The tube through the surface points, where they lie on it and their weights (n,).
 
     ``flats``: function of the points that is true for those of ground faces, which are no surface
-    of the tube.
+    of the tube. Raises :class:`InputError` where fewer than :data:`FEWEST` points lie on it.
     """
     skip = np.zeros(len(points), dtype=bool) if flats is None else flats(points)
     rough, size = [np.array([1e-4, 1e-4]), len(tube.radius)]
@@ -284,6 +288,10 @@ def fit_tube(
             0.0,
             np.clip(1 - (on.left / (TUKEY * scale)) ** 2, 0.0, None) ** 2,
         )
+        if np.count_nonzero(weight) < FEWEST:
+            raise InputError(
+                "the points do not lie on the surface of one wire; give the scan of one spring, cleaned of its holder"
+            )
         matrix, side = _normal_equations(tube, on, weight, ovate)
         matrix, side = matrix / scale**2, side / scale**2
         prior = np.zeros_like(matrix)
@@ -328,7 +336,7 @@ def _scale(on: OnWire, skip: Mask, tube: Tube, first: bool) -> float:
         & (on.gap > 0.1 * wire)
         & ~skip
     )
-    if np.count_nonzero(near) < 50:
+    if np.count_nonzero(near) < FEWEST:
         return tube.noise
     found = 1.4826 * float(np.median(np.abs(on.left[near])))
     # coming from a rough start the scale falls step by step, so that no point is given up too early

@@ -23,6 +23,8 @@ KINDS = {
 RPM = math.pi / 30
 #: Factors on the damping of the springs at which critical speeds are repeated.
 DAMPING_FACTORS = (0.6, 1.5)
+#: Further ranges of lost control that are named one by one.
+MAX_AGAIN = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +77,7 @@ class Crossing:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class CriticalSpeed:
     """Result of the search for one kind of loss of control; speeds in rad/s of the crank.
 
@@ -129,6 +131,22 @@ class CriticalSpeed:
             if self.begins is None
             else self.begins.from_rest.upper_engine_speed
         )
+
+    @property
+    def later_text(self) -> str:
+        """Until which speed (rpm) control stays lost, and where it is lost again; empty for never."""
+        if not self.found:
+            return ""
+        end = f"{self.last_engine_speed / RPM:.6g} or more"
+        parts = [f"until {end if self.ends is None else self.ends.from_rest}"]
+        if self.again:
+            parts.append(f"again {', '.join(map(str, self.again[:MAX_AGAIN]))}")
+        if len(self.again) > MAX_AGAIN:
+            parts.append(f"and {len(self.again) - MAX_AGAIN} times more")
+        return ", ".join(parts)
+
+    def __repr__(self) -> str:
+        return f"{self.label}, {self.kind}: {'; '.join(filter(None, (self.text, self.later_text)))}"
 
     @property
     def printed(self) -> SpeedBracket | None:
@@ -204,7 +222,7 @@ class CriticalSpeeds(Saveable):
         return "\n  ".join(
             (
                 "critical engine speeds (rpm)",
-                *(f"{one.label}, {one.kind}: {one.text}" for one in self.rows),
+                *map(repr, self.rows),
             )
         )
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import frame, table_and_picture, value_text
+from valvetrain.solution.display import frame, table, table_and_picture, value_text
 from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.status import COMPLETED, Status
 
@@ -103,6 +103,72 @@ class ModalResult(Saveable):
             "axial": np.isin(numbers - 1, self.axial_modes),
         }  # fmt: skip
         return frame(columns, "mode", {"natural_frequency": "Hz", "axial_transmission": "1"})
+
+
+#: Share of a mode's kinetic energy along the axis from which it can be surge, and below which it is
+#: lateral.
+AXIAL, LATERAL = 1 / 2, 1 / 3
+
+
+@dataclass(frozen=True, eq=False)
+class SpringModes:
+    """Natural modes of one spring as installed, both ends fixed, touching coils held together.
+
+    ``natural_frequency`` (mode,) Hz, ascending; ``axial_share`` (mode,): share of the kinetic energy
+    along the axis; ``surge``: whether the mode is one of the surge series, which carries force from
+    end to end.
+
+    >>> import numpy as np
+    >>> modes = SpringModes(np.array([430.0, 610.0]), np.array([0.9, 0.1]), np.array([True, False]))
+    >>> modes.kinds
+    ('surge', 'lateral')
+    """
+
+    natural_frequency: Array
+    axial_share: Array
+    surge: NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        count = (len(self.natural_frequency),)
+        check_shapes(self, "the modes of a spring", {"axial_share": count, "surge": count})
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kind of each mode: ``surge`` (of that series, as far up as half of the energy or more is
+        along the axis), ``lateral`` (less than a third along the axis) or ``coupled``.
+        """
+        weak = np.flatnonzero(self.surge & (self.axial_share < AXIAL))
+        end = int(weak[0]) if len(weak) else len(self.surge)
+        return tuple(
+            "surge" if surge and place < end else "lateral" if share < LATERAL else "coupled"
+            for place, (surge, share) in enumerate(zip(self.surge, self.axial_share, strict=True))
+        )
+
+    @property
+    def surge_frequencies(self) -> Array:
+        """Frequencies (Hz) of the modes of kind ``surge``, ascending."""
+        chosen = [kind == "surge" for kind in self.kinds]
+        return np.asarray(self.natural_frequency)[chosen]
+
+    def __repr__(self) -> str:
+        rows = zip(self.natural_frequency, self.kinds, self.axial_share, strict=True)
+        lines = [f"{value:.5g} Hz, {kind}, {share:.0%} axial" for value, kind, share in rows]
+        return "\n  ".join((f"SpringModes: {len(lines)} modes", *lines))
+
+    def _repr_html_(self) -> str:
+        rows = zip(self.natural_frequency, self.kinds, self.axial_share, strict=True)
+        cells = [(value_text(value, "Hz"), kind, f"{share:.0%}") for value, kind, share in rows]
+        return table(f"{len(cells)} modes", ("natural frequency", "kind", "axial share"), cells)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """One row per mode: natural frequency (Hz), kind, axial share."""
+        columns = {
+            "mode": np.arange(1, len(self.natural_frequency) + 1),
+            "natural_frequency": self.natural_frequency,
+            "kind": np.array(self.kinds),
+            "axial_share": self.axial_share,
+        }
+        return frame(columns, "mode", {"natural_frequency": "Hz", "axial_share": "1"})
 
 
 @dataclass(frozen=True, eq=False)

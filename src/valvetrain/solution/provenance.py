@@ -24,7 +24,7 @@ class Provenance:
     (ISO 8601, or empty), so that equal inputs give equal content. ``citations``: whole references.
     ``label`` of the run within its study (the name of the model where it is unique); ``system``:
     ``prescribed-spring`` or ``train``; ``springs``: ``("spring",)`` or ``("outer", "inner")``, the
-    prefixes of the channels of a nested pair.
+    prefixes of the channels of a nested pair; ``notes``: sentences on what its model leaves out or needs.
     """
 
     case_name: str
@@ -41,12 +41,14 @@ class Provenance:
     spring_set: str = ""
     system: str = ""
     springs: tuple[str, ...] = ("spring",)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "dependencies", MappingProxyType(dict(self.dependencies)))
         object.__setattr__(self, "options", MappingProxyType(dict(self.options)))
         object.__setattr__(self, "citations", tuple(self.citations))
         object.__setattr__(self, "springs", tuple(self.springs))
+        object.__setattr__(self, "notes", tuple(self.notes))
         object.__setattr__(self, "label", self.label or self.model)
 
     def __reduce__(self) -> tuple[object, ...]:

@@ -100,6 +100,11 @@ class Solution(Saveable):
         return self.provenance.spring_set
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on this run: what its model leaves out, what its inputs need."""
+        return self.provenance.notes
+
+    @property
     def springs(self) -> tuple[str, ...]:
         """Names of the springs, outer first; prefixes of the channels of a nested pair
         (:meth:`channel_of`).
@@ -220,6 +225,7 @@ class Solution(Saveable):
             )
         if self.gaps:
             lines.append(f"{len(self.gaps)} not found: {self.gaps[0]}")
+        lines += [f"note: {text}" for text in self.notes]
         return verdict_first(self, lines)
 
     def _repr_html_(self) -> str:

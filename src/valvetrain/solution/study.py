@@ -120,7 +120,23 @@ class Study(Reported):
             )
         if self.failures:
             lines.append(f"{len(self.failures)} not completed: {self.failures[0]}")
+        lines += self._unsettled()
+        if self.critical_speeds.rows:
+            lines += repr(self.critical_speeds).splitlines()
+        lines += [f"note: {text}" for text in self.notes]
         return verdict_first(self, lines)
+
+    def _unsettled(self) -> list[str]:
+        """A line per label on the runs of a sweep whose motion does not settle, which is a finding."""
+        found: dict[str, list[str]] = {}
+        for run in self.solutions if self.over_speed else ():
+            if run.status.code == "not-converged":
+                speed = f"{run.engine_speed * 30 / np.pi:.6g}"
+                found.setdefault(run.label, []).append(speed)
+        return [
+            f"{label}: motion does not repeat at {', '.join(speeds)} rpm"
+            for label, speeds in found.items()
+        ]
 
     def _repr_html_(self) -> str:
         names = list(dict.fromkeys(name for run in self.solutions for name in run.quantities))[:5]

@@ -204,6 +204,7 @@ def _deliver(
     from valvetrain.parameters.loading import parse_case
     from valvetrain.report.files import spring_text
     from valvetrain.report.page import render
+    from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.atomic import write_text
 
     text = spring_text("spring-card", fit.spring, source)
@@ -236,7 +237,7 @@ def _deliver(
             soft_wrap=True,
         )
 
-    deliver(Outcome(data, show_text, ()))
+    deliver(Outcome(data, show_text, (), verdict_of(fit)))
 
 
 def _show_card(fit: SpringFit, request: _Request) -> None:

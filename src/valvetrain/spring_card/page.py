@@ -15,6 +15,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
 from valvetrain.report.text import number, percent, unit_text
+from valvetrain.report.verdict import verdict_of
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.spring_card.card import weight
 from valvetrain.spring_card.fit import CardDeviation, SpringFit, forces_at
@@ -78,11 +79,9 @@ def card_page(fit: SpringFit) -> Page:
     )
     sections = (
         Section("card", "The card and the spring that meets it", (requested,)),
-        Section(
-            "curve", "Force and pitch", (Figure(_card_chart(fit)), Figure(_pitch_chart(fit.spring)))
-        ),
+        Section("curve", "Pitch", (Figure(_pitch_chart(fit.spring)),)),
         Section("spring", "What the spring is", (_grid(fit.spring),)),
-        Section("free", "What the card left open", _sentences(fit.free)),
+        Section("free", "What the card left open", _sentences(fit.free), folded=True),
     )
     lead = "Active turns and free length give the finite-element rod both loads of the card; the rest follows from its other values."
     return Page(
@@ -92,6 +91,8 @@ def card_page(fit: SpringFit) -> Page:
         _facts(fit.spring),
         sections,
         "Heights are between the seats.",
+        verdict=verdict_of(fit),
+        picture=(Figure(_card_chart(fit)),),
     )
 
 
@@ -149,10 +150,9 @@ def tester_page(fit: TesterFit) -> Page:
     )  # fmt: skip
     sections = (
         Section("found", "What the table gives", found),
-        Section("curve", "Force and rate", (Figure(_tester_chart(fit)),)),
         Section("pitch", "The pitch law behind it", (Figure(_pitch_chart(fit.spring, fit)),)),
         Section("spring", "What the spring is", (_grid(fit.spring),)),
-        Section("free", "What the table left open", _sentences(fit.free)),
+        Section("free", "What the table left open", _sentences(fit.free), folded=True),
     )
     lead = "Active turns and pitch are fitted so that the coils close where the table stiffens; the finite-element rod is the check."
     return Page(
@@ -162,6 +162,8 @@ def tester_page(fit: TesterFit) -> Page:
         _facts(fit.spring),
         sections,
         "Heights are between the seats.",
+        verdict=verdict_of(fit),
+        picture=(Figure(_tester_chart(fit)),),
     )
 
 

@@ -16,7 +16,7 @@ from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import Equilibrium, compress
 from valvetrain.cosserat.turning import rotation_of
 from valvetrain.errors import InputError
-from valvetrain.solution.modes import ModalResult
+from valvetrain.solution.modes import ModalResult, SpringModes
 from valvetrain.solution.static import RestPoint, StaticCurve
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.finite_element_channels import (
@@ -122,6 +122,13 @@ def rest_point(rod: RodModel, equilibrium: Equilibrium) -> RestPoint:
         side_force=float(np.hypot(force[0], force[1])),
         rotation=hand * rotation_of(rod.statics, state) if rod.statics.turns else None,
     )
+
+
+def spring_modes(rod: RodModel, count: int) -> SpringModes:
+    """The lowest ``count`` modes about the installed state, both ends fixed, with their kinds."""
+    found = natural_modes(rod.statics, rod.installed.state, count)
+    surge = np.isin(np.arange(len(found.natural_frequency)), found.axial_modes(count))
+    return SpringModes(found.natural_frequency, found.axial_energy_share, surge)
 
 
 def modal_result(rod: RodModel, count: int = 24, attached_mass: float | None = None) -> ModalResult:

@@ -364,10 +364,14 @@ class MultiMassSpring:
 class MultiMassOptions(SpringOptions):
     """Options of the chain of masses."""
 
-    wire_only: ClassVar[tuple[str, ...]] = ("masses_per_coil",)
+    wire_only: ClassVar[tuple[str, ...]] = ("masses_per_coil", "from_rod")
     card_only: ClassVar[tuple[str, ...]] = ("elements",)
     masses_per_coil: int = Field(
         default=12, ge=1, le=2000, description="masses along one turn of the wire"
+    )
+    from_rod: bool = Field(
+        default=True,
+        description="force at mid travel and first surge frequency of a wire taken from its rod; without it by formula",
     )
     elements: int = Field(
         default=5, ge=1, le=2000, description="elements of the chain made from a card"
@@ -388,7 +392,7 @@ def _make(
             card.rate, card.preload, card.mass, elements=options.elements, **damping
         )
     assert spring.wire is not None
-    return MultiMassSpring.from_definition(
+    chain = MultiMassSpring.from_definition(
         spring.wire,
         spring.precompression,
         masses_per_coil=options.masses_per_coil,
@@ -396,6 +400,12 @@ def _make(
         contact_law=law_of(spring.contact),
         **damping,
     )
+    if not options.from_rod:
+        return chain
+    from valvetrain.springs.chain_from_rod import match  # it corrects this class
+
+    found = match(chain, spring)
+    return chain if found is None else found.chain
 
 
 SPEC = SpringModelSpec(

@@ -5,7 +5,10 @@ from __future__ import annotations
 import functools
 import warnings
 from collections.abc import Callable, Sequence
+from inspect import Parameter, signature
 from typing import ParamSpec, TypeVar
+
+from valvetrain.errors import UnknownNameError
 
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
@@ -24,10 +27,13 @@ def renamed(
     **earlier: str,
 ) -> Callable[[Callable[Parameters, Result]], Callable[Parameters, Result]]:
     """Decorator of a function whose arguments had ``earlier`` names (earlier -> present): they are
-    taken, with a :class:`DeprecationWarning`.
+    taken, with a :class:`DeprecationWarning`; one that it never had is refused by
+    :class:`InputError`.
     """
 
     def decorate(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+        known = argument_names(function)
+
         @functools.wraps(function)
         def call(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
             for old, new in earlier.items():
@@ -40,8 +46,19 @@ def renamed(
                     message = f"the argument {old} of {owner} is named {new} now"
                     warnings.warn(message, DeprecationWarning, stacklevel=2)
                     kwargs[new] = kwargs.pop(old)
+            for name in kwargs if known else ():
+                if name not in known:
+                    raise UnknownNameError(name, known, f"argument of {function.__name__}")
             return function(*args, **kwargs)
 
         return call
 
     return decorate
+
+
+def argument_names(function: Callable[..., object]) -> tuple[str, ...]:
+    """Names of the arguments that a function takes; none where it takes any."""
+    found = signature(function).parameters.values()
+    if any(one.kind is Parameter.VAR_KEYWORD for one in found):
+        return ()
+    return tuple(one.name for one in found if one.name != "self")

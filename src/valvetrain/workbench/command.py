@@ -128,11 +128,14 @@ def _serve(
     release = workspace.hold()
     try:
         with Jobs(workspace, running, waiting, seconds, memory) as jobs:
-            tell(f"workbench '{folder}' at {settings.address}; Ctrl-C ends it")
-            if settings.token:
-                complain(f"visitors need its token: {settings.first_page}")
+
+            def listening() -> None:
+                tell(f"workbench '{folder}' at {settings.address}; Ctrl-C ends it")
+                if settings.token:
+                    complain(f"visitors need its token: {settings.first_page}")
+
             with _ended_by_signals(), suppress(KeyboardInterrupt):
-                start(workspace, jobs, settings)
+                start(workspace, jobs, settings, listening)
             going = sum(one.state == "running" for one in jobs.jobs())
         tell(
             "the server has ended"

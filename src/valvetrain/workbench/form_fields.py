@@ -59,7 +59,7 @@ Kind = Literal["number", "text", "choice", "flag", "curve"]
 #: One number with its unit.
 _AMOUNT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\D.*?)?\s*")
 #: A slider reaches this far on both sides of the value, in this many steps.
-_REACH, _STEPS = 0.5, 200
+_REACH, _STEPS = 0.5, 50
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,12 +244,18 @@ def _slider(
     if number is None or number == 0 or not math.isfinite(number):
         return None
     reach = abs(number) * _REACH
-    step = 1.0 if whole else 10.0 ** math.floor(math.log10(2 * reach / _STEPS))
+    step = 1.0 if whole else _round_step(2 * reach / _STEPS)
     low, high = (number - reach, number + reach)
     low = low if limits[0] is None else max(low, limits[0])
     high = high if limits[1] is None else min(high, limits[1])
     low, high = (_rounded(round(end / step) * step) for end in (low, high))
     return (low, high, step) if high - low >= 2 * step else None
+
+
+def _round_step(least: float) -> float:
+    """1, 2 or 5 times a power of ten, the least that is no less than ``least``."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return _rounded(next(n for n in (1, 2, 5, 10) if n * power >= least * (1 - 1e-9)) * power)
 
 
 def _default(info: FieldInfo) -> str:

@@ -87,6 +87,7 @@ class LiveChain:
         self._closed = False
         self._chain = _Worker(case_text, folder, spring_model, MAX_CURVE_POINTS, warm=True)
         self._rod = _Worker(case_text, folder, ROD, MAX_ROD_LENGTH)
+        self._search = _Worker(case_text, folder, spring_model, MAX_ROD_LENGTH)
         self._chain.begin()
 
     def curve(self, changes: Mapping[str, str] = _NOTHING, engine_speed: str = "") -> LiveResult:
@@ -106,9 +107,17 @@ class LiveChain:
         self._rod.stop()
         return self._rod.ask(changes, engine_speed or self.engine_speed)
 
+    def float_speed(self, changes: Mapping[str, str] = _NOTHING) -> LiveResult:
+        """The float speed (rpm) of a train, in ``quantities``, by a search of few runs, in seconds;
+        a sweep searches finer. :meth:`cancel` ends it, and so does a new call; a refusal is its ``sentence``.
+        """
+        self._search.interrupt()
+        return self._search.ask(changes, "", float=True)
+
     def cancel(self) -> None:
-        """End a rod that runs; its call comes back ``skipped``."""
+        """End a rod and a search that run; their calls come back ``skipped``."""
         self._rod.stop()
+        self._search.interrupt()
 
     def close(self) -> None:
         """End the workers."""
@@ -119,6 +128,7 @@ class LiveChain:
             LiveChain._living -= 1
         self._chain.close()
         self._rod.close()
+        self._search.close()
 
     def __enter__(self) -> LiveChain:
         return self
@@ -149,7 +159,7 @@ class _Worker:
 
     _process: subprocess.Popen[bytes] | None
 
-    def ask(self, changes: Mapping[str, str], engine_speed: str) -> LiveResult:
+    def ask(self, changes: Mapping[str, str], engine_speed: str, **more: bool) -> LiveResult:
         """The answer of the process, or skipped where a newer question came while this one waited."""
         self._last = mine = self._last + 1
         with self._turn:
@@ -159,11 +169,8 @@ class _Worker:
             self._busy = True
             try:
                 assert process.stdin is not None and process.stdout is not None
-                process.stdin.write(
-                    (
-                        json.dumps({"changes": dict(changes), "engine_speed": engine_speed}) + "\n"
-                    ).encode()
-                )
+                request = {"changes": dict(changes), "engine_speed": engine_speed, **more}
+                process.stdin.write((json.dumps(request) + "\n").encode())
                 process.stdin.flush()
                 line = _line(process, self._longest)
             except (OSError, ValueError):
@@ -195,6 +202,14 @@ class _Worker:
         process = self._process
         if process is not None and self._busy:
             process.kill()
+
+    def interrupt(self) -> None:
+        """Ask a search of the process to stop, which it does between two runs."""
+        process = self._process
+        if process is not None and self._busy and process.stdin is not None:
+            with suppress(OSError, ValueError):
+                process.stdin.write(b"stop\n")
+                process.stdin.flush()
 
     def close(self) -> None:
         """End the process for good."""
@@ -264,5 +279,6 @@ def _result(entry: Mapping[str, Any]) -> LiveResult:
         str(entry["sentence"]),
         quantities,
         float(entry.get("engine_speed", 0.0)),
+        bool(entry.get("skipped", False)),
         model=str(entry.get("model", "")),
     )

@@ -14,7 +14,7 @@ import queue
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,8 @@ from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.overrides import read_assignment
 from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.train_numbers import margin_quantities
+from valvetrain.runs.critical_speeds import CriticalOptions, first_bracket
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
@@ -33,7 +35,9 @@ from valvetrain.runs.prepared import (
     provenance_of,
 )
 from valvetrain.runs.train_runs import member_statics
+from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.partial_failures import reason
+from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import si_speeds
@@ -43,6 +47,12 @@ CHAIN = "multi-mass"
 
 #: Number of built cases in the cache, changed or not: a slider goes to and fro.
 MAX_BUILT = 8
+#: Shares of the float speed of rigid parts at which the search for the float speed begins, one after
+#: the other until the valve floats, and its resolution (rad/s).
+FLOAT_SHARES, FLOAT_RESOLUTION = (0.6, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5), 20 * np.pi / 30
+#: The line that ends a search.
+STOP = "stop\n"
+_stop = threading.Event()
 
 
 class LiveCase:
@@ -95,6 +105,7 @@ class LiveCase:
             for name in ("retainer_force", "valve_lift")
         )
         peak = int(np.argmax(force))
+        numbers = {} if ready.motion is None else train_numbers(ready, run)
         degrees = np.degrees(cycle.cam_angle)
         return {
             "model": run.model,
@@ -104,12 +115,48 @@ class LiveCase:
             "engine_speed": speed * 30 / np.pi,
             "sentence": "" if run.status.code == "completed" else run.status.sentence(),
             "quantities": {
+                **numbers,
                 "largest force": (float(force[peak]), "N"),
                 "at": (float(degrees[peak]), "deg"),
                 "smallest force": (float(force.min()), "N"),
                 "largest lift": (float(lift.max()) * 1e3, "mm"),
             },
         }
+
+    def float_speed(
+        self, changes: Mapping[str, str], stopped: Callable[[], bool] = lambda: False
+    ) -> dict[str, Any]:
+        """The float speed of a train with ``changes`` by a search of few runs, in ``quantities``;
+        ``skipped`` once ``stopped`` says so, a sentence where it is refused.
+        """
+        begun = time.perf_counter()
+        try:
+            found = self._float_speed(changes, stopped)
+        except ValvetrainError as error:
+            found = {"sentence": str(error)}
+        except Exception as error:  # as for a curve
+            found = {"sentence": reason(error)}
+        return {"sentence": "", **found, "seconds": time.perf_counter() - begun}
+
+    def _float_speed(
+        self, changes: Mapping[str, str], stopped: Callable[[], bool]
+    ) -> dict[str, Any]:
+        problem, ready = self._ready(changes)
+        if ready.refusal or ready.motion is None:
+            raise InputError(ready.refusal or "a spring alone has no float speed")
+        rigid = 2 * ready.motion.contact_loss()[0]
+        top = rigid if np.isfinite(rigid) else max(problem.engine_speeds, default=1000.0)
+        speeds = [share * top for share in FLOAT_SHARES]
+        options = CriticalOptions(resolution=FLOAT_RESOLUTION, ranges=False)
+        found = first_bracket("float", problem, ready, speeds, options, stopped)
+        if found is None:
+            return {"skipped": True}
+        low, high = (
+            end * 30 / np.pi for end in (found.lower_engine_speed, found.upper_engine_speed)
+        )
+        if not low or not np.isfinite(high):
+            return {"sentence": f"no float up to {low:.0f} rpm" if low else f"below {high:.0f} rpm"}
+        return {"quantities": {"float speed": (high, "rpm")}}
 
     def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, PreparedRun]:
         key = tuple(sorted(changes.items()))
@@ -126,6 +173,25 @@ class LiveCase:
         return self._built[key]
 
 
+def train_numbers(ready: PreparedRun, run: Solution) -> dict[str, tuple[float, str]]:
+    """What decides whether a train keeps control at the speed of a run: least cam force while the
+    valve is open, least margin of the spring and float speed of rigid parts, by their labels.
+    """
+    assert ready.motion is not None
+    margins = margin_quantities(ready.motion.table(run.engine_speed / 2))
+    found = {
+        "minimum_cam_contact_force": run.statistics.get("least_cam_contact_force"),
+        "minimum_spring_margin_force": margins.get("minimum_spring_margin_force"),
+        "rigid_contact_loss_engine_speed": 2 * ready.motion.contact_loss()[0],
+    }
+    known = {name: float(value) for name, value in found.items() if value is not None}
+    return {
+        label_of(name): (float(shown(name, value)[0]), shown(name, value)[1])
+        for name, value in known.items()
+        if np.isfinite(value)
+    }
+
+
 def main() -> None:
     """Read the case from the first line, then answer each line that follows."""
     lines: queue.SimpleQueue[str] = queue.SimpleQueue()
@@ -137,7 +203,11 @@ def main() -> None:
         case.answer({}, "")
     while True:
         request = json.loads(lines.get())
-        answer = case.answer(request["changes"], request["engine_speed"])
+        if request.get("float"):
+            _stop.clear()
+            answer = case.float_speed(request["changes"], _stop.is_set)
+        else:
+            answer = case.answer(request["changes"], request["engine_speed"])
         sys.stdout.write(json.dumps(answer, allow_nan=False) + "\n")
         sys.stdout.flush()
 
@@ -145,7 +215,10 @@ def main() -> None:
 def _listen(lines: queue.SimpleQueue[str]) -> None:
     """Pass requests on; end the process, whatever it computes, once there are no more."""
     for line in sys.stdin:
-        lines.put(line)
+        if line == STOP:
+            _stop.set()
+        else:
+            lines.put(line)
     os._exit(0)
 
 

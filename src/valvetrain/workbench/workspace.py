@@ -25,6 +25,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, parse_case, parse_toml
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.solution.atomic import lock, write_bytes, write_text
+from valvetrain.system.build import build
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name
 from valvetrain.workbench.form import read_change
@@ -75,6 +76,19 @@ def _in_turn(
             return method(self, *given, **named)
 
     return waiting
+
+
+def binding(case: Case) -> str:
+    """The sentence by which a run of ``case`` is refused for a spring that is solid within the lift;
+    empty where none is, or the case cannot be built for another reason.
+    """
+    if not case.springs and case.train is None:
+        return ""
+    try:
+        build(case, spring_models=("massless",))
+    except InputError as error:
+        return error.reason if "reaches coil bind" in error.reason else ""
+    return ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,7 +301,9 @@ class Workspace:
         before = self.text(case)
         path, value, _ = read_change(before, key, text_value, self.case_folder(case), case)
         text = with_change(before, path, value)
-        self.parse(case, text)
+        changed = self.parse(case, text)
+        if (sentence := binding(changed)) and not binding(self.parse(case, before)):
+            raise InputError(sentence, path)
         self._write(case, text)
 
     @_in_turn

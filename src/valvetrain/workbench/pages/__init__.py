@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -21,7 +23,12 @@ ICON = (
 )
 
 
-def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
+def start(
+    workspace: Workspace,
+    jobs: Jobs,
+    settings: ServeSettings,
+    listening: Callable[[], None] = lambda: None,
+) -> None:
     """Serve the pages until Ctrl-C.
 
     Parameters
@@ -29,6 +36,7 @@ def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
     workspace : cases and runs that are shown
     jobs : what computes
     settings : address, token and bounds
+    listening : called once the address answers
 
     Raises
     ------
@@ -48,7 +56,13 @@ def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
     desk = Desk(workspace, jobs, settings)
     routes.register(desk)
     app.add_middleware(Guard, settings=settings)
-    app.on_startup(assets.warm)
+
+    async def tell_once() -> None:
+        await _until_listening(settings.host, settings.port)
+        listening()
+        await assets.warm()
+
+    app.on_startup(tell_once)
     app.on_shutdown(desk.close)
     shown: str | bool = (
         settings.first_page.removeprefix(settings.address.rstrip("/"))
@@ -72,3 +86,20 @@ def start(workspace: Workspace, jobs: Jobs, settings: ServeSettings) -> None:
             uvicorn_logging_level="warning",
             **uvicorn_options(settings),
         )
+
+
+#: Seconds between two looks whether the server listens.
+LOOK = 0.05
+
+
+async def _until_listening(host: str, port: int) -> None:
+    """Wait until ``port`` takes connections."""
+    place = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
+    while True:
+        try:
+            _, writer = await asyncio.open_connection(place, port)
+        except OSError:
+            await asyncio.sleep(LOOK)
+            continue
+        writer.close()
+        return

@@ -20,6 +20,7 @@ from valvetrain.workbench.form import FieldGroup
 from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.live import LiveResult
 from valvetrain.workbench.pages.case_files import CaseFiles
+from valvetrain.workbench.pages.compare_page import verdict_in
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import (
     Form,
@@ -29,6 +30,7 @@ from valvetrain.workbench.pages.elements import (
     Results,
     Slider,
     button,
+    float_text,
     link,
     live_lines,
     live_numbers,
@@ -44,6 +46,7 @@ from valvetrain.workbench.pages.forms import (
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.html import job_shown, sentence_of
 from valvetrain.workbench.pages.orders import choices_for, models_for, request_of
+from valvetrain.workbench.pages.pictures import has_picture, of_case, prepare
 from valvetrain.workbench.pages.runs import earlier, run_head, run_table
 from valvetrain.workbench.saved_runs import Run
 from valvetrain.workbench.starts import additions, removable
@@ -89,6 +92,8 @@ class CasePage:
         self.job: JobStatus | None = None
         self.shown_run = ""
         self.moved: tuple[str, LiveResult] | None = None
+        self.own_float: float | None = None
+        self.drawn, self.requested, self.drawing = "", ("", ""), False
         self.looks = -1
         self.line = asyncio.Lock()
 
@@ -100,8 +105,14 @@ class CasePage:
         groups = form.fields(self.text)
         remembered = self.desk.workspace.remembered(self.case)
         with frame(self.read.title or self.case):
+            tag("h1", self.read.title or self.case)
+            quantities = sliding(groups)
+            self.order = Order(
+                choices_for(self.read, quantities, remembered), self.estimate, self.start
+            )
+            self.panel = JobPanel(self.cancel, self.again)
             with tag("div", classes="split"):
-                tag("h1", self.read.title or self.case)
+                tag("p", f"Case {self.case}. Changes are saved as you make them.", "said")
                 with tag("div", classes="row"):
                     link(
                         "Download the case",
@@ -110,7 +121,6 @@ class CasePage:
                         download="",
                     )
                     button("Copy of the case", self.copy, "button small")
-            tag("p", f"Case {self.case}. Changes are saved as you make them.", "said")
             with tag("div", classes="bench"):
                 with tag("section", classes="inputs", aria_labelledby="inputs-title"):
                     tag("h2", "Case", id="inputs-title")
@@ -128,23 +138,47 @@ class CasePage:
                     )
                     self.side_files = CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
+                    with tag("figure", classes="drawn case-drawn") as self.figure:
+                        self.picture = tag("img", alt="the parts to scale, valve closed and open")
+                        tag("figcaption", "To scale: valve closed and at full lift.", "hint")
                     handlers: dict[str, Handler] = {
                         "begin": self.begin,
                         "move": self.move,
                         "moving": self.moving,
                         "rest": self.rest,
+                        "settle": self.settle,
                         "keep": self.keep,
                     }
-                    quantities = sliding(groups)
-                    self.order = Order(
-                        choices_for(self.read, quantities, remembered), self.estimate, self.start
+                    self.slider = Slider(
+                        [*engine_speed(self.read), *quantities], "", self.floats(), handlers
                     )
-                    self.panel = JobPanel(self.cancel, self.again)
-                    self.slider = Slider([*engine_speed(self.read), *quantities], "", handlers)
                     self.head = tag("div", classes="run-head")
                     self.results = Results()
                     self.list = tag("div", classes="run-list")
+        self.figure.set_visibility(has_picture(self.read))
+        self.picture.props["src"] = of_case(self.desk, self.case)
         ui.timer(LOOK, self.look)
+
+    def floats(self) -> bool:
+        """Whether the case has a float speed."""
+        return self.read.train is not None
+
+    async def draw(self, key: str = "", value: str = "") -> None:
+        """Draw the case with ``value`` at ``key``; of positions that come meanwhile, the newest is
+        drawn next.
+        """
+        self.requested = key, value
+        if self.drawing:
+            return
+        self.drawing = True
+        try:
+            while (address := of_case(self.desk, self.case, *self.requested)) != self.drawn:
+                self.drawn = address
+                await asyncio.to_thread(prepare, self.desk, self.case, *self.requested)
+                self.picture.props["src"] = address
+                self.picture.update()
+        finally:
+            self.drawing = False
 
     # -- the form
     # --------------------------------------------------------------------------------------------------------
@@ -211,7 +245,10 @@ class CasePage:
         groups = form.fields(self.text)
         self.form.show(*self.shown(groups))
         self.side_files.show()
-        self.slider.show([*engine_speed(self.read), *sliding(groups)], "")
+        self.own_float = None
+        self.slider.show([*engine_speed(self.read), *sliding(groups)], "", self.floats())
+        self.figure.set_visibility(has_picture(self.read))
+        await self.draw()
         self.order.tell(quantities=sliding(groups), models=models_for(self.read))
 
     def files(self) -> list[str]:
@@ -250,6 +287,21 @@ class CasePage:
         self.slider.answer(
             live_lines(base, found, None, value), live_numbers(base, found), found.sentence
         )
+        await self.draw(key, value)
+
+    async def settle(self, event: events.GenericEventArguments) -> None:
+        """The slider rests: the float speed is searched for."""
+        key, value = str(event.args["key"]), str(event.args["value"])
+        try:
+            found = await self.desk.float_speed(self.case, key, value)
+        except ValvetrainError as error:
+            self.slider.float_answer(sentence_of(error))
+            return
+        speed = found.quantities.get("float speed", (None, ""))[0]
+        if not event.args.get("asked"):
+            self.own_float = speed
+        if not found.skipped:
+            self.slider.float_answer(float_text(speed, self.own_float, found.sentence))
 
     async def rest(self, event: events.GenericEventArguments) -> None:
         """The slider rests: the curve by the rod too."""
@@ -364,9 +416,10 @@ class CasePage:
         if chosen is None:
             return
         self.results.show(f"/part/{chosen.run_id}")
+        verdict = await asyncio.to_thread(verdict_in, chosen)
         self.head.clear()
         with self.head:
-            run_head(self.desk, chosen, full=False)
+            run_head(self.desk, chosen, full=False, verdict=verdict)
         self.list.clear()
         others = earlier(runs, chosen.run_id)[:MAX_RUNS]
         if others:

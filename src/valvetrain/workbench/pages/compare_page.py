@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
+from html import unescape
 from typing import Any
 from urllib.parse import quote
 
@@ -23,6 +24,7 @@ _DATA = re.compile(
 _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)</script>')
 #: Pictures for readers without scripts.
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
+_VERDICT = re.compile(r'<p class="verdict">([^<]*)</p>')
 #: What stands between the picture of a report and its first section, which the page of a run shows itself.
 _ABOUT = re.compile(r'<div class="about">.*?</dl>\n</div>\n?', re.DOTALL)
 _CHART = re.compile(r'data-chart="([^"]*)"')
@@ -45,6 +47,15 @@ def report_part(run: Run) -> str:
     )
 
 
+def verdict_in(run: Run) -> str:
+    """The one sentence with which a run's report opens; empty where it has none."""
+    try:
+        found = _VERDICT.search(_report(run))
+    except (InputError, OSError):
+        return ""
+    return "" if found is None else unescape(found[1])
+
+
 def report_rest(run: Run) -> str:
     """The data of the other figures and moving pictures."""
     sections, data = _taken_apart(run)
@@ -59,9 +70,10 @@ def _taken_apart(run: Run) -> tuple[str, str]:
     if start < 0 or end < start:
         raise InputError("the report of this run has no sections; run it again", run.run_id)
     scripts = text.find("\n<script>", end)
-    return _ABOUT.sub("", _WITHOUT_SCRIPTS.sub("", text[start:end])), text[
-        end : scripts if scripts > 0 else len(text)
-    ]
+    shown = text[start:end]
+    for left_out in (_WITHOUT_SCRIPTS, _ABOUT, _VERDICT):  # the page tells these itself
+        shown = left_out.sub("", shown)
+    return shown, text[end : scripts if scripts > 0 else len(text)]
 
 
 def _seen_first(sections: str) -> set[str]:
@@ -104,14 +116,29 @@ def compare_page(desk: Desk, a: str, b: str) -> None:
             )
             return
         with tag("form", classes="row end compare", action="/compare", method="get"):
-            for name, label, chosen in (
-                ("a", "Run A", a or runs[1].run_id),
-                ("b", "Run B", b or runs[0].run_id),
-            ):
+            first, second = two_runs(runs, a, b)
+            for name, label, chosen in (("a", "Run A", first), ("b", "Run B", second)):
                 _choice(name, label, chosen, runs)
             tag("button", "Compare", "button main", type="submit")
         if a and b:
             Results(f"/part-compare?a={quote(a)}&b={quote(b)}", whole=True)
+
+
+def two_runs(runs: Sequence[Run], a: str, b: str) -> tuple[str, str]:
+    """Two different runs to compare, those asked for where they are; the other one is the newest
+    of the same case, where there is one.
+    """
+    given = a or b
+    case = next((run.case for run in runs if run.run_id == given), "")
+    others = [run for run in runs if run.run_id != given]
+    other = next((run for run in others if run.case == case), others[0]).run_id
+    if a and b and a != b:
+        return a, b
+    if given:
+        return (given, other) if a else (other, given)
+    newest = runs[0].run_id
+    same = next((run for run in runs[1:] if run.case == runs[0].case), runs[1])
+    return same.run_id, newest
 
 
 def _choice(name: str, label: str, chosen: str, runs: Sequence[Run]) -> None:

@@ -98,6 +98,12 @@ class Desk:
             opened.chain.rod, *moved_to(opened.changes, key, value)
         )
 
+    async def float_speed(self, case: CaseId, key: str, value: str) -> LiveResult:
+        """The float speed of a case with ``value`` at ``key``; an engine speed changes nothing."""
+        opened, _ = await asyncio.to_thread(self.chain, case)
+        changes = moved_to(opened.changes, key, value)[0]
+        return await asyncio.to_thread(opened.chain.float_speed, changes)
+
     def close(self) -> None:
         """End all chains."""
         with self._lock:

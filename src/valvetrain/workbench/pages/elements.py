@@ -80,6 +80,19 @@ def live_numbers(base: LiveResult, moved: LiveResult | None) -> list[dict[str, s
     return found
 
 
+def float_text(engine_speed: float | None, own: float | None, sentence: str) -> str:
+    """A float speed (rpm) in tens, with the change from the case's ``own``; else the sentence.
+
+    >>> float_text(8524.0, 8401.0, ""), float_text(None, None, "no float up to 9000 rpm")
+    ('8520 rpm (+120)', 'no float up to 9000 rpm')
+    """
+    if engine_speed is None:
+        return sentence
+    change = 0 if own is None else 10 * (round(engine_speed / 10) - round(own / 10))
+    more = f" ({'+' if change > 0 else '−'}{abs(change)})" if change else ""
+    return f"{10 * round(engine_speed / 10)} rpm{more}"
+
+
 def _line(result: LiveResult, name: str, colour: str, dash: str = "solid") -> Line:
     return Line(
         np.asarray(result.angle_deg),
@@ -162,17 +175,29 @@ class Slider(ui.element, component="slider.js"):
     """One quantity on a slider, with the curve that follows it."""
 
     def __init__(
-        self, quantities: Sequence[Mapping[str, Any]], engine_speed: str, on: Mapping[str, Handler]
+        self,
+        quantities: Sequence[Mapping[str, Any]],
+        engine_speed: str,
+        floats: bool,
+        on: Mapping[str, Handler],
     ) -> None:
         super().__init__()
         self.props["quantities"], self.props["speed"] = list(quantities), engine_speed
+        self.props["floats"] = floats
         for event, handler in on.items():
             self.on(event, handler)
 
-    def show(self, quantities: Sequence[Mapping[str, Any]], engine_speed: str) -> None:
-        """Other quantities or values of theirs."""
+    def show(
+        self, quantities: Sequence[Mapping[str, Any]], engine_speed: str, floats: bool
+    ) -> None:
+        """Other quantities or values of theirs; ``floats``: the case has a float speed."""
         self.props["quantities"], self.props["speed"] = list(quantities), engine_speed
+        self.props["floats"] = floats
         self.update()
+
+    def float_answer(self, label: str) -> None:
+        """The float speed in words."""
+        self.run_method("floatAnswer", label)
 
     def answer(
         self, lines: Sequence[Line], numbers: Sequence[Mapping[str, str]], sentence: str

@@ -106,7 +106,7 @@ def engine_speed(case: Case) -> list[dict[str, Any]]:
     ends = {
         "low": 50.0 * round(value * 0.3 / 50),
         "high": 50.0 * round(value * 1.5 / 50),
-        "step": 10.0,
+        "step": 50.0,
     }
     return [
         {

@@ -6,7 +6,8 @@ export default {
     return { kind: "run", at: this.speeds, over: this.sweep, chosen: Object.fromEntries(this.models.map((one) => [one.word, one.chosen])),
       chosenSets: Object.fromEntries(this.sets.map((one) => [one.word, one.chosen])), key: "", low: "", high: "", points: 9, output: (this.outputs[0] || {}).name || "", timer: null };
   },
-  mounted() { this.changed(); },
+  mounted() { this.changed(); document.addEventListener("keydown", this.pressed); },
+  unmounted() { document.removeEventListener("keydown", this.pressed); },
   computed: {
     quantity() { return this.quantities.find((one) => one.key === this.key); },
     // Every answer of the server brings the list anew: what counts is whether it says something else.
@@ -28,21 +29,22 @@ export default {
       this.changed();
     },
     text(value) { return Number(Number(value).toPrecision(4)) + (this.quantity.unit ? " " + this.quantity.unit : ""); },
+    // Ctrl+Enter runs from any field, whose value is taken first.
+    pressed(event) {
+      if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey) || this.busy) { return; }
+      event.preventDefault();
+      document.activeElement?.blur();
+      setTimeout(() => this.run(), 50);
+    },
     run() { this.$emit("run", this.wish()); },
   },
   template: `
 <form class="panel order" aria-labelledby="order-title" @submit.prevent="run">
-  <h2 id="order-title">Run</h2>
+  <h2 id="order-title" class="off-screen">Run</h2>
   <fieldset><legend class="off-screen">What to run</legend><div class="row kinds">
     <label class="check" for="kind-run"><input type="radio" id="kind-run" name="kind" value="run" v-model="kind" @change="changed">Run at engine speeds</label>
     <label class="check" for="kind-sweep"><input type="radio" id="kind-sweep" name="kind" value="sweep" v-model="kind" @change="changed">Sweep over engine speed</label>
     <label class="check" for="kind-study"><input type="radio" id="kind-study" name="kind" value="study" v-model="kind" @change="changed">Study of a quantity</label>
-  </div></fieldset>
-  <fieldset class="models"><legend>Spring models</legend><div class="row">
-    <label v-for="one in models" :key="one.word" class="check" :for="'model-' + one.word" :title="one.hint"><input type="checkbox" :id="'model-' + one.word" v-model="chosen[one.word]" @change="changed">{{ one.label }}</label>
-  </div></fieldset>
-  <fieldset v-if="sets.length" class="sets"><legend>Spring sets</legend><div class="row">
-    <label v-for="(one, place) in sets" :key="one.word" class="check" :for="'set-' + place"><input type="checkbox" :id="'set-' + place" v-model="chosenSets[one.word]" @change="changed">{{ one.word }}</label>
   </div></fieldset>
   <div class="row end">
     <div class="labelled speeds" v-if="kind !== 'sweep'"><label for="order-speeds">Engine speeds (crank)</label>
@@ -57,8 +59,14 @@ export default {
       <div class="labelled short"><label for="study-points">Points</label><input id="study-points" type="text" inputmode="numeric" v-model="points" @input="changed"></div>
       <div class="labelled"><label for="study-output">Result</label><select id="study-output" v-model="output" @change="changed"><option v-for="one in outputs" :key="one.name" :value="one.name">{{ one.label }}</option></select></div>
     </template>
-    <button type="submit" class="button main" id="run-button" :disabled="busy">{{ busy ? "Running" : { run: "Run", sweep: "Start the sweep", study: "Start the study" }[kind] }}</button>
+    <button type="submit" class="button main" id="run-button" :disabled="busy" title="Ctrl+Enter from any field" aria-keyshortcuts="Control+Enter">{{ busy ? "Running" : { run: "Run", sweep: "Start the sweep", study: "Start the study" }[kind] }}</button>
   </div>
+  <fieldset class="models"><legend>Spring models</legend><div class="row">
+    <label v-for="one in models" :key="one.word" class="check" :for="'model-' + one.word" :title="one.hint"><input type="checkbox" :id="'model-' + one.word" v-model="chosen[one.word]" @change="changed">{{ one.label }}</label>
+  </div></fieldset>
+  <fieldset v-if="sets.length" class="sets"><legend>Spring sets</legend><div class="row">
+    <label v-for="(one, place) in sets" :key="one.word" class="check" :for="'set-' + place"><input type="checkbox" :id="'set-' + place" v-model="chosenSets[one.word]" @change="changed">{{ one.word }}</label>
+  </div></fieldset>
   <p class="refusal" id="order-refusal" role="alert">{{ refusal }}</p>
   <p class="hint" role="status">{{ refusal ? "" : estimate }}</p>
 </form>`,

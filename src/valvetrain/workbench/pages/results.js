@@ -1,9 +1,9 @@
 // The sections of a run as its report has them, asked for when the run is there and drawn in place; one set is seen at a time.
-const FIRST = ["answers", "force"];
+const FIRST = ["opening", "answers", "force"];
 const ORDER = ["sweep", "motion", "train", "in-motion", "coils", "orders", "at-rest", "stress", "critical-speeds", "energy", "events", "kinematics", "published"];
 // Short words for the tabs; a section of another package keeps its title.
 const SHORT = { sweep: "Over engine speed", motion: "Lift and motion", train: "Train", coils: "Coils and clashes", "in-motion": "Spring in motion", orders: "Orders", "at-rest": "Static curve and modes",
-  stress: "Stress", "critical-speeds": "Limit speeds", energy: "Energy", published: "Published values", gu2021: "Stages", uncertainty: "Error bars",
+  stress: "Stress", energy: "Energy", published: "Published values", gu2021: "Stages", uncertainty: "Error bars",
   case: "Case", runs: "Computation", references: "Papers" };
 export default {
   emits: ["shown"],
@@ -35,6 +35,8 @@ export default {
         part.setAttribute("aria-label", "table: " + (part.querySelector("caption")?.textContent || "values"));
       });
       place.querySelectorAll(".card th:empty, thead th:empty").forEach((cell) => { cell.innerHTML = '<span class="off-screen">quantity</span>'; });
+      // A tab is fold enough.
+      place.querySelectorAll("details.computed").forEach((fold) => { fold.replaceWith(...fold.querySelectorAll(":scope > section")); });
       const sections = Array.from(place.querySelectorAll("section"));
       if (this.whole || sections.length < 3) {
         this.tabs = [];
@@ -43,7 +45,7 @@ export default {
         const first = sections.filter((section) => FIRST.includes(section.id));
         const others = sections.filter((section) => !FIRST.includes(section.id)).sort((one, other) => rank(one) - rank(other));
         this.tabs = [{ key: "overview", title: "Overview", sections: first.length ? first : others.splice(0, 2) },
-          ...others.map((section) => ({ key: section.id, title: SHORT[section.id] || section.querySelector("h2").textContent, sections: [section] }))];
+          ...others.map((section) => ({ key: section.id, title: SHORT[section.id] || (section.querySelector("h2")?.textContent || section.id), sections: [section] }))];
         this.choose(this.tabs.some((tab) => tab.key === this.chosen) ? this.chosen : "overview");
       }
       valvetrainFigures.wire(place);

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from nicegui import app, ui
 
 from valvetrain.errors import ValvetrainError
-from valvetrain.workbench.pages import files
+from valvetrain.workbench.pages import files, pictures
 from valvetrain.workbench.pages import frame as assets
 from valvetrain.workbench.pages.case_page import case_page
 from valvetrain.workbench.pages.compare_page import compare_page
@@ -45,6 +45,7 @@ def home_page(desk: Desk) -> None:
             with tag("ul", classes="cases"):
                 for card in mine:
                     with tag("li"), link("", f"/case/{card.name}"):
+                        _picture(pictures.of_case(desk, card.name, small=True))
                         _title_and_more(
                             card.title or card.name, card.name if card.title else card.origin
                         )
@@ -74,6 +75,7 @@ def _choices(desk: Desk, cards: Sequence[CaseCard]) -> None:
                     "click", lambda one=card: begin(desk, one), args=[]
                 ),
             ):
+                _picture(pictures.of_source(card.name))
                 title = card.title.removeprefix("Template: ")
                 _title_and_more(
                     title[:1].upper() + title[1:],
@@ -82,8 +84,15 @@ def _choices(desk: Desk, cards: Sequence[CaseCard]) -> None:
 
 
 def _title_and_more(title: str, more: str) -> None:
-    tag("strong", title)
-    tag("span", more)
+    with tag("div"):
+        tag("strong", title)
+        tag("span", more)
+
+
+def _picture(address: str) -> None:
+    """A picture to scale beside the words that name it."""
+    with tag("span", classes="drawn"):
+        tag("img", src=address, alt="", loading="lazy")
 
 
 async def begin(desk: Desk, card: CaseCard) -> None:
@@ -109,6 +118,7 @@ def register(desk: Desk) -> None:
     """Add all pages, parts and assets to the server."""
     assets.register(app)
     files.register(app, desk)
+    pictures.register(app, desk)
 
     @ui.page("/")
     def _home() -> None:

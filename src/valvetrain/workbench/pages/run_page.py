@@ -7,6 +7,7 @@ from urllib.parse import quote
 
 from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.pages.case_page import missing_page
+from valvetrain.workbench.pages.compare_page import verdict_in
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Results, Upload, button, tag
 from valvetrain.workbench.pages.frame import frame
@@ -108,9 +109,9 @@ def run_page(desk: Desk, run_id: str) -> None:
         missing_page("This run is not there", str(error))
         return
     with frame(f"{run.case}, {run.command}"):
-        run_head(desk, run, full=True)
-        RunTests(desk, run)
+        run_head(desk, run, full=True, verdict=verdict_in(run))
         Results(f"/part/{run_id}")
+        RunTests(desk, run)
 
 
 def runs_page(desk: Desk) -> None:

@@ -97,9 +97,9 @@ DOWNLOADS = (
 )
 
 
-def run_head(desk: Desk, run: Run, full: bool) -> None:
-    """Title, what it was made from, downloads; ``full``: on the run's own page, with a link to its
-    case.
+def run_head(desk: Desk, run: Run, full: bool, verdict: str = "") -> None:
+    """Title, ``verdict``, what it was made from, downloads; ``full``: on the run's own page, with a
+    link to its case.
     """
     kind = KINDS.get(run.command, run.command)
     with tag("div", classes="split"):
@@ -109,6 +109,8 @@ def run_head(desk: Desk, run: Run, full: bool) -> None:
         )
         if not full:
             link("Open on its own page", f"/run/{run.run_id}", "quiet")
+    if verdict:
+        tag("p", verdict, "verdict")
     if full:
         facts = [
             ("case", run.case),

@@ -1,10 +1,11 @@
 // One quantity on a slider: while it moves the lumped chain answers, the newest wish first; when it rests the rod may answer too.
 export default {
-  emits: ["begin", "move", "moving", "rest", "keep"],
-  props: { quantities: Array, speed: String, rod: Boolean },
+  emits: ["begin", "move", "moving", "rest", "settle", "keep"],
+  props: { quantities: Array, speed: String, rod: Boolean, floats: Boolean },
   data() {
     return { key: "", value: 0, text: "", sentence: "", numbers: [], lines: [], asked: false, waiting: null, busy: false, slow: false, rodWanted: this.rod,
-      rodSays: "", took: 0, times: [], started: 0, rested: null, typed: null, kept: "" };
+      rodSays: "", took: 0, times: [], started: 0, rested: null, typed: null, kept: "",
+      floatSays: "", settled: null };
   },
   computed: {
     chosen() { return this.quantities.find((one) => one.key === this.key); },
@@ -12,6 +13,11 @@ export default {
       const groups = new Map();
       this.quantities.forEach((one) => { groups.set(one.group, [...(groups.get(one.group) || []), one]); });
       return [...groups];
+    },
+    // The float speed stands first: it is searched for when the slider rests.
+    shownNumbers() {
+      const first = this.floats && this.numbers.length ? [{ label: "Float speed, about", value: this.floatSays || "computing", unit: "" }] : [];
+      return [...first, ...this.numbers];
     },
     step() { return this.chosen ? this.chosen.step : 1; },
   },
@@ -34,6 +40,8 @@ export default {
     },
     ask() {
       clearTimeout(this.rested);
+      clearTimeout(this.settled);
+      this.floatSays = "";
       if (this.slow) { this.slow = false; this.$emit("moving"); }
       const wish = { key: this.key, value: this.given(), began: performance.now() };
       if (this.busy) { this.waiting = wish; return; }
@@ -53,8 +61,14 @@ export default {
         this.times.push(this.took);
         window.valvetrainSlider = this.times;
       }
-      if (this.waiting) { const next = this.waiting; this.waiting = null; this.ask(next); } else { this.rest(); }
+      if (this.waiting) { const next = this.waiting; this.waiting = null; this.ask(next); } else { this.settle(); this.rest(); }
     },
+    settle() {
+      clearTimeout(this.settled);
+      if (!this.floats || this.sentence) { return; }
+      this.settled = setTimeout(() => { this.slow = true; this.$emit("settle", { key: this.key, value: this.given(), asked: this.asked }); }, 300);
+    },
+    floatAnswer(words) { this.floatSays = words; },
     async draw(figure) {
       if (typeof Plotly === "undefined") { await window.valvetrainDrawing; }
       valvetrainFigures.show(this.$refs.plot, figure);
@@ -75,7 +89,7 @@ export default {
   },
   template: `
 <section class="panel live" aria-labelledby="live-title">
-  <div class="split"><h2 id="live-title">What if</h2><p class="hint">The lumped chain follows a quantity while you move it{{ speed ? ", at " + speed : "" }}.</p></div>
+  <div class="split"><h2 id="live-title">What if</h2><p class="hint">Numbers, curve and picture follow a quantity while you move it{{ speed ? ", at " + speed : "" }}.{{ floats ? " A sweep searches the float speed finer." : "" }}</p></div>
   <div class="row end live-row">
     <div class="labelled quantity"><label for="live-quantity">Quantity</label>
       <select id="live-quantity" v-model="key" @change="pick" @focus.once="$emit('begin')"><option value="" disabled>choose …</option>
@@ -97,7 +111,7 @@ export default {
   </div>
   <p v-if="busy && !numbers.length" class="said" role="status">The chain is being started.</p>
   <p v-if="sentence" class="refusal" role="alert">{{ sentence }}</p>
-  <dl class="numbers" v-if="numbers.length"><div v-for="one in numbers" :key="one.label"><dt>{{ one.label }}</dt><dd>{{ one.value }} <small>{{ one.unit }}</small></dd></div></dl>
+  <dl class="numbers" v-if="numbers.length" aria-live="polite"><div v-for="one in shownNumbers" :key="one.label"><dt>{{ one.label }}</dt><dd>{{ one.value }} <small>{{ one.unit }}</small></dd></div></dl>
   <div v-show="numbers.length" class="plot" ref="plot" role="group" aria-label="Spring force over the cam angle: case, moved quantity and rod" style="height:300px"></div>
   <ul v-if="lines.length" class="key" aria-label="lines"><li v-for="one in lines" :key="one.words"><svg width="26" height="10" aria-hidden="true">
     <path d="M1 5h24" :stroke="one.colour" stroke-width="2.4" :stroke-dasharray="one.dash || null" fill="none"></path></svg>{{ one.words }}</li></ul>

@@ -1,0 +1,149 @@
+"""The verdict on a study of points: the best point and what it costs, what moves an output most, or
+how an output scatters.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.explore.outputs import Run
+from valvetrain.explore.sensitivity import Sensitivity
+from valvetrain.explore.study_charts import PERCENTILES, shown_output
+from valvetrain.explore.study_points import changed_alone, draws_of, is_chosen, point_label
+from valvetrain.explore.table import StudyTable, run_label
+from valvetrain.report.text import number, unit_text
+from valvetrain.solution.definition import definition_of
+
+Array = NDArray[np.float64]
+#: Outputs whose price at the best point is told.
+MAX_COSTS = 2
+
+
+def study_verdict(table: StudyTable) -> str:
+    """The sentence; points that failed come first."""
+    failed = int(np.count_nonzero(~table.completed))
+    if failed == len(table):
+        reason = f": {table.failures[0]}" if table.failures else ""
+        return f"No point completed{reason}."
+    lead = f"{failed} of {len(table)} points failed; of the others: " if failed else ""
+    name = next((one for one in table.outputs if _known(table, one)), None)
+    if name is None:
+        return f"{lead}{table.not_given[0]}"
+    if not is_chosen(table):
+        said = _scatter(table, name)
+    elif changed_alone(table) and np.isfinite(_worst(table, name)[0]):
+        said = _largest_change(table, name)
+    else:
+        said = _best(table, name)
+    return f"{lead}{said}." if lead else f"{said[:1].upper()}{said[1:]}."
+
+
+def _known(table: StudyTable, name: str) -> bool:
+    return bool(np.isfinite(shown_output(table, name)).any())
+
+
+def _label(name: str) -> str:
+    return definition_of(name).label
+
+
+def _shown(name: str, value: float) -> str:
+    return f"{number(value, 4)} {unit_text(definition_of(name).shown_unit)}".strip()
+
+
+def _worst(table: StudyTable, name: str) -> Array:
+    """Of every point the worst value of its runs by the sense of the quantity, the mean of those
+    without one; nan where a run failed.
+    """
+    values = shown_output(table, name).reshape(len(draws_of(table)), -1)
+    sense = definition_of(name).sense
+    worst = np.mean if not sense else np.min if sense == "larger is better" else np.max
+    return np.asarray(worst(values, axis=1))
+
+
+def _runs_text(table: StudyTable, name: str) -> str:
+    count = len(table.plan.runs)
+    if count < 2:
+        return ""
+    return f", {'each the worst' if definition_of(name).sense else 'the mean'} of {count} runs"
+
+
+def _best(table: StudyTable, name: str) -> str:
+    """The best point and what other outputs are worse there; the extremes of an output that is
+    neither good nor bad.
+    """
+    values, runs = _worst(table, name), _runs_text(table, name)
+    if not np.isfinite(values).any():
+        return f"the {_label(name)} is known at no point for every run"
+    low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
+    if values[low] == values[high]:
+        return f"the {_label(name)} is {_shown(name, values[low])} at every point{runs}"
+    sense = definition_of(name).sense
+    if not sense:
+        least, most = (
+            f"{_shown(name, values[k])} with {point_label(table, k)}" for k in (low, high)
+        )
+        return f"the {_label(name)} is between {least} and {most}{runs}"
+    best, other = (high, low) if sense == "larger is better" else (low, high)
+    costs: list[str] = []
+    for one in table.outputs:
+        if one == name or not definition_of(one).sense or not _known(table, one):
+            continue
+        own = _worst(table, one)
+        if not np.isfinite(own[best]):
+            continue
+        ideal = float(
+            np.nanmax(own) if definition_of(one).sense == "larger is better" else np.nanmin(own)
+        )
+        if own[best] != ideal:
+            costs.append(f"{_label(one)} {_shown(one, own[best])} ({_shown(one, ideal)} at best)")
+    ends = f"{_shown(name, values[best])}, {_shown(name, values[other])} at the worst point"
+    said = f"best is {point_label(table, best)}: {_label(name)} {ends}"
+    if costs:
+        said += f"; it costs {' and '.join(costs[:MAX_COSTS])}"
+    return f"{said}{runs}"
+
+
+def _largest_change(table: StudyTable, name: str) -> str:
+    """The point of a list that changes one quantity at a time at which an output changes most."""
+    values, runs = _worst(table, name), _runs_text(table, name)
+    change = values - values[0]
+    most = int(np.nanargmax(np.abs(change)))
+    if not change[most]:
+        return f"no change moves the {_label(name)} of {_shown(name, values[0])}{runs}"
+    moved = f"{change[most]:+.4g} {unit_text(definition_of(name).shown_unit)}".replace("-", "−")
+    most_text = f"{_label(name)} {_shown(name, values[most])} ({moved.strip()})"
+    return f"most is moved by {point_label(table, most)}: {most_text} from {_shown(name, values[0])}{runs}"
+
+
+def _scatter(table: StudyTable, name: str) -> str:
+    """Nine in ten draws of an output at its worst run, and what makes its spread."""
+    sense = definition_of(name).sense
+    ends: dict[Run, Array] = {}
+    for run in table.plan.runs:
+        found = shown_output(table, name)[table.rows_of(run)]
+        if np.isfinite(found).any():
+            ends[run] = np.percentile(found[np.isfinite(found)], PERCENTILES)
+    run = (
+        min(ends, key=lambda one: float(ends[one][0]))
+        if sense == "larger is better"
+        else max(ends, key=lambda one: float(ends[one][2]))
+    )
+    low, middle, high = (float(value) for value in ends[run])
+    where = f" at {run_label(run)}" if len(table.plan.runs) > 1 else ""
+    said = f"the {_label(name)} is {number(low, 4)} to {_shown(name, high)} in nine of ten draws{where}, median {_shown(name, middle)}"
+    cause = next(
+        (one for one in table.sensitivities if one.output == name and one.run == run), None
+    )
+    return said + (_cause(cause) if cause is not None else "")
+
+
+def _cause(one: Sensitivity) -> str:
+    """Which quantity makes most of the spread, where it can be told from the next."""
+    leader = int(np.argmax(one.total))
+    if not one.total[leader] > 0:
+        return ""
+    rivals = np.delete(one.total_interval[:, 1], leader) >= one.total_interval[leader, 0]
+    if rivals.any():
+        return "; no quantity alone makes this spread"
+    return f"; {one.names[leader]} makes {100 * one.total[leader]:.0f} % of its variance"

@@ -1,0 +1,88 @@
+"""Contract: notes, critical speeds and modes are said in words where a result is shown; arguments that
+a function does not have, and numbers of keys that a case lacks, are answered by one sentence or taken.
+"""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import valvetrain as vt
+from valvetrain.errors import InputError
+from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
+from valvetrain.solution.modes import SpringModes
+from valvetrain.solution.provenance import CaseRecord
+
+RPM = math.pi / 30
+SPRING = vt.Spring(
+    wire_diameter="4.1 mm", mean_diameter="25 mm", total_coils=7.2, pitch="7.9 mm",
+    material="EN 10270-2 VDSiCr", installed_height="42 mm",
+)  # fmt: skip
+
+
+def critical(**values):
+    return CriticalSpeed("own", "float", 5e-5, 3000 * RPM, 9000 * RPM, RPM, **values)
+
+
+def test_a_speed_that_is_never_reached_is_said_in_words():
+    never = critical(nominal_engine_speed=math.inf)
+    assert math.isnan(never.engine_speed)
+    study = vt.Study(CaseRecord("own"), critical_speeds=CriticalSpeeds((never,)))
+    for shown in (repr(never), repr(study), study._repr_html_()):
+        assert "never up to 9000" in shown and "nan" not in shown and "inf" not in shown
+
+
+def test_a_study_says_until_when_control_is_lost_and_where_again():
+    found = critical(
+        found=True,
+        begins=Crossing(SpeedBracket(5000 * RPM, 5006 * RPM)),
+        ends=Crossing(SpeedBracket(5500 * RPM, 5506 * RPM)),
+        again=(SpeedBracket(7000 * RPM, 9000 * RPM),),
+    )
+    study = vt.Study(CaseRecord("own"), critical_speeds=CriticalSpeeds((found,)))
+    assert "until 5500–5506, again 7000–9000" in repr(study)
+
+
+def test_a_study_and_its_run_say_that_nothing_damps_the_spring():
+    case = vt.Case(
+        spring=SPRING, lift_law=lambda angle: 8e-3 * max(0.0, 1 - ((angle - 3.1) / 1.1) ** 2) ** 4
+    )
+    study = case.compare("2000 rpm", ["modal-uniform"])
+    (run,) = study.solutions
+    assert any("no damping" in note for note in run.notes)
+    assert "no damping" in repr(study) and "no damping" in repr(run)
+    assert "no damping" in study._repr_html_()
+
+
+def test_every_mode_of_a_spring_has_a_kind_and_surge_follows_from_it():
+    modes = SPRING.modes(24)
+    assert isinstance(modes, SpringModes) and len(modes.kinds) == 24
+    surge = SPRING.frequencies()
+    assert len(surge) >= 3 and list(surge) == list(modes.surge_frequencies)
+    shares = [
+        one for one, kind in zip(modes.axial_share, modes.kinds, strict=True) if kind == "surge"
+    ]
+    assert min(shares) >= 1 / 2
+    assert "lateral" in repr(modes) and set(modes.to_pandas()["kind"]) == set(modes.kinds)
+
+
+def test_a_card_has_no_modes_by_finite_elements():
+    with pytest.raises(InputError, match="need the wire"):
+        vt.Spring(preload="300 N", rate="40 N/mm", mass="60 g").modes()
+
+
+@pytest.mark.parametrize("name", ["refine", "run", "compare", "sweep", "critical_speeds", "static"])
+def test_an_unknown_argument_is_answered_by_one_sentence(name):
+    with pytest.raises(InputError, match="there is no 'modul'"):
+        getattr(vt.Case("job-t"), name)(modul="massless")
+
+
+def test_a_key_that_the_case_lacks_takes_a_bare_si_number():
+    case = vt.Case("tdi-pushrod").set({"train.cycles": 2})
+    assert "friction" not in case.text
+    table = case.study(
+        {"train.valve.friction": [1.0, 30.0]}, ["peak_valve_lift"], sampling="grid",
+        engine_speeds="2000 rpm", models="massless", spring_set="stock", workers=1,
+    )  # fmt: skip
+    assert all(math.isfinite(one) for one in table.values.ravel())
