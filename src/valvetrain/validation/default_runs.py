@@ -12,6 +12,7 @@ from importlib import resources
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.integrate.leapfrog import STEP_FRACTION
 from valvetrain.parameters.case import Case
@@ -241,7 +242,9 @@ closing_end = "245 deg"
 CARD_SPEEDS = (4000, 5600, 6600)
 
 
-def exact_seat_force(card: InstalledSpring, lifts: np.ndarray, engine_speed: float) -> np.ndarray:
+def exact_seat_force(
+    card: InstalledSpring, lifts: NDArray[np.float64], engine_speed: float
+) -> NDArray[np.float64]:
     """Force (N) of a card on its fixed end over one cam revolution under ``lifts`` (m, evenly spaced in
     angle), at ``engine_speed`` (rad/s of the crank): the damped wave equation by harmonics.
 

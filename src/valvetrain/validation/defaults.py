@@ -178,7 +178,7 @@ def csv_text() -> str:
     """Every number of the table, a line each (units as tables print them)."""
     lines = ["case,model,engine speed (rpm),quantity,unit,default,bar,finest,verdict"]
     for one in (*compared_exactly(), *compared()):
-        factor, unit = (part for part in shown(one.quantity, 1.0))
+        factor, unit = shown(one.quantity, 1.0)
         values = ",".join(f"{factor * value:.5g}" for value in (one.default, one.bar, one.finest))
         label = one.subject.label.replace(",", "")
         rpm = f"{one.engine_speed / RPM:.0f}"
