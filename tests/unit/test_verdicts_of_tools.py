@@ -13,6 +13,7 @@ from unit.test_every_film_table import PEAKS, film, lines, model
 from unit.test_every_rig_table import LAID, result
 from valvetrain.explore.optimum_summary import optimum_verdict
 from valvetrain.film.verdict import film_verdict
+from valvetrain.rig.gauge_page import sensor_verdict
 from valvetrain.rig.verdict import rig_verdict
 from valvetrain.scan.compare import ComparedNumber
 from valvetrain.scan.verdict import scan_comparison_verdict
@@ -112,4 +113,13 @@ def test_a_search_that_found_nothing_says_what_comes_nearest():
     assert optimum_verdict(found) == (
         "Stopped after 8 trials: No trial keeps every bound. Trial 5 comes nearest; it misses 'preload at least 40 N' by 12 % of the bound: "
         "loosen that bound, or widen the ranges."
+    )
+
+
+def test_a_gauge_says_of_which_channel_it_records_least():
+    one = SimpleNamespace(
+        channel="seat_force", unit="N", label="chain", engine_speed=200 * np.pi, true_peak=970.0, recorded_peak=614.0, share=(0.62, 0.64)
+    )  # fmt: skip
+    assert sensor_verdict(one) == (
+        "The gauge records at least 63 % of each peak; least of the seat force, chain, 6000 rpm: 614 of 970 N."
     )
