@@ -323,8 +323,34 @@ def torque(study: Study, place: str) -> Panels:
     return [
         ("", ANGLE, "cam torque (N m)", lines(runs, "cam_torque")),
         ("", ANGLE, "lever speed (deg/s)", lines(runs, "lever_speed", 180 / np.pi)),
-        ("", ANGLE, "piston clearance (mm)", lines(runs, "piston_clearance", 1e3)),
     ]
+
+
+def margin(study: Study, place: str) -> Panels:
+    run = at_speed(study, 1)[int(place) - 1]  # a figure per label
+    opened = last_turn(run, "rigid_valve_lift") > 0
+    surplus = np.where(opened, last_turn(run, "rigid_spring_margin"), np.nan)
+    still = last_turn(run, "static_retainer_force")
+    speed = f"{run.engine_speed * 30 / np.pi:g} rpm"
+    carried = {"spring force at rest": (turn(run), still), speed: (turn(run), surplus)}
+    return [("", ANGLE, "spring margin (N)", carried)]
+
+
+def pressure(study: Study, place: str) -> Panels:
+    runs = at_speed(study, int(place))
+    rigid = {"rigid parts": (turn(runs[0]), 1e-6 * last_turn(runs[0], "rigid_hertz_pressure"))}
+    carried = rigid | lines(runs, "cam_contact_pressure", 1e-6)
+    return [("", ANGLE, "contact pressure (MPa)", carried)]
+
+
+def piston(study: Study, place: str) -> Panels:
+    """From 90 crank degrees before top dead centre to 90 after it."""
+    carried = {}
+    for run in at_speed(study, int(place)):
+        crank = np.degrees(last_turn(run, "crank_angle"))
+        near = np.abs(crank) <= 90
+        carried[words(run)] = (crank[near], 1e3 * last_turn(run, "piston_clearance")[near])
+    return [("", "crank angle from top dead centre (crank degrees)", "clearance (mm)", carried)]
 
 
 def rigid(study: Study, place: str) -> Panels:
@@ -340,10 +366,14 @@ def rigid(study: Study, place: str) -> Panels:
     ]
 
 
-def sweep(study: Study) -> Panels:
-    shown = (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1),
-             ("surge_amplitude_force", "surge amplitude (N)", 1), ("clash_energy", "clash energy (mJ)", 1e3),
-             ("seating_velocity", "seating velocity (m/s)", 1), ("lift_loss_displacement", "lift lost (mm)", 1e3))  # fmt: skip
+def sweep(study: Study, place: str | None) -> Panels:
+    """The first figure has the forces, the others surge, clash and what happens at the seat."""
+    shown = {
+        None: (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1)),
+        "-1": (("surge_amplitude_force", "surge amplitude (N)", 1),),
+        "-2": (("clash_energy", "clash energy (mJ)", 1e3),),
+        "-3": (("seating_velocity", "seating velocity (m/s)", 1), ("lift_loss_displacement", "lift lost (mm)", 1e3)),
+    }[place]  # fmt: skip
     panels = []
     for name, label, factor in shown:
         drawn = {}
@@ -544,7 +574,8 @@ FIGURES = {
     r"force-retainer": lambda study: force(study, "retainer_force", "force on the retainer (N)"),
     r"coil-coils-(\d)-(\d)-(\w+)": coils, r"clash-coils-(\d)-(\d)-(\w+)": clash, r"motion-(\d)": motion, r"static-1": static,
     r"modes-1": modes, r"orders": orders, r"stress-(\d)-(\d)-(\w+)": stress, r"energy-(\d)-(\d)": energy, r"train-(\d)-1": contacts,
-    r"train-(\d)-2": torque, r"kinematics-(\d)": rigid, r"sweep": sweep, r"order-map-(\d)": order_map, r"ratios": ratios,
+    r"train-(\d)-2": torque, r"spring-margin-(\d)": margin, r"cam-pressure-(\d)": pressure, r"piston-(\d)": piston,
+    r"kinematics-(\d)": rigid, r"sweep(-\d)?": sweep, r"order-map-(\d)": order_map, r"ratios": ratios,
     r"gu2021-(\d)-force": stages, r"gu2021-(\d)-spikes": spikes, r"gu2021-(\d)-nodes-(\d)": nodes,
 }  # fmt: skip
 

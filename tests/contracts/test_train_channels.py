@@ -98,6 +98,9 @@ def test_the_lever_turns_with_the_valve_and_the_piston_keeps_its_distance(ran):
         run.channel("piston_clearance"), piston_clearance(train.crank, run.cam_angle, lift), 1e-3
     )
     assert np.max(run.channel("piston_clearance")) > np.min(run.channel("piston_clearance")) > 0
+    turned = 2 * (run.cam_angle - train.crank.top_dead_centre) - run.channel("crank_angle")
+    assert np.allclose(turned / (4 * np.pi), np.round(turned / (4 * np.pi)), atol=1e-9)
+    assert np.max(np.abs(run.channel("crank_angle"))) <= 2 * np.pi
 
 
 def test_the_rigid_channels_are_the_law_and_near_the_run(ran):
@@ -140,7 +143,8 @@ def test_no_channel_is_without_its_relation(ran):
         "valve_lift", "valve_velocity", "valve_acceleration", "retainer_velocity", "retainer_acceleration", "retainer_force", "seat_force",
         "static_retainer_force", "outer_retainer_force", "outer_seat_force", "inner_retainer_force", "inner_seat_force", "cam_torque",
         "lever_speed", "lever_angle", "lever_tip_angle", "support_displacement", "valve_tip_displacement", "piston_clearance",
-        "rigid_valve_lift", "rigid_contact_force",
+        "rigid_valve_lift", "rigid_contact_force", "crank_angle",
+        "rigid_spring_margin", "rigid_hertz_pressure", "cam_contact_pressure",  # tests/limits/test_field_views.py
         *(f"{place}_{word}" for place in ("cam", "valve_tip", "seat") for word in ("gap", "contact_force")),
     }  # fmt: skip
     assert not set(map(str, run.channels.data_vars)) - known - INSIDE

@@ -153,6 +153,21 @@ def test_spring_card(answer):
     assert told["card"]["total_coils"]["found"] == found.spring.wire.total_coils
 
 
+def test_compare_springs(answer, tmp_path):
+    (tmp_path / "soft.toml").write_text(
+        '[spring]\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'
+    )
+    answer("new", "engine", "--kind", "direct")
+    words = ("--engine-speed", "2000:2500:500", "--spring", "massless")
+    data = answer("compare-springs", "soft.toml", "engine.toml", *words)
+    study = vt.Case("engine.toml").compare_springs(
+        "soft.toml", "engine.toml", "2000:2500:500 rpm", "massless"
+    )
+    told = [one["quantities"]["peak_spring_force"]["value"] for one in data["runs"]]
+    assert told == [one.quantities["peak_spring_force"] for one in study.solutions]
+    assert data["verdict"].startswith(("soft", "engine", "neither", "both"))
+
+
 def test_every_command_is_tried_here_or_in_the_tests_of_its_tool():
     from valvetrain.cli.main import app
 

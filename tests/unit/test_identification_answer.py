@@ -68,6 +68,7 @@ def test_the_answer_tells_si_values_with_their_units(folder: Path, told: dict) -
     found = identify_request(parse_request(FILE, "card", folder), workers=1)
     rate = found.branches[0].quantities["rate"]
     assert 31e3 < rate.best < 34e3
+    assert told["verdict"] == found.verdict and found.verdict.startswith("Rate 3")
     expected = {
         "best": rate.best,
         "mean": rate.mean,

@@ -79,6 +79,7 @@ def test_json_holds_figures_with_their_spread_and_the_folder_its_files(table):
         "s96",
     )
     data = json.loads(result.stdout)
+    assert data["verdict"].startswith("Valve lift 9.002 mm, duration 83.1 cam degrees at 0.050 in")
     found = data["lobes"][0]["figures"]
     half = np.radians(60) * np.sqrt(1 - (5 / 9) ** (1 / 3))
     assert found["duration_at_5_mm"]["value"] == pytest.approx(2 * half, rel=2e-3)

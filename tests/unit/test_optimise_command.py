@@ -110,6 +110,7 @@ def test_the_answer_is_one_json_object_and_the_files_hold_the_same(kept):
         and data["of_case"]["number"] == 0
         and data["feasible_trials"] == found.feasible
     )
+    assert data["verdict"] == found.verdict and found.verdict.startswith("The least that keeps")
     best = data["designs"][0]
     assert (
         best["number"] == found.best.trial.number

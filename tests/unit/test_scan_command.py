@@ -5,6 +5,7 @@ it, and what is refused.
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -65,6 +66,7 @@ def test_a_scan_gives_a_spring_that_a_case_takes(answer):
         "report.html",
         "run.json",
     }
+    assert re.match(r"\d\.\d\d turns of \d\.\d\d mm wire, .* mm free, left hand;", data["verdict"])
     spring = load_case(str(out / "spring.toml")).springs[0]
     assert spring.name == "inner" and spring.wire.hand == "left"
     assert spring.wire.total_coils == pytest.approx(data["total_coils"]["value"])
@@ -121,6 +123,7 @@ def test_the_design_stands_beside_the_scan(folder):
         str(folder / "beside"),
     )
     data = json.loads(found.stdout)
+    assert re.fullmatch(r"As drawn within \d\.\d %\.", data["verdict"])
     compared = {(one["quantity"], one["engine_speed"] is None): one for one in data["compared"]}
     assert compared["preload", True]["scan"] == pytest.approx(
         compared["preload", True]["design"], rel=0.02

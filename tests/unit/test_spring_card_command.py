@@ -40,6 +40,7 @@ def test_a_card_gives_a_spring_that_a_case_takes(tmp_path, monkeypatch):
     )
     assert data["card"]["installed_load"] == pytest.approx({"asked": 350, "found": 350}, rel=1e-3)
     assert data["card"]["solid_height"]["found"] == pytest.approx(29e-3, rel=1e-3)
+    assert "meet all 4 numbers of the card within 0.1 %" in data["verdict"]
     assert {path.rsplit("/")[-1] for path in data["files"]} >= {
         "spring.toml",
         "report.html",
@@ -100,6 +101,7 @@ def test_a_table_gives_rate_length_and_pitch_with_intervals(tmp_path, monkeypatc
     )
     assert data["preload"]["value"] == pytest.approx(280, rel=5e-3)
     assert data["coil_bind_height"] is None and len(data["pitch"]) >= 3
+    assert data["verdict"].startswith("280") and "the table ends above coil bind" in data["verdict"]
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from valvetrain.explore.study_page import (
 )
 from valvetrain.explore.table import StudyTable
 from valvetrain.report.page import Details, Grid, Text, charts, render
+from valvetrain.report.plotly_chart import figure
 from valvetrain.solution.status import COMPLETED, Status
 
 TEXT = """
@@ -336,3 +337,12 @@ def test_a_list_that_changes_one_quantity_at_a_time_is_drawn_as_change_from_its_
 )
 def test_the_verdict_of_a_study_names_the_best_point_and_what_it_costs(table, sentence):
     assert table().verdict == sentence
+
+
+def test_on_a_narrow_page_every_line_of_a_list_bears_its_label():
+    """The labels have no room beside the lines there, and without them no value has an owner."""
+    (chart, *_) = charts(points_page(listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0])))
+    drawn = figure(chart)
+    texts = [one["text"] for one in drawn["narrow"]["annotations"]]
+    assert "compression 7 mm, lift factor 1" in texts
+    assert "compression 7 mm, lift factor 1" in drawn["layout"]["yaxis"]["ticktext"]

@@ -191,6 +191,51 @@ class Case:
 
         return sweep(self.parameters, engine_speeds, model, **options)
 
+    def compare_springs(
+        self,
+        first: Source,
+        second: Source,
+        engine_speeds: Any = "2000:9000:500 rpm",
+        model: Any = (),
+        **options: Any,
+    ) -> Study:
+        """Two springs side by side in this train over engine speed: surge, clash, stress, float.
+
+        Parameters
+        ----------
+        first, second : cases with a spring, as for :class:`Case`; of a train the spring set in use
+        engine_speeds, model, options : as for :func:`valvetrain.sweep`
+
+        Returns
+        -------
+        Study with the runs of both, labelled by their names
+
+        Raises
+        ------
+        InputError : a case without train or springs, and as :func:`valvetrain.sweep`
+
+        Examples
+        --------
+        >>> import valvetrain as vt
+        >>> stiff = vt.Case('spring = { preload = "320 N", rate = "42 N/mm", mass = "48 g" }', name="stiff")
+        >>> study = vt.Case("tdi-pushrod").compare_springs(stiff, "tdi-pushrod", "3000 rpm", "massless", critical_speeds=False)
+        >>> len(study.solutions)
+        2
+        """
+        from valvetrain.runs.api import sweep
+        from valvetrain.runs.compare_springs import models_of, with_two_springs
+        from valvetrain.springs.own_spring import model_names
+
+        one, other = (
+            source if isinstance(source, (Case, Parameters)) else Case(source)
+            for source in (first, second)
+        )
+        case = with_two_springs(
+            self.parameters, *(getattr(part, "parameters", part) for part in (one, other))
+        )
+        models = models_of(case, tuple(model_names(model)))
+        return sweep(case, engine_speeds, models, **options)
+
     @renamed(spring_models="model")
     def critical_speeds(
         self, engine_speeds: Any = "1000:9000:100 rpm", model: Any = "", **options: Any

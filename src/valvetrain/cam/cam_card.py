@@ -47,10 +47,12 @@ class CamCardModel(LiftModel):
         default=None, description="without it valve_lift over rocker_ratio"
     )
     valve_lift: PositiveLength | None = Field(
-        default=None, description="gross, without lash; without it from lobe_lift"
+        default=None,
+        description="gross, without lash; without it from lobe_lift; with lift_of = 'valve' enough alone",
     )
     rocker_ratio: RockerRatio | None = Field(
-        default=None, description="also sets the rocker's arm ratio where [train.lever] gives none"
+        default=None,
+        description="also sets the rocker's arm ratio where [train.lever] gives none; 1 for a bucket tappet",
     )
     lash: Length | None = Field(
         default=None, description="at the valve; also sets the lash of [train] where it gives none"
@@ -116,8 +118,13 @@ class CamCardModel(LiftModel):
         return own
 
     def _lobe_lift(self) -> float:
+        whole = self.lift_of == "valve" and self.lobe_lift is None and self.rocker_ratio is None
+        if whole and self.valve_lift is not None:
+            return self.valve_lift
         if self.lobe_lift is None and (self.valve_lift is None or self.rocker_ratio is None):
-            raise problem("a cam card needs lobe_lift, or valve_lift and rocker_ratio; add it")
+            raise problem(
+                "a cam card needs lobe_lift, or valve_lift and rocker_ratio; add it (of a finger or rocker: valve_lift with lift_of = 'valve')"
+            )
         if self.lobe_lift is None:
             assert self.valve_lift is not None and self.rocker_ratio is not None
             return self.valve_lift / self.rocker_ratio

@@ -20,7 +20,15 @@ from valvetrain.report.headlines import (
     headline_rows,
     largest_clash_rows,
 )
-from valvetrain.report.run_summary import critical_rows, reach_rows, reason_for, searched, share
+from valvetrain.report.run_summary import (
+    CRITICAL_LEGEND,
+    critical_rows,
+    reach_rows,
+    reason_for,
+    searched,
+    share,
+    unsettled_text,
+)
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import label_of, names_for
@@ -48,6 +56,8 @@ def show_study(
         for table in _tables(study):
             console.print()
             console.print(table)
+        if searched(study) and any(not row.main for row in critical_rows(study, study.labels)):
+            console.print(f"\n{CRITICAL_LEGEND}")
         _show_published(console, study, published)
     finally:  # the folder is printed even where a table fails
         console.print(f"results  {folder}", soft_wrap=True)
@@ -185,10 +195,10 @@ def _over_speeds(
             ]
             table.add_row(row.label, unit_text(row.unit), *cells)
     speeds = [study.runs(column.label) for column in columns]
-    unsettled = [sum(run.status.code == "not-converged" for run in runs) for runs in speeds]
     table.add_row("Engine speeds run", "", *(str(len(runs)) for runs in speeds))
+    unsettled = [unsettled_text(runs) for runs in speeds]
     if any(unsettled):
-        table.add_row("  that did not settle", "", *map(str, unsettled))
+        table.add_row("  that did not settle", "", *(cell or "0" for cell in unsettled))
     return table
 
 

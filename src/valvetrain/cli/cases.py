@@ -199,21 +199,24 @@ def new(
             help=f"Kind of case: {', '.join(f'{word} ({meaning})' for word, meaning in KINDS.items())}.",
         ),
     ] = "spring",
+    cards: Annotated[
+        bool, typer.Option("--cards", help="Cam and springs by their cards, a dual spring too.")
+    ] = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Write NAME.toml, a commented case with plausible values that runs as it stands."""
     from valvetrain.cli.outcome import Outcome, deliver
 
-    path = write_template(name, kind)
+    path = write_template(name, kind, cards)
     data = {"command": "new", "kind": kind, "files": [str(path)]}
     label = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {path}'"
     deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
 
 
-def write_template(name: str, kind: str) -> Path:
+def write_template(name: str, kind: str, cards: bool = False) -> Path:
     """Write the template of ``kind`` (a key of :data:`KINDS`) to ``name`` with the ending
-    ``.toml``; its path.
+    ``.toml``, by ``cards`` where asked; its path.
 
     Raises :class:`InputError` for an unknown kind, a name that no file may bear, or a file that is
     there.
@@ -221,7 +224,7 @@ def write_template(name: str, kind: str) -> Path:
     from valvetrain.parameters.loading import library_names
     from valvetrain.solution.atomic import write_text
 
-    text = template_text(kind)
+    text = template_text(kind, cards)
     stem = name.removesuffix(".toml")
     if (
         not stem.strip()

@@ -104,7 +104,7 @@ def sweep(
     contact is lost.
     """
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.cli.run_answer import refuse_beyond
+    from valvetrain.cli.run_answer import refuse_beyond, say_sweep_time
     from valvetrain.runs.critical_speeds import read_options
     from valvetrain.runs.run import sweep_study
 
@@ -116,6 +116,8 @@ def sweep(
     request = replace(request, engine_speeds=engine_speeds)
     refuse_beyond(request, whole=False, searches=not no_critical_speeds)
     announce_compilation("statics", "transient", "train")
+    if not no_critical_speeds:
+        say_sweep_time(request)
     answer_study(
         request,
         lambda report, finished: sweep_study(

@@ -9,7 +9,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
@@ -43,7 +43,7 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
-from valvetrain.cli.outcome import complain, say_cost
+from valvetrain.cli.outcome import complain, say_cost, tell
 from valvetrain.errors import InputError
 from valvetrain.runs.run_folders import ANSWER
 
@@ -165,7 +165,7 @@ class StudyRequest:
     created_at: datetime
 
 
-def _shared(
+def shared_options(
     case: CaseArgument,
     engine_speed: SpeedOption = None,
     spring: SpringOption = None,
@@ -221,24 +221,18 @@ def run_command(function: Callable[..., None]) -> Callable[..., None]:
     An own option that :data:`valvetrain.cli.options.IN_EVERY_SPRING` knows is set in the case.
     """
     own = list(inspect.signature(function).parameters.values())[1:]
-    shared = list(inspect.signature(_shared).parameters.values())[:-1]
+    shared = list(inspect.signature(shared_options).parameters.values())[:-1]
 
     @functools.wraps(function)
     def command(**given: Any) -> None:
         mine = {parameter.name: given.pop(parameter.name) for parameter in own}
-        if (
-            function.__name__ in ("sweep", "fidelity")
-            and (text := given["engine_speed"])
-            and not any(char.isalpha() for char in text)
-        ):
-            given["engine_speed"] = (
-                f"{text} rpm"  # a range over the whole engine can mean nothing else
-            )
         options = {f"--{name.replace('_', '-')}": value for name, value in mine.items()}
         more = {option: value for option, value in options.items() if option in IN_EVERY_SPRING}
-        function(StudyRequest(command=function.__name__, **_shared(**given, more=more)), **mine)
+        function(
+            StudyRequest(command=function.__name__, **shared_options(**given, more=more)), **mine
+        )
 
-    hints = get_type_hints(_shared, include_extras=True) | {
+    hints = get_type_hints(shared_options, include_extras=True) | {
         name: hint
         for name, hint in get_type_hints(
             function, vars(sys.modules[function.__module__]), include_extras=True
@@ -260,12 +254,13 @@ def answer_study(
     request: StudyRequest,
     compute: Callable[[Report, Finished], Study],
     choices: Mapping[str, Any] = MappingProxyType({}),
+    last: Callable[[Study], str] | None = None,
 ) -> None:
     """Compute the study, save its folder and print its answer; a stopped one saves what was
     finished.
 
     ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was
-    further choices, saved among the inputs.
+    further choices, saved among the inputs; ``last``: the sentence that ends the answer.
     """
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
@@ -293,6 +288,8 @@ def answer_study(
                 complain(sentence)
         raise
     outcome = _saved_outcome(request, study, choices, unfinished)
+    if last is not None:
+        outcome = replace(outcome, verdict=last(study))
     if not stopped:
         deliver(outcome)
         return
@@ -484,7 +481,34 @@ def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = Fa
     ``whole``: whether every run is saved with its channels; ``searches``: whether a train's
     critical speeds are searched as well.
     """
-    from valvetrain.runs.cost import FEWER
+    from valvetrain.runs.cost import FEWER, refuse_cost
     from valvetrain.runs.request_cost import request_cost
 
-    say_cost(request_cost(request, whole, searches), request.limits, FEWER)
+    cost = request_cost(request, whole, searches)
+    if searches and request.case.train is not None:
+        refuse_cost(cost, request.limits, fewer=FEWER)  # say_sweep_time gives the time, measured
+    else:
+        say_cost(cost, request.limits, FEWER)
+
+
+def say_sweep_time(request: StudyRequest) -> None:
+    """Print how long a sweep of a train that searches its critical speeds will take, where that is
+    long, by a run of each of its springs.
+    """
+    from valvetrain.cli.outcome import WORTH_SAYING
+    from valvetrain.cli.progress import busy
+    from valvetrain.runs.cost import duration_text
+    from valvetrain.runs.measured_cost import sweep_seconds
+
+    if request.case.train is None or not request.engine_speeds:
+        return
+    with busy("estimating the time"):
+        seconds = sweep_seconds(
+            request.case,
+            request.engine_speeds,
+            spring_models=request.spring_models,
+            spring_sets=request.spring_sets,
+            workers=request.workers,
+        )
+    if seconds is not None and seconds > WORTH_SAYING:
+        tell(f"this will take about {duration_text(seconds)}, by a run at the highest speed")

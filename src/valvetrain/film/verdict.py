@@ -22,7 +22,7 @@ def film_verdict(motion: CoilMotion, model: FilmedModel | None = None) -> str:
     top = int(np.nanargmax(peaks))
     where = f"coil {top + 1} of {motion.coils} moves most, {number(1e3 * float(peaks[top]), 4)} mm"
     rpm = 30 * motion.phase.cam_speed / np.pi
-    return f"At {number(rpm, 4)} rpm of the cam {where}{_surge(motion)}."
+    return f"At {number(rpm, 4)} rpm of the cam, {where}{_surge(motion)}."
 
 
 def _coils(count: int) -> str:

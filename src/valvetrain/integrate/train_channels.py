@@ -21,7 +21,7 @@ from valvetrain.integrate.train_tuples import (
 )
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.mechanism.parts import Coordinate
-from valvetrain.mechanism.planar import piston_clearance
+from valvetrain.mechanism.planar import crank_angle, piston_clearance
 from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs
 from valvetrain.system.train_rest import TrainRest
@@ -96,6 +96,8 @@ def train_channels(
     if system.crank is not None:
         clearance = piston_clearance(system.crank, angle, q[:, valve])
         table["piston_clearance"] = (clearance, "m", "clearance between piston and valve")
+        turned = crank_angle(system.crank, angle)
+        table["crank_angle"] = (turned, "rad", "crank angle from top dead centre of gas exchange")
     for k, name in enumerate(system.interaction_names):
         table[force_name(name)] = (forces[:, k], "N", f"force at {name}")
         if name in CONTACTS:

@@ -152,6 +152,18 @@ def support_parts(
     return [Coordinate("support", mass, force=weight)], [link], (ex, ey), "support"
 
 
+def crank_angle(crank: CrankParameters, cam_angle: ArrayLike) -> Array:
+    """Crank angle (rad) from top dead centre of gas exchange, from -2 pi to 2 pi."""
+    found: Array = 2 * (np.mod(_from_top(crank, cam_angle) + np.pi, 2 * np.pi) - np.pi)
+    return found
+
+
+def _from_top(crank: CrankParameters, cam_angle: ArrayLike) -> Array:
+    assert crank.top_dead_centre is not None, "system/build.py places it by the nose"
+    found: Array = np.asarray(cam_angle, dtype=float) - crank.top_dead_centre
+    return found
+
+
 def piston_travel(crank: CrankParameters, cam_angle: ArrayLike) -> Array:
     """Distance (m) of the piston below its top dead centre; the crank turns twice per cam revolution.
 
@@ -159,7 +171,7 @@ def piston_travel(crank: CrankParameters, cam_angle: ArrayLike) -> Array:
     centre at ``top_dead_centre`` (of the centred crank; an offset shifts the true highest point by
     a fraction of a degree).
     """
-    angle = 2 * (np.asarray(cam_angle, dtype=float) - crank.top_dead_centre)
+    angle = 2 * _from_top(crank, cam_angle)
     reach = crank.radius * np.cos(angle) + np.sqrt(
         crank.rod_length**2 - (crank.radius * np.sin(angle) - crank.offset) ** 2
     )

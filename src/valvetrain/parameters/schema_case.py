@@ -33,7 +33,7 @@ from valvetrain.parameters.schema_types import (
     quantity,
     validate_as,
 )
-from valvetrain.parameters.train_schema import TrainModel, with_cam_card
+from valvetrain.parameters.train_schema import TrainModel, of_bucket, with_cam_card
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.provenance import PublishedValue, Role
 from valvetrain.units import dimension_of, parse_quantity, si
@@ -264,6 +264,7 @@ class CaseModel(StrictModel):
         refused = point_problem(self.study, self.points, springs)
         if refused is not None:
             raise problem(refused[1], ("points", *filter(None, refused[:1])))
+        law = of_bucket(self.train, self.lift_law)
         published = (
             placed(("published", index), group.build) for index, group in enumerate(self.published)
         )
@@ -273,11 +274,9 @@ class CaseModel(StrictModel):
             description=self.description,
             springs=springs,
             rubbing=self.rubbing.build(),
-            lift_law=placed("lift_law", parameters_of, self.lift_law, folder)
-            if self.lift_law
-            else None,
+            lift_law=placed("lift_law", parameters_of, law, folder) if law else None,
             operation=placed("operation", self.operation.build),
-            train=placed("train", with_cam_card(self.train, self.lift_law).build)
+            train=placed("train", with_cam_card(self.train, law).build)
             if self.train is not None
             else None,
             published=tuple(value for group in published for value in group),

@@ -16,11 +16,22 @@ KINDS = {
 }  # fmt: skip
 
 
-def template_text(kind: str) -> str:
-    """The commented case of ``kind`` (a word of :data:`KINDS`), ``NAME.toml`` standing for its
-    file.
+#: Kind -> whose lift its cam card gives.
+CARDS = {"direct": "tappet", "finger": "valve", "rocker": "valve"}
+#: Comments of a template at which its lift law, the speeds, the contacts and the end begin.
+_LAW, _SPEEDS, _CONTACTS = "# The lift of", "# Speeds of the crank", "# Contacts. Other laws"
+_STEEL = """# Contacts between steel parts of usual size, or a table for each place.
+[train.contacts]
+others = "steel"
 
-    Raises :class:`InputError` for an unknown kind.
+"""
+
+
+def template_text(kind: str, cards: bool = False) -> str:
+    """The commented case of ``kind`` (a word of :data:`KINDS`), ``NAME.toml`` standing for its
+    file; with ``cards`` its cam and springs by their cards, a dual spring among them.
+
+    Raises :class:`InputError` for an unknown kind, and for the card of a spring alone.
 
     >>> "[spring]" in template_text("spring")
     True
@@ -32,4 +43,26 @@ def template_text(kind: str) -> str:
             f"there is no template of the kind '{kind[:40]}'; {nearest(kind, tuple(KINDS))}",
             "--kind",
         )
-    return (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8")
+    text = _text(kind)
+    if not cards:
+        return text
+    if kind == "pushrod":  # which is by cards already
+        return text.replace(
+            "# Another set, known", f"{_text('cards/dual').lstrip()}\n# Another set, known", 1
+        )
+    if kind not in CARDS:
+        raise InputError(
+            "the card of a spring alone is taken by 'valvetrain spring-card'; --cards writes an engine: give --kind direct, finger, "
+            "rocker or pushrod",
+            "--cards",
+        )
+    head, rest = text.split(_LAW, 1)
+    middle = rest[rest.index(_SPEEDS) :].split(_CONTACTS, 1)[0]
+    # The card gives the lash, and the springs are those of the cards.
+    lines = [line for line in middle.splitlines(True) if not line.startswith("lash =")]
+    middle = "".join(lines).replace('spring_set = "stock"', 'spring_set = "card"')
+    return f"{head}{_text(f'cards/{CARDS[kind]}')}{middle}{_STEEL}{_text('cards/springs')}"
+
+
+def _text(name: str) -> str:
+    return (TEMPLATES / f"{name}.toml").read_text(encoding="utf-8")

@@ -254,7 +254,8 @@ class GasLoad:
 @dataclass(frozen=True, slots=True)
 class CrankParameters:
     """Crank slider on the 2:1 drive: ``radius`` (m, half the stroke), ``rod_length`` (m),
-    ``top_dead_centre`` cam angle (rad) of gas exchange.
+    ``top_dead_centre`` cam angle (rad) of gas exchange; None: by ``lobe_centre``, the crank angle
+    (rad) from there to the middle of the nose, negative for an exhaust lobe.
 
     ``clearance`` (m): piston crown to the closed valve along the cylinder at top dead centre;
     ``valve_inclination`` (rad) of the valve axis to the cylinder axis.
@@ -263,16 +264,22 @@ class CrankParameters:
     radius: float
     rod_length: float
     clearance: float
-    top_dead_centre: float
+    top_dead_centre: float | None = None
     valve_inclination: float = 0.0
     offset: float = 0.0
+    lobe_centre: float | None = None
 
     def __post_init__(self) -> None:
         keep_si(
             self, "the crank", radius="length", rod_length="length", clearance="length", top_dead_centre="angle", valve_inclination="angle",
-            offset="length",
+            offset="length", lobe_centre="angle",
         )  # fmt: skip
         _positive(self, "crank", "radius", "rod_length", "clearance")
+        if self.top_dead_centre is None and self.lobe_centre is None:
+            raise InputError(
+                "the crank needs lobe_centre, crank degrees from top dead centre to the nose such as '106 deg' (before it, an exhaust lobe: "
+                "'-110 deg'), or top_dead_centre in cam degrees; give one"
+            )
         if self.rod_length <= self.radius + abs(self.offset):
             raise InputError(
                 "the connecting rod must be longer than crank radius plus offset, or the crank cannot turn"

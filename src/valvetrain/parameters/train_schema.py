@@ -217,7 +217,13 @@ class CrankModel(StrictModel):
     radius: PositiveLength
     rod_length: PositiveLength
     clearance: PositiveLength
-    top_dead_centre: Angle
+    top_dead_centre: Angle | None = Field(
+        default=None, description="cam angle of it; without it by lobe_centre or the cam card"
+    )
+    lobe_centre: Angle | None = Field(
+        default=None,
+        description="crank angle from top dead centre to the nose, negative before it",
+    )
     valve_inclination: Angle = Field(default=0.0, description="of the valve to the cylinder axis")
     offset: Length = Field(default=0.0, description="of the cylinder axis from the crank")
 
@@ -323,6 +329,24 @@ PARTS: dict[str, type[StrictModel]] = {
 }  # fmt: skip
 
 
+def of_bucket(train: TrainModel | None, law: LiftModel | None) -> LiftModel | None:
+    """``law``; a cam card over a bucket tappet, which moves the valve itself, has ``rocker_ratio`` 1.
+
+    A card that gives another one is refused with its own place.
+    """
+    if train is None or law is None or train.kind != "direct":
+        return law
+    if "rocker_ratio" not in type(law).model_fields:
+        return law
+    ratio = getattr(law, "rocker_ratio", None)
+    if ratio not in (None, 1.0):
+        raise problem(
+            f"a bucket tappet has no rocker, but rocker_ratio is {ratio:g}; leave it out",
+            ("lift_law", "rocker_ratio"),
+        )
+    return law.model_copy(update={"rocker_ratio": 1.0})
+
+
 def with_cam_card(train: TrainModel, law: LiftModel | None) -> TrainModel:
     """``train`` with the ``lash`` and ``rocker_ratio`` of its lift law where it tells none; refuses
     others with the law's own place.
@@ -337,6 +361,11 @@ def with_cam_card(train: TrainModel, law: LiftModel | None) -> TrainModel:
                 f"lash is {lash * 1e3:.4g} mm here and {train.lash * 1e3:.4g} mm in [train]; correct one, or leave it out of [train]",
                 ("lift_law", "lash"),
             )
+    crank, centre = train.crank, getattr(law, "lobe_centre", None)
+    if centre is not None and crank is not None:
+        if crank.top_dead_centre is None and crank.lobe_centre is None:
+            top = getattr(law, "top_dead_centre", None)
+            changes["crank"] = crank.model_copy(update={"top_dead_centre": top})
     lever = train.lever
     if ratio is not None and lever is not None:
         if lever.ratio is None and lever.valve_arm is None:

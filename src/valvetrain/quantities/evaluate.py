@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain import registry
 from valvetrain.quantities.clash import (
@@ -38,7 +39,10 @@ from valvetrain.solution.study import LiftEvent
 RIGID_CHANNELS = {
     "rigid_valve_lift": ("valve_lift", "m", "valve lift of rigid parts"),
     "rigid_contact_force": ("contact_force", "N", "contact force at the cam of rigid parts"),
-}
+    "rigid_spring_margin": ("spring_margin", "N", "spring force at rest and inertia less weight and gas at the valve"),
+    "rigid_hertz_pressure": ("hertz_pressure", "Pa", "contact pressure at the cam of rigid parts"),
+}  # fmt: skip
+PRESSURE = "cam_contact_pressure"
 
 
 def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
@@ -74,9 +78,11 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
         if ("train" if is_closed(solution) else "spring") in row.systems:
             value = gaps.part(row.label, None, compute, solution)
             found |= {} if value is None else {row.name: float(value)}
-    done = gaps.part("channels of rigid parts", solution, _with_rigid, solution, rigid).with_found(
-        events, found, gaps.sentences
-    )
+    if rigid is not None:
+        solution = gaps.part("channels of rigid parts", solution, _with_rigid, solution, frame)
+    if solution.has(PRESSURE):
+        found["peak_cam_contact_pressure"] = float(np.max(solution.channel(PRESSURE)))
+    done = solution.with_found(events, found, gaps.sentences)
     if not frame.source:
         return done
     source = registry.find("sources", frame.source)
@@ -135,11 +141,25 @@ def _main_clash(cycle: Cycle, surge_frequency: float, lift_event: LiftEvent) -> 
     return main_clash_quantities(cycle, window) if window is not None else {}
 
 
-def _with_rigid(solution: Solution, rigid: RigidCycle | None) -> Solution:
-    if rigid is None:
-        return solution
+def _with_rigid(solution: Solution, frame: Frame) -> Solution:
+    """The run with the channels of rigid parts and, of a cam whose contact has an area, its pressure:
+    that of the contact's place on the rigid cam under the computed force.
+    """
+    rigid = frame.rigid
+    assert rigid is not None
+
+    def at_samples(column: str) -> NDArray[np.float64]:
+        return np.interp(solution.cam_angle, rigid.cam_angle, rigid[column], period=2 * np.pi)
+
     added = {
-        name: Variable(("sample",), getattr(rigid, column), {"units": unit, "long_name": label})
+        name: Variable(("sample",), at_samples(column), {"units": unit, "long_name": label})
         for name, (column, unit, label) in RIGID_CHANNELS.items()
+        if column in rigid.columns
     }
+    if "pressure_root" in rigid.columns and solution.has("cam_contact_force"):
+        force = np.maximum(solution.channel("cam_contact_force"), 0.0)
+        attributes = {"units": "Pa", "long_name": "Hertz pressure of the cam contact"}
+        added[PRESSURE] = Variable(
+            ("sample",), at_samples("pressure_root") * np.sqrt(force), attributes
+        )
     return solution.with_channels(added)

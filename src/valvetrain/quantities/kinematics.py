@@ -33,7 +33,8 @@ class RigidTable:
     spring_force, spring_margin (spring and inertia less weight and gas, at the valve),
     contact_force (on the cam) and that of every other contact of the drive, such as
     valve_tip_contact_force, cam_torque, contact_radius (of the cam, infinite where straight),
-    contact_offset, sliding_velocity, hertz_pressure. ``open_spans``: begin and end (cam rad) of
+    contact_offset, sliding_velocity, hertz_pressure and pressure_root (Pa per sqrt N; none of a
+    knife edge). ``open_spans``: begin and end (cam rad) of
     every stretch in which the valve is off its seat; none: they are not known, and the column
     tells.
     """
@@ -99,9 +100,9 @@ class RigidMotion:
         }
         if "sliding_velocity" in self.geometry:
             columns["sliding_velocity"] = self.geometry["sliding_velocity"] * cam_speed
-            columns["hertz_pressure"] = self.geometry["pressure_root"] * np.sqrt(
-                np.maximum(contact, 0.0)
-            )
+        if "pressure_root" in self.geometry:
+            columns["pressure_root"] = self.geometry["pressure_root"]
+            columns["hertz_pressure"] = columns["pressure_root"] * np.sqrt(np.maximum(contact, 0.0))
         return RigidTable(self.cam_angle, cam_speed, columns, self.open_spans)
 
     @cached_property
@@ -242,14 +243,16 @@ def _contact_geometry(
     sliding = (
         np.zeros_like(angle) if train.follower.shape == "roller" else cam_surface - body_surface
     )
-    return {
+    found = {
         "contact_radius": radius,
         "contact_offset": -sense * slope
         if interaction.kind == CAM_FLAT
         else np.arctan2(slope, value),
         "sliding_velocity": sliding,
-        "pressure_root": _pressure_root(train, radius),
     }
+    if train.follower.shape != "knife":  # an edge has no area
+        found["pressure_root"] = _pressure_root(train, radius)
+    return found
 
 
 def _points(row: Array, body: Array) -> tuple[Array, Array, Array]:

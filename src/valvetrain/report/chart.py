@@ -128,6 +128,38 @@ def rule_levels(panel: Panel) -> list[int]:
     return levels
 
 
+#: Least distance of labels at the ends of lines, as a share of the panel's height, and share of its
+#: width within which they stand above each other.
+LABEL_STEP, LABEL_REACH = 0.055, 0.15
+
+
+def label_heights(panel: Panel) -> dict[int, float]:
+    """Place of a line among the layers -> height at which the label at its end is written, moved up
+    or down where labels of neighbours would overlap.
+    """
+    (left, right), (low, high) = visible_range(panel)
+    ends = {
+        place: (float(layer.x[-1]), float(layer.y[-1]))
+        for place, layer in enumerate(panel.layers)
+        if isinstance(layer, Line) and layer.direct and len(layer.x)
+    }
+    step = LABEL_STEP * (high - low)
+    order = sorted(ends, key=lambda place: ends[place][1])
+    heights = {place: y for place, (_, y) in ends.items()}
+    for places, sign, bound in ((order, 1.0, -np.inf), (order[::-1], -1.0, -high)):
+        done = list[int]()  # upwards from the lowest, then down again from the top of the panel
+        for place in places:
+            near = [
+                other
+                for other in done
+                if abs(ends[other][0] - ends[place][0]) < LABEL_REACH * (right - left)
+            ]
+            bounds = [bound, *(sign * heights[other] + step for other in near)]
+            heights[place] = sign * max(sign * heights[place], *bounds)
+            done.append(place)
+    return heights
+
+
 def near_right_end(panel: Panel, rule: Rule) -> bool:
     """Whether a vertical rule is so far right that its label is written left of it."""
     low, high = visible_range(panel)[0]

@@ -19,6 +19,7 @@ from valvetrain.report.chart import (
     Line,
     Marks,
     Panel,
+    label_heights,
     near_right_end,
     rule_levels,
     shares_axis,
@@ -316,13 +317,14 @@ def _add_furniture(
             place = along | {"x": 1, "y": rule.value, "xanchor": "right", "yanchor": "bottom"}
         if rule.label:
             notes.append(place | small | {"text": plain(rule.label)})
-    for layer in panel.layers:
-        if isinstance(layer, Line) and layer.direct and len(layer.x):
+    heights = label_heights(panel)
+    for number, layer in enumerate(panel.layers):
+        if isinstance(layer, Line) and number in heights:
             place = {
                 "xref": f"x{suffix}",
                 "yref": f"y{suffix}",
                 "x": float(layer.x[-1]),
-                "y": float(layer.y[-1]),
+                "y": heights[number],
             }
             sentence = {"text": plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
             notes.append(place | sentence | {"showarrow": False, "xanchor": "left", "xshift": 4})

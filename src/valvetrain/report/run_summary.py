@@ -14,6 +14,7 @@ from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.critical import KINDS, CriticalSpeed
 from valvetrain.solution.definition import definition_of, is_defined, label_of, shown, topics
 from valvetrain.solution.fidelity import RPM, FidelityMap, ValidSpeedRange
+from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
 
@@ -26,8 +27,15 @@ RANGES_NOTE = (
     "given as numerical; non-repeating: the motion there differs from revolution to revolution, the range reaches from where it keeps control "
     "to where it loses it every time."
 )
+#: What the rows below a critical speed mean.
+CRITICAL_LEGEND = (
+    "until: control returns there; rising / falling speed: where control is lost when the motion is carried on from "
+    "speed to speed upwards, and where it returns downwards; again: further ranges of speed without control."
+)
 #: Ranges of further stretches that are named; of more only how many.
 MAX_AGAIN = 2
+#: Engine speeds that are named where the motion did not settle.
+MAX_UNSETTLED = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +114,18 @@ def _again(one: CriticalSpeed) -> str:
         first, last = rpm(one.again[0].lower_engine_speed), rpm(one.again[-1].upper_engine_speed)
         return f"{len(one.again)} times, {first:.0f}–{last:.0f}"
     return ", ".join(map(str, one.again))
+
+
+def unsettled_text(runs: Sequence[Solution]) -> str:
+    """How many runs of a label did not settle, and at which engine speeds (rpm): ``2: 7400, 8000``;
+    empty where all did.
+    """
+    speeds = [rpm(run.engine_speed) for run in runs if run.status.code == "not-converged"]
+    if not speeds:
+        return ""
+    named = ", ".join(f"{one:.6g}" for one in speeds[:MAX_UNSETTLED])
+    more = f" and {len(speeds) - MAX_UNSETTLED} up to {speeds[-1]:.6g}"
+    return f"{len(speeds)}: {named}{more if len(speeds) > MAX_UNSETTLED else ''}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,6 +34,7 @@ from valvetrain.report.page import (
     sentences,
 )
 from valvetrain.report.run_charts import covered_by_source, line_styles
+from valvetrain.report.run_summary import unsettled_text
 from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, comparison_table, table
@@ -151,10 +152,16 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
         if study.command == "sweep"
         else "completed"
     )
+    open_ends = [
+        f"{label} at {found.partition(': ')[2]} rpm"
+        for label in (study.labels if study.over_speed else ())
+        if (found := unsettled_text(study.runs(label)))
+    ]
+    unsettled = f"; not {'; '.join(open_ends)}" if open_ends else ""
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
         "spring model": mark.join(names), "changed": ", ".join(study.record.changed),
-        "runs": f"{ended} of {len(study.solutions)} {word}" if study.solutions else "none run",
+        "runs": f"{ended} of {len(study.solutions)} {word}{unsettled}" if study.solutions else "none run",
     }  # fmt: skip
     return tuple((name, value) for name, value in facts.items() if value)
 

@@ -21,6 +21,7 @@ from valvetrain.report.chart import (
     Line,
     Marks,
     Panel,
+    label_heights,
     legend_entries,
     near_right_end,
     rule_levels,
@@ -143,15 +144,16 @@ def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     parts.append("</g>")
     parts += [_rules(frame)]
     parts += [_marks(frame, layer) for layer in panel.layers if isinstance(layer, Marks)]
+    heights = label_heights(panel)
     parts += [
         _text(
             float(frame.x(layer.x[-1])) + 4,
-            float(frame.y(layer.y[-1])) + 4,
+            float(frame.y(heights[number])) + 4,
             layer.direct,
             colour=layer.colour,
         )
-        for layer in panel.layers
-        if isinstance(layer, Line) and layer.direct and len(layer.x)
+        for number, layer in enumerate(panel.layers)
+        if isinstance(layer, Line) and number in heights
     ]
     parts += [_colour_bar(frame, layer) for layer in panel.layers if isinstance(layer, HeatMap)]
     level, across = frame.top - (20 if panel.bands else 7), frame.left - 20

@@ -42,9 +42,9 @@ def regime_chart(study: Study) -> Chart | None:
         panels += [_regimes(study, one, len(labels) > 1) for one in labels[:MAX_LINES]]
     elif not train:
         panels.append(_curves(study, ("surge_amplitude_force",), marks))
-    drawn = [panel for panel in panels if panel.layers]
-    if not drawn:
+    if not panels[0].layers:
         return None
+    drawn = [panel for panel in panels if panel.layers]
     title = "Least cam force and control over engine speed" if train else "Forces over engine speed"
     caption = "Dotted: the speeds of the verdict"
     caption += f", those of {label}." if len(study.labels) > 1 else "."

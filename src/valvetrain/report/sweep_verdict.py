@@ -251,4 +251,4 @@ def speeds_text(some: Sequence[Solution], every: Sequence[Solution]) -> str:
 
 
 def _speed(run: Solution) -> str:
-    return f"{rpm(run.engine_speed):.6g} rpm"
+    return f"{rpm(run.engine_speed):.0f} rpm"

@@ -6,6 +6,7 @@ import math
 
 from valvetrain.report.text import percent, speed_text
 from valvetrain.scan.compare import ComparedNumber, ScanComparison
+from valvetrain.scan.page import IN_MOTION
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.definition import label_of
 
@@ -33,7 +34,7 @@ def scan_comparison_verdict(found: ScanComparison) -> str:
         if found.failures
         else ""
     )
-    rows = [(abs(_apart(one)), one) for one in found.numbers if math.isfinite(_apart(one))]
+    rows = [(abs(_apart(one)), one) for one in _shown(found) if math.isfinite(_apart(one))]
     if not rows:
         return _sentence(lead, "nothing of scan and design can be compared")
     near = [apart for apart, _ in rows if apart <= AS_DRAWN]
@@ -48,6 +49,11 @@ def scan_comparison_verdict(found: ScanComparison) -> str:
         lead,
         f"{len(near)} of {len(rows)} quantities are as drawn within {100 * max(near):.1f} %, not {named}{more}",
     )
+
+
+def _shown(found: ScanComparison) -> list[ComparedNumber]:
+    """The quantities of the page: numbers of the computation and small parts of the surge are none."""
+    return [one for one in found.numbers if one.engine_speed is None or one.quantity in IN_MOTION]
 
 
 def _sentence(lead: str, said: str) -> str:

@@ -24,7 +24,7 @@ def card_verdict(fit: SpringFit) -> str:
         if one.requested and abs(one.found / one.requested - 1) > MISSED
     ]
     if missed:
-        said = f"{made} miss {' and '.join(missed)} of the card, the other {len(requested) - len(missed)} numbers are met within 1 %"
+        said = f"{made} miss {' and '.join(missed)} of the card, {_others(len(requested) - len(missed))}"
     else:
         worst = max(
             (abs(one.found / one.requested - 1) for one in requested if one.requested), default=0.0
@@ -32,6 +32,14 @@ def card_verdict(fit: SpringFit) -> str:
         said = f"{made} meet all {len(requested)} numbers of the card within {max(100 * worst, 0.1):.1f} %"
     left = len(fit.free)
     return f"{said}; the card left {left} point{'s' * (left != 1)} open."
+
+
+def _others(count: int) -> str:
+    return (
+        "the other number is met within 1 %"
+        if count == 1
+        else f"the other {count} are met within 1 %"
+    )
 
 
 def tester_verdict(fit: TesterFit) -> str:

@@ -5,21 +5,23 @@ only place that makes parts from a case.
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.cam.event import find_lift_event
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import monotone_table
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, binding_lift
 from valvetrain.parameters.loading import AnyCase, case_of, parse_case
 from valvetrain.parameters.toml_text import find_line
-from valvetrain.parameters.train import TrainParameters, TrainVariant
+from valvetrain.parameters.train import CrankParameters, TrainParameters, TrainVariant
 from valvetrain.registry import plain_name
 from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.own_spring import model_names
@@ -27,6 +29,8 @@ from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.problem import Gear, Member, Problem
 from valvetrain.units import as_names, renamed
 
+#: Largest valve mass over the cube of the lift (kg/m3) that passes without a warning.
+HEAVIEST = 1.5e6
 #: Spring models of a case of one's own that names none: those of a known wire, of a card with and
 #: without a mass.
 WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
@@ -196,6 +200,8 @@ def _train_members(
         variants = train.variants or (
             TrainVariant(train.model_of(), train.spring_set, train.model_of()),
         )
+    if train.crank is not None and train.crank.top_dead_centre is None:
+        train = train.replace(crank=_placed_crank(train.crank, law))
     gears: dict[TrainParameters, Gear] = {}
     members: list[Member] = []
     for variant in variants:
@@ -211,6 +217,7 @@ def _train_members(
                 gas = monotone_table(np.asarray(bare.gas.cam_angles), np.asarray(bare.gas.forces))
             gears[bare] = Gear(mechanism, bare, gas)
         gear = gears[bare]
+        _warn_of_valve(own.valve.mass, gear.mechanism.kinematics.maximum_lift)
         if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift):
             raise InputError(f"case '{case.name}': {sentence}")
         model = spring_model(own.model_of(chosen), "train.spring_model")
@@ -229,6 +236,31 @@ def _train_members(
             )
         )
     return tuple(members)
+
+
+def _warn_of_valve(mass: float, lift: float) -> None:
+    """Warn (:class:`UnusualValueWarning`) of a valve that is heavy for its lift: masses grow with the
+    cube of the size, from 0.1 kg at 9 mm (cars) to some 400 kg at 80 mm (ships).
+    """
+    most = HEAVIEST * lift**3
+    if mass > max(most, 0.1):
+        warnings.warn(
+            f"a valve of {mass:.4g} kg is heavy for a lift of {lift * 1e3:.4g} mm, where valves with retainer and locks weigh up to "
+            f"{most:.2g} kg; check train.valve.mass and its unit",
+            UnusualValueWarning,
+            stacklevel=2,
+        )
+
+
+def _placed_crank(crank: CrankParameters, law: LiftLaw) -> CrankParameters:
+    """The crank with the cam angle of its top dead centre, by the middle of the nose."""
+    assert crank.lobe_centre is not None
+    angle = np.linspace(0.0, 2 * np.pi, 14401)[:-1]
+    lift = np.asarray(law.lift(angle), dtype=float)
+    top = float(angle[int(np.argmax(lift))])
+    away = np.mod(angle - top + np.pi, 2 * np.pi) - np.pi
+    nose = top + float(np.mean(away[lift >= np.max(lift) * (1 - 1e-4)]))
+    return replace(crank, top_dead_centre=nose - crank.lobe_centre / 2)
 
 
 def _free_label(label: str, taken: list[str]) -> str:

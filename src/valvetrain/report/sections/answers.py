@@ -20,10 +20,22 @@ from valvetrain.report.headlines import (
     largest_clash_rows,
     limit_sentences,
 )
-from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, Tabs, text
+from valvetrain.report.page import (
+    Block,
+    Card,
+    Cards,
+    Cell,
+    Details,
+    Grid,
+    SectionSpec,
+    Tabs,
+    sentences,
+    text,
+)
 from valvetrain.report.run_charts import line_styles
 from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for, share, speed_axis
 from valvetrain.report.text import number, quantity_label, rpm, speed_text, unit_text
+from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import topics
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, FidelityMap, FidelityRow
 from valvetrain.solution.status import Event
@@ -34,12 +46,15 @@ MAX_COLUMNS = 8
 #: Runs of which several clashes are listed at once; of more the largest of each, and the others
 #: behind a word to click.
 OPEN_LISTS = 2
+#: Letters of a note that stands open whole.
+LONG_NOTE = 140
 _CLASH_HEADERS = ("coils", "cam angle (deg)", "impulse (mN s)", "energy (mJ)", "peak force (N)")
 
 
 def answers_blocks(study: Study) -> tuple[Block, ...]:
     """Failures, headline quantities by topic, notes, then the clashes of each run."""
-    rows = headline_rows(study)
+    control = set(KINDS.values()) if len(study.critical_speeds) else set()
+    rows = [row for row in headline_rows(study) if row.name not in control]  # in their own section
     across = _columns(study)
     by_topic = {topic: [row for row in rows if row.topic == topic] for topic in topics()}
     if len(across) <= MAX_COLUMNS:
@@ -59,9 +74,18 @@ def answers_blocks(study: Study) -> tuple[Block, ...]:
     own = (
         ()
         if study.comparisons or study.findings
-        else tuple(text(sentence, "note") for sentence in study.all_notes)
+        else tuple(block for one in study.all_notes for block in folded_note(one))
     )
     return (*failed, *((Cards(tuple(cards)),) if cards else ()), *own, *_clashes(study))
+
+
+def folded_note(note: str) -> tuple[Block, ...]:
+    """A note; a long one by its beginning, with the whole behind it."""
+    if len(note) <= LONG_NOTE:
+        return (text(note, "note"),)
+    first = sentences(note)[0]
+    head = first if len(first) <= LONG_NOTE else first[:LONG_NOTE].rpartition(" ")[0] + " …"
+    return (Details(head, (text(note, "note"),)),)
 
 
 def _columns(study: Study) -> list[str]:

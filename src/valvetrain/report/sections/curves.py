@@ -111,11 +111,18 @@ def kinematics_blocks(study: Study) -> tuple[Block, ...]:
     return by_speed(study, "kinematics", at)
 
 
+#: Channels of rigid parts that sections of their own show.
+_OWN_SECTIONS = ("rigid_spring_margin",)
+
+
 def rigid_chart(study: Study, runs: list[Solution], key: str, title: str) -> Chart | None:
     """A panel per rigid channel; runs of one train share them, so one line represents all."""
     panels = []
     for name in dict.fromkeys(
-        str(name) for run in runs for name in run.arrays.variables if str(name).startswith("rigid_")
+        str(name)
+        for run in runs
+        for name in run.arrays.variables
+        if str(name).startswith("rigid_") and name not in _OWN_SECTIONS
     ):
         run = next(run for run in runs if run.has(name))
         found, (unit, factor) = over_angle(run, name), unit_of_channel(run, name)
@@ -178,7 +185,7 @@ def force_channels(runs: list[Solution]) -> list[str]:
 
 
 def train_blocks(study: Study) -> tuple[Block, ...]:
-    """Contact and link forces, then torque, lever speed and piston clearance, by engine speed."""
+    """Contact and link forces, then torque and lever speed, by engine speed."""
 
     def panels_of(runs: list[Solution], channels: list[str]) -> list[Panel]:
         found = []
@@ -194,14 +201,12 @@ def train_blocks(study: Study) -> tuple[Block, ...]:
     def at(engine_speed: float, runs: list[Solution], key: str) -> tuple[Block, ...]:
         speed = speed_text(engine_speed)
         rest = [
-            name
-            for name in ("cam_torque", "lever_speed", "piston_clearance")
-            if any(run.has(name) for run in runs)
+            name for name in ("cam_torque", "lever_speed") if any(run.has(name) for run in runs)
         ]
-        titles = (f"Contact and link forces at {speed}", f"Cam torque and clearance at {speed}")
+        titles = (f"Contact and link forces at {speed}", f"Cam torque at {speed}")
         captions = (
             "Force of every contact and elastic link over the steady cycle; dashed: the cam contact force of rigid parts.",
-            "Torque that drives the cam, turning speed of the lever, clearance of piston and valve along the cylinder.",
+            "Torque that drives the cam, turning speed of the lever.",
         )
         found: tuple[Block, ...] = ()
         for place, names in enumerate((force_channels(runs), rest)):

@@ -5,6 +5,7 @@ surge.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,11 +13,20 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.forces import order_spectrum
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
-from valvetrain.report.page import Block, Cell, Grid, SectionSpec, Tabs, figure_or_gap, text
+from valvetrain.report.page import (
+    Block,
+    Cell,
+    Details,
+    Grid,
+    SectionSpec,
+    Tabs,
+    figure_or_gap,
+    text,
+)
 from valvetrain.report.run_charts import MAX_LINES, Array, bars, line_styles, panels_chart, runs_at
-from valvetrain.report.run_summary import critical_notes, critical_rows, searched
+from valvetrain.report.run_summary import CRITICAL_LEGEND, critical_notes, critical_rows, searched
 from valvetrain.report.text import number, rpm, speed_text
-from valvetrain.solution.definition import label_of, names_for, shown
+from valvetrain.solution.definition import definition_of, label_of, names_for, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -61,7 +71,8 @@ def surge_orders(study: Study, run: Solution) -> dict[str, float]:
         if value is not None and run.engine_speed > 0:
             whose = name.removesuffix("surge_frequency").replace("_", " ")
             found[f"{whose}surge {number(value)} Hz"] = value * 4 * np.pi / run.engine_speed
-    return found
+    nested = {line: order for line, order in found.items() if not line.startswith("surge")}
+    return nested or found  # of a pair its own springs
 
 
 def order_chart(study: Study) -> Chart | None:
@@ -118,6 +129,11 @@ ORDERS_SPEC = SectionSpec("orders", "Cam orders", orders_blocks)
 
 #: Engine speeds from which curves over them say something.
 MIN_SPEEDS = 3
+#: Topics of quantities as titles of tabs.
+_SHORT = {
+    "Spring force and coil bind": "Forces", "Coil clash": "Clash", "Seating and contact": "Contact", "Wire stress": "Stress",
+    "Loss of control": "Control",
+}  # fmt: skip
 _ORDER = re.compile(r"surge_order_(\d+)_force")
 
 
@@ -131,16 +147,30 @@ def sweep_blocks(study: Study) -> tuple[Block, ...]:
         found = figure_or_gap(title, order_map, study, label, f"order-map-{place}", title)
         if found:
             maps.append((known[label].label, found))
-    tabs: tuple[Block, ...] = (
-        (maps[0][1] if maps else ()) if len(maps) < 2 else (Tabs(tuple(maps), "order-map"),)
-    )
-    return (*figure_or_gap("Over engine speed", sweep_chart, study), *tabs)
+    curves = [
+        (title, figure_or_gap(title, sweep_chart, study, title, names, place))
+        for place, (title, names) in enumerate(curve_topics().items())
+    ]
+    orders = [(f"Orders: {label}" if len(maps) > 1 else "Orders", found) for label, found in maps]
+    shown = tuple((title, found) for title, found in (*curves, *orders) if found)
+    return (shown[0][1] if shown else ()) if len(shown) < 2 else (Tabs(shown, "sweep"),)
 
 
-def sweep_chart(study: Study) -> Chart | None:
-    """One panel per quantity, a line per label; open marks where the motion did not settle."""
-    panels = []
+def curve_topics() -> dict[str, tuple[str, ...]]:
+    """Short title -> quantities that are drawn over engine speed, in the order of the topics."""
+    found: dict[str, list[str]] = {}
     for name in names_for("curve"):
+        topic = definition_of(name).topic
+        found.setdefault(_SHORT.get(topic, topic or "Contact"), []).append(name)
+    return {title: tuple(names) for title, names in found.items()}
+
+
+def sweep_chart(study: Study, topic: str, names: Sequence[str], place: int) -> Chart | None:
+    """One panel per quantity of a topic, a line per label; open marks where the motion did not
+    settle.
+    """
+    panels = []
+    for name in names:
         given = [
             label for label in study.labels if np.any(np.isfinite(study.series(label, name)[1]))
         ]
@@ -155,9 +185,10 @@ def sweep_chart(study: Study) -> Chart | None:
         caption = (
             "One value per cam revolution, at its mean engine speed: the envelope of the run-up."
         )
-    return Chart(
-        "sweep", "Over engine speed", caption, tuple(panels), 2, 240 * (-(-len(panels) // 2)) + 30
-    )
+    key = f"sweep-{place}" if place else "sweep"
+    columns = min(len(panels), 2)
+    height = 240 * (-(-len(panels) // 2)) + 30
+    return Chart(key, f"{topic} over engine speed", caption, tuple(panels), columns, height)
 
 
 def _panel(study: Study, name: str, labels: list[str]) -> Panel:
@@ -304,7 +335,12 @@ def critical_blocks(study: Study) -> tuple[Block, ...]:
         "engine speed (rpm)",
         *(known[label].label if label in known else label for label in labels),
     )
-    return (Grid(headers, rows), *(text(sentence, "note") for sentence in critical_notes(study)))
+    notes = tuple(text(sentence, "note") for sentence in critical_notes(study))
+    return (
+        Grid(headers, rows),
+        text(CRITICAL_LEGEND, "quiet"),
+        *((Details("How they were searched", notes),) if notes else ()),
+    )
 
 
 CRITICAL_SPEC = SectionSpec("critical-speeds", "Critical speeds", critical_blocks)

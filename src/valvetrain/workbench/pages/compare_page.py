@@ -98,7 +98,7 @@ def _report(run: Run) -> str:
 
 #: Figures that are laid over each other, those that both runs have.
 FIGURES = {
-    "force-retainer": "Spring force on the retainer", "force-seat": "Spring force on the cylinder head", "sweep": "Over engine speed",
+    "force-retainer": "Spring force on the retainer", "force-seat": "Spring force on the cylinder head", "sweep": "Forces over engine speed",
     "static-1": "Static curve",
 }  # fmt: skip
 

@@ -1,0 +1,107 @@
+"""``valvetrain compare-springs``: two springs side by side in one engine."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from valvetrain.cli.options import (
+    CaseArgument,
+    ImplausibleOption,
+    JsonOption,
+    LimitOption,
+    OpenOption,
+    OutputOption,
+    QuietOption,
+    SetOption,
+    SpeedOption,
+    SpringOption,
+    WorkersOption,
+    choose_case,
+)
+from valvetrain.cli.run_answer import (
+    StudyRequest,
+    answer_study,
+    refuse_beyond,
+    say_sweep_time,
+    shared_options,
+)
+from valvetrain.errors import InputError
+
+#: Crank speeds of a comparison that names none.
+DEFAULT_SPEEDS = "2000:9000:500 rpm"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("compare-springs")(compare_springs)
+
+
+def compare_springs(
+    first: CaseArgument,
+    second: CaseArgument,
+    train: Annotated[
+        str,
+        typer.Option(
+            "--train",
+            metavar="CASE",
+            help="Engine in which both run (default: that of a case of the two that has one).",
+        ),
+    ] = "",
+    engine_speed: SpeedOption = DEFAULT_SPEEDS,
+    spring: SpringOption = None,
+    settings: SetOption = None,
+    output: OutputOption = None,
+    workers: WorkersOption = None,
+    limit: LimitOption = None,
+    implausible: ImplausibleOption = False,
+    open_page: OpenOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Compare two springs in one engine over its speed: surge, clash, stress, float, side by side.
+
+    A spring is a case with [spring], as spring-card writes it, or an engine, of which the set in
+    use is taken; --set changes the engine.
+    """
+    from valvetrain.cli.progress import announce_compilation
+    from valvetrain.runs.compare_springs import models_of, verdict, with_two_springs
+    from valvetrain.runs.critical_speeds import CriticalOptions
+    from valvetrain.runs.run import sweep_study
+
+    pair = (choose_case(first), choose_case(second))
+    engine = train or next(
+        (name for name, case in zip((first, second), pair, strict=True) if case.train is not None),
+        "",
+    )
+    if not engine:
+        raise InputError(
+            "neither case has a train that moves the springs; give the engine with --train CASE",
+            "--train",
+        )
+    shared = shared_options(
+        engine, engine_speed, spring, settings=settings, output=output, workers=workers, limit=limit, implausible=implausible, open_page=open_page
+    )  # fmt: skip
+    case = with_two_springs(shared["case"], *pair)
+    shared |= {"case": case, "spring_models": models_of(case, shared["spring_models"])}
+    request = StudyRequest(command="compare-springs", **shared)
+    refuse_beyond(request, whole=False, searches=True)
+    announce_compilation("statics", "transient", "train")
+    say_sweep_time(request)
+    answer_study(
+        request,
+        lambda report, finished: sweep_study(
+            case,
+            request.engine_speeds or (),
+            spring_models=request.spring_models,
+            workers=request.workers,
+            progress=report,
+            finished=finished,
+            created_at=request.created_at.isoformat(),
+            critical=CriticalOptions(),
+            limits=request.limits,
+            implausible=request.implausible,
+        ),
+        last=verdict,
+    )

@@ -1,0 +1,103 @@
+"""Engines from card values of every train, and two springs side by side: contract of templates and
+commands; the mass that moves against its formula (closed form).
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import pytest
+
+import valvetrain as vt
+from unit.cli_parts import call
+from valvetrain.errors import InputError
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import template_text
+from valvetrain.runs.compare_springs import verdict, with_two_springs
+from valvetrain.runs.measured_cost import sweep_seconds
+
+SOFT = 'name = "soft"\n[spring]\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'
+STIFF = 'name = "stiff"\n[spring]\npreload = "340 N"\nrate = "46 N/mm"\nmass = "50 g"\n'
+
+
+@pytest.mark.parametrize("kind", ["direct", "finger", "rocker", "pushrod"])
+@pytest.mark.parametrize("spring_set", ["card", "dual"])
+def test_every_train_runs_from_cards(kind, spring_set):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # cards that go together
+        case = parse_case(template_text(kind, cards=True))
+    assert case.train.lash == pytest.approx(case.lift_law.values.get("lash", case.train.lash))
+    springs = case.train.springs[spring_set]
+    assert len(springs) == (2 if spring_set == "dual" else 1) and all(
+        one.wire is None for one in springs
+    )
+    (run,) = vt.simulate(case, "3000 rpm", "massless", spring_set=spring_set).solutions
+    assert run.status.completed
+    assert run.quantities["minimum_cam_contact_force"] > 50
+
+
+def test_the_moving_mass_of_a_card_is_that_of_its_active_turns():
+    """rho pi^2 d^2 D n / 4 with n = G d^4 / (8 D^3 k)."""
+    (spring,) = parse_case(template_text("direct", cards=True)).train.springs["card"]
+    d, mean, rate = 3.8e-3, 23.2e-3, 320 / 9e-3
+    turns = 79.5e9 * d**4 / (8 * mean**3 * rate)
+    assert spring.card.mass == pytest.approx(7850 * math.pi**2 * d**2 * mean * turns / 4, rel=0.01)
+
+
+def test_new_writes_them_and_says_where_a_spring_alone_goes(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert call("new", "bike", "--kind", "direct", "--cards").exit_code == 0
+    assert "rocker ratio" in (tmp_path / "bike.toml").read_text()
+    refused = call("new", "alone", "--cards")
+    assert refused.exit_code == 2 and "spring-card" in refused.output
+
+
+def test_speeds_without_a_unit_are_rpm_in_run_as_in_sweep(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = call("run", "job-t", "--engine-speed", "3000", "--spring", "massless")
+    assert found.exit_code == 0 and "3000 rpm" in found.output
+
+
+def test_two_springs_run_in_the_engine_under_their_own_names():
+    both = with_two_springs(
+        parse_case(template_text("direct")), parse_case(SOFT), parse_case(STIFF)
+    )
+    assert list(both.train.springs) == ["soft", "stiff"]
+    rates = {name: springs[0].card.rate for name, springs in both.train.springs.items()}
+    assert rates == {"soft": 36e3, "stiff": 46e3}
+    # of the engine's own spring, for neither card gives any
+    assert both.train.springs["soft"][0].damping.ratio == 0.016
+    with pytest.raises(InputError, match=r"no \[train\]"):
+        with_two_springs(parse_case(SOFT), parse_case(SOFT), parse_case(STIFF))
+
+
+def test_the_sentence_says_which_is_better_and_by_what():
+    """The sweep of the two as sets of one file gives the same numbers."""
+    engine = vt.Case(template_text("direct"), name="engine")
+    pair = vt.Case(SOFT), vt.Case(STIFF)
+    study = engine.compare_springs(*pair, "5000, 6000 rpm", "modal-uniform", critical_speeds=False)
+    worst = {
+        run.spring_set: max(
+            one.quantities["surge_amplitude_force"] for one in study.runs(run.label)
+        )
+        for run in study.solutions
+    }
+    better = min(worst, key=lambda name: worst[name])
+    assert (
+        f"{better} surges less ({min(worst.values()):.3g} against {max(worst.values()):.3g} N)"
+        in verdict(study)
+    )
+
+
+def test_the_time_of_a_sweep_grows_with_its_speeds_and_its_search():
+    case = parse_case(template_text("pushrod"))
+    rpm = math.pi / 30
+    few, many = (
+        sweep_seconds(
+            case, speeds, spring_models=["massless"], spring_sets=["card"], searches=False
+        )
+        for speeds in ([6000 * rpm], [6000 * rpm] * 40)
+    )
+    searched = sweep_seconds(case, [6000 * rpm], spring_models=["massless"], spring_sets=["card"])
+    assert few < many and few < searched  # factors of 40 and 78, far beyond the noise of a machine

@@ -1,0 +1,178 @@
+"""Unit: the sentence of a run, a comparison, a sweep and a map of models says what its numbers say:
+what did not complete first, limits next, the worst run by name, words that agree in number.
+"""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from synthetic_study import own_study, published_study, sweep_study, train_study
+from valvetrain.cli.answers import show_study
+from valvetrain.report.model_verdict import refine_verdict
+from valvetrain.report.page import Details, Tabs
+from valvetrain.report.study import study_page
+from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
+from valvetrain.solution.later import is_computed
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.status import Status
+from valvetrain.solution.study import Study
+
+RPM = np.pi / 30
+CALM = {
+    "coil_bind_clearance": 2.2e-3, "loss_of_contact_duration": 0.0, "loft_gap": 0.0, "bounce_count": 1.0, "bounce_height": 4e-4,
+    "minimum_cam_contact_force": 35.0,
+}  # fmt: skip
+
+
+def train(*runs: dict[str, float], status: Status | None = None, **changes) -> Study:
+    """A study of one train with these quantities, at 6000, 7000, ... rpm."""
+    first = train_study().solutions[0]
+    made = tuple(
+        replace(
+            first,
+            quantities={**CALM, **values},
+            provenance=replace(
+                first.provenance, engine_speed=(6000 + 1000 * place) * RPM, label="stock"
+            ),
+            status=status if status is not None and place == len(runs) - 1 else first.status,
+        )
+        for place, values in enumerate(runs)
+    )
+    return Study(CaseRecord("own"), solutions=made, **changes)
+
+
+def test_one_run_of_a_train():
+    expected = (
+        "Clear of coil bind by 2.2 mm, no loft, one bounce of 0.4 mm, minimum cam force 35 N."
+    )
+    assert train({}).verdict == expected
+    assert repr(train({})).splitlines()[0] == expected
+    assert train({}).solutions[0].verdict == expected
+
+
+@pytest.mark.parametrize(
+    ("values", "clause"),
+    [
+        ({"bounce_count": 0.0}, "no loft, no bounce,"),
+        ({"bounce_count": 3.0}, "3 bounces up to 0.4 mm,"),
+        ({"loss_of_contact_duration": 2e-4, "loft_gap": 5.9e-5}, "loft of 59 µm, 0.2 ms without contact,"),
+        ({"loss_of_contact_duration": 2e-4}, "contact lost for 0.2 ms,"),
+        ({"float_excess_lift": 1e-4}, "floats 0.1 mm above the rigid lift,"),
+        ({"float_excess_lift": 4e-5}, "no loft, one bounce"),
+        ({"coil_bind_clearance": -6e-4}, "Solid 0.6 mm before the largest lift,"),
+        ({"seating_velocity": 0.8}, "Seating velocity 0.8 m/s, above its limit of 0.52 m/s; clear of"),
+        ({"clash_count": 1.0}, "one coil clash, minimum"),
+        ({"clash_count": 0.0}, "one bounce of 0.4 mm, minimum"),
+        ({"minimum_piston_clearance_gap": 1.5e-3}, "clear of the piston by 1.5 mm,"),
+        ({"minimum_cam_contact_force": 1234.6}, "minimum cam force 1235 N."),
+    ],
+)  # fmt: skip
+def test_what_a_train_did(values, clause):
+    assert clause in train(values).verdict
+
+
+def test_the_worst_speed_is_named_once_and_where_runs_differ_each_by_itself():
+    worse = {"minimum_cam_contact_force": 5.0, "bounce_count": 2.0, "bounce_height": 5e-4}
+    said = train({}, worse).verdict
+    assert said.startswith("Worst at 7000 rpm: clear of coil bind by 2.2 mm, no loft, 2 bounces up")
+    mixed = train({"bounce_count": 2.0, "bounce_height": 5e-4}, {"minimum_cam_contact_force": 5.0})
+    assert "2 bounces up to 0.5 mm at 6000 rpm; minimum cam force 5 N at 7000 rpm." in mixed.verdict
+
+
+@pytest.mark.parametrize(
+    ("code", "first"),
+    [
+        ("diverged", "One of 2 runs diverged at 7000 rpm; clear of coil bind"),
+        ("coil-bind", "One of 2 runs reached coil bind at 7000 rpm; clear"),
+        ("out-of-range", "One of 2 runs left the range of its tables at 7000 rpm; clear"),
+        ("not-converged", "One of 2 runs did not settle at 7000 rpm; "),
+    ],
+)
+def test_what_did_not_complete_comes_first(code, first):
+    assert train({}, {}, status=Status(code, "why")).verdict.startswith(first)
+    alone = train({}, status=Status("diverged", "the step was too long"))
+    assert alone.verdict == "The run diverged (the step was too long)."
+
+
+def test_models_of_a_spring_and_published_values():
+    said = own_study().verdict
+    assert "7 coil clashes at 5600 rpm (finite-element); peak spring force 811 N" in said
+    assert said.endswith("models differ by 1.4 % in peak force at 5600 rpm.")
+    assert (
+        "3 published values differ by 7.0 % in the median, most 91.0 %" in published_study().verdict
+    )
+
+
+def test_error_bars_are_named_once_known_and_never_computed_for_it():
+    bar = Uncertainty("minimum_cam_contact_force", 6000 * RPM, 35.0, 7.0, None, 35.0, 0.0, (35.0,) * 2, (35.0,) * 2, "stock")  # fmt: skip
+    from valvetrain.solution.later import Later
+    from valvetrain.solution.uncertainty import ErrorBars
+
+    later = train({}, error_bars=Later(ErrorBars, (bar,)))
+    assert later.verdict.endswith("minimum cam force 35 N.") and not is_computed(
+        later, "error_bars"
+    )
+    assert later.error_bars.rows and later.verdict.endswith("minimum cam force 35 N ± 20 %.")
+
+
+def test_a_sweep_says_up_to_where_it_is_controlled():
+    said = sweep_study().verdict
+    assert said.startswith(
+        "Worst (stock): controlled to 6217 rpm, where contact is lost at the cam; floats from 6688 rpm; "
+    )
+    assert "; worst surge 65 N at 7455 rpm; " in said
+    assert said.endswith("one of 12 speeds did not settle, at 8000 rpm.")
+
+
+def test_the_text_of_a_sweep_explains_its_rows_and_names_what_did_not_settle(tmp_path):
+    out = io.StringIO()
+    show_study(Console(file=out, width=100), sweep_study(), tmp_path, None)
+    text = " ".join(out.getvalue().split())
+    assert "that did not settle 1: 8000" in text
+    assert "again: further ranges of speed without control." in text
+    facts = dict(study_page(sweep_study()).facts)
+    assert facts["runs"].startswith("22 of 24 settled; not stock at 8000 rpm")
+
+
+def test_the_page_of_a_sweep_has_its_curves_behind_tabs():
+    page = study_page(sweep_study())
+    (over,) = [section for section in page.sections if section.key == "sweep"]
+    (tabs,) = over.blocks
+    assert isinstance(tabs, Tabs) and [title for title, _ in tabs.items][:2] == ["Forces", "Surge"]
+    (control,) = [section for section in page.sections if section.key == "critical-speeds"]
+    assert any(isinstance(block, Details) for block in control.blocks)
+
+
+def test_power_timing_and_causes_stand_on_the_page():
+    lost = train_study().solutions[0].events
+    numbers = {"mean_cam_power": 109.2, "valve_50_thou_opening_cam_angle": np.radians(172.5),
+               "valve_50_thou_closing_cam_angle": np.radians(294.3), "valve_50_thou_open_crank_angle_range": np.radians(243.7)}  # fmt: skip
+    from valvetrain.solution.status import Event
+
+    loft = Event("loft", 4.0, 0.01, 1e-4, 5.9e-5, "m", "cam", {"cause": "surge lowers the force"})
+    study = train(numbers)
+    study = replace(study, solutions=(replace(study.solutions[0], events=(*lost, loft)),))
+    (timing,) = [one for one in study_page(study).sections if one.key == "timing"]
+    lines = dict(timing.blocks[0].cards[0].lines)
+    assert lines["Mean cam power"] == ("109 W",)
+    assert lines["Valve, at 0.050 in"] == ("172.5, 294.3, 243.7",)
+    cells = [[cell.text for cell in row] for row, _ in timing.blocks[-1].rows]
+    assert ["loft, cam", "1", "59 µm", "surge lowers the force"] in [row[2:] for row in cells]
+
+
+def test_a_refinement_names_its_largest_bar():
+    def row(name: str, value: float, bar: float) -> Uncertainty:
+        same = (value, value)
+        return Uncertainty(name, 4000 * RPM, value, bar, None, value, 0.0, same, same)
+
+    rows = (row("peak_spring_force", 800.0, 4.0), row("clash_energy", 1e-3, 1e-4))
+    study = UncertaintyStudy(CaseRecord("own"), (12, 18), rows, {})
+    assert refine_verdict(study) == (
+        "Peak spring force at 4000 rpm 800 N ± 0.5 %; largest error bar ± 10 % in clash energy at 4000 rpm; "
+        "1 of 2 numbers within 1 %."
+    )
