@@ -358,6 +358,7 @@ def rigid(study: Study, place: str) -> Panels:
     rows = (
         ("valve lift", "mm", "rigid_valve_lift", 1e3),
         ("contact force", "N", "rigid_contact_force", 1.0),
+        ("hertz pressure", "MPa", "rigid_hertz_pressure", 1e-6),
     )
     return [
         ("", ANGLE, f"{name} ({unit})", {name: (turn(run), factor * last_turn(run, channel))})

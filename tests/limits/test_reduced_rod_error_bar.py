@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.runs import own_error_bars
+from valvetrain.runs import against_rod
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def test_the_bar_holds_what_the_rod_has(study):
 def test_a_run_too_far_off_names_the_rod(study, monkeypatch):
     said = " ".join(study.error_bars.sentences)
     assert "beside its rod" in said and "take finite-element" not in said
-    monkeypatch.setattr(own_error_bars, "TOO_FAR", 1e-9)
+    monkeypatch.setattr(against_rod, "TOO_FAR", 1e-9)
     again = vt.simulate("job-c", "3000 rpm", spring_models=["reduced-rod"])
     assert "take finite-element there" in " ".join(again.error_bars.sentences)
     assert np.isfinite([row.numerical for row in again.error_bars.rows]).all()

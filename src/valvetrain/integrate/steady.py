@@ -58,9 +58,10 @@ def repeat_cycles(
     tolerance: float = 1e-6,
     cycles: int = 60,
     longest_period: int = 8,
+    least: int = 1,
 ) -> SteadyState:
-    """Repeat until a cycle changes the state by less than ``tolerance`` (the classical method), or
-    until its image is not finite: the ``state`` is then the one that this cycle started from.
+    """Repeat until a cycle changes the state by less than ``tolerance`` (the classical method) after
+    ``least`` cycles, or until its image is not finite: the ``state`` is then the one that this cycle started from.
 
     When ``cycles`` are spent, the last states are compared over 2, 3, ... ``longest_period`` cycles
     (tolerance times ten, since the approach to a sub-harmonic is no faster than to a settled
@@ -70,7 +71,7 @@ def repeat_cycles(
     for _ in range(cycles):
         states.append(cycle(states[-1]))
         residuals.append(residual_norm(states[-1] - states[-2], weights))
-        if residuals[-1] <= tolerance:
+        if residuals[-1] <= tolerance and len(residuals) >= least:
             return SteadyState(states[-1], tuple(residuals), 1, len(residuals), "repeat", tolerance)
         if not np.all(np.isfinite(states[-1])):
             return SteadyState(states[-2], tuple(residuals), 0, len(residuals), "repeat", tolerance)

@@ -321,18 +321,24 @@ def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
         "peak_spring_force": seat[HIGHEST], "minimum_spring_force": seat[LOWEST], "peak_retainer_force": retainer[HIGHEST],
         "minimum_retainer_force": retainer[LOWEST], "cycle_work_energy": float(record.work[0]),
     }  # fmt: skip
-    found["peak_valve_lift"] = float(
-        record.bodies[system.mechanism.index(system.mechanism.valve), PEAK_PLACE]
-    )
+    valve = record.bodies[system.mechanism.index(system.mechanism.valve)]
+    found |= {
+        "peak_valve_lift": float(valve[PEAK_PLACE]),
+        "peak_valve_acceleration": float(valve[PEAK_ACCELERATION]),
+    }
     names = system.interaction_names
     found |= {
         f"peak_{force_name(name)}": float(record.peak_forces[place])
         for place, name in enumerate(names)
         if name in CONTACTS
     }
+    for place, name in enumerate(names):
+        if name in ("cam", "valve tip"):
+            found[f"minimum_{force_name(name)}"] = float(record.least_forces[place])
     if "cam" in names and system.mechanism.kinematics is not None:
         opened = system.mechanism.kinematics.valve_lift(record.cam_angle) > 0
         found["loft_gap"] = float(np.max(record.gaps[opened, names.index("cam")], initial=0.0))
+        found["nose_cam_contact_force"] = float(record.nose_forces[names.index("cam")])
     if "seat" not in names:
         return found
     openings = record.transitions.open_stretches(names.index("seat"))

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 #: Samples per cam revolution; fewer of springs whose inner state is large.
 SAMPLES, LARGE_SAMPLES = 1440, 720
 #: Maximum of cam revolutions of the search for the periodic state; the finite-element rod's state (frames among
-#: it) does not mix: few plain turns.
+#: it) does not mix: few plain turns more than those in which its springs settle.
 MAX_CYCLES, FEW_CYCLES, FEW_TOLERANCE = 60, 3, 1e-3
 #: How often the step is cut to a third when a contact hardens beyond what it resolves.
 FINER_STEPS = 2
@@ -136,7 +136,8 @@ class TrainLeapfrog:
         start: Orbit | None = None,
     ) -> SteadyTrain:
         """Periodic state; a contact harder than the step resolves is run again with a finer one."""
-        most = until.cycles or (FEW_CYCLES if large else MAX_CYCLES)
+        least = _settling(system, cam_speed) if large else 1
+        most = until.cycles or (least + FEW_CYCLES - 1 if large else MAX_CYCLES)
         tolerance = until.tolerance or (FEW_TOLERANCE if large else TOLERANCE)
         for _ in range(FINER_STEPS + 1):
             ready = runner(system, cam_speed, chosen, rest=rest)
@@ -148,11 +149,23 @@ class TrainLeapfrog:
                 most,
                 begun,
                 compared=not large,
+                least=min(least, most),
             )
             if found.record.status.code != "diverged" or chosen.time_step is not None:
                 break
             chosen = replace(chosen, step_fraction=chosen.step_fraction / 3)
         return found
+
+
+def _settling(system: TrainSystem, cam_speed: float) -> int:
+    """Cam revolutions after which the rods of a train have forgotten their start; the state of a rod,
+    which is not compared, is then no longer that of the first revolution.
+    """
+    from valvetrain.integrate.rod_leapfrog import settling_revolutions
+    from valvetrain.springs.finite_element import FiniteElementRod
+
+    rods = (spring for spring in system.springs if isinstance(spring, FiniteElementRod))
+    return max((settling_revolutions(rod, cam_speed) for rod in rods), default=1)
 
 
 def _events(

@@ -100,11 +100,12 @@ def steady_train(
     cycles: int = 60,
     start: TrainState | None = None,
     compared: bool = True,
+    least: int = 1,
 ) -> SteadyTrain:
     """Search the periodic orbit from ``start`` (static equilibrium by default), then record one
     more cycle.
 
-    ``method``: ``repeat`` (the classical one) or ``anderson``. The record of the last cycle of a
+    ``method``: ``repeat`` (the classical one, of ``least`` cycles and more) or ``anderson``. The record of the last cycle of a
     train that does not settle is given with its status saying so, and, where requested
     (``compared``), with the scatter of some more cycles.
     """
@@ -120,9 +121,10 @@ def steady_train(
         return _pack(end, runner)
 
     vector, weights = _pack(template[0], runner), _weights(template[0], runner)
-    search = (accelerate if method == "anderson" else repeat_cycles)(
-        cycle, vector, weights, tolerance, cycles
-    )
+    if method == "anderson":
+        search = accelerate(cycle, vector, weights, tolerance, cycles)
+    else:
+        search = repeat_cycles(cycle, vector, weights, tolerance, cycles, least=least)
     if not np.isfinite(search.residuals[-1]) and method == "anderson":
         # an extrapolation may have led there: only plain cycles show that the train itself does
         template[0] = start or runner.initial_state()

@@ -278,7 +278,7 @@ class TrainModel(StrictModel):
     variants: list[VariantModel] = []  # noqa: RUF012 (pydantic copies it)
     cycles: int | None = Field(
         default=None,
-        description="maximum of cam revolutions: 60, in sweeps 30, with finite elements 3",
+        description="maximum of cam revolutions: 60, in sweeps 30, with finite elements 4 to 10, by their damping",
     )
 
     def build(self) -> TrainParameters:

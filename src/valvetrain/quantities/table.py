@@ -331,9 +331,14 @@ SCATTERED = {
     "minimum_spring_force": "the minimum spring force", "peak_retainer_force": "the peak retainer force",
     "minimum_retainer_force": "the minimum retainer force", "peak_{place}_contact_force": "the peak {place} contact force",
     "seating_velocity": "the seating velocity", "bounce_height": "the bounce height", "bounce_count": "the bounces", "loft_gap": "the loft",
-    "cycle_work_energy": "the work of the cam",
+    "cycle_work_energy": "the work of the cam", "peak_valve_acceleration": "the peak valve acceleration",
+    "nose_cam_contact_force": "the cam force at the nose",
+    "minimum_{place}_contact_force": "the minimum {place} contact force while open",
 }  # fmt: skip
 _NO_ANSWER = (
+    "peak_valve_acceleration",
+    "nose_cam_contact_force",
+    "minimum_{place}_contact_force",
     "peak_valve_lift",
     "peak_retainer_force",
     "minimum_retainer_force",

@@ -4,6 +4,7 @@ found, over two revolutions. The error bar of such a run, at the cost of the rod
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -14,17 +15,23 @@ from scipy.interpolate import CubicHermiteSpline
 
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.integrate.contract import Cycles
-from valvetrain.integrate.run import run
+from valvetrain.integrate.run import run as integrate
 from valvetrain.integrate.train_channels import position_name
 from valvetrain.quantities.signal import fine_series, low_pass
+from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
+from valvetrain.runs.workers import map_points
 from valvetrain.solution.result import Solution
+from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
+from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
+#: Word of the springs whose rod is at hand.
+REDUCED = "reduced-rod"
 #: Share of the seat force (rms of the difference over rms, below ``CUTOFF``) from which a run says
 #: that its rod is to be taken; revolutions of both, the second compared; Hz.
 TOO_FAR, REVOLUTIONS, CUTOFF = 0.03, 2, 20e3
@@ -98,10 +105,70 @@ def _forces(
     grid = np.arange(0.0, 2 * np.pi / cam_speed, 2e-6)
     total = {name: np.zeros(len(grid)) for name in ("seat_force", "retainer_force")}
     for spring in springs:
-        one = run(PrescribedSpring((spring,), law), cam_speed, Cycles(REVOLUTIONS))
+        one = integrate(PrescribedSpring((spring,), law), cam_speed, Cycles(REVOLUTIONS))
         if not one.status.completed:
             return None
         for name in total:
             time, _, values = fine_series(one, name)
             total[name] += np.interp(grid, time - time[0], values)
     return total | {"below_20_khz": low_pass(grid, total["seat_force"], CUTOFF)}
+
+
+def rod_bars(
+    problem: Problem,
+    members: Sequence[Member],
+    solutions: Sequence[Solution],
+    names: Sequence[str],
+    rest: Rest,
+    workers: int,
+) -> tuple[tuple[Uncertainty, ...], tuple[str, ...]]:
+    """Rows of ``names`` of the runs of ``members``, reduced rods, beside their rods, and sentences
+    on them.
+    """
+    ready = {member.label: prepare(problem, member, rest, "") for member in members}
+    runs = [
+        run for run in solutions if run.label in ready and run.status.completed and run.quantities
+    ]
+    if not runs:
+        return (), ()
+    found = map_points(
+        _rod_difference, (ready, runs), range(len(runs)), workers, lost=lambda _: None
+    )
+    rows, far, measured = [], [], []
+    for run, one in zip(runs, found, strict=True):
+        if one is None:
+            continue
+        measured.append(one.rms)
+        if one.rms > TOO_FAR:
+            far.append(f"{run.engine_speed * 30 / math.pi:.6g} rpm ({100 * one.rms:.2g} %)")
+        for name in set(names) & set(one.differences) & set(run.quantities):
+            value, bar = run.quantities[name], abs(one.differences[name])
+            bar += run.quantities.get(f"cycle_scatter_{name}", 0.0)
+            same = (value, value)
+            rows.append(
+                Uncertainty(
+                    name, run.engine_speed, value, bar, None, value, 0.0, same, same, run.label
+                )
+            )
+    if not measured:
+        return (), ()
+    said = [
+        f"± of {REDUCED}: beside its rod under the motion found; the seat force differs by up to "
+        f"{100 * max(measured):.2g} % (rms below 20 kHz)."
+    ]
+    if far:
+        said.append(
+            f"Coils clash too hard for {REDUCED} at {', '.join(far)}: take finite-element there."
+        )
+    return tuple(rows), tuple(said)
+
+
+def _rod_difference(
+    shared: tuple[Mapping[str, PreparedRun], Sequence[Solution]], place: int
+) -> RodDifference | None:
+    ready, runs = shared
+    system = ready[runs[place].label].system
+    try:
+        return None if system is None else rod_difference(system, runs[place])
+    except FAILURES:
+        return None

@@ -1,5 +1,6 @@
-"""Error bars of the runs of any case: each run once more, its springs divided more finely, or more
-coarsely where they are large; springs reduced from their rods beside those rods.
+"""Error bars of the runs of any case: each run once more, its springs and its step divided more
+finely, or more coarsely where the springs are large; springs reduced from their rods
+beside those rods.
 """
 
 from __future__ import annotations
@@ -9,15 +10,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from valvetrain.integrate.leapfrog import STEP_FRACTION
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.runs.against_rod import TOO_FAR, RodDifference, rod_difference
+from valvetrain.runs.against_rod import REDUCED, rod_bars
 from valvetrain.runs.at_rest import AtRest
 from valvetrain.runs.error_bars import SPRING_HEADLINES, two_grids
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
     PreparedRun,
-    integrate_point,
+    integrate_from,
     prepare,
     provenance_of,
     statics_of,
@@ -30,19 +32,27 @@ from valvetrain.solution.definition import label_of
 from valvetrain.solution.later import Later
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
+from valvetrain.springs.modal_uniform import oscillating_modes
 from valvetrain.system.problem import Member, Problem, Rest
 
 #: Division of the springs of the further run over that of the case; finite elements, whose cost
 #: grows with the square, take the inverse where it can run.
 RATIO = 1.5
-#: Springs of fewer parts than this surge at other frequencies altogether: the further run takes so many
-#: times as many.
-FEW, MANY = 20, 4.0
+#: Springs of fewer parts than this surge at other frequencies altogether: the further run takes so many.
+FEW, MANY = 20, 60
 #: Order assumed of a rod, whose refinement shows it, and of chains and modes, of which few parts are far
 #: from the limit.
 ROD_ORDER, OTHER_ORDER = 2.0, 1.0
-#: Springs whose rod is at hand.
-REDUCED = "reduced-rod"
+#: Models whose grid follows the time step: their further run takes a shorter step alone, as do
+#: modes of which no more oscillate.
+BY_STEP = ("wave-rod", "wave-rod-clash")
+MODES = "modal-uniform"
+#: Numbers that differ by a constant from one whose scatter is known, or hold the same peak.
+SAME_SCATTER = {
+    "lift_loss_displacement": "peak_valve_lift",
+    "below_20_khz_peak_spring_force": "peak_spring_force",
+    "below_10_khz_peak_spring_force": "peak_spring_force",
+}
 #: Share of a value that its uncertainty may be without being named.
 LARGE = 0.05
 #: Names in the sentence on large error bars.
@@ -66,11 +76,14 @@ CHAIN_OF_WIRE = {
 
 
 class _Further(NamedTuple):
-    """The run of a member with its springs divided otherwise, and its division over the own one."""
+    """The run of a member with its springs divided otherwise, its division over the own one, and its
+    step under the own one (None: what the springs ask for).
+    """
 
     ready: PreparedRun
     ratio: float
     order: float
+    steps: float | None
 
 
 def own_error_bars(
@@ -91,7 +104,7 @@ def own_error_bars(
     rest = at_rest.value.springs
     undivided: list[str] = []
     reduced = [member for member in problem.members if member.model.word == REDUCED]
-    differing, far = _rod_differences(problem, reduced, solutions, rest, workers)
+    differing, far = rod_bars(problem, reduced, solutions, NAMES, rest, workers)
     for member in problem.members:
         if member in reduced:
             continue
@@ -106,7 +119,7 @@ def own_error_bars(
     again = map_points(
         _run_again,
         (problem, further, replace(plan, keep="ends", whole=False, later=False)),
-        [(run.label, run.engine_speed) for run in runs],
+        [_point(run, further[run.label]) for run in runs],
         workers,
         processes=bool(problem.members and problem.members[0].gear),
         tell=tell,
@@ -127,73 +140,31 @@ def own_error_bars(
     return ErrorBars(rows, (*_sentences(rows, further.values(), undivided, without), *far))
 
 
-def _rod_differences(
-    problem: Problem,
-    members: Sequence[Member],
-    solutions: Sequence[Solution],
-    rest: Rest,
-    workers: int,
-) -> tuple[tuple[Uncertainty, ...], tuple[str, ...]]:
-    """Rows of the runs of reduced rods beside their rods, and sentences on them."""
-    ready = {member.label: prepare(problem, member, rest, "") for member in members}
-    runs = [
-        run for run in solutions if run.label in ready and run.status.completed and run.quantities
+def _point(run: Solution, way: _Further) -> tuple[str, float, float | None]:
+    """Label, engine speed and time step (s) of a further run, which its finer springs carry."""
+    own = run.statistics.get("time_step_duration")
+    if way.steps is None or not isinstance(own, (int, float)) or way.ready.system is None:
+        return run.label, run.engine_speed, None
+    limits = [
+        STEP_FRACTION * float(spring.stable_time_step())
+        for spring in way.ready.system.springs
+        if hasattr(spring, "stable_time_step") and run.model not in BY_STEP
     ]
-    if not runs:
-        return (), ()
-    found = map_points(
-        _rod_difference, (ready, runs), range(len(runs)), workers, lost=lambda _: None
-    )
-    rows, far, measured = [], [], []
-    for run, one in zip(runs, found, strict=True):
-        if one is None:
-            continue
-        measured.append(one.rms)
-        if one.rms > TOO_FAR:
-            far.append(f"{run.engine_speed * 30 / math.pi:.6g} rpm ({100 * one.rms:.2g} %)")
-        for name in set(NAMES) & set(one.differences) & set(run.quantities):
-            value, bar = run.quantities[name], abs(one.differences[name])
-            bar += run.quantities.get(f"cycle_scatter_{name}", 0.0)
-            same = (value, value)
-            rows.append(
-                Uncertainty(
-                    name, run.engine_speed, value, bar, None, value, 0.0, same, same, run.label
-                )
-            )
-    if not measured:
-        return (), ()
-    said = [
-        f"± of {REDUCED}: beside its rod under the motion found; the seat force differs by up to "
-        f"{100 * max(measured):.2g} % (rms below 20 kHz)."
-    ]
-    if far:
-        said.append(
-            f"Coils clash too hard for {REDUCED} at {', '.join(far)}: take finite-element there."
-        )
-    return tuple(rows), tuple(said)
-
-
-def _rod_difference(
-    shared: tuple[Mapping[str, PreparedRun], Sequence[Solution]], place: int
-) -> RodDifference | None:
-    ready, runs = shared
-    system = ready[runs[place].label].system
-    try:
-        return None if system is None else rod_difference(system, runs[place])
-    except FAILURES:
-        return None
+    return run.label, run.engine_speed, min(float(own) / way.steps, *limits, math.inf)
 
 
 def _further(problem: Problem, member: Member, rest: Rest) -> _Further | None:
     """A member with its springs divided otherwise, prepared; None where nothing divides them."""
     _, frequencies = statics_of(member, rest)  # numbers are defined by those of the case's own
     rod = member.model.word == "finite-element"
-    few = not rod and min(_parts(member, member.springs), default=FEW) < FEW
-    for factor in (1 / RATIO, RATIO) if rod else (MANY if few else RATIO,):
+    parts = min(_parts(member, member.springs), default=FEW)
+    for factor in (1 / RATIO, RATIO) if rod else (MANY / parts if parts < FEW else RATIO,):
         try:
-            springs = tuple(divided(member, spring, factor) for spring in member.springs)
+            springs = tuple(_finer(member, spring, factor) for spring in member.springs)
             divisions = zip(_parts(member, springs), _parts(member, member.springs), strict=True)
             ratios = [new / old for new, old in divisions if new != old]
+            if member.model.word in (*BY_STEP, MODES) and max(ratios, default=0.0) < 1.0:
+                ratios = [factor]
             if not ratios:
                 continue
             ratio = min(ratios, key=lambda one: abs(math.log(one)))  # whole numbers leave less
@@ -205,8 +176,18 @@ def _further(problem: Problem, member: Member, rest: Rest) -> _Further | None:
             continue
         if not ready.refusal:
             frame = replace(ready.frame, surge_frequencies=frequencies)
-            return _Further(replace(ready, frame=frame), ratio, ROD_ORDER if rod else OTHER_ORDER)
+            order, steps = (ROD_ORDER, None) if rod else (OTHER_ORDER, RATIO)
+            return _Further(replace(ready, frame=frame), ratio, order, steps)
     return None
+
+
+def _finer(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
+    """A spring divided otherwise, of modes no more than still oscillate."""
+    found = divided(member, spring, factor)
+    if member.model.word != MODES:
+        return found
+    (count,) = _parts(member, (found,))
+    return found.with_options(MODES, modes=oscillating_modes(found, round(count)))
 
 
 def _parts(member: Member, springs: Sequence[InstalledSpring]) -> list[float]:
@@ -225,14 +206,14 @@ def _parts(member: Member, springs: Sequence[InstalledSpring]) -> list[float]:
 
 
 def _run_again(
-    shared: tuple[Problem, Mapping[str, _Further], Plan], point: tuple[str, float]
+    shared: tuple[Problem, Mapping[str, _Further], Plan], point: tuple[str, float, float | None]
 ) -> Mapping[str, float]:
     """Numbers of a further run; none of one that failed."""
-    (problem, further, plan), (label, engine_speed) = shared, point
+    (problem, further, plan), (label, engine_speed, step) = shared, point
     ready = further[label].ready
     try:
         provenance = provenance_of(problem, ready.member, engine_speed, plan.created_at)
-        found = integrate_point(ready, engine_speed, plan, provenance)
+        found, _ = integrate_from(ready, engine_speed, plan, provenance, time_step=step)
         found = with_quantities(ready, found, plan, {})
     except FAILURES:
         return {}
@@ -250,7 +231,7 @@ def _rows(run: Solution, other: Mapping[str, float], way: _Further) -> Iterable[
             bar = two_grids(value, again, way.ratio, way.order).uncertainty
         else:
             bar = two_grids(again, value, 1 / way.ratio, way.order).finest_index
-        bar += run.quantities.get(f"cycle_scatter_{name}", 0.0)
+        bar += run.quantities.get(f"cycle_scatter_{SAME_SCATTER.get(name, name)}", 0.0)
         if _is_chain_of_wire(way.ready.member):
             bar += CHAIN_OF_WIRE.get(name, 0.0) * run.quantities.get("surge_amplitude_force", 0.0)
         best = again if way.ratio > 1 else value
@@ -277,7 +258,7 @@ def _sentences(
             f"{max(one, 1 / one):.2g} times {'finer' if one > 1 else 'coarser'}" for one in ways
         )
         end = f"; {none}." if undivided else "."
-        yield f"± where there is room: runs repeated, springs divided {divided_by}{end}"
+        yield f"± where there is room: runs repeated, springs and step {divided_by}{end}"
     elif undivided and not rows:
         yield f"No error bars: {none}, whose spring has no division."
     large = sorted(

@@ -45,6 +45,7 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.stored_error_bars import (
+    has_stored_bars,
     load_uncertainty,
     spread_sentences,
     uncertainty_sentences,
@@ -303,7 +304,7 @@ def run_problem(
         study = replaced(study, **named) if later and not stopped else whole_study.value
     if stopped:
         raise StudyStopped(study)
-    if load_uncertainty(problem.record):
+    if any(has_stored_bars(problem.record, run) for run in solutions):
         return study
     known = at_rest or Later(_rest_of_trains, ready)
     bars = Later(own_error_bars, problem, solutions, plan, known, count)

@@ -19,6 +19,7 @@ from valvetrain.solution.uncertainty import Uncertainty
 
 if TYPE_CHECKING:
     from valvetrain.runs.error_bars import UncertaintyStudy
+    from valvetrain.solution.result import Solution
     from valvetrain.solution.study import Study
 
 RPM = math.pi / 30
@@ -54,6 +55,15 @@ def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
     that was refined.
     """
     return rows_of(_library_file(record, "uncertainty"))
+
+
+def has_stored_bars(record: CaseRecord, run: Solution) -> bool:
+    """Whether error bars of a run of this label at this engine speed ship with the case."""
+    return any(
+        (row.label or "finite-element") == run.label
+        and same_speed(row.engine_speed, run.engine_speed)
+        for row in load_uncertainty(record)
+    )
 
 
 def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]:

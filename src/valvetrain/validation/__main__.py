@@ -1,7 +1,7 @@
 """The validation book: all rows of this package run, written as docs/validation.md, failing when a
 row leaves its tolerance.
 
-``python -m valvetrain.validation [--page PATH] [--quick]``.
+``python -m valvetrain.validation [--page PATH] [--quick] [--only CHAPTER]``.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 
 from valvetrain.solution.atomic import write_text
-from valvetrain.validation.row import CASES, BookCase, Row
+from valvetrain.validation.row import CASES, FILES, NOTES, BookCase, Row
 
 #: Chapters of the book in their order.
 CHAPTERS = (
@@ -28,6 +28,7 @@ CHAPTERS = (
     "laws",
     "followers",
     "sources",
+    "defaults",
 )
 
 HEAD = """# Validation book
@@ -51,11 +52,13 @@ def book() -> tuple[BookCase, ...]:
     return tuple(CASES)
 
 
-def run_book(*, quick: bool = False, tell: Callable[[str], None] = lambda text: None) -> list[Row]:
-    """Rows of all cases; ``quick`` leaves out the studies of whole sources."""
+def run_book(
+    *, quick: bool = False, only: str = "", tell: Callable[[str], None] = lambda text: None
+) -> list[Row]:
+    """Rows of all cases; ``quick`` leaves out the slow ones, ``only`` all but one chapter."""
     rows: list[Row] = []
     for case in book():
-        if quick and case.slow:
+        if (quick and case.slow) or (only and not case.rows.__module__.endswith(f".{only}")):
             continue
         begin = time.perf_counter()
         found = case.rows()
@@ -73,12 +76,32 @@ def page(rows: Iterable[Row]) -> str:
     parts = [HEAD, _summary(by_topic)]
     for topic, members in by_topic.items():
         parts.append(
-            f"\n## {topic.capitalize()}\n\n| what | input | source | expected | computed | difference | tolerance | why | band | status |\n"
+            f"\n## {topic.capitalize()}\n\n{NOTES.get(topic, str)()}"
+            "| what | input | source | expected | computed | difference | tolerance | why | band | status |\n"
             + "|---" * 10
             + "|\n"
         )
         parts += [_line(row) for row in members]
     return "".join(parts)
+
+
+def merged(old: str, rows: Iterable[Row]) -> str:
+    """The page ``old`` with the tables of the topics of ``rows`` made anew, at its end where it had none."""
+    head, *tables = page(rows).split("\n## ")
+    known, *before = old.split("\n## ")
+    remade = {table.partition("\n")[0]: table for table in tables}
+    sections = [remade.pop(table.partition("\n")[0], table) for table in before] + [
+        *remade.values()
+    ]
+    lines = {
+        line.split("|")[1]: line
+        for text in (known, head)
+        for line in text.splitlines()
+        if line.startswith("| ")
+    }
+    counts = "\n".join(lines.values()).replace("\n", "\n" + "|---" * 5 + "|\n", 1)
+    texts = (HEAD + f"\n{counts}\n", *(f"## {table.strip()}\n" for table in sections))
+    return "\n".join(texts)
 
 
 def _summary(by_topic: dict[str, list[Row]]) -> str:
@@ -126,11 +149,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--quick", action="store_true", help="leave out the studies of whole sources"
     )
+    parser.add_argument("--only", choices=CHAPTERS, default="", help="one chapter; keep the others")
     options = parser.parse_args(arguments)
-    rows = run_book(quick=options.quick, tell=print)
+    rows = run_book(quick=options.quick, only=options.only, tell=print)
     failed = [row for row in rows if row.status == "FAILS"]
     if options.page is not None:
-        write_text(options.page, page(rows))
+        keep = bool(options.only) and options.page.is_file()
+        old = options.page.read_text(encoding="utf-8") if keep else ""
+        write_text(options.page, merged(old, rows) if keep else page(rows))
+        for topic in {row.topic for row in rows} & set(FILES):
+            name, content = FILES[topic]
+            write_text(options.page.parent / name, content())
     for row in failed:
         numbers = f"expected {row.expected:.6g}, computed {row.computed:.6g} {row.unit}, tolerance {row.tolerance:.3g}"
         numbers += (

@@ -67,6 +67,10 @@ class BookCase:
 
 
 CASES: list[BookCase] = []
+#: Text above the table of a topic, asked for when its page is written.
+NOTES: dict[str, Callable[[], str]] = {}
+#: A file beside the page of a topic: its path from the page, and its content, asked for likewise.
+FILES: dict[str, tuple[str, Callable[[], str]]] = {}
 
 
 def book_case(

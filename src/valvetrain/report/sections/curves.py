@@ -112,7 +112,7 @@ def kinematics_blocks(study: Study) -> tuple[Block, ...]:
 
 
 #: Channels of rigid parts that sections of their own show.
-_OWN_SECTIONS = ("rigid_spring_margin", "rigid_hertz_pressure")
+_OWN_SECTIONS = ("rigid_spring_margin",)
 
 
 def rigid_chart(study: Study, runs: list[Solution], key: str, title: str) -> Chart | None:
