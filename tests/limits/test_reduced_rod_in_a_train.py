@@ -22,16 +22,12 @@ def test_it_moves_its_train_as_the_rod_does():
     assert reduced.quantities["minimum_spring_force"] == pytest.approx(
         rod.quantities["minimum_spring_force"], rel=0.02
     )
-    angle = rod.channel("cam_angle")
-    found = np.interp(angle, reduced.channel("cam_angle"), reduced.channel("seat_force"))
+
+    def at_the_rod_s_angles(name: str) -> np.ndarray:
+        return np.interp(rod.cam_angle, reduced.cam_angle, reduced.channel(name))
+
     expected = rod.channel("seat_force")
-    assert np.sqrt(np.mean((found - expected) ** 2) / np.mean(expected**2)) < 0.015
-    assert (
-        np.max(
-            np.abs(
-                np.interp(angle, reduced.channel("cam_angle"), reduced.channel("valve_lift"))
-                - rod.channel("valve_lift")
-            )
-        )
-        < 5e-6
-    )
+    apart = at_the_rod_s_angles("seat_force") - expected
+    assert np.sqrt(np.mean(apart**2) / np.mean(expected**2)) < 0.015
+    lifts = at_the_rod_s_angles("valve_lift"), rod.channel("valve_lift")
+    assert np.max(np.abs(lifts[0] - lifts[1])) < 5e-6
