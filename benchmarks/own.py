@@ -29,6 +29,7 @@ from benchmarks.standard import (
     spring_t,
     transient,
 )
+from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.transient import RodTransient
 
 T = TypeVar("T")
@@ -146,17 +147,39 @@ def job_batch(per_coil: int, variants: int, workers: int) -> dict[str, Any]:
 
 def job_chain(repeats: int) -> dict[str, Any]:
     """The 30 ms of C by the chain of masses with clash."""
-    from numba import njit
-
     from valvetrain.springs.multi_mass import MultiMassSpring
 
-    model = MultiMassSpring.from_definition(
-        spring_c(),
-        PRECOMPRESSION,
-        masses_per_coil=8,
-        contact_stiffness=2e10,
-        stiffness_damping=DAMPING["stiffness"][1],
+    return _job_of_model(
+        MultiMassSpring.from_definition(
+            spring_c(),
+            PRECOMPRESSION,
+            masses_per_coil=8,
+            contact_stiffness=2e10,
+            stiffness_damping=DAMPING["stiffness"][1],
+        ),
+        repeats,
     )
+
+
+def job_reduced(repeats: int) -> dict[str, Any]:
+    """The 30 ms of C by the spring reduced from its rod, with the time that its tables take."""
+    from valvetrain.springs.finite_element import FiniteElementRod
+    from valvetrain.springs.reduced_rod import ReducedRod
+
+    largest = float(np.max(lift(np.linspace(0.0, 2 * np.pi / CAM_SPEED, 721))))
+    dynamics = RodDynamics(stiffness_damping=DAMPING["stiffness"][1])
+    model = ReducedRod(FiniteElementRod(spring_c(), PRECOMPRESSION, dynamics=dynamics), largest)
+    begun = time.process_time()
+    tables = model._made()
+    made = time.process_time() - begun
+    model.__dict__["tables"] = tables
+    return _job_of_model(model, repeats) | {"tables": made}
+
+
+def _job_of_model(model: Any, repeats: int) -> dict[str, Any]:
+    """Time and trace of a spring model driven by the motion of C."""
+    from numba import njit
+
     duration = REVOLUTIONS * 2 * np.pi / CAM_SPEED
     steps = int(np.ceil(duration / (0.9 * model.stable_time_step())))
     model = model.with_time_step(duration / steps)
@@ -201,6 +224,7 @@ def main(options: dict[str, Any]) -> None:
             "S": lambda: job_static(24, repeats),
             "M": lambda: job_modes(24, repeats),
             "chain": lambda: job_chain(repeats),
+            "reduced": lambda: job_reduced(repeats),
         }[job]()
     result["memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print("RESULT " + json.dumps(result))

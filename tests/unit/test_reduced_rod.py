@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
+import valvetrain as vt
 from spring_parts import drive
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.condensed import condensed, elastic_statics
@@ -22,6 +23,7 @@ from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import Guide
+from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.springs import reduced_rod_cache
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.multi_mass import MultiMassSpring
@@ -139,6 +141,28 @@ def test_a_state_changed_from_outside_meets_its_contacts_at_once(spring):
     forces = [spring.kernel(*arrays, one, 7.9e-3, 0.0, time_step) for one in (state, fresh)]
     assert forces[0] == forces[1]
     assert not np.array_equal(begun, state)
+
+
+def test_ends_that_do_not_pull_carry_nothing_where_they_would(rod):
+    """A wire pressed together and let go at once flies up: its seat and retainer do not hold it."""
+    holds = ReducedRod(rod, LIFT)
+    loose = ReducedRod(replace(rod, pulls=False), LIFT)
+    time_step, lowest = 0.9 * loose.stable_time_step(), []
+    for spring in (holds, loose):
+        state = spring.initial_state(7.9e-3)
+        rest = np.zeros(3000)
+        lowest.append(drive(spring, state, rest, rest, time_step).min())
+    assert lowest[0] < -50.0 and lowest[1] == 0.0
+    assert loose.tangent(loose.initial_state(7.9e-3), 0.0) >= 0.0
+
+
+def test_a_study_of_geometry_says_what_the_tables_cost():
+    case = vt.load_case("job-c")
+    parts = [
+        RunRequest("run", case, (300.0,), (word,), (), 1) for word in ("reduced-rod", "multi-mass")
+    ]
+    reduced, chain = (request_cost(part, whole=False).seconds for part in parts)
+    assert reduced - chain > 1.0
 
 
 def test_what_it_does_not_know_is_refused_with_the_name_of_what_does(rod):

@@ -65,8 +65,15 @@ def rod_difference(system: System, solution: Solution) -> RodDifference | None:
     reduced = [spring for spring in springs if isinstance(spring, ReducedRod)]
     if not reduced or len(reduced) < len(springs):
         return None
-    cam_speed = solution.engine_speed / 2
-    law = _motion(system, solution)
+    return difference_from_rods(reduced, _motion(system, solution), solution.engine_speed / 2)
+
+
+def difference_from_rods(
+    reduced: Sequence[ReducedRod], law: LiftLaw, cam_speed: float
+) -> RodDifference | None:
+    """Reduced rods and their rods, both driven by ``law`` at a cam speed (rad/s); None where a run
+    failed.
+    """
     found = _forces(reduced, law, cam_speed)
     expected = _forces([spring.rod for spring in reduced], law, cam_speed)
     if found is None or expected is None:

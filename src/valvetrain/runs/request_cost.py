@@ -23,6 +23,8 @@ REFINES = ("elements_per_coil", "masses_per_coil", "elements", "modes")
 CARD_CHAIN, CHAIN, MASSES = "multi-mass", 96.0, 5.0
 #: The rod, which every model of a wire at rest starts from.
 ROD = "finite-element"
+#: The model of tables made from the rod, and the seconds that they take for each spring.
+REDUCED, TABLES = "reduced-rod", 1.5
 #: Points along the wire that a wave model outputs; coils of a wire for which a case gives none.
 POINTS, TYPICAL_COILS = 100.0, 8.0
 #: Runs of the search for the critical speeds of a member, besides its sweep (20 to 115 measured, as many
@@ -178,6 +180,8 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
             refinement = math.hypot(*ratios)  # each spring takes its own time
             own_time = 0.0 if train is None else TRAIN_TIME
             processor_time = spec.processor_time
+            if model == REDUCED:
+                total += Cost(TABLES * sum(ratios))
             if train is None:
                 # Forces of every step are stored, and one run at a time per worker holds its motion too.
                 steps = [min(turn / STEP * refinement, MAX_STEPS) for turn in turns]

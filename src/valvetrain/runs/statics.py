@@ -41,6 +41,7 @@ from valvetrain.springs.finite_element_statics import (
     rest_point,
 )
 from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import nominal_stress_per_force, wire_stress
 from valvetrain.system.build import build
@@ -288,6 +289,9 @@ def statics_by_model(
     if spring.wire is not None and spring.contact.stiffness > 0:
         spring.wire.refuse_solid(float(np.max(compressions)))
     begun = time.perf_counter()
+    if isinstance(model, ReducedRod):  # at rest it is its rod
+        found_by_rod = statics_by_model(spring, name, model.rod, compressions, modes)
+        return replace(found_by_rod, model=name)
     if isinstance(model, FiniteElementRod):
         return rod_statics(model, float(compressions[-1]), len(compressions) - 1, modes)
     path = _curve_of(spring, model, path_points(spring.precompression, float(compressions[-1])))
@@ -330,6 +334,8 @@ def axial_frequencies(model: SpringModel, count: int) -> Array:
     """Axial natural frequencies (Hz), both ends fixed, as installed; empty of a model without inner
     motion.
     """
+    if isinstance(model, ReducedRod):
+        return np.asarray(modal_result(model.rod, count).axial_frequencies)
     if isinstance(model, MultiMassSpring):
         return np.asarray(model.frequencies(0.0, min(count, model.unknowns)))
     natural = getattr(model, "natural_frequencies", ())
@@ -344,6 +350,7 @@ def axial_frequencies(model: SpringModel, count: int) -> Array:
 
 def point_of(spring: InstalledSpring, model: SpringModel, compression: float) -> RestPoint:
     """State of the spring by a ``model`` at a compression (m from the free state)."""
+    model = model.rod if isinstance(model, ReducedRod) else model
     if isinstance(model, FiniteElementRod) and spring.wire is not None:
         return rest_point(model, equilibrium_at(model, compression))
     force = force_of(spring, model, compression)
@@ -358,6 +365,7 @@ def point_of(spring: InstalledSpring, model: SpringModel, compression: float) ->
 
 def force_of(spring: InstalledSpring, model: SpringModel, compression: float) -> float:
     """Retainer force (N) of a model at rest at a compression (m from the free state)."""
+    model = model.rod if isinstance(model, ReducedRod) else model
     if isinstance(model, FiniteElementRod) and spring.wire is not None:
         return equilibrium_at(model, compression).retainer_force
     lift = compression - spring.precompression

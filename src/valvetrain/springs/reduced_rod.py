@@ -396,7 +396,7 @@ SPEC = SpringModelSpec(
     _make,
     shows=("sections", "clash"),
     wire_only="a reduced rod is made from the wire; use modal-uniform or wave-rod",
-    processor_time=1.0,
+    processor_time=0.6,
     knows="the rod's wire over lift in some forty coordinates, all its contact points",
     leaves_out="hard clash to a per cent, guides, ends that lift",
 )

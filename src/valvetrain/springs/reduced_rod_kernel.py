@@ -33,7 +33,7 @@ HEADER = 5
 HEAD, INTEGERS = 8, 7
 #: Time (s) for which a list of near points is made and longest that a point is left alone; what
 #: its closing speed (m/s) may gain on the way beside what the acceleration, which may double, gives.
-HORIZON, LONGEST, SPARE_SPEED = 20e-6, 150e-6, 0.5
+HORIZON, LONGEST, SPARE_SPEED = 12e-6, 150e-6, 0.5
 FAST = {"reassoc", "contract", "nsz"}
 KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
 INNER: dict[str, Any] = {**KERNEL, "forceinline": True}
@@ -66,6 +66,19 @@ def _products(values, at, next_at, state, departure, rate, count):
         here_rate += low[i] * second[i]
         there_rate += high[i] * second[i]
     return here, there - here, here_rate, there_rate - here_rate
+
+
+@njit(**INNER)
+def _row(values, at, next_at, state, departure, rate, count):
+    """Row of the stiffness times departure, at a lift and how it grows to the next, and times rate."""
+    here, there, damped = 0.0, 0.0, 0.0
+    low, high = values[at : at + count], values[next_at : next_at + count]
+    first, second = state[departure : departure + count], state[rate : rate + count]
+    for i in range(count):
+        here += low[i] * first[i]
+        there += high[i] * first[i]
+        damped += low[i] * second[i]
+    return here, there - here, damped
 
 
 @njit(**INNER)
@@ -112,10 +125,10 @@ def advance_reduced(
     lost = beta * growth * velocity * velocity
     for i in range(m):
         at = stiffness_at + (coarse * m + i) * m
-        here, grows, damped, more = _products(parameters, at, at + m * m, state, apart, rate, m)
+        here, grows, damped = _row(parameters, at, at + m * m, state, apart, rate, m)
         low = parameters[load_at + i]
         turned = (parameters[load_at + m + i] - low) * per_fine
-        viscous = beta * (damped + tc * more + turned * velocity)
+        viscous = beta * (damped + turned * velocity)
         state[pull_at + i] = -(here + tc * grows + low + tf * turned / per_fine + viscous)
         retainer += state[apart + i] * (turned + 0.5 * grows * per_coarse)
         lost += viscous * state[rate + i]

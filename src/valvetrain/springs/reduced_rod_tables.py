@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 SPACING, PARTS = 0.45e-3, 4
 #: The basis: modes without contact, modes with the contacts of each of some lifts, static shapes
 #: under contact forces; above which frequency (Hz) shapes are dropped.
-FREE_MODES, CONTACT_LIFTS, CONTACT_MODES, SHAPES, HIGHEST_FREQUENCY = 24, 6, 4, 8, 60e3
+FREE_MODES, CONTACT_LIFTS, CONTACT_MODES, SHAPES, HIGHEST_FREQUENCY = 24, 6, 4, 8, 30e3
 #: Frequency (Hz) below which a shape is carried from lift to lift as it is.
 CARRIED = 15e3
 #: A vector adds to the basis from this share of it on that the basis does not hold; a tangent of

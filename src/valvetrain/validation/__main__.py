@@ -25,6 +25,7 @@ CHAPTERS = (
     "waves",
     "stresses",
     "models",
+    "reduced_rods",
     "laws",
     "followers",
     "sources",
