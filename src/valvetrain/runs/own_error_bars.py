@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 from valvetrain.integrate.leapfrog import STEP_FRACTION
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.runs.against_rod import REDUCED, rod_bars
 from valvetrain.runs.at_rest import AtRest
 from valvetrain.runs.error_bars import SPRING_HEADLINES, two_grids
 from valvetrain.runs.prepared import (
@@ -46,7 +45,7 @@ ROD_ORDER, OTHER_ORDER = 2.0, 1.0
 #: Models whose grid follows the time step: their further run takes a shorter step alone, as do
 #: modes of which no more oscillate.
 BY_STEP = ("wave-rod", "wave-rod-clash")
-MODES = "modal-uniform"
+MODES, REDUCED = "modal-uniform", "reduced-rod"
 #: Numbers that differ by a constant from one whose scatter is known, or hold the same peak.
 SAME_SCATTER = {
     "lift_loss_displacement": "peak_valve_lift",
@@ -104,7 +103,12 @@ def own_error_bars(
     rest = at_rest.value.springs
     undivided: list[str] = []
     reduced = [member for member in problem.members if member.model.word == REDUCED]
-    differing, far = rod_bars(problem, reduced, solutions, NAMES, rest, workers)
+    differing: tuple[Uncertainty, ...] = ()
+    far: tuple[str, ...] = ()
+    if reduced:
+        from valvetrain.runs.against_rod import rod_bars  # loads the rod, which few runs need
+
+        differing, far = rod_bars(problem, reduced, solutions, NAMES, rest, workers)
     for member in problem.members:
         if member in reduced:
             continue
