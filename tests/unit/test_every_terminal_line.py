@@ -55,7 +55,6 @@ def test_a_run_says_each_number_once_under_its_run():
         ("Clearance to coil bind", "mm", "coil_bind_clearance", 1e3),
         ("Surge frequency", "Hz", "surge_frequency", 1),
         ("Surge order", "", "surge_cam_order", 1),
-        ("Nearest lift harmonic", "", "nearest_lift_harmonic_order", 1),
         ("Surge amplitude", "N", "surge_amplitude_force", 1),
         ("Coil clashes", "", "clash_count", 1),
         ("largest: coils", "", "–/1–2/–/–", 0),

@@ -89,7 +89,7 @@ def test_a_file_in_which_nothing_comes_out_is_a_failure(file):
 
 
 def test_a_study_beyond_the_bound_is_refused_before_it_begins(file):
-    file.write_text(study_text("finite-element", 60))
+    file.write_text(study_text("finite-element", 250))
     answer = call("study", str(file))
     assert (
         answer.exit_code == 2

@@ -143,7 +143,7 @@ RUNS: tuple[QuantityRow, ...] = (
         "Acceleration of the valve of largest size over the reported cycle."),
     both("surge_cam_order", "surge order", "Surge frequency over cam frequency.", topic=SURGE, uses=("study", "one speed")),
     both("nearest_lift_harmonic_order", "nearest lift harmonic",
-        "Cam order of the lift's harmonic nearest to the surge frequency.", topic=SURGE, uses=("study", "one speed")),
+        "Cam order of the lift's harmonic nearest to the surge frequency.", topic=SURGE, uses=("study", "one speed", "page")),
     both("nearest_lift_harmonic_lift", "nearest lift harmonic, amplitude",
         "Amplitude (0 to peak) of the lift's harmonic nearest to the surge frequency.", sense=LESS, shown_unit="um", topic=SURGE,
         uses=("study", "one speed", "page")),

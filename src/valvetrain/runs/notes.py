@@ -93,11 +93,10 @@ def _chain_note(member: Member, spring: InstalledSpring) -> str:
             "finds no equilibrium or no surge."
         )
     second = compared.second_error
-    high = "" if second is None else f", its second frequency {percent(second)} off"
+    high = "" if second is None else f", second frequency {percent(second)} off"
     return (
-        f"{name} takes force at mid travel and first frequency ({compared.surge_frequency:.0f} Hz) from its rod. Its force at rest is "
-        f"then within {percent(compared.force_error)} of the rod's{high}, and it has no sway: forces of surge and clash "
-        "are estimates, which '--spring finite-element' has right."
+        f"{name} has rate and first frequency ({compared.surge_frequency:.0f} Hz) from its rod, force at rest within "
+        f"{percent(compared.force_error)}{high}; surge and clash are estimates, right by '--spring reduced-rod'."
     )
 
 
