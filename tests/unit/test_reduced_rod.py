@@ -166,8 +166,17 @@ def test_a_study_of_geometry_says_what_the_tables_cost():
 
 
 def test_what_it_does_not_know_is_refused_with_the_name_of_what_does(rod):
-    with pytest.raises(InputError, match="is in a guide"):
-        ReducedRod(replace(rod, guide=Guide(bore=35e-3)))
+    with pytest.raises(InputError, match="use finite-element"):
+        ReducedRod(replace(rod, pulls=False, lifting=True))
+
+
+def test_a_guide_that_the_wire_leans_on_holds_it_at_rest(rod):
+    """A tight bore presses on the coils: forces at rest are those of the rod in it."""
+    guided = replace(rod, guide=Guide(bore=28.6e-3))
+    spring = ReducedRod(guided, 5e-3)
+    for lift in (1e-3, 4.1e-3):
+        found = spring.force(spring.initial_state(lift), lift).retainer
+        assert found == pytest.approx(guided._equilibrium(lift).retainer_force, rel=1e-3)
 
 
 def test_tables_are_read_where_they_stand_and_made_anew_where_a_file_is_damaged(

@@ -10,7 +10,7 @@ import zipfile
 from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import astuple, fields
+from dataclasses import astuple, fields, is_dataclass
 from functools import cache
 from pathlib import Path
 
@@ -54,7 +54,8 @@ def _key(mesh: RodMesh, numbers: tuple[object, ...]) -> str:
     digest.update(repr((numbers, _sources())).encode())
     for one in fields(mesh):
         value = getattr(mesh, one.name)
-        parts = astuple(value) if one.name == "contact" else (value,)
+        whole = is_dataclass(value) and not isinstance(value, type)
+        parts = astuple(value) if whole else (value,)
         for part in parts:
             array = part if isinstance(part, np.ndarray) else np.array(repr(part))
             digest.update(f"{one.name} {array.shape} {array.dtype} ".encode() + array.tobytes())
