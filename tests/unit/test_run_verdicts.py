@@ -120,7 +120,7 @@ def test_error_bars_are_named_once_known_and_never_computed_for_it():
     assert later.verdict.endswith("minimum cam force 35 N.") and not is_computed(
         later, "error_bars"
     )
-    assert later.error_bars.rows and later.verdict.endswith("minimum cam force 35 N ± 7 N.")
+    assert later.error_bars.rows and later.verdict.endswith("minimum cam force 35 ± 7 N.")
 
 
 def test_a_sweep_says_up_to_where_it_is_controlled():

@@ -117,11 +117,11 @@ def test_wide_error_bars_stand_in_the_sentence_and_hide_a_surge_below_them():
     wide = bar("light", 6000, 340.0, 47.0)
     flat = {"surge_amplitude_force": 200.0}
     study = replace(pair("compare-springs", wide, **flat), between=())
-    assert "heavy surges less (200 N against 340 N ± 47 N)" in study.verdict
+    assert "heavy surges less (200 N against 340 ± 47 N)" in study.verdict
     swept = replace(pair("sweep", wide), between=())
-    assert "worst surge 340 N ± 47 N at 6000 rpm" in swept.verdict
+    assert "worst surge 340 ± 47 N at 6000 rpm" in swept.verdict
     hidden = replace(swept, error_bars=ErrorBars((bar("light", 6000, 340.0, 400.0),)))
-    assert hidden.verdict.endswith("worst surge 340 N ± 400 N at 6000 rpm, not resolved.")
+    assert hidden.verdict.endswith("worst surge 340 ± 400 N at 6000 rpm, not resolved.")
     assert "urge not resolved" in replace(hidden, command="compare-springs").verdict
 
 

@@ -75,7 +75,11 @@ class Runs:
     def text(self, found: Worst, digits: int = 3) -> str:
         """Value and unit as tables print them, with an error bar above 5 %."""
         value, bar = quantity_text(found.name, found.value, digits), self.bar(found)
-        return f"{value} ± {quantity_text(found.name, bar, 2)}" if bar else value
+        if not bar:
+            return value
+        size = quantity_text(found.name, bar, 2)
+        unit = size.partition(" ")[2]
+        return f"{value.removesuffix(f' {unit}') if unit else value} ± {size}"
 
     def bar(self, found: Worst) -> float:
         """The known error bar of a value where it is above 5 %, else 0."""
