@@ -223,7 +223,7 @@ class Case:
         2
         """
         from valvetrain.runs.api import sweep
-        from valvetrain.runs.compare_springs import models_of, with_two_springs
+        from valvetrain.runs.compare_springs import compared, models_of, with_two_springs
         from valvetrain.springs.own_spring import model_names
 
         one, other = (
@@ -234,7 +234,7 @@ class Case:
             self.parameters, *(getattr(part, "parameters", part) for part in (one, other))
         )
         models = models_of(case, tuple(model_names(model)))
-        return sweep(case, engine_speeds, models, **options)
+        return compared(sweep(case, engine_speeds, models, **options))
 
     @renamed(spring_models="model")
     def critical_speeds(

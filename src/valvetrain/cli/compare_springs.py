@@ -62,11 +62,11 @@ def compare_springs(
 ) -> None:
     """Compare two springs in one engine over its speed: surge, clash, stress, float, side by side.
 
-    A spring is a case with [spring], as spring-card writes it, or an engine, of which the set in
+    A spring is a case with \\[spring], as spring-card writes it, or an engine, of which the set in
     use is taken; --set changes the engine.
     """
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.runs.compare_springs import models_of, verdict, with_two_springs
+    from valvetrain.runs.compare_springs import compared, models_of, with_two_springs
     from valvetrain.runs.critical_speeds import CriticalOptions
     from valvetrain.runs.run import sweep_study
 
@@ -91,17 +91,18 @@ def compare_springs(
     say_sweep_time(request)
     answer_study(
         request,
-        lambda report, finished: sweep_study(
-            case,
-            request.engine_speeds or (),
-            spring_models=request.spring_models,
-            workers=request.workers,
-            progress=report,
-            finished=finished,
-            created_at=request.created_at.isoformat(),
-            critical=CriticalOptions(),
-            limits=request.limits,
-            implausible=request.implausible,
+        lambda report, finished: compared(
+            sweep_study(
+                case,
+                request.engine_speeds or (),
+                spring_models=request.spring_models,
+                workers=request.workers,
+                progress=report,
+                finished=finished,
+                created_at=request.created_at.isoformat(),
+                critical=CriticalOptions(),
+                limits=request.limits,
+                implausible=request.implausible,
+            )
         ),
-        last=verdict,
     )

@@ -9,7 +9,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
@@ -254,13 +254,12 @@ def answer_study(
     request: StudyRequest,
     compute: Callable[[Report, Finished], Study],
     choices: Mapping[str, Any] = MappingProxyType({}),
-    last: Callable[[Study], str] | None = None,
 ) -> None:
     """Compute the study, save its folder and print its answer; a stopped one saves what was
     finished.
 
     ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was
-    further choices, saved among the inputs; ``last``: the sentence that ends the answer.
+    further choices, saved among the inputs.
     """
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
@@ -288,8 +287,6 @@ def answer_study(
                 complain(sentence)
         raise
     outcome = _saved_outcome(request, study, choices, unfinished)
-    if last is not None:
-        outcome = replace(outcome, verdict=last(study))
     if not stopped:
         deliver(outcome)
         return
@@ -320,11 +317,11 @@ def _saved_outcome(
     from valvetrain.solution.partial_failures import PartialFailures
 
     gaps = PartialFailures(unfinished.gaps.sentences)
-    verdict = verdict_of(study)
     none: tuple[str, ...] = ()
     failures = gaps.part("list of failures", none, lambda: study.failures)
     plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
     data = gaps.part("JSON answer", plain, study_json, study) | {"command": request.command}
+    verdict = verdict_of(study)  # with the error bars that the JSON has computed
     data |= {"verdict": verdict} if verdict else {}
     choices_made = {
         **choices, "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",

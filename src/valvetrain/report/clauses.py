@@ -74,9 +74,15 @@ class Runs:
 
     def text(self, found: Worst, digits: int = 3) -> str:
         """Value and unit as tables print them, with an error bar above 5 %."""
-        return quantity_text(found.name, found.value, digits) + self._bar(found)
+        value, bar = quantity_text(found.name, found.value, digits), self.bar(found)
+        if not bar:
+            return value
+        size = quantity_text(found.name, bar, 2)
+        unit = size.partition(" ")[2]
+        return f"{value.removesuffix(f' {unit}') if unit else value} ± {size}"
 
-    def _bar(self, found: Worst) -> str:
+    def bar(self, found: Worst) -> float:
+        """The known error bar of a value where it is above 5 %, else 0."""
         run = found.run or (self.solutions[0] if len(self.solutions) == 1 else None)
         for row in self.bars:
             if (
@@ -86,8 +92,8 @@ class Runs:
                 and same_speed(row.engine_speed, run.engine_speed)
                 and row.numerical > COARSE * abs(found.value) > 0
             ):
-                return f" ± {100 * row.numerical / abs(found.value):.0f} %"
-        return ""
+                return row.numerical
+        return 0.0
 
     def place(self, run: Solution) -> str:
         """Which of the runs one is: ``at 6000 rpm (modal-varied)``, as far as they differ in it."""
@@ -130,9 +136,10 @@ def joined(parts: Sequence[str], last: str = "and") -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {last} {parts[-1]}"
 
 
-def sentence(parts: Sequence[str]) -> str:
-    """Parts behind each other, as a sentence; empty without any."""
+def sentence(parts: Sequence[str], condition: str = "") -> str:
+    """Parts behind each other, as a sentence under a ``condition``; empty without any."""
     text = "; ".join(part for part in parts if part)
+    text = f"{condition}, {text}" if condition and text else text
     return f"{text[:1].upper()}{text[1:]}." if text else ""
 
 

@@ -63,8 +63,10 @@ def line_styles(study: Study) -> dict[str, LineStyle]:
         )
         for label, run in first.items()
     }
-    if len({(look.colour, look.dash) for look in found.values()}) == len(found) and (
-        len(found) > 1 or (all((label == run.model for label, run in first.items())))
+    if (
+        study.command != "compare-springs"
+        and len({(look.colour, look.dash) for look in found.values()}) == len(found)
+        and (len(found) > 1 or (all((label == run.model for label, run in first.items()))))
     ):
         return found
     return {

@@ -2,25 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from valvetrain.quantities.limits import PassedLimit, passed_limits
-from valvetrain.report.clauses import Clause, Runs, Worst, counted, quantity_text
+from valvetrain.quantities.train_events import PLACES
+from valvetrain.report.clauses import Clause, Runs, Worst, counted, joined, quantity_text
+from valvetrain.runs.notes import rings
 from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.definition import NESTED, label_of
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
 
 #: Lift above the rigid lift from which a valve is said to float (m), as critical speeds take it.
 FLOAT_LIFT = 5e-5
+#: Room to coil bind (m) below which it is called close (docs/limits.md).
+NEAR_BIND = 1e-3
 
 
 def judged_runs(study: Study) -> Runs:
     """The runs of a study whose numbers count, with the error bars that are known."""
     bars = fresh_uncertainty(study) if is_computed(study, "error_bars") else ()
     return Runs(tuple(run for run in study.solutions if is_judged(run)), study.still, bars)
+
+
+def condition_of(runs: Runs) -> str:
+    """What a verdict on trains begins with where a run has no spring that damps."""
+    undamped = any(run.provenance.system == TRAIN and rings(run) for run in runs.solutions)
+    return "without damping of the springs" if undamped else ""
 
 
 def is_judged(run: Solution) -> bool:
@@ -75,6 +87,8 @@ def bind_clause(runs: Runs) -> Clause | None:
         return None
     one, spring = min(found, key=lambda pair: pair[0].value)
     whose = f"{spring} spring " if spring else ""
+    if 0 <= one.value < NEAR_BIND:
+        return Clause(f"{whose}only {runs.text(one)} clear of coil bind", one.run)
     if one.value >= 0:
         return Clause(f"{whose}clear of coil bind by {runs.text(one)}", one.run)
     short = runs.text(Worst(one.name, -one.value, one.run))
@@ -87,14 +101,21 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
     if lost is not None and lost.value > 0:
         time = runs.text(lost)
         gap = f"loft of {runs.text(loft)}, " if loft is not None and loft.value > 0 else ""
+        places, flight = _places_lost(runs, lost), _flight(runs, loft)
         yield Clause(
-            f"{gap}{time} without contact" if gap else f"contact lost for {time}", lost.run
+            f"{gap}{time} without contact{places}{flight}"
+            if gap
+            else f"contact lost{places} for {time}",
+            lost.run,
         )
     elif lost is not None:
         yield Clause("no loft")
     over = runs.worst("float_excess_lift", False)
     if over is not None and over.value > FLOAT_LIFT:
         yield Clause(f"floats {runs.text(over)} above the rigid lift", over.run)
+    flex = runs.worst("lift_loss_displacement", False)
+    if flex is not None and flex.value > FLOAT_LIFT:
+        yield Clause(f"flex takes {runs.text(flex)} of lift", flex.run)
     bounces, height = runs.worst("bounce_count", False), runs.worst("bounce_height", False)
     if bounces is not None:
         count = round(bounces.value)
@@ -110,6 +131,31 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             else "the valve meets the piston",
             piston.run,
         )
+
+
+def _losses(runs: Runs, found: Worst) -> list[Event]:
+    """Losses of contact in the run of a value, the largest gap first."""
+    run = found.run or runs.solutions[0]
+    events = [event for event in run.events if event.kind in PLACES.values()]
+    return sorted(events, key=lambda event: -event.size)
+
+
+def _places_lost(runs: Runs, lost: Worst) -> str:
+    """Where contact is lost, unless at the cam alone: the force there does not tell of other places."""
+    places = list(dict.fromkeys(event.where for event in _losses(runs, lost) if event.where))
+    return f" at the {joined(places)}" if places and places != ["cam"] else ""
+
+
+def _flight(runs: Runs, loft: Worst | None) -> str:
+    """Where the follower leaves the cam and lands, in its largest loft."""
+    if loft is None or loft.value < FLOAT_LIFT:
+        return ""
+    for event in _losses(runs, loft):
+        landing = event.details.get("landing_cam_angle")
+        if event.where == "cam" and landing is not None:
+            begin, end = (math.degrees(float(one)) % 360 for one in (event.cam_angle, landing))
+            return f", leaves the cam at {begin:.0f} deg, lands at {end:.0f} deg"
+    return ""
 
 
 def _clash_clauses(runs: Runs) -> Iterator[Clause]:

@@ -15,7 +15,7 @@ from valvetrain.solution.critical import KINDS, CriticalSpeed
 from valvetrain.solution.definition import definition_of, is_defined, label_of, shown, topics
 from valvetrain.solution.fidelity import RPM, FidelityMap, ValidSpeedRange
 from valvetrain.solution.result import Solution
-from valvetrain.solution.study import Study
+from valvetrain.solution.study import SWEEPS, Study
 from valvetrain.system.contract import TRAIN
 
 NOT_COMPUTED = "not computed"
@@ -50,7 +50,7 @@ class CriticalRow:
 
 def searched(study: Study) -> bool:
     """Whether the study is a sweep of a train, which reports critical speeds."""
-    return study.command == "sweep" and any(
+    return study.command in SWEEPS and any(
         run.provenance.system == TRAIN for run in study.solutions
     )
 

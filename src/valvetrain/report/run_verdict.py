@@ -18,8 +18,9 @@ from valvetrain.report.clauses import (
     sentence,
 )
 from valvetrain.report.model_verdict import fidelity_verdict
-from valvetrain.report.run_clauses import is_judged, judged_runs, run_clauses
-from valvetrain.report.sweep_verdict import sweep_clauses
+from valvetrain.report.run_clauses import condition_of, is_judged, judged_runs, run_clauses
+from valvetrain.report.springs_verdict import springs_verdict
+from valvetrain.report.sweep_verdict import runs_over_speed, sweep_clauses, worst_label
 from valvetrain.report.text import percent, speed_text
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
@@ -34,8 +35,11 @@ def study_verdict(study: Study) -> str:
     published = published_clause(study.comparisons)
     if not study.solutions:
         return sentence([*rest_failures(study), *rest_clauses(study), published])
+    if study.command == "compare-springs" and len(study.labels) == 2:
+        return springs_verdict(study)
     if study.over_speed:
-        return sentence([*rest_failures(study), *sweep_clauses(study), published])
+        parts = [*rest_failures(study), *sweep_clauses(study), published]
+        return sentence(parts, condition_of(runs_over_speed(study, worst_label(study))))
     judged = judged_runs(study)
     return sentence(
         [
@@ -44,14 +48,16 @@ def study_verdict(study: Study) -> str:
             *clause_texts(list(run_clauses(judged)), judged),
             _spread(study),
             published,
-        ]
+        ],
+        condition_of(judged),
     )
 
 
 def solution_verdict(run: Solution) -> str:
     """The sentence of one run."""
     judged = Runs((run,) if is_judged(run) else ())
-    return sentence([*ended_clauses((run,)), *clause_texts(list(run_clauses(judged)), judged)])
+    parts = [*ended_clauses((run,)), *clause_texts(list(run_clauses(judged)), judged)]
+    return sentence(parts, condition_of(judged))
 
 
 def _spread(study: Study) -> str:

@@ -47,7 +47,7 @@ from valvetrain.solution.netcdf import save_modal_result, save_netcdf, save_stat
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.study import Study
+from valvetrain.solution.study import SWEEPS, Study
 from valvetrain.solution.textfile import save_csv
 
 #: Command -> word above the title.
@@ -55,6 +55,7 @@ _KICKERS = {
     "run": "Run",
     "compare": "Comparison of models",
     "sweep": "Sweep over engine speed",
+    "compare-springs": "Comparison of springs",
     "run-up": "Run-up",
 }
 #: Sentences of a case's description that stand on top of its page.
@@ -149,7 +150,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
         "turns of a run-up"
         if study.command == "run-up"
         else "settled"
-        if study.command == "sweep"
+        if study.command in SWEEPS
         else "completed"
     )
     open_ends = [

@@ -10,7 +10,12 @@ import numpy as np
 
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.run_charts import MAX_LINES, Array, line_styles
-from valvetrain.report.sweep_verdict import controlled_to, worst_label, worst_surge
+from valvetrain.report.sweep_verdict import (
+    controlled_to,
+    runs_over_speed,
+    worst_label,
+    worst_surge,
+)
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import CriticalSpeed
 from valvetrain.solution.definition import label_of, shown
@@ -70,7 +75,7 @@ def _marks(study: Study, label: str) -> tuple[Rule, ...]:
         for one in study.critical_speeds
         if one.label == label and one.found
     ]
-    surge = worst_surge(study.runs(label))
+    surge = worst_surge(runs_over_speed(study, label).solutions)
     if surge is not None:
         order = f", order {surge.order}" if surge.order else ""
         rules.append(Rule("x", rpm(surge.run.engine_speed), f"surge{order}"))

@@ -15,15 +15,15 @@ from valvetrain.report.clauses import (
     Worst,
     counted,
     ended_clauses,
-    figure,
     joined,
     quantity_text,
 )
-from valvetrain.report.run_clauses import FLOAT_LIFT, bind_clause
+from valvetrain.report.run_clauses import FLOAT_LIFT, bind_clause, is_judged
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import CriticalSpeed
 from valvetrain.solution.definition import label_of
+from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
@@ -55,26 +55,41 @@ def sweep_clauses(study: Study) -> list[str]:
     if not counts:
         return stopped
     label = worst_label(study)
-    runs = Runs(tuple(run for run in counts if run.label == label), study.still)
+    runs = runs_over_speed(study, label)
     if not runs.solutions:
         return stopped
     several = len(study.labels) > 1
     train = any(run.provenance.system == TRAIN for run in runs.solutions)
     parts = [*_control(study, label, runs)] if train else []
     bind = bind_clause(runs)
-    if bind is not None and (not train or "solid" in bind.text):
+    if bind is not None and (not train or "clear of coil bind by" not in bind.text):
         parts.insert(0 if "solid" in bind.text else len(parts), bind.text)
     parts += limits_over_speed(runs)
     if not train:
         parts += _spring_forces(runs)
     if (surge := worst_surge(runs.solutions)) is not None:
         order = f" (order {surge.order})" if surge.order else ""
-        text = f"{figure(surge.amplitude)} N at {_speed(surge.run)}{order}"
-        parts.append(f"worst surge {text}")
+        size, known = surge_text(runs, surge)
+        text = f"{size} at {_speed(surge.run)}{order}"
+        parts.append(f"worst surge {text}{'' if known else ', not resolved'}")
     parts += unsettled(study.runs(label))
     if several:
         parts[0] = f"worst ({label}): {parts[0]}"
     return [*stopped, *parts]
+
+
+def runs_over_speed(study: Study, label: str) -> Runs:
+    """The runs of a label whose numbers count, those between the swept speeds among them."""
+    both = (*study.runs(label), *(run for run in study.between if run.label == label))
+    judged = sorted(filter(is_judged, both), key=lambda run: run.engine_speed)
+    bars = study.error_bars.rows if is_computed(study, "error_bars") else ()
+    return Runs(tuple(judged), study.still, bars)
+
+
+def surge_text(runs: Runs, surge: Surge) -> tuple[str, bool]:
+    """A surge amplitude with its error bar, and whether it is above that."""
+    found = Worst("surge_amplitude_force", surge.amplitude, surge.run)
+    return runs.text(found), runs.bar(found) <= surge.amplitude
 
 
 def controlled_to(study: Study, label: str) -> float:
@@ -98,7 +113,7 @@ def worst_label(study: Study) -> str:
     labels = study.labels
 
     def key(label: str) -> tuple[float, float]:
-        surge = worst_surge(study.runs(label))
+        surge = worst_surge(runs_over_speed(study, label).solutions)
         return controlled_to(study, label), -(surge.amplitude if surge else 0.0)
 
     return min(labels, key=key)
@@ -170,7 +185,14 @@ def _control_of_runs(runs: Runs) -> str:
     first: dict[str, Solution] = {}
     for run, what in sorted(lost, key=lambda pair: pair[0].engine_speed):
         first.setdefault(what, run)
-    return joined([f"{what} first at {_speed(run)}" for what, run in first.items()])
+    return joined(
+        [
+            f"{what} already at {_speed(run)}, the lowest speed run"
+            if run.engine_speed <= min(speeds)
+            else f"{what} first at {_speed(run)}"
+            for what, run in first.items()
+        ]
+    )
 
 
 def limits_over_speed(runs: Runs) -> list[str]:
@@ -238,7 +260,7 @@ def unsettled(runs: Sequence[Solution]) -> list[str]:
 
 def speeds_text(some: Sequence[Solution], every: Sequence[Solution]) -> str:
     """``at 7000 and 7200 rpm``; of more than a few the range, ``from`` where it has no gap."""
-    speeds = [f"{rpm(run.engine_speed):.6g}" for run in some]
+    speeds = [f"{rpm(run.engine_speed):.0f}" for run in some]
     if len(speeds) <= MAX_NAMED:
         return f"at {joined(speeds)} rpm"
     low, high = some[0].engine_speed, some[-1].engine_speed

@@ -1,29 +1,20 @@
-"""Two springs side by side in one train: the train with a set for either, and what a sweep says of both."""
+"""Two springs side by side in one train: the train with a set for either."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of, case_of_tree, parse_toml
-from valvetrain.solution.definition import shown
+from valvetrain.solution.later import replaced
 from valvetrain.solution.study import Study
 
 #: Key paths of a train that belong to its own springs.
 _OWN = ("springs", "spring_set", "variants", "rubbing")
 #: Spring model of both where one is a card and one a wire: a chain of a card is coarser than one of a wire.
 MIXED_MODEL = "modal-uniform"
-#: Quantities of the sentence: what is said of the better spring, and the value (SI) below which nothing is.
-SAID = {
-    "surge_amplitude_force": ("surges less", 1.0),
-    "clash_energy": ("clashes less", 1e-5),
-    "nominal_peak_shear_stress": ("is stressed less", 1e6),
-}
-#: Share below which two numbers are not told apart.
-ALIKE = 0.01
 
 
 def with_two_springs(train: AnyCase, first: AnyCase, second: AnyCase) -> Case:
@@ -102,42 +93,6 @@ def models_of(case: Case, spring_models: tuple[str, ...]) -> tuple[str, ...]:
     return spring_models or ((MIXED_MODEL,) if len(models) > 1 else ())
 
 
-def verdict(study: Study) -> str:
-    """Which of two springs floats later, surges, clashes and is stressed less, as one sentence."""
-    first, second = study.labels[:2] if len(study.labels) > 1 else (*study.labels, *study.labels)
-    found = [_float_text(study, first, second)] if len(study.critical_speeds) else []
-    for name, (word, least) in SAID.items():
-        one, other = (_worst(study, label, name) for label in (first, second))
-        if not abs(one - other) > max(ALIKE * max(one, other), least):  # NaN where one has none
-            continue
-        better, low, high = (first, one, other) if one < other else (second, other, one)
-        (low_shown, unit), high_shown = shown(name, low), shown(name, high)[0]
-        found.append(
-            f"{_name(study, better)} {word} ({low_shown:.3g} against {high_shown:.3g} {unit})"
-        )
-    return f"{'; '.join(found)}." if found else "No difference between the two springs."
-
-
-def _float_text(study: Study, first: str, second: str) -> str:
-    speeds = []
-    for label in (first, second):
-        one = study.critical_speeds.of("float", label)
-        speeds.append(math.inf if one is None or not one.found else one.engine_speed)
-    if all(map(math.isinf, speeds)):
-        last = max(study.engine_speeds) * 30 / math.pi
-        return f"neither floats up to {last:.5g} rpm"
-    texts = ["never" if math.isinf(one) else f"{one * 30 / math.pi:.0f} rpm" for one in speeds]
-    if abs(speeds[0] - speeds[1]) <= ALIKE * min(speeds):
-        return f"both float from {texts[0]}"
-    place = 0 if speeds[0] > speeds[1] else 1
-    return f"{_name(study, (first, second)[place])} floats later ({texts[place]} against {texts[1 - place]})"
-
-
-def _name(study: Study, label: str) -> str:
-    return study.runs(label)[0].spring_set or label
-
-
-def _worst(study: Study, label: str, name: str) -> float:
-    """The largest value of a quantity over the speeds of a label; NaN where it has none."""
-    values = [run.quantities[name] for run in study.runs(label) if name in run.quantities]
-    return max(values, default=math.nan)
+def compared(study: Study) -> Study:
+    """The sweep of such a case as the comparison that it is, which tells its verdict and page."""
+    return replaced(study, command="compare-springs")

@@ -23,6 +23,8 @@ from valvetrain.units import believed
 
 #: Tensile strength (Pa) above that of any wire of a valve spring.
 MAX_STRENGTH = 2.5e9
+#: What the note on springs without damping says of them.
+NO_DAMPING = "no damping, so that surge lives on from cycle to cycle"
 
 
 def undamped_notes(members: Iterable[Member]) -> tuple[str, ...]:
@@ -57,10 +59,16 @@ def ringing_note(members: Iterable[Member]) -> str:
         return ""
     springs, its = ("springs", "their") if len(names) > 1 else ("spring", "its")
     return (
-        f"The case gives {springs} {' and '.join(names)} no damping, so that surge lives on from cycle to cycle: give {its} "
+        f"The case gives {springs} {' and '.join(names)} {NO_DAMPING}: give {its} "
         "damping, such as 'damping = { ratio = 0.016, ratio_frequency = \"600 Hz\" }' at the first surge frequency (0.016: the beehive of "
         "gu2021)."
     )
+
+
+def rings(run: Solution) -> bool:
+    """Whether no spring of a run damps, by its :func:`ringing_note`."""
+    noted = [note for note in run.provenance.notes if NO_DAMPING in note]
+    return any(all(repr(name) in note for name in run.springs) for note in noted)
 
 
 def chain_notes(members: Iterable[Member]) -> tuple[str, ...]:

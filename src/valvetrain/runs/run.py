@@ -294,6 +294,7 @@ def run_problem(
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
         critical_speeds=found,
+        between=between,
     )
     if at_rest is None:
         study = _completed(study, problem, failures)

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     import pandas
 
 Array = NDArray[np.float64]
+#: Commands whose study is a sweep over engine speed.
+SWEEPS = ("sweep", "compare-springs")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,8 @@ class Study(Reported):
     where it spans the cam's zero. ``gaps``: a sentence per part, of no single run, that failed.
     ``fidelity``: models against a reference, where they were compared. ``error_bars``: of the numbers
     of its runs, each run once more when they are first read; those of a published study are stored. What needs the springs at rest
-    may be computed when it is first read.
+    may be computed when it is first read. ``between``: reduced runs between the speeds of a sweep, where cam orders meet a surge
+    frequency; no points of its curves.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
     >>> study.quantities["preload"]
@@ -87,6 +90,7 @@ class Study(Reported):
     gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
     fidelity: FidelityMap = field(default_factory=FidelityMap)
     error_bars: LaterField[ErrorBars] = LaterField(ErrorBars)
+    between: tuple[Solution, ...] = ()
 
     @property
     def all_notes(self) -> tuple[str, ...]:
@@ -246,7 +250,7 @@ class Study(Reported):
         """Whether its runs are points of curves over engine speed: a sweep, or the revolutions of a
         run-up.
         """
-        return self.command in ("sweep", "run-up", "fidelity")
+        return self.command in (*SWEEPS, "run-up", "fidelity")
 
     @property
     def failures(self) -> tuple[str, ...]:

@@ -1,0 +1,153 @@
+"""Unit: the sentence of a sweep and of two springs compared holds what lies between the speeds,
+little room to coil bind, missing damping, the place of a loss, the lowest speed and error bars.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from synthetic_study import train_study
+from valvetrain.cli.main import app
+from valvetrain.report.run_charts import line_styles
+from valvetrain.report.study import study_page
+from valvetrain.runs.notes import NO_DAMPING
+from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.netcdf import load_result
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
+from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
+
+RPM = np.pi / 30
+
+
+def run(name: str, speed: float, notes: tuple[str, ...] = (), **values: float) -> Solution:
+    """A run of a spring set at a speed (rpm)."""
+    first = train_study().solutions[0]
+    held = {"loss_of_contact_duration": 0.0, "surge_amplitude_force": 10.0, **values}
+    origin = replace(first.provenance, engine_speed=speed * RPM, label=f"{name}, modal-uniform", spring_set=name, notes=notes)  # fmt: skip
+    return replace(first, events=(), quantities=held, provenance=origin)
+
+
+def bar(name: str, speed: float, value: float, size: float) -> Uncertainty:
+    same = (value, value)
+    label = f"{name}, modal-uniform"
+    return Uncertainty("surge_amplitude_force", speed * RPM, value, size, None, value, 0.0, same, same, label)  # fmt: skip
+
+
+def pair(command: str = "compare-springs", *bars: Uncertainty, **heavy: float) -> Study:
+    """At the swept speeds ``heavy`` surges less, between them more."""
+    swept = [
+        run(
+            name,
+            speed,
+            **{"surge_amplitude_force": surge - (speed > 6000)}
+            | (heavy if name == "heavy" else {}),
+        )
+        for name, surge in (("heavy", 280.0), ("light", 340.0))
+        for speed in (6000, 7000)
+    ]
+    between = (
+        run("heavy", 6444, surge_amplitude_force=475.7, surge_amplitude_cam_order=9.0),
+        run("light", 6555, surge_amplitude_force=393.0),
+    )
+    return Study(
+        CaseRecord("own"), command, tuple(swept), between=between, error_bars=ErrorBars(bars)
+    )
+
+
+def test_the_winner_is_that_of_all_speeds_those_between_the_swept_ones_too():
+    assert pair().verdict == "light surges less (393 N against 476 N)."
+
+
+def test_a_sweep_names_the_surge_between_its_speeds():
+    assert "worst surge 476 N at 6444 rpm (order 9)" in pair("sweep").verdict
+
+
+def test_little_room_to_coil_bind_is_named_by_the_spring_that_has_it():
+    assert "heavy only 0.154 mm clear of coil bind;" in pair(coil_bind_clearance=1.538e-4).verdict
+    assert "only 0.154 mm clear of" in pair("sweep", coil_bind_clearance=1.538e-4).verdict
+    assert "coil bind" not in pair(coil_bind_clearance=1.5e-3).verdict
+
+
+@pytest.mark.parametrize("command", ["run", "sweep", "compare-springs"])
+def test_without_damping_the_sentence_begins_with_that(command):
+    note = f"The case gives spring 'valve spring' {NO_DAMPING}: give it."
+    study = pair(command)
+    runs = [
+        replace(one, provenance=replace(one.provenance, notes=(note,), springs=("valve spring",)))
+        for one in study.solutions
+    ]
+    said = replace(study, solutions=tuple(runs)).verdict
+    assert said.startswith("Without damping of the springs, ") and not study.verdict.startswith("Without")  # fmt: skip
+    inner = [replace(one, provenance=replace(one.provenance, springs=("valve spring", "inner"))) for one in runs]  # fmt: skip
+    assert not replace(study, solutions=tuple(inner)).verdict.startswith("Without")
+
+
+def test_a_sweep_above_the_loss_says_that_its_lowest_speed_is_lost_already():
+    lost = {"loss_of_contact_duration": 1e-3}
+    study = Study(CaseRecord("own"), "sweep", (run("a", 7800, **lost), run("a", 8000, **lost)), critical_speeds=CriticalSpeeds())  # fmt: skip
+    assert study.verdict.startswith("Contact is lost already at 7800 rpm, the lowest speed run;")
+    later = replace(study, solutions=(run("a", 7800), run("a", 8000, **lost)))
+    assert later.verdict.startswith("Contact is lost first at 8000 rpm;")
+
+
+def test_a_loss_names_its_place_and_a_flight_its_angles():
+    def lost(where: str, kind: str, **values: float) -> str:
+        details = {"landing_cam_angle": np.radians(306.0)}
+        event = Event(kind, np.radians(221.0), 0.01, 1e-3, values.get("loft_gap", 1e-5), "m", where, details)  # fmt: skip
+        one = replace(run("a", 7000, loss_of_contact_duration=3e-5, minimum_cam_contact_force=505.0, **values), events=(event,))  # fmt: skip
+        return Study(CaseRecord("own"), solutions=(one,)).verdict
+
+    assert "ontact lost at the tappet for 0.03 ms" in lost("tappet", "loss-of-contact")
+    flight = lost("cam", "loft", loft_gap=1.2e-3)
+    assert (
+        "oft of 1.2 mm, 0.03 ms without contact, leaves the cam at 221 deg, lands at 306 deg"
+        in flight
+    )
+    assert "deg" not in lost("cam", "loft", loft_gap=1e-5)
+
+
+def test_wide_error_bars_stand_in_the_sentence_and_hide_a_surge_below_them():
+    wide = bar("light", 6000, 340.0, 47.0)
+    flat = {"surge_amplitude_force": 200.0}
+    study = replace(pair("compare-springs", wide, **flat), between=())
+    assert "heavy surges less (200 N against 340 ± 47 N)" in study.verdict
+    swept = replace(pair("sweep", wide), between=())
+    assert "worst surge 340 ± 47 N at 6000 rpm" in swept.verdict
+    hidden = replace(swept, error_bars=ErrorBars((bar("light", 6000, 340.0, 400.0),)))
+    assert hidden.verdict.endswith("worst surge 340 ± 400 N at 6000 rpm, not resolved.")
+    assert "urge not resolved" in replace(hidden, command="compare-springs").verdict
+
+
+def test_large_numbers_are_written_out():
+    stress = {"nominal_peak_shear_stress": 1.26e9}
+    study = pair(**stress)
+    runs = [
+        replace(one, quantities={"nominal_peak_shear_stress": 9e8, **one.quantities})
+        for one in study.solutions
+    ]
+    said = replace(study, solutions=tuple(runs)).verdict
+    assert "light is stressed less (900 MPa against 1260 MPa)" in said
+
+
+def test_the_page_opens_with_the_comparison_and_its_curves_differ_in_colour():
+    study = pair()
+    page = study_page(study)
+    assert page.verdict == study.verdict and page.kicker == "Comparison of springs"
+    assert len({look.colour for look in line_styles(study).values()}) == 2
+
+
+def test_the_runs_between_are_kept_in_a_file(tmp_path):
+    study = pair()
+    assert load_result(study.save(tmp_path / "study.nc")).verdict == study.verdict
+
+
+def test_the_help_keeps_its_brackets():
+    told = CliRunner().invoke(app, ["compare-springs", "--help"]).output
+    assert "A spring is a case with [spring], as" in " ".join(told.split())
