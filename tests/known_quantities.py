@@ -574,6 +574,9 @@ def scatter() -> Known:
         "bounce_count",
         "bounce_height",
         "cycle_work_energy",
+        "peak_valve_acceleration",
+        "nose_cam_contact_force",
+        "minimum_cam_contact_force",
     )
     numbers = {word: 0.5 + place for place, word in enumerate(words)}
     made = train(statistics=Scatter(1.25e-4, 8e-3, numbers).statistics)

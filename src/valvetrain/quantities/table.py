@@ -152,7 +152,8 @@ RUNS: tuple[QuantityRow, ...] = (
         "force less its static value at the same lift.", sense=LESS, topic=SURGE, uses=ALL),
     both("surge_amplitude_cam_order", "cam order of the surge amplitude",
         "Cam order whose amplitude is the surge amplitude; times the cam frequency it is the frequency at which the spring swings, "
-        "which differs from that at rest where coils close or part.", topic=SURGE, uses=("study", "one speed")),
+        "which differs from that at rest where coils close or part. Absent where no order stands out by 5 % or the surge is below 0.2 % of the "
+        "largest force.", topic=SURGE, uses=("study", "one speed")),
     train("surge_order_{n}_engine_speed", "surge at cam order {n}, engine speed",
         "Engine speed at which cam order {n} of the lift meets the surge frequency, among those run and a quarter beyond."),
     both("surge_order_{n}_force", "surge at cam order {n}",

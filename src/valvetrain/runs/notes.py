@@ -103,8 +103,8 @@ def _chain_note(member: Member, spring: InstalledSpring) -> str:
     second = compared.second_error
     high = "" if second is None else f", second frequency {percent(second)} off"
     return (
-        f"{name} has rate and first frequency ({compared.surge_frequency:.0f} Hz) from its rod, force at rest within "
-        f"{percent(compared.force_error)}{high}; surge and clash are estimates, right by '--spring reduced-rod'."
+        f"Chain of '{spring.name}': rate and first frequency ({compared.surge_frequency:.0f} Hz) of its rod, force at rest within "
+        f"{percent(compared.force_error)}{high}; surge and clash are estimates (right: reduced-rod)."
     )
 
 

@@ -55,7 +55,7 @@ SAME_SCATTER = {
 #: Share of a value that its uncertainty may be without being named.
 LARGE = 0.05
 #: Names in the sentence on large error bars.
-MAX_NAMES = 5
+MAX_NAMES = 3
 #: Numbers that get a bar where a run has them; counts jump.
 NAMES = tuple(
     name
