@@ -98,7 +98,7 @@ BETWEEN = {
     "end.inactive_coils": (None, 3), "end.ground_coils": (None, 3), "spring.total_coils": (None, 200), "card.active_coils": (None, 200),
     "material.poisson_ratio": (-1, 0.5), "options.massless.effective_mass_fraction": (None, 1),
     "options.multi-mass.masses_per_coil": (1, 2000), "options.multi-mass.elements": (1, 2000), "options.modal-uniform.modes": (1, 500),
-    "options.finite-element.elements_per_coil": (4, 1000), "options.solid.elements_per_coil": (4, 1000),
+    "options.finite-element.elements_per_coil": (4, 1000), "options.reduced-rod.elements_per_coil": (8, 200), "options.solid.elements_per_coil": (4, 1000),
     "options.solid.core": (1, 40), "options.solid.rings": (1, 40), "operation.output_step": (math.degrees(1e-4), math.degrees(0.5)),
     "train.lever.ratio": (0.1, 10), "cam-card.rocker_ratio": (0.2, 5), "polydyne.ramp_blend": (0.01, 1), "ramped.ramp_blend": (0.01, 1),
     "cam-card.ramp_blend": (0.01, 1), "shaped.ramp_blend": (0.01, 0.99), "ramped.nose_acceleration": (None, 0),

@@ -109,7 +109,7 @@ PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
                          "stem_damping": DAMPING, "damping": DAMPING, "friction": FORCE}),
     "CrankParameters": (lambda: CrankParameters(0.04, 0.14, 0.002, 0.1),
                         {"radius": "46 mm", "rod_length": "150 mm", "clearance": LENGTH, "top_dead_centre": "2 deg",
-                         "valve_inclination": "2 deg", "offset": LENGTH}),
+                         "valve_inclination": "2 deg", "offset": LENGTH, "lobe_centre": "2 deg"}),
     "RodModel": (lambda: vt.springs.FiniteElementRod(SPRING, 6e-3, 6), {"precompression": LENGTH, "time_step": SECOND}),
 }  # fmt: skip
 

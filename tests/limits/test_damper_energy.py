@@ -22,7 +22,14 @@ SLOW = {
 
 
 def slow(model, **damping):
-    case = vt.load_case("job-t", {**SLOW, "spring.damping": damping})
+    case = vt.load_case(
+        "job-t",
+        {
+            **SLOW,
+            "spring.damping": damping,
+            "spring.options": {"multi-mass": {"from_rod": False}},  # the mass of the wire itself
+        },
+    )
     return vt.simulate(case, spring_models=[model]).solutions[0].quantities
 
 

@@ -81,7 +81,8 @@ class Hump:
 def beehive_chain() -> MultiMassSpring:
     """The chain of the shipped beehive, with all its coil contacts."""
     problem = vt.system.build.build("gu2021-beehive")
-    spring = problem.model_of("multi-mass", problem.springs[0])
+    by_formula = problem.springs[0].with_options("multi-mass", from_rod=False)
+    spring = problem.model_of("multi-mass", by_formula)
     assert isinstance(spring, MultiMassSpring)
     return spring
 

@@ -267,7 +267,7 @@ def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
     ("arguments", "words"),
     [
         (("run", "--engine-speed", "10:9000:1 rpm"), "min and "),
-        (("sweep", "--engine-speed", "10:9000:1"), "beyond the bound of 10 min"),
+        (("sweep", "--engine-speed", "10:9000:0.2"), "beyond the bound of 10 min"),
         (("run", "--elements-per-coil", "24", "--set", "operation.cycles=10000"), "--limit"),
         (
             (
