@@ -159,7 +159,7 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
                 }
             },
             {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
-            "unit",
+            "meant as 3.5 mm",
         ),
         (
             {

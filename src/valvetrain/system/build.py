@@ -31,6 +31,8 @@ from valvetrain.units import as_names, renamed
 
 #: Largest valve mass over the cube of the lift (kg/m3) that passes without a warning.
 HEAVIEST = 1.5e6
+#: Mass (kg) beyond which the number itself is doubted.
+BEYOND_ANY = 20.0
 #: Spring models of a case of one's own that names none: those of a known wire, of a card with and
 #: without a mass.
 WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
@@ -243,7 +245,7 @@ def _warn_of_valve(mass: float, lift: float) -> None:
     cube of the size, from 0.1 kg at 9 mm (cars) to some 400 kg at 80 mm (ships).
     """
     most = HEAVIEST * lift**3
-    if mass > max(most, 0.1):
+    if max(most, 0.1) < mass < BEYOND_ANY:
         warnings.warn(
             f"a valve of {mass:.4g} kg is heavy for a lift of {lift * 1e3:.4g} mm, where valves with retainer and locks weigh up to "
             f"{most:.2g} kg; check train.valve.mass and its unit",
