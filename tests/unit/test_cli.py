@@ -103,6 +103,7 @@ def test_completion_prints_a_script_that_knows_the_commands(tmp_path, shell):
     }
     assert process(folder=tmp_path, **asked).stdout.split() == [
         "compare",
+        "compare-springs",
         "compare-runs",
         "compare-test",
     ]

@@ -155,18 +155,27 @@ def test_quantities_by_name_by_run_and_at_rest():
 def test_a_study_tells_what_it_holds():
     study = made.own_study()
     lines = repr(study).splitlines()
-    assert (
-        lines[0] == "Study of own-spring (compare): 4 runs"
-        and "4200 rpm" in lines[1]
-        and "to" not in lines[1].split(";")[1]
+    assert lines[0] == (
+        "Clear of coil bind by 1.25 mm; 7 coil clashes at 5600 rpm (finite-element); "
+        "peak spring force 811 N, minimum 288 N at 4200 rpm (finite-element); "
+        "models differ by 1.4 % in peak force at 5600 rpm."
     )
-    assert lines[2].startswith(
+    assert (
+        lines[1] == "  Study of own-spring (compare): 4 runs"
+        and "4200 rpm" in lines[2]
+        and "to" not in lines[2].split(";")[1]
+    )
+    assert lines[3].startswith(
         f"  quantities ({len(study.quantities)}): preload 287 N, coil_bind_lift 10.25 mm, "
     )
-    assert lines[2].endswith(", ...") and len(lines) == 3
+    assert lines[3].endswith(", ...") and len(lines) == 4
     bare = Study(study.record)
     assert repr(bare) == "Study of own-spring (run): no runs"
-    assert repr(replace(study, solutions=study.solutions[:1])).splitlines()[0].endswith(": 1 run")
+    one = repr(replace(study, solutions=study.solutions[:1])).splitlines()
+    assert one[:2] == [
+        "Clear of coil bind by 1.25 mm, no coil clash, peak spring force 811 N, minimum 288 N.",
+        "  Study of own-spring (compare): 1 run",
+    ]
     published = made.published_study()
     assert (
         f"{len(published.comparisons)} comparisons with published values, {len(published.findings)} findings"
@@ -177,7 +186,8 @@ def test_a_study_tells_what_it_holds():
         solutions=(made.rod_run(status=Status("diverged", "too fast", 0.1)), *study.solutions[2:]),
     )
     assert "1 not completed: " in repr(failed) and "too fast" in repr(failed)
-    swept = repr(made.sweep_study(12)).splitlines()[1]
+    assert repr(failed).startswith("One of 3 runs diverged at 5600 rpm (finite-element); ")
+    swept = repr(made.sweep_study(12)).splitlines()[2]
     assert "; 12 engine speeds, " in swept and " to " in swept
 
 
@@ -207,14 +217,16 @@ def test_a_study_finds_its_runs():
 def test_a_run_tells_what_it_holds():
     run = made.rod_run()
     told = repr(run).splitlines()
-    assert told[0].startswith(
-        f"Solution of {run.provenance.case_name or 'a case'}, {run.label or 'unnamed model'}, 5600 rpm: completed"
-    )
     assert (
-        told[1]
+        told[0]
+        == "Clear of coil bind by 1.25 mm, 7 coil clashes, peak spring force 811 N, minimum 288 N."
+    )
+    assert told[1] == "  Solution of own-spring, finite-element, 5600 rpm: completed"
+    assert (
+        told[2]
         == f"  {len(run.time)} samples, 0 to 719.5 deg of the cam; {len(run.arrays.variables)} channels"
     )
-    assert told[2].startswith("  seat_force ") and told[3].startswith("  retainer_force ")
+    assert told[3].startswith("  seat_force ") and told[4].startswith("  retainer_force ")
     short = repr(
         replace(
             run,

@@ -151,15 +151,12 @@ def test_a_sweep_answers_with_the_worst_of_each_label_and_its_speed():
         "Seating and contact": (),
         "Seating velocity (m/s)": ("0.42 at 8000 rpm",) * 2,
         "Lift lost (mm)": ("0.11 at 8000 rpm",) * 2,
-        "Loss of control": (),
-        "Loss of contact from (rpm)": ("6207–6217, at the cam", "not computed"),
-        "Float from (rpm)": (FLOAT, "not computed"),
-        "Bounce from (rpm)": ("never up to 8000", "not computed"),
-    }
+    }  # the speeds where control is lost stand in their own table
 
 
 def test_critical_speeds_stand_in_a_table_with_how_they_were_searched():
-    grid, note, ranges = blocks("critical-speeds", sweep_study())
+    grid, legend, details = blocks("critical-speeds", sweep_study())
+    note, ranges = details.blocks
     told = cells(grid)
     assert (
         told[0] == ["Loss of contact from", "6207–6217, at the cam", "not computed"]
@@ -173,6 +170,7 @@ def test_critical_speeds_stand_in_a_table_with_how_they_were_searched():
         "rising / falling speed",
     ]
     assert told[3][1] == FLOAT and told[5][1] == "6875–6885 / 6589–6599"
+    assert all(f"{word}:" in legend.html for word in ("until", "rising / falling speed", "again"))
     assert "graze" in ranges.html and "non-repeating" in ranges.html
     assert (
         "from 2000 to 8000 rpm" in note.html
@@ -686,7 +684,7 @@ def test_the_page_of_a_refinement_names_its_meshes():
                 "case": "own-train",
                 "engine speed": "12 from 2000 to 8000 rpm",
                 "spring model": "stock, <race & co>",
-                "runs": "22 of 24 settled",
+                "runs": "22 of 24 settled; not stock at 8000 rpm; <race & co> at 8000 rpm",
             },
         ),
     ],

@@ -49,14 +49,17 @@ def clearance_chart(study: Study, runs: list[Solution], key: str, title: str) ->
     shown = [(run, *found) for run in runs if (found := around_top(run)) is not None]
     panels, least = [], []
     for start in range(0, len(shown), MAX_LINES):
-        layers = []
+        layers, heights = [], [0.0]
         for run, angle, clearance in shown[start : start + MAX_LINES]:
             look, near = known[run.label], np.abs(angle) <= SHOWN
             layers.append(
                 Line(*thin(angle[near], 1e3 * clearance[near]), look.label, look.colour, 1.5, look.dash)
             )  # fmt: skip
+            heights += (1e3 * clearance[near & np.isfinite(clearance)]).tolist()
             place = int(np.argmin(clearance))
             least.append((float(clearance[place]), float(angle[place])))
+        low, high = min(heights), max(heights)
+        room = 0.07 * (high - low) or 1.0
         panels.append(
             Panel(
                 "crank angle from top dead centre (crank degrees)",
@@ -65,6 +68,7 @@ def clearance_chart(study: Study, runs: list[Solution], key: str, title: str) ->
                 rules=(Rule("y", 0.0, "they touch"),),
                 x_range=(-SHOWN, SHOWN),
                 x_step=30,
+                y_range=(low - room, high + room),  # the rule of touching stands inside
             )
         )
     if not least:
