@@ -67,7 +67,7 @@ def reduced_rod_at_rest() -> list[Row]:
     return rows
 
 
-@book_case(slow=True)
+@book_case()
 def reduced_rod_in_motion() -> list[Row]:
     """The beehive over two revolutions at three speeds, the fastest with clash."""
     system, spring = _beehive()
