@@ -13,7 +13,7 @@ from unit.cli_parts import call
 from valvetrain.parameters.templates import TEMPLATES
 
 SHORT = {
-    "train.springs.stock.0.total_coils": "3.6", "train.springs.stock.0.installed_height": "15.5 mm", "lift_law.maximum_lift": "2 mm",
+    "train.springs.stock.0.total_coils": "3.6", "train.springs.stock.0.installed_height": "15.5 mm", "lift_law.maximum_lift": "2.4 mm",
     "train.springs.stock.0.options.finite-element.elements_per_coil": "6",
 }  # fmt: skip
 
