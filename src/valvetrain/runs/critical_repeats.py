@@ -35,7 +35,7 @@ FIRST_STRIDE, MAX_STRIDE, SCATTER_STRIDE = 0.0025, 0.01, 0.005
 #: below the nominal speed, and above it.
 MAX_SCATTERED, MAX_DIPS = 10, 8
 #: Dips, the deepest, that are always looked at; others as far as this multiple of the largest loss at one before.
-MIN_DIPS, MARGIN = 1, 3.0
+MIN_DIPS, MARGIN = 2, 3.0
 #: An onset is a graze where the margin changed by :data:`SMALL` of its largest value moves it up or
 #: down by more than :data:`GRAZE` of the speed: half as far again as inertia, which grows with the
 #: square of speed, would.
