@@ -81,12 +81,9 @@ def test_part(found: ModelAgainstTest) -> str:
         return render_part(
             [Section("test", "Test", tuple(text(text_of, "alert") for text_of in found.failures))]
         )
-    return render_part(
-        [
-            replace(section, key=f"test-{section.key}")
-            for section in compare_test_page(found).sections
-        ]
-    )
+    page = compare_test_page(found)
+    first, *others = (replace(section, key=f"test-{section.key}") for section in page.sections)
+    return render_part([replace(first, blocks=(*page.picture, *first.blocks)), *others])
 
 
 _TITLES = {
