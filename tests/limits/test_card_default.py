@@ -109,7 +109,7 @@ def test_a_card_with_much_damping_leaves_out_what_no_longer_oscillates():
 
 @pytest.mark.parametrize("model", ["multi-mass", "wave-rod", "finite-element"])
 def test_prescribed_motion_runs_until_it_repeats(model):
-    """Limit: the numbers of twenty revolutions, where two miss the least force by more than that."""
+    """Limit: the numbers of twenty revolutions, where two miss the least force by half a per cent and more."""
     spring = vt.Spring(
         wire_diameter="4 mm",
         mean_diameter="26 mm",
@@ -121,13 +121,13 @@ def test_prescribed_motion_runs_until_it_repeats(model):
         options={"finite-element": {"elements_per_coil": 8}},
     )
     case = vt.Case(spring=spring, lift_law=lift)
-    settled = case.run("6000 rpm", model=model).quantities
+    settled = case.run("5900 rpm", model=model).quantities
     long, short = (
-        case.set({"operation.cycles": count}).run("6000 rpm", model=model).quantities
+        case.set({"operation.cycles": count}).run("5900 rpm", model=model).quantities
         for count in (20, 2)
     )
     surge, least = "surge_amplitude_force", "minimum_spring_force"
     assert settled[surge] == pytest.approx(long[surge], rel=5e-3)
     assert settled["peak_spring_force"] == pytest.approx(long["peak_spring_force"], rel=1e-3)
     assert settled[least] == pytest.approx(long[least], rel=2e-3)
-    assert abs(short[least] - long[least]) > 3e-3 * long[least]
+    assert abs(short[least] - long[least]) > 5e-3 * long[least]

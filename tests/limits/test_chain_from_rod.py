@@ -77,6 +77,6 @@ def test_a_run_says_how_far_its_chain_is_from_the_rod():
     study = case.compare("2000 rpm", ["multi-mass", "massless"])
     chain, massless = study.solutions
     assert "rate and first frequency" in chain.notes[0] and "force at rest within" in chain.notes[0]
-    assert not any("The chain" in note for note in massless.notes)
+    assert not any("first frequency" in note for note in massless.notes)
     assert chain.notes[0] in study.notes
     assert chain.notes[0] in repr(study) and chain.notes[0] in repr(chain)

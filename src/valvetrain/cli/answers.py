@@ -89,6 +89,9 @@ def _tables(study: Study) -> Iterator[Table]:
         if same:
             yield plain_table(("", "", ""), same)
         brief = [row for row in rows if row.name in names_for("brief")]
+        close = ErrorBars(bars.rows, "")  # without spaces, where the table fits then
+        if _fitting(columns, brief, bars) < _fitting(columns, brief, close):
+            bars = close
         fits = _fitting(columns, brief, bars)
         yield _by_run(columns, brief[:fits], "run", bars)
         if fits < len(brief) and len(columns) <= TWICE:

@@ -100,11 +100,11 @@ def _chain_note(member: Member, spring: InstalledSpring) -> str:
             f"{name} has rate and frequency by formula, some per cent high: its rod, which it would take them from, "
             "finds no equilibrium or no surge."
         )
-    second = compared.second_error
+    force_error, second = compared.errors()
     high = "" if second is None else f", second frequency {percent(second)} off"
     return (
         f"Chain of '{spring.name}': rate and first frequency ({compared.surge_frequency:.0f} Hz) of its rod, force at rest within "
-        f"{percent(compared.force_error)}{high}; surge and clash are estimates (right: reduced-rod)."
+        f"{percent(force_error)}{high}; surge and clash are estimates (right: reduced-rod)."
     )
 
 

@@ -57,7 +57,13 @@ from valvetrain.runs.train_runs import (
     rigid_numbers,
     run_trains,
 )
-from valvetrain.runs.workers import Progress, as_they_come, threads, worker_count
+from valvetrain.runs.workers import (
+    Progress,
+    as_they_come,
+    return_memory,
+    threads,
+    worker_count,
+)
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.later import Later, replaced
 from valvetrain.solution.partial_failures import PartialFailures, reason
@@ -76,6 +82,8 @@ CARD_WIRE_NOTE = (
     "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils with "
     "wide gaps are assumed. Its clashes and stresses are not those of the real spring."
 )
+#: Engine speed (rad/s) below which the arrays of a run are large enough to be given back at once.
+SLOW = 125.0
 #: Share of a sweep's progress for its own speeds; the rest is the search for critical speeds.
 GRID_SHARE = 0.5
 
@@ -473,6 +481,9 @@ def _run_springs(
                 )
                 if finished is not None:
                     finished(index, done[index])
+                del solution
+                if not plan.whole and speed < SLOW:
+                    return_memory()
                 tell(f"{member.label} at {speed * 30 / np.pi:.6g} rpm")
         stopped = False
     except KeyboardInterrupt:

@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from valvetrain.cosserat.modes import natural_modes
+from valvetrain.cosserat.state import RodState
+from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import DampingParameters, InstalledSpring
 from valvetrain.springs.chain_statics import static_curve
@@ -33,26 +35,44 @@ FAILURES = (InputError, ArithmeticError, ValueError, RuntimeError)
 
 
 class RodReference(NamedTuple):
-    """The rod of a spring at rest: ``forces`` (N) at :data:`PLACES`, first ``surge_frequencies``
-    (Hz) at the middle one, one or two.
+    """The rod of a spring at rest: ``forces`` (N) at the first two :data:`PLACES`, ``surge_frequencies``
+    (Hz) at the second, one or two; ``rod`` and its ``state`` there.
     """
 
     forces: tuple[float, ...]
     surge_frequencies: tuple[float, ...]
+    rod: FiniteElementRod
+    state: RodState
 
 
 @dataclass(frozen=True)
 class ChainMatch:
-    """A chain next to its rod: ``force_error``, the largest at rest, and ``second_error`` of the
-    second surge frequency (None where the rod shows none), over the rod's; ``surge_frequency`` (Hz)
-    is the first, which both share. ``chain`` is a
-    :class:`~valvetrain.springs.multi_mass.MultiMassSpring`.
+    """A ``chain`` (:class:`~valvetrain.springs.multi_mass.MultiMassSpring`) next to its rod, whose
+    first ``surge_frequency`` (Hz) it shares.
     """
 
     chain: Any
     surge_frequency: float
-    force_error: float
-    second_error: float | None
+    spring: InstalledSpring
+
+    def errors(self) -> tuple[float, float | None]:
+        """Largest error of the force at rest over the rod's at :data:`PLACES`, and error of the
+        second surge frequency (None where the rod shows none).
+        """
+        found = rod_reference(self.spring)
+        assert found is not None
+        lifts, second = _lifts(self.spring), None
+        last = compress(found.rod.statics, [self.spring.precompression + lifts[-1]], found.state)[
+            -1
+        ]
+        forces = np.array([*found.forces, float(last.retainer_force)])
+        own = np.array([_force(self.chain, lift) for lift in lifts])
+        if not last.converged:
+            forces, own = forces[:-1], own[:-1]
+        if len(found.surge_frequencies) > 1 and self.chain.unknowns > 1:
+            frequency = self.chain.frequencies(lifts[MID], 2)[1]
+            second = float(frequency / found.surge_frequencies[1] - 1)
+        return float(np.max(np.abs(own - forces))) / float(np.max(forces)), second
 
 
 def rod_reference(spring: InstalledSpring) -> RodReference | None:
@@ -60,7 +80,7 @@ def rod_reference(spring: InstalledSpring) -> RodReference | None:
     return _reference(replace(spring, options={}, damping=DampingParameters()))
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=32)  # each holds a rod
 def _reference(spring: InstalledSpring) -> RodReference | None:
     assert spring.wire is not None
     if spring.wire.total_coils > MAX_COILS:
@@ -69,15 +89,15 @@ def _reference(spring: InstalledSpring) -> RodReference | None:
         options = ROD.read_options({"elements_per_coil": ELEMENTS_PER_COIL})
         rod = ROD.make(spring, options, None)
         assert isinstance(rod, FiniteElementRod)
-        path = [equilibrium_at(rod, spring.precompression + y) for y in _lifts(spring)]
+        path = [equilibrium_at(rod, spring.precompression + y) for y in _lifts(spring)[: MID + 1]]
         modes = natural_modes(rod.statics, path[MID].state, MODES)
         surge = modes.natural_frequency[modes.axial_modes(2)]
     except FAILURES:
         return None
     forces = tuple(float(point.retainer_force) for point in path)
-    if not len(surge) or not min(forces[MID:]) > 0:
+    if not len(surge) or not forces[MID] > 0:
         return None
-    return RodReference(forces, tuple(map(float, surge)))
+    return RodReference(forces, tuple(map(float, surge)), rod, path[MID].state)
 
 
 def _lifts(spring: InstalledSpring) -> list[float]:
@@ -92,22 +112,16 @@ def match(chain: Any, spring: InstalledSpring) -> ChainMatch | None:
     found = rod_reference(spring)
     if found is None:
         return None
-    lifts, scale = _lifts(spring), 1.0
+    middle, scale = _lifts(spring)[MID], 1.0
     layout, stiff = chain.layout, chain
     for _ in range(4):  # coils that have closed carry a part that is not scaled
-        scale *= found.forces[MID] / _force(stiff, lifts[MID])
+        scale *= found.forces[MID] / _force(stiff, middle)
         stiff = replace(chain, layout=replace(layout, stiffness=layout.stiffness * scale))
-    heavier = (stiff.frequencies(lifts[MID], 1)[0] / found.surge_frequencies[0]) ** 2
+    heavier = (stiff.frequencies(middle, 1)[0] / found.surge_frequencies[0]) ** 2
     if not all(CREDIBLE[0] < factor < CREDIBLE[1] for factor in (scale, heavier)):
         return None
     corrected = replace(stiff, layout=replace(stiff.layout, masses=layout.masses * heavier))
-    forces = np.array([_force(corrected, lift) for lift in lifts])
-    second = None
-    if len(found.surge_frequencies) > 1 and corrected.unknowns > 1:
-        own = corrected.frequencies(lifts[MID], 2)[1]
-        second = float(own / found.surge_frequencies[1] - 1)
-    error = float(np.max(np.abs(forces - found.forces))) / max(found.forces)
-    return ChainMatch(corrected, found.surge_frequencies[0], error, second)
+    return ChainMatch(corrected, found.surge_frequencies[0], spring)
 
 
 def _force(chain: Any, lift: float) -> float:

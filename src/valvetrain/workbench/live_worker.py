@@ -9,6 +9,7 @@ It ends when its standard input does.
 from __future__ import annotations
 
 import json
+import math
 import os
 import queue
 import sys
@@ -34,7 +35,7 @@ from valvetrain.runs.prepared import (
     prepare,
     provenance_of,
 )
-from valvetrain.runs.train_runs import member_statics
+from valvetrain.runs.train_runs import member_statics, rigid_numbers
 from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
@@ -50,6 +51,7 @@ MAX_BUILT = 8
 #: Shares of the float speed of rigid parts at which the search for the float speed begins, one after
 #: the other until the valve floats, and its resolution (rad/s).
 FLOAT_SHARES, FLOAT_RESOLUTION = (0.6, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5), 20 * np.pi / 30
+RIGID = "rigid_contact_loss_engine_speed"
 #: The line that ends a search.
 STOP = "stop\n"
 _stop = threading.Event()
@@ -67,7 +69,7 @@ class LiveCase:
 
     def __init__(self, case_text: str, folder: Path, spring_model: str) -> None:
         self.case_text, self.folder, self.spring_model = case_text, folder, spring_model
-        self._built: dict[tuple[tuple[str, str], ...], tuple[Problem, PreparedRun]] = {}
+        self._built: dict[tuple[tuple[str, str], ...], tuple[Problem, PreparedRun, float]] = {}
 
     def answer(self, changes: Mapping[str, str], engine_speed: str) -> dict[str, Any]:
         """The curve of the case with ``changes`` at a crank speed (text; empty: the highest of the
@@ -83,7 +85,7 @@ class LiveCase:
         return found | {"seconds": time.perf_counter() - begun}
 
     def _curve(self, changes: Mapping[str, str], engine_speed: str) -> dict[str, Any]:
-        problem, ready = self._ready(changes)
+        problem, ready, rigid = self._ready(changes)
         if ready.refusal:
             raise InputError(ready.refusal)
         speeds = (
@@ -105,7 +107,7 @@ class LiveCase:
             for name in ("retainer_force", "valve_lift")
         )
         peak = int(np.argmax(force))
-        numbers = {} if ready.motion is None else train_numbers(ready, run)
+        numbers = {} if ready.motion is None else train_numbers(ready, run, rigid)
         degrees = np.degrees(cycle.cam_angle)
         return {
             "model": run.model,
@@ -141,10 +143,9 @@ class LiveCase:
     def _float_speed(
         self, changes: Mapping[str, str], stopped: Callable[[], bool]
     ) -> dict[str, Any]:
-        problem, ready = self._ready(changes)
+        problem, ready, rigid = self._ready(changes)
         if ready.refusal or ready.motion is None:
             raise InputError(ready.refusal or "a spring alone has no float speed")
-        rigid = 2 * ready.motion.contact_loss()[0]
         top = rigid if np.isfinite(rigid) else max(problem.engine_speeds, default=1000.0)
         speeds = [share * top for share in FLOAT_SHARES]
         options = CriticalOptions(resolution=FLOAT_RESOLUTION, ranges=False)
@@ -158,7 +159,10 @@ class LiveCase:
             return {"sentence": f"no float up to {low:.0f} rpm" if low else f"below {high:.0f} rpm"}
         return {"quantities": {"float speed": (high, "rpm")}}
 
-    def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, PreparedRun]:
+    def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, PreparedRun, float]:
+        """The built case, its run, and the engine speed (rad/s) at which rigid parts lose contact,
+        as a sweep tells it.
+        """
         key = tuple(sorted(changes.items()))
         if key not in self._built:
             given = dict(read_assignment(f"{path}={text}", path) for path, text in changes.items())
@@ -167,22 +171,26 @@ class LiveCase:
             problem = build(case, spring_models=(self.spring_model or own,))
             member = problem.members[0]
             rest = member_statics(problem, member) if member.gear is not None else {}
-            self._built[key] = (problem, prepare(problem, member, rest, ""))
+            ready = prepare(problem, member, rest, "")
+            rigid = (
+                rigid_numbers(problem, (ready,), ()).get(member.spring_set, {}).get(RIGID, math.inf)
+            )
+            self._built[key] = (problem, ready, rigid)
             while len(self._built) > MAX_BUILT:
                 del self._built[next(iter(self._built))]
         return self._built[key]
 
 
-def train_numbers(ready: PreparedRun, run: Solution) -> dict[str, tuple[float, str]]:
+def train_numbers(ready: PreparedRun, run: Solution, rigid: float) -> dict[str, tuple[float, str]]:
     """What decides whether a train keeps control at the speed of a run: least cam force while the
-    valve is open, least margin of the spring and float speed of rigid parts, by their labels.
+    valve is open, least margin of the spring and float speed of ``rigid`` parts, by their labels.
     """
     assert ready.motion is not None
     margins = margin_quantities(ready.motion.table(run.engine_speed / 2))
     found = {
         "minimum_cam_contact_force": run.statistics.get("least_cam_contact_force"),
         "minimum_spring_margin_force": margins.get("minimum_spring_margin_force"),
-        "rigid_contact_loss_engine_speed": 2 * ready.motion.contact_loss()[0],
+        RIGID: rigid,
     }
     known = {name: float(value) for name, value in found.items() if value is not None}
     return {
