@@ -17,6 +17,7 @@ from valvetrain.parameters.templates import template_text
 from valvetrain.report.clauses import figure
 from valvetrain.runs.compare_springs import with_two_springs
 from valvetrain.runs.measured_cost import sweep_seconds
+from valvetrain.runs.request_cost import RunRequest, planned
 
 SOFT = 'name = "soft"\n[spring]\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'
 STIFF = 'name = "stiff"\n[spring]\npreload = "340 N"\nrate = "46 N/mm"\nmass = "50 g"\n'
@@ -36,6 +37,16 @@ def test_every_train_runs_from_cards(kind, spring_set):
     (run,) = vt.simulate(case, "3000 rpm", "massless", spring_set=spring_set).solutions
     assert run.status.completed
     assert run.quantities["minimum_cam_contact_force"] > 50
+
+
+@pytest.mark.parametrize("cards", [False, True], ids=["wire", "cards"])
+@pytest.mark.parametrize("kind", ["direct", "finger", "rocker", "pushrod"])
+def test_every_train_has_its_modes_valve_closed_and_open(kind, cards):
+    """The bucket by cards came to no rest: its tappet falls through the lash."""
+    case = vt.Case(template_text(kind, cards=cards), name=kind)
+    found = vt.runs.train_modes(case, spring_models=["massless"])
+    assert [one.state for one in found] == ["closed", "full_lift"]
+    assert "seat" in found[0].closed and "seat" in found[1].open
 
 
 def test_the_moving_mass_of_a_card_is_that_of_its_active_turns():
@@ -88,6 +99,19 @@ def test_the_sentence_says_which_is_better_and_by_what():
     low, high = sorted(worst.values())
     better = min(worst, key=lambda name: worst[name])
     assert f"{better} surges less ({figure(low)} N against {figure(high)} N)" in study.verdict
+
+
+def test_a_sweep_runs_the_spring_set_that_the_case_names_as_a_run_does():
+    """It ran both, and its estimate counted both; where none is named, every one."""
+    case = parse_case(template_text("direct", cards=True))
+    free = parse_case(template_text("direct", cards=True).replace('spring_set = "card"\n', ""))
+    for asked, sets in ((case, {"card"}), (free, {"card", "dual"})):
+        study = vt.sweep(asked, "3000 rpm", ["massless"], critical_speeds=False)
+        assert {run.spring_set for run in study.solutions} == sets
+        request = RunRequest("sweep", asked, (300.0,), ("massless",), (), 1)
+        assert [springs for _, springs in planned(request)] == [
+            asked.train.springs[name] for name in sorted(sets)
+        ]
 
 
 def test_the_time_of_a_sweep_grows_with_its_speeds_and_its_search():

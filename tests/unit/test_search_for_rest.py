@@ -88,6 +88,22 @@ def test_a_step_that_comes_no_nearer_is_taken_back_and_steps_begin_anew(monkeypa
     assert places[-1] == pytest.approx(6.5 + 935e3 / 1e9, abs=1e-5)
 
 
+def test_a_weight_falls_through_its_clearance_until_it_stands(monkeypatch):
+    """0.44 N of tappet over 0.2 mm of lash on hard steel: nothing holds it and nothing changes on
+    the way. The search ended 7 nm above the steel, where the train "comes to no rest".
+    """
+    places = asked_places(
+        monkeypatch, lambda place: 0.44 - 1e9 * max(place - 0.2e-3, 0.0) ** (10 / 9)
+    )
+    assert places[-1] == pytest.approx(0.2 + 1e3 * (0.44 / 1e9) ** 0.9, abs=1e-8)
+
+
+def test_a_body_that_nothing_stops_has_no_rest(monkeypatch):
+    """It falls a centimetre and a little, not until 200 steps have doubled."""
+    places = asked_places(monkeypatch, lambda place: 0.44)
+    assert len(places) < 50
+
+
 def test_contacts_too_hard_for_the_tangent_end_the_search(monkeypatch):
     """Each step came no nearer, and all 200 of them were taken: 1200 sums of forces, of finite
     elements tens of seconds.

@@ -390,6 +390,11 @@ class TrainParameters:
         cards = bool(springs) and all(spring.wire is None for spring in springs)
         return self.spring_model or ("modal-uniform" if cards else "multi-mass")
 
+    @property
+    def swept_sets(self) -> tuple[str, ...]:
+        """Names of the spring sets that a sweep runs: the one in use, every one where none is named."""
+        return (self.spring_set,) if self.spring_set else tuple(self.springs)
+
     def contact(self, place: str) -> ContactParameters:
         """The law at one place. Raises :class:`InputError` when the case gives none."""
         if place not in self.contacts:

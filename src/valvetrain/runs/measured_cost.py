@@ -33,7 +33,7 @@ def sweep_seconds(
     """
     assert case.train is not None
     top = max(engine_speeds)
-    sets = tuple(spring_sets) or tuple(case.train.springs)
+    sets = tuple(spring_sets) or case.train.swept_sets
     each, runs = list[float](), list[float]()
     for chosen in sets:
         seconds = []

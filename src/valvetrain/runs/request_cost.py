@@ -114,7 +114,7 @@ def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledS
         return [(models or default_models(case.springs), case.springs)]
     train, sets = case.train, case.train.springs
     if request.command == "sweep" and not request.spring_sets:
-        return [(models or (train.model_of(name),), springs) for name, springs in sets.items()]
+        return [(models or (train.model_of(name),), sets[name]) for name in train.swept_sets]
     if models or request.spring_sets or not train.variants:
         chosen = request.spring_sets or (train.spring_set or next(iter(sets), ""),)
         return [(models or (train.model_of(name),), sets.get(name, ())) for name in chosen]

@@ -155,7 +155,8 @@ def sweep_study(
     the critical speeds of a train between the lowest and the highest of them (``critical`` None:
     not searched); ``later``, ``ends_alone``: see :func:`run_problem`.
 
-    By default every spring set of a train by its own model, a spring alone by its default models.
+    By default the spring set that a train names, every one where it names none, each by its own
+    model; a spring alone by its default models.
     Raises :class:`InputError` for no speed at all and for what cannot be built.
     """
     speeds = tuple(sorted({float(speed) for speed in engine_speeds}))
@@ -164,7 +165,7 @@ def sweep_study(
             "a sweep needs at least one engine speed; write such as '1000:9000:100 rpm'",
             "engine_speeds",
         )
-    sets = tuple(spring_sets) or (tuple(case.train.springs) if case.train is not None else ())
+    sets = tuple(spring_sets) or (case.train.swept_sets if case.train is not None else ())
     problem = build(case, spring_models=spring_models, spring_set=sets)
     try:
         return _with_critical(

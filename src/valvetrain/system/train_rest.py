@@ -16,6 +16,10 @@ Array = NDArray[np.float64]
 CURVE_POINTS = 33
 #: Steps of the search for rest without a thousandth of progress after which it ends.
 PATIENCE = 25
+#: Force (N, N m) that may be left over at rest.
+BALANCED = 1e-7
+#: Largest way (m, rad) that a body falls through clearances; one that falls further has no rest.
+CLEARANCE = 1e-2
 #: Largest step (m) of the search: where it holds for LONG_WAY steps in a row the way is long, and
 #: it doubles.
 MAX_STEP = 2e-4
@@ -79,6 +83,7 @@ def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | Non
         system.spring_force
     )  # an equilibrium of a finite-element spring takes milliseconds
     q = np.zeros(len(system.masses)) if start is None else np.array(start, dtype=float)
+    begin = q
     scale = np.maximum(system.masses, 1e-9)
     damping = 1e3
     residual = generalised_forces(system, q, cam_angle, spring_force)
@@ -86,14 +91,17 @@ def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | Non
     largest, capped = MAX_STEP, 0
     for _ in range(200):
         size = float(np.sum(residual**2 / scale))
-        sizes.append(size)
-        if len(sizes) > PATIENCE and size > 0.999 * sizes[-1 - PATIENCE]:
-            break  # contacts too hard for the tangent: the motion settles from here as well
         shifted = (
             generalised_forces(system, q + 1e-9 * row, cam_angle, spring_force)
             for row in np.eye(len(q))
         )
         tangent = np.array([(forces - residual) / 1e-9 for forces in shifted]).T
+        # A body that falls through its clearance is on its way, though its force stays as it is.
+        free = (np.abs(residual) > BALANCED) & ~np.any(tangent, axis=1)
+        falls = np.any(free & (np.abs(q - begin) < CLEARANCE))
+        sizes = [] if falls else [*sizes, size]
+        if len(sizes) > PATIENCE and size > 0.999 * sizes[-1 - PATIENCE]:
+            break  # contacts too hard for the tangent: the motion settles from here as well
         step = np.linalg.solve(-tangent + damping * np.diag(scale), residual)
         share = min(1.0, largest / max(float(np.max(np.abs(step))), 1e-30))
         step *= share
@@ -104,6 +112,6 @@ def static_equilibrium(system: TrainSystem, cam_angle: float, start: Array | Non
             largest *= 2.0 if capped > LONG_WAY else 1.0
         else:
             damping, largest, capped = damping * 10, MAX_STEP, 0
-        if float(np.max(np.abs(residual))) < 1e-7 or damping > 1e18:
+        if float(np.max(np.abs(residual))) < BALANCED or damping > 1e18:
             break
     return q
