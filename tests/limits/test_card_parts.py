@@ -5,6 +5,7 @@ of steel parts by Hertz.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -161,6 +162,21 @@ def test_one_word_stands_for_every_place_or_for_those_not_named():
     assert mixed.contact("seat").law == "linear" and mixed.contact("cam") == whole.contact("cam")
     one = parse_case(TRAIN.replace("CONTACTS", 'contacts.cam = "steel"')).train
     assert set(one.contacts) == {"cam"}
+
+
+def test_friction_alone_is_added_to_contacts_of_steel():
+    """``--set train.contacts.cam.friction_coefficient=0.06`` asked for a law, of a template by cards."""
+    plain = parse_case(TRAIN.replace("CONTACTS", 'contacts = "steel"')).train
+    for table in (
+        'contacts.others = "steel"\ncontacts.cam.friction_coefficient = 0.06',
+        'contacts.others = "steel"\ncontacts.cam = { law = "steel", friction_coefficient = 0.06 }',
+    ):
+        train = parse_case(TRAIN.replace("CONTACTS", table)).train
+        assert train.contact("cam") == replace(plain.contact("cam"), friction_coefficient=0.06)
+        assert train.contact("seat") == plain.contact("seat")
+    stiff = 'contacts.cam = { law = "steel", contact_stiffness = "100 kN/mm" }'
+    with pytest.raises(InputError, match="takes friction_coefficient and friction_velocity alone"):
+        parse_case(TRAIN.replace("CONTACTS", stiff))
 
 
 def test_missing_contacts_are_named_all_at_once_with_the_word_that_fills_them():

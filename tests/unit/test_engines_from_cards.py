@@ -49,6 +49,15 @@ def test_every_train_has_its_modes_valve_closed_and_open(kind, cards):
     assert "seat" in found[0].closed and "seat" in found[1].open
 
 
+@pytest.mark.parametrize("cards", [False, True], ids=["wire", "cards"])
+@pytest.mark.parametrize("kind", ["direct", "finger", "rocker", "pushrod"])
+def test_friction_at_the_cam_is_added_to_every_template_as_the_guide_says(kind, cards):
+    """Guide 18; templates by cards have contacts of steel, which asked for a law."""
+    key = "train.contacts.cam.friction_coefficient"
+    case = parse_case(template_text(kind, cards=cards), changes={key: 0.06})
+    assert case.train.contact("cam").friction_coefficient == 0.06
+
+
 def test_the_moving_mass_of_a_card_is_that_of_its_active_turns():
     """rho pi^2 d^2 D n / 4 with n = G d^4 / (8 D^3 k)."""
     (spring,) = parse_case(template_text("direct", cards=True)).train.springs["card"]

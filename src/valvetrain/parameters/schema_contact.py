@@ -83,6 +83,8 @@ def _read_contact(raw: Any) -> ContactParameters:
     if not isinstance(raw, dict) or not isinstance(raw.get("law"), str):
         raise problem(f"a contact needs its law, such as law = 'impact', or the word '{STEEL}'")
     law = raw["law"]
+    if law == STEEL:
+        return _read_steel(raw)
     law = carrying(law)
     if registry.OWN_NAME.fullmatch(law) and law not in registry.names("contacts"):
         guarded(registry.find, "contacts", law, path=("law",))
@@ -101,6 +103,18 @@ def _read_contact(raw: Any) -> ContactParameters:
     units = guarded(written_for, raw)
     built: ContactParameters = guarded(lambda: ContactParameters(law, values, **friction, **units))
     return built
+
+
+def _read_steel(raw: dict[str, Any]) -> ContactParameters:
+    """A contact by the word in place of a law, which takes its friction alone."""
+    if other := next((key for key in raw if key not in ("law", *_FRICTION)), ""):
+        raise problem(
+            f"a contact of '{STEEL}' takes {' and '.join(_FRICTION)} alone; give a law, such as law = 'hunt-crossley', for '{other[:40]}'",
+            (other,),
+        )
+    return ContactParameters(
+        STEEL, **validate_as(ContactTable, raw).model_dump(exclude_unset=True, exclude={"law"})
+    )
 
 
 def _table_with(key: str, law: str) -> type[ContactTable]:
@@ -142,7 +156,7 @@ ContactField = Annotated[ContactParameters, PlainValidator(_read_contact)]
 
 def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
     """Contacts by place; the word alone, or of the place ``others``, applies to every place not
-    named (stored under '').
+    named (stored under ''), and to tables that give friction and no law.
     """
     if raw == STEEL:
         return {"": ContactParameters(STEEL)}
@@ -150,7 +164,13 @@ def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
         raise problem(
             f"a table of places is needed here, such as [train.contacts.cam], or contacts = '{STEEL}'"
         )
-    found = {place: placed(place, _read_contact, table) for place, table in raw.items()}
+    of_steel = {"law": STEEL} if raw.get("others") == STEEL else {}
+    found = {
+        place: placed(
+            place, _read_contact, of_steel | table if isinstance(table, dict) else table
+        )
+        for place, table in raw.items()
+    }
     if (rest := found.pop("others", None)) is not None:
         if rest.law != STEEL:
             raise problem(

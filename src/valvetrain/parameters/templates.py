@@ -20,7 +20,7 @@ KINDS = {
 CARDS = {"direct": "tappet", "finger": "valve", "rocker": "valve"}
 #: Comments of a template at which its lift law, the speeds, the contacts and the end begin.
 _LAW, _SPEEDS, _CONTACTS = "# The lift of", "# Speeds of the crank", "# Contacts. Other laws"
-_STEEL = """# Contacts between steel parts of usual size, or a table for each place.
+_STEEL = """# Contacts between steel parts of usual size, or a table for each place; friction alone: cam.friction_coefficient = 0.06.
 [train.contacts]
 others = "steel"
 
