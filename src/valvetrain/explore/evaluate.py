@@ -218,7 +218,7 @@ def _train(
         solution: Solution = train_point((problem, ready, plan), (0, engine_speed))
         status, values = solution.status, dict(solution.quantities)
     if request.rigid or (request.rest and engine_speed is not None):
-        values |= rigid_numbers(problem, ready, speeds).get(member.spring_set, {})
+        values |= rigid_numbers(ready, speeds).get(member.spring_set, {})
     if request.rest and (request.rest_model or request.sizes_alone):
         values |= _still(problem, member, {}, _train_lift(problem, member), request)
     elif request.rest and request.outputs and not all(name in values for name in request.outputs):

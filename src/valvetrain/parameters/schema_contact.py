@@ -166,9 +166,7 @@ def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
         )
     of_steel = {"law": STEEL} if raw.get("others") == STEEL else {}
     found = {
-        place: placed(
-            place, _read_contact, of_steel | table if isinstance(table, dict) else table
-        )
+        place: placed(place, _read_contact, of_steel | table if isinstance(table, dict) else table)
         for place, table in raw.items()
     }
     if (rest := found.pop("others", None)) is not None:

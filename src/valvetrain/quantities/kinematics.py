@@ -17,7 +17,6 @@ from valvetrain.mechanism.rigid import RigidKinematics
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.quantities.contact_loss import ContactLoss, ContactShares, RigidForces
 from valvetrain.system.rigid_pose import RigidPoses, rigid_poses
-from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
@@ -134,22 +133,16 @@ def rigid_motion(
     system: TrainSystem,
     train: TrainParameters | None = None,
     samples: int = 720,
-    rest: TrainRest | None = None,
 ) -> RigidMotion:
-    """Rigid motion of a train on ``samples`` cam angles, computed once for all speeds.
-
-    ``train`` adds the geometry of a planar cam contact; ``rest`` holds the springs' static curve.
+    """Rigid motion of a train on ``samples`` cam angles, computed once for all speeds; ``train`` adds
+    the geometry of a planar cam contact.
     """
     angle = np.arange(samples) * 2 * np.pi / samples
     motion, poses = system.mechanism.kinematics, rigid_poses(system)
     derivatives = np.stack([motion.valve_lift(angle, n) for n in range(4)])
     lift = derivatives[0]
     grid = np.linspace(0.0, max(float(lift.max()), 1e-6), 33)
-    static = (
-        partial(_between, grid, system.spring_forces(grid))
-        if rest is None
-        else rest.static_spring_force
-    )
+    static = partial(_between, grid, system.spring_forces(grid))
     forces = RigidForces(system, poses, static)
     tight = forces.poses_at(lift)
     geometry = (

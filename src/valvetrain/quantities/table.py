@@ -240,10 +240,10 @@ TRAINS: tuple[QuantityRow, ...] = (
     train("mean_cam_power", "mean cam power", "Work of the cam per cycle over the time of the cycle.", sense=LESS),
     train("minimum_spring_margin_force", "minimum spring margin",
         "Smallest surplus at the valve, by rigid theory, of the springs at rest over inertia, weight and gas where the valve is "
-        "slowed.", sense=MORE),
+        "slowed; the springs' own mass counts with its Rayleigh share, a third, whatever model runs.", sense=MORE),
     train("minimum_spring_margin_ratio", "minimum spring margin, ratio",
         "Spring force less weight and gas over the inertia force where the valve is slowed, by rigid theory, where that is least; "
-        "1 where contact is lost.", sense=MORE),
+        "1 at the float speed of rigid parts where the cam loses contact first.", sense=MORE),
     train("peak_rigid_valve_lift", "peak rigid valve lift", "Largest valve lift of rigid parts."),
     train("valve_open_duration", "time open", "Time per cycle in which the valve stands off its seat."),
     train("seating_velocity", "seating velocity", "Velocity of the first touch of the seat.", sense=LESS, topic=CONTACT, uses=ALL),

@@ -35,6 +35,7 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.spec import spring_model
 from valvetrain.system.prescribed import PrescribedSpring, names_of
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_rest import TrainRest, rest_of
@@ -132,7 +133,12 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
             return PreparedRun(member, frame, system)
         assert member.gear is not None
         equilibrium = rest_of(system)
-        motion = rigid_motion(system, member.gear.parameters, rest=equilibrium)
+        # Rigid theory has no surge: springs count with the Rayleigh share of their mass, whatever model runs.
+        massless = replace(member, model=spring_model("massless"), rubbing=None)
+        own = member.model.word == massless.model.word
+        plain = system if own else massless.system({}, problem.built)
+        assert isinstance(plain, TrainSystem)
+        motion = rigid_motion(plain, member.gear.parameters)
         frame = replace(frame, valve_lift=system.mechanism.kinematics.valve_lift)
         return PreparedRun(member, frame, system, equilibrium, motion)
     except FAILURES as error:

@@ -263,7 +263,7 @@ def run_problem(
         if progress is not None and critical is not None:
             part, tell = _shares(progress)
         solutions, stopped = run_trains(problem, ready, speeds, plan, count, part, finished)
-        still = failures.part("numbers of rigid theory", {}, rigid_numbers, problem, ready, speeds)
+        still = failures.part("numbers of rigid theory", {}, rigid_numbers, ready, speeds)
         if command == "sweep" and not stopped:
             name = "runs between the swept speeds"
             between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)

@@ -31,7 +31,6 @@ from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
-from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_modes import modes_of_train
@@ -146,22 +145,16 @@ def train_point(
 
 
 def rigid_numbers(
-    problem: Problem, ready: tuple[PreparedRun, ...], engine_speeds: tuple[float, ...]
+    ready: tuple[PreparedRun, ...], engine_speeds: tuple[float, ...]
 ) -> dict[str, dict[str, float]]:
     """Rigid theory of each spring set: loss of contact, valve events, and where its surge meets the
     lift near the ``engine_speeds`` run.
     """
     still: dict[str, dict[str, float]] = {}
-    prepared: dict[Hashable, PreparedRun] = {
-        (m.gear, m.model.word, m.springs, m.rubbing): one for one in ready for m in (one.member,)
-    }
     for one in ready:
         if one.motion is None or one.member.spring_set in still:
             continue
-        # Rigid theory has no surge: the springs count with the Rayleigh share of their mass, whatever model runs.
-        massless = replace(one.member, model=spring_model("massless"), rubbing=None)
-        plain = _prepared(problem, massless, {}, prepared)
-        cam_speed, angle = (plain.motion or one.motion).contact_loss()
+        cam_speed, angle = one.motion.contact_loss()
         values = {
             "rigid_contact_loss_engine_speed": 2 * cam_speed,
             "rigid_contact_loss_cam_angle": angle,

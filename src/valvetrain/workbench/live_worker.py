@@ -172,9 +172,7 @@ class LiveCase:
             member = problem.members[0]
             rest = member_statics(problem, member) if member.gear is not None else {}
             ready = prepare(problem, member, rest, "")
-            rigid = (
-                rigid_numbers(problem, (ready,), ()).get(member.spring_set, {}).get(RIGID, math.inf)
-            )
+            rigid = rigid_numbers((ready,), ()).get(member.spring_set, {}).get(RIGID, math.inf)
             self._built[key] = (problem, ready, rigid)
             while len(self._built) > MAX_BUILT:
                 del self._built[next(iter(self._built))]
