@@ -255,7 +255,7 @@ title = "Springs compared"
 case = "gu2021-beehive"
 engine_speeds = "6000 rpm"
 spring_models = "massless"
-outputs = ["minimum_spring_force", "peak_spring_force", "peak_valve_lift"]
+outputs = ["{names[0]}", "{names[1]}", "peak_valve_lift"]
 points = {{ sampler = "list" }}
 vary = [
   {{ key = "spring.precompression", values = {first}, label = "compression" }},
@@ -264,9 +264,11 @@ vary = [
 """
 
 
-def listed(first, second, forces, failed=()) -> StudyTable:
+def listed(
+    first, second, forces, failed=(), names=("minimum_spring_force", "peak_spring_force")
+) -> StudyTable:
     """A list of points whose first two outputs are ``forces`` and twice them; no run behind it."""
-    text = LIST.format(first=[f"{one} mm" for one in first], second=second)
+    text = LIST.format(first=[f"{one} mm" for one in first], second=second, names=names)
     plan = read_plan(StudyText(text, "study", Path()))
     inputs = plan.sampler.first(plan.varied, plan.options)
     values = np.column_stack([forces, 2 * np.array(forces), np.full(len(forces), 9e-3)])
@@ -337,6 +339,16 @@ def test_a_list_that_changes_one_quantity_at_a_time_is_drawn_as_change_from_its_
 )
 def test_the_verdict_of_a_study_names_the_best_point_and_what_it_costs(table, sentence):
     assert table().verdict == sentence
+
+
+@pytest.mark.parametrize("put_in", ["coil_bind_clearance", "outer_coil_bind_clearance"])
+def test_the_best_point_is_that_of_what_the_motion_gives_not_of_what_was_put_in(put_in):
+    """The largest clearance was named best of a study that sets the clearance."""
+    names = (put_in, "clash_energy")
+    table = listed([7.0, 9.0], [1.0, 1.1], [5.74e-3, 3.74e-3], names=names)
+    assert table.verdict.startswith(
+        "Best is compression 9 mm, lift factor 1.1: clash energy 7.48 mJ, 11.48 mJ at the worst point; it costs clearance"
+    )
 
 
 def test_on_a_narrow_page_every_line_of_a_list_bears_its_label():

@@ -12,6 +12,7 @@ from valvetrain.explore.sensitivity import Sensitivity
 from valvetrain.explore.study_charts import PERCENTILES, shown_output
 from valvetrain.explore.study_points import changed_alone, draws_of, is_chosen, point_label
 from valvetrain.explore.table import StudyTable, run_label
+from valvetrain.quantities.request import is_at_rest
 from valvetrain.report.text import number, unit_text
 from valvetrain.solution.definition import definition_of
 
@@ -27,11 +28,13 @@ def study_verdict(table: StudyTable) -> str:
         reason = f": {table.failures[0]}" if table.failures else ""
         return f"No point completed{reason}."
     lead = f"{failed} of {len(table)} points failed; of the others: " if failed else ""
-    name = next((one for one in table.outputs if _known(table, one)), None)
-    if name is None:
+    known = [one for one in table.outputs if _known(table, one)]
+    if not known:
         return f"{lead}{table.not_given[0]}"
+    # Chosen points are judged by what the motion gives: the best of what was put in is no finding.
+    name = next((one for one in known if not _installed(one)), known[0])
     if not is_chosen(table):
-        said = _scatter(table, name)
+        said = _scatter(table, known[0])
     elif changed_alone(table) and np.isfinite(_worst(table, name)[0]):
         said = _largest_change(table, name)
     else:
@@ -41,6 +44,11 @@ def study_verdict(table: StudyTable) -> str:
 
 def _known(table: StudyTable, name: str) -> bool:
     return bool(np.isfinite(shown_output(table, name)).any())
+
+
+def _installed(name: str) -> bool:
+    """Whether a quantity follows from the spring as it is installed and the lift of the cam."""
+    return is_at_rest(name) or name.endswith("coil_bind_clearance")
 
 
 def _label(name: str) -> str:
