@@ -98,7 +98,7 @@ def sensor_response(
     Examples
     --------
     >>> import valvetrain as vt
-    >>> (run,) = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"]).solutions
+    >>> (run,) = vt.simulate("job-t", "6000 rpm", spring_models=["multi-mass"]).solutions
     >>> (one,) = sensor_response(run, Sensor(bandwidth="200 Hz"), ["retainer_force"])
     >>> one.recorded.peak < one.true_peak
     True
