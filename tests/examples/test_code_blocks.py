@@ -160,7 +160,9 @@ def quiet_rim(monkeypatch) -> list[object]:
     """Neither a browser nor a server starts: what would be shown and served is noted."""
     noted: list[object] = []
     monkeypatch.setattr("webbrowser.open", lambda address, *_: noted.append(address) or True)
-    monkeypatch.setattr(pages, "start", lambda workspace, jobs, settings, listening: noted.append(settings))
+    monkeypatch.setattr(
+        pages, "start", lambda workspace, jobs, settings, listening: noted.append(settings)
+    )
     monkeypatch.setattr(serve, "find_spec", lambda _: True)
     return noted
 

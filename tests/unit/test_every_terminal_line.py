@@ -202,7 +202,7 @@ def test_many_runs_stand_below_each_other():
 def test_published_values_are_told_in_a_line_and_in_full():
     study = replace(published_study(), comparisons=COMPARED)
     told = [" ".join(line) for line in lines(study)]
-    sentence = "5 published values: median difference 1.9 %, largest 25.0 % (installed gap of coils 1 and 2); 1 of 2 stated tolerances met"
+    sentence = "5 published values; 1 of 2 stated tolerances met"
     assert (
         sentence in told
         and "1 finding and 2 notes in the report; --published prints all of it" in told
@@ -259,9 +259,7 @@ def test_a_bound_is_told_without_its_distance_and_a_zero_in_its_unit():
         COMPARED[2:3], "prediction"
     ) and "not computed" not in tally(COMPARED[:1], "prediction")
     assert published_summary(COMPARED[3:4]) == "1 published value"
-    assert published_summary(COMPARED[:1]).endswith(
-        "largest 1.9 % (Stage II peak force at 5600 rpm); 1 of 1 stated tolerances met"
-    )
+    assert published_summary(COMPARED[:1]) == "1 published value; 1 of 1 stated tolerances met"
     console = Console(file=StringIO(), width=140, no_color=True)
     show_comparisons(console, COMPARED[:1])
     assert "EX" in console.file.getvalue() and "FE" not in console.file.getvalue()

@@ -4,7 +4,6 @@ are any, then where it all lies.
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from textwrap import wrap
@@ -361,24 +360,14 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
 
 
 def published_summary(rows: Sequence[Comparison]) -> str:
-    """One sentence: how many published values, the median and the largest difference, and how many
-    stated tolerances are met.
+    """One sentence: how many published values, which are in doubt, and how many stated tolerances are
+    met; how far they differ is told by the verdict.
     """
-    from valvetrain.report.text import percent, speed_text
+    from valvetrain.report.text import percent
 
-    known = [
-        (abs(row.relative_difference), row)
-        for row in rows
-        if row.relative_difference is not None and row.unit != "deg" and not row.doubt
-    ]
     judged = [row for row in rows if row.verdict.startswith(("within", "misses"))]
     met = sum(row.verdict.startswith("within") for row in judged)
     text = f"{len(rows)} published value{'s' if len(rows) > 1 else ''}"
-    if known:
-        worst, row = max(known, key=lambda pair: pair[0])
-        place = "" if row.engine_speed is None else f" at {speed_text(row.engine_speed)}"
-        median = percent(statistics.median(share for share, _ in known)).lstrip("+")
-        text += f": median difference {median}, largest {percent(worst).lstrip('+')} ({label_of(row.quantity)}{place})"
     for row in rows:
         if row.doubt and row.relative_difference is not None:
             text += f"; {label_of(row.quantity)} {percent(row.relative_difference)}, but the number is in doubt: {row.doubt}"

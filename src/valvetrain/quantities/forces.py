@@ -184,7 +184,7 @@ ORDERS = 40
 SURGE_BAND = (0.5, 1.5)
 #: An order is said to make the surge where it is so many times the next largest, and such a share of
 #: the largest force: below that the order is chance.
-STANDS_OUT, SURGES = 1.05, 2e-3
+CLEAR_RATIO, SURGES = 1.05, 2e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -302,7 +302,7 @@ def surge_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
         size = found["surge_amplitude_force"] = float(np.max(band))
         others = np.delete(band, np.argmax(band))
         load = float(np.max(np.abs(cycle.channel("seat_force"))))
-        if size > max(STANDS_OUT * np.max(others, initial=0.0), SURGES * load):
+        if size > max(CLEAR_RATIO * np.max(others, initial=0.0), SURGES * load):
             found["surge_amplitude_cam_order"] = float(max(first, 1) + np.argmax(band))
     return found
 

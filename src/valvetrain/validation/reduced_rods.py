@@ -90,14 +90,14 @@ def reduced_rod_in_motion() -> list[Row]:
                 "consistency",
             )
         )
-        for name, words, limit in (
+        for name, title, limit in (
             ("below_20_khz_peak_spring_force", "peak spring force below 20 kHz", 1.0),
             ("minimum_spring_force", "minimum spring force", 2.0),
         ):
             rows.append(
                 Row(
                     TOPIC,
-                    f"difference of the {words} at {engine_speed:g} rpm",
+                    f"difference of the {title} at {engine_speed:g} rpm",
                     "",
                     where,
                     0.0,
