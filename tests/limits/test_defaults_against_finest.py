@@ -46,9 +46,7 @@ def test_the_default_of_a_card_is_converged_in_every_headline_number(subject):
     """The chain of five elements, the default before, misses 1 % in a third of them."""
     numbers = list(compare(subject, (default_model(subject),)))
     assert len(numbers) > 15 * len(subject.engine_speeds)
-    accelerations = {"peak_valve_acceleration"}  # of an impact, which only its bar holds
-    assert {one.quantity for one in numbers if one.verdict != "converged"} <= accelerations
-    assert {one.quantity for one in numbers if one.verdict == "missed"} <= accelerations
+    assert [one for one in numbers if one.verdict != "converged"] == []
     chain = [one.verdict for one in compare(subject, ("multi-mass",))]
     assert chain.count("converged") < 0.7 * len(chain)
 

@@ -55,15 +55,15 @@ def test_the_recorded_head_of_a_large_state_is_enough(monkeypatch):
 
 
 def test_peaks_of_a_body_are_kept_with_their_cam_angles():
-    """Kicks of 0.5 s: speed where the sample lies between the kick's ends, acceleration over the
-    kick, by hand; of equals the first.
+    """Speed where the sample lies between the kick's ends, acceleration of either sign, by hand; of
+    equals the first.
     """
     peaks = np.zeros((2, 5))
-    for place, before, after, now, angle in (
-        (1e-3, 0.0, 2.0, 0.5, 0.1),
-        (3e-3, 2.0, -5.0, 0.25, 0.2),
-        (2e-3, -5.0, -6.0, 0.5, 0.3),
-        (5e-4, -6.0, 1.0, 1.0, 0.4),
+    for place, before, after, now, acceleration, angle in (
+        (1e-3, 0.0, 2.0, 0.5, 4.0, 0.1),
+        (3e-3, 2.0, -5.0, 0.25, -14.0, 0.2),
+        (2e-3, -5.0, -6.0, 0.5, -2.0, 0.3),
+        (5e-4, -6.0, 1.0, 1.0, 14.0, 0.4),
     ):
-        note_body.py_func(0, place, before, after, now, 0.5, angle, peaks)
+        note_body.py_func(0, place, before, after, now, acceleration, angle, peaks)
     assert peaks.tolist() == [[3e-3, 5.5, 0.3, 14.0, 0.2], [0.0] * 5]

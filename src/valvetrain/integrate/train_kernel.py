@@ -208,6 +208,26 @@ def _kick(index, body, gaps, gradients, step, v):
 
 
 @njit(forceinline=True, **OPTIONS)
+def _accelerations(index, scratch, step, v):
+    """Fill ``scratch.accelerations`` (m/s2, rad/s2) with those that the forces give at t_n.
+
+    A damper met since the last step acts for 0.5 to 1.5 of the kick (its ``share``); its force over
+    all of the kick, which the record has too, is the one that accelerates.
+    """
+    for i in range(v.shape[0]):
+        scratch.accelerations[i] = (v[i] - scratch.old[i]) / step
+    for k in range(index.shape[0]):
+        if scratch.share[k] != 1.0:
+            missing = scratch.gaps[k, 2] / scratch.share[k] - scratch.gaps[k, 2]
+            for slot in range(4):
+                i = index[k, slot]
+                if i >= 0:
+                    scratch.accelerations[i] -= (
+                        missing * scratch.gradients[k, slot] / scratch.guides[i, 0]
+                    )
+
+
+@njit(forceinline=True, **OPTIONS)
 def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
     """Add the work of cam and constant forces to the totals and note every contact; returns cam
     power (W) and largest speed.
@@ -236,7 +256,9 @@ def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
     for i in range(v.shape[0]):
         work += body[i, 1] * 0.5 * (old[i] + v[i])
         bound = max(bound, abs(v[i]))
-        note_body(i, motion.q[i], old[i], v[i], now, step, cam_angle, records.bodies)
+        note_body(
+            i, motion.q[i], old[i], v[i], now, scratch.accelerations[i], cam_angle, records.bodies
+        )
     motion.totals[0] += step * power
     motion.totals[1] += step * work
     return power, bound
@@ -258,12 +280,12 @@ def _pass_on(v, scratch, first):
 
 
 @njit(forceinline=True, **OPTIONS)
-def _record(row, records, q, v, old, step, now, cam_angle, power, gaps, share, clock):
-    count, motion = q.shape[0], records.motion
+def _record(row, records, q, v, now, cam_angle, power, scratch, clock):
+    count, motion, gaps, share = q.shape[0], records.motion, scratch.gaps, scratch.share
     for i in range(count):
         motion[row, i] = q[i]
-        motion[row, count + i] = (1.0 - now) * old[i] + now * v[i]
-        motion[row, 2 * count + i] = (v[i] - old[i]) / step
+        motion[row, count + i] = (1.0 - now) * scratch.old[i] + now * v[i]
+        motion[row, 2 * count + i] = scratch.accelerations[i]
     motion[row, 3 * count], motion[row, 3 * count + 1] = cam_angle, power
     for k in range(gaps.shape[0]):
         records.force[row, k], records.gap[row, k] = gaps[k, 2] / share[k], -gaps[k, 0]
@@ -404,6 +426,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
             rubbed = friction_loss(index, v, scratch)
             totals[2] += rubbed + losses(index, body, scratch, v, damped)
             totals[4] += rubbed
+            _accelerations(index, scratch, kick, v)
             power, bound = _account(
                 laws, body, motion, scratch, records, whole and n == 0, cam_angle, kick, now
             )
@@ -417,13 +440,10 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
                     records,
                     q,
                     v,
-                    old,
-                    kick,
                     now,
                     cam_angle,
                     power,
-                    gaps,
-                    scratch.share,
+                    scratch,
                     clock,
                 )
                 sample += 1
@@ -467,6 +487,7 @@ def scratch_of(n, count, states):
         np.zeros((n, 4)),
         np.zeros(states),
         np.ones(n),
+        np.zeros(count),
     )
 
 

@@ -144,16 +144,16 @@ def note_loads(power, cam_angle, cam_speed, clock, loads):
 
 
 @njit(forceinline=True, **OPTIONS)
-def note_body(i, place, before, after, now, step, cam_angle, bodies):
-    """Note coordinate ``i`` after a kick of ``step`` (s) that took its velocity from ``before`` to
-    ``after``, ``now`` of it done at ``cam_angle``.
+def note_body(i, place, before, after, now, acceleration, cam_angle, bodies):
+    """Note coordinate ``i`` after a kick that took its velocity from ``before`` to ``after``,
+    ``now`` of it done at ``cam_angle``, where its ``acceleration`` is that of the forces.
     """
-    speed, acceleration = abs((1.0 - now) * before + now * after), abs(after - before) / step
+    speed, size = abs((1.0 - now) * before + now * after), abs(acceleration)
     bodies[i, PEAK_PLACE] = max(bodies[i, PEAK_PLACE], place)
     if speed > bodies[i, PEAK_SPEED]:
         bodies[i, PEAK_SPEED], bodies[i, PEAK_SPEED_ANGLE] = speed, cam_angle
-    if acceleration > bodies[i, PEAK_ACCELERATION]:
-        bodies[i, PEAK_ACCELERATION], bodies[i, PEAK_ACCELERATION_ANGLE] = acceleration, cam_angle
+    if size > bodies[i, PEAK_ACCELERATION]:
+        bodies[i, PEAK_ACCELERATION], bodies[i, PEAK_ACCELERATION_ANGLE] = size, cam_angle
 
 
 @njit(forceinline=True, **OPTIONS)

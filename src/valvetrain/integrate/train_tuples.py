@@ -121,9 +121,10 @@ class Scratch(NamedTuple):
     one and two steps ago. ``track`` (n, 4): largest gap, its cam angle and largest force since the
     last transition, force of the step before; ``latest`` (n,): its row, -1 for none. ``guides`` (N,
     3): see ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the
-    step, and by how much it exceeds the change of the penetration. ``blows`` (n, 4): see
-    ``train_blows.finest_step``; ``trial``: copy of the memory of all laws. ``share`` (n,): part of
-    the kick in which a contact's damper acts, 1 but in the step of its touch.
+    step, and by how much it exceeds the change of the penetration. ``impacts`` (n, 4): see
+    ``train_impacts.finest_step``; ``trial``: copy of the memory of all laws. ``share`` (n,): part of
+    the kick in which a contact's damper acts, 1 but in the step of its touch. ``accelerations``
+    (N,): of the forces at the step, see ``train_kernel``.
     """
 
     old: Array
@@ -147,3 +148,4 @@ class Scratch(NamedTuple):
     impacts: Array
     trial: Array
     share: Array
+    accelerations: Array
