@@ -5,6 +5,7 @@ what did not complete first, limits next, the worst run by name, words that agre
 from __future__ import annotations
 
 import io
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,13 +14,17 @@ from rich.console import Console
 
 from synthetic_study import own_study, published_study, sweep_study, train_study
 from valvetrain.cli.answers import show_study
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import template_text
+from valvetrain.report.beside_verdict import beside_verdict
 from valvetrain.report.model_verdict import refine_verdict
-from valvetrain.report.page import Details, Tabs
+from valvetrain.report.page import Details, Tabs, render
 from valvetrain.report.study import study_page
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
+from valvetrain.runs.statics import static_study
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.provenance import CaseRecord
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
 
 RPM = np.pi / 30
@@ -60,6 +65,10 @@ def test_one_run_of_a_train():
     [
         ({"bounce_count": 0.0}, "no loft, no bounce,"),
         ({"bounce_count": 3.0}, "3 bounces up to 0.4 mm,"),
+        ({"bounce_height": 2.65e-6}, "no loft, no bounce above 0.1 mm, minimum"),
+        ({"bounce_height": 1.01e-4}, "one bounce of 0.101 mm,"),
+        ({"loss_of_contact_duration": 2e-4, "loft_gap": 5.9e-5, "minimum_cam_contact_force": 0.0},
+         "without contact, one bounce of 0.4 mm."),
         ({"loss_of_contact_duration": 2e-4, "loft_gap": 5.9e-5}, "loft of 59 µm, 0.2 ms without contact,"),
         ({"loss_of_contact_duration": 2e-4}, "contact lost for 0.2 ms,"),
         ({"float_excess_lift": 1e-4}, "floats 0.1 mm above the rigid lift,"),
@@ -179,3 +188,53 @@ def test_a_refinement_names_its_largest_bar():
         "Peak spring force at 4000 rpm 800 N ± 0.5 %; largest error bar ± 10 % in clash energy at 4000 rpm; "
         "1 of 2 numbers within 1 %."
     )
+
+
+def test_what_a_sentence_cannot_hold_stands_beside_it():
+    """Durations, power, the hardest clash by its force (not its energy) and the step, of one run or
+    each with the run it is of.
+    """
+    numbers = {
+        "valve_1_mm_open_crank_angle_range": math.radians(234.1), "mean_cam_power": 9.81,
+        "valve_50_thou_open_crank_angle_range": math.radians(225.9), "time_step_duration": 1.68e-6,
+    }  # fmt: skip
+    soft = Event("clash", 2.0, 0.1, 0.0, 40.0, "N", "coils 2-3", {"lower_coil": 2, "upper_coil": 3, "energy": 9e-3})  # fmt: skip
+    hard = Event("clash", math.radians(141), 0.1, 0.0, 66.5, "N", "coils 1-2", {"lower_coil": 1, "upper_coil": 2, "energy": 1e-3})  # fmt: skip
+    one = train(numbers)
+    one = replace(one, solutions=(replace(one.solutions[0], events=(soft, hard)),))
+    expected = (
+        ("valve open", "226 crank deg at 0.050 in, 234 crank deg at 1 mm"),
+        ("power of the cam", "9.81 W"),
+        ("hardest clash", "66.5 N, coils 1–2 at 141 deg"),
+        ("time step", "1.68 µs"),
+    )
+    assert beside_verdict(one) == expected
+    page = render(study_page(one))
+    opening = page[page.index('id="opening"') : page.index('class="about"')]
+    assert opening.index("verdict") < opening.index("66.5 N, coils 1–2") < opening.index("figure")
+    both = beside_verdict(train(numbers, numbers | {"mean_cam_power": 12.0}))
+    assert [name for name, _ in both][:2] == ["valve open at 7000 rpm", "power of the cam"]
+    apart = beside_verdict(train(numbers | {"mean_cam_power": 12.0}, numbers))
+    assert apart[1] == ("power of the cam at 6000 rpm", "12 W")
+    assert beside_verdict(sweep_study()) == ()
+
+
+def test_the_surge_of_a_massless_spring_is_none():
+    """4e-15 N of round-off was named worst surge."""
+    study = sweep_study()
+    none = tuple(
+        replace(run, quantities={**run.quantities, "surge_amplitude_force": 4e-15})
+        for run in study.solutions
+    )
+    assert "surge" in study.verdict
+    assert "surge" not in replace(study, solutions=none, between=()).verdict
+
+
+def test_both_springs_of_a_pair_are_told_together():
+    """The pair's total is the load on the seat; the outer spring alone was told."""
+    case = parse_case(template_text("direct", cards=True))
+    study = static_study(case, spring_sets=("dual",))
+    assert study.verdict.startswith(
+        "Together preload 235 N and rate 33.9 N/mm; outer: preload 150 N and rate 20 N/mm"
+    )
+    assert "ogether" not in static_study(case).verdict

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift
+from valvetrain.units import unit_factor
 
 Array = NDArray[np.float64]
 #: Lifts (m) at which durations are reported: 0.050 in of cam cards and 1 mm of makers' books; the first
@@ -240,6 +241,17 @@ def _peak(grid: Array, curves: Array) -> Array:
 
 def _figure(name: str, label: str, values: Array, unit: str) -> LiftFigure:
     return LiftFigure(name, label, float(values[0]), float(np.std(values[1:])), unit)
+
+
+#: Units of figures as printed, where that is otherwise.
+UNIT_TEXTS = {"mm/deg2": "mm/deg²", "mm/deg3": "mm/deg³"}
+
+
+def figure_factor(unit: str) -> float:
+    """SI value of one unit of a figure, units of the trade among them."""
+    degree = np.pi / 180
+    own = {"mm deg": 1e-3 * degree, "mm/deg2": 1e-3 / degree**2, "mm/deg3": 1e-3 / degree**3}
+    return own.get(unit) or unit_factor(unit)
 
 
 _NAMED: Mapping[float, str] = {HEIGHTS[0]: "0.050 in", RAMP_HEIGHT: "0.006 in"}

@@ -12,7 +12,7 @@ import numpy as np
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
-from valvetrain.lift.figures import LiftFigure, LobeResult
+from valvetrain.lift.figures import UNIT_TEXTS, LiftFigure, LobeResult, figure_factor
 from valvetrain.lift.verdict import lift_verdict
 from valvetrain.measured.lift_formats import LiftFormat, LiftTable
 from valvetrain.measured.lift_smoothing import BAND
@@ -26,7 +26,6 @@ from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, tex
 from valvetrain.report.text import number, speed_text, unit_text
 from valvetrain.solution.atomic import write_bytes, write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
-from valvetrain.units import unit_factor
 
 #: Derivative -> label of its axis and factor from SI.
 AXES = (
@@ -109,7 +108,7 @@ def figure_rows(figures: Sequence[LiftFigure]) -> list[tuple[str, str, str, str]
     """
     rows = []
     for figure in figures:
-        factor = 1 / _factor(figure.unit)
+        factor = 1 / figure_factor(figure.unit)
         value, spread = figure.value * factor, BAND * figure.spread * factor
         digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 4
         rows.append(
@@ -117,20 +116,10 @@ def figure_rows(figures: Sequence[LiftFigure]) -> list[tuple[str, str, str, str]
                 figure.label,
                 f"{value:.{digits}f}",
                 f"±{spread:.{digits}f}",
-                _UNIT_TEXT.get(figure.unit, figure.unit),
+                UNIT_TEXTS.get(figure.unit, figure.unit),
             )
         )
     return rows
-
-
-_UNIT_TEXT = {"mm/deg2": "mm/deg²", "mm/deg3": "mm/deg³"}
-
-
-def _factor(unit: str) -> float:
-    degree = np.pi / 180
-    return {"mm deg": 1e-3 * degree, "mm/deg2": 1e-3 / degree**2, "mm/deg3": 1e-3 / degree**3}.get(
-        unit
-    ) or unit_factor(unit)
 
 
 def figure_grid(figures: Sequence[LiftFigure]) -> Grid:

@@ -1,4 +1,4 @@
-"""The verdict on a measured lift: peak, duration, noise, and stations that do not fit."""
+"""The verdict on a measured lift: peak, duration, acceleration, noise, and stations that do not fit."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from valvetrain.lift.figures import LiftFigure, LobeResult
+from valvetrain.lift.figures import UNIT_TEXTS, LiftFigure, LobeResult, figure_factor
 from valvetrain.report.text import number
-from valvetrain.units import unit_factor
 
 #: Standard deviations from which a station is off the law.
 OFF = 4.0
+#: Figures between which the acceleration lies: over the nose, on the flanks.
+PEAKS = ("nose_acceleration", "largest_acceleration")
 
 
 def lift_verdict(lobes: Sequence[LobeResult]) -> str:
@@ -28,6 +29,9 @@ def _lobe(one: LobeResult, named: bool) -> str:
         elif figure.name.startswith("duration_at"):
             parts.append(figure.label.replace("duration", f"duration {_shown(figure)}"))
             break
+    peaks = [found for name in PEAKS for found in one.figures if found.name == name]
+    if len(peaks) == len(PEAKS):
+        parts.append(f"acceleration {_value(peaks[0])} to {_shown(peaks[1])}")
     lift = one.smoothed
     noise = f"noise {1e6 * lift.noise:.2g} µm"
     off = int(np.count_nonzero(np.abs(lift.residuals) > OFF * lift.noise))
@@ -37,5 +41,9 @@ def _lobe(one: LobeResult, named: bool) -> str:
 
 
 def _shown(figure: LiftFigure) -> str:
-    unit = "cam degrees" if figure.unit == "deg" else figure.unit
-    return f"{number(figure.value / unit_factor(figure.unit), 4)} {unit}"
+    unit = "cam degrees" if figure.unit == "deg" else UNIT_TEXTS.get(figure.unit, figure.unit)
+    return f"{_value(figure)} {unit}"
+
+
+def _value(figure: LiftFigure) -> str:
+    return number(figure.value / figure_factor(figure.unit), 4)

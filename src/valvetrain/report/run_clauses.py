@@ -10,6 +10,7 @@ from valvetrain.quantities.train_events import PLACES
 from valvetrain.report.clauses import Clause, Runs, Worst, counted, joined, quantity_text
 from valvetrain.runs.notes import rings
 from valvetrain.runs.stored_error_bars import fresh_uncertainty
+from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT
 from valvetrain.solution.definition import NESTED, label_of
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
@@ -17,8 +18,6 @@ from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
 
-#: Lift above the rigid lift from which a valve is said to float (m), as critical speeds take it.
-FLOAT_LIFT = 5e-5
 #: Room to coil bind (m) below which it is called close (docs/limits.md).
 NEAR_BIND = 1e-3
 
@@ -119,10 +118,14 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
     bounces, height = runs.worst("bounce_count", False), runs.worst("bounce_height", False)
     if bounces is not None:
         count = round(bounces.value)
-        size = f" of {runs.text(height)}" if height is not None and height.value > 0 else ""
-        high = f" up{size.replace(' of', ' to')}" if count > 1 and size else size
-        run = bounces.run if height is None or not count else height.run or bounces.run
-        yield Clause(f"{counted(count, 'bounce')}{high if count else ''}", run if count else None)
+        if count and height is not None and 0 < height.value <= BOUNCE_HEIGHT:
+            yield Clause(f"no bounce above {quantity_text('bounce_height', BOUNCE_HEIGHT)}")
+        else:
+            size = f" of {runs.text(height)}" if height is not None and height.value > 0 else ""
+            high = f" up{size.replace(' of', ' to')}" if count > 1 and size else size
+            run = bounces.run if height is None or not count else height.run or bounces.run
+            said = f"{counted(count, 'bounce')}{high if count else ''}"
+            yield Clause(said, run if count else None)
     piston = runs.worst("minimum_piston_clearance_gap", True)
     if piston is not None:
         yield Clause(
@@ -171,6 +174,8 @@ def _force_clauses(runs: Runs) -> Iterator[Clause]:
     """The least force at the cam, or of the spring, and the largest of a spring alone."""
     lofting = runs.worst("loss_of_contact_duration", False)
     cam = runs.worst("minimum_cam_contact_force", True, lofting.run if lofting else None)
+    if cam is not None and cam.value <= 0 and lofting is not None and lofting.value > 0:
+        return  # the loft has told it
     if cam is not None:
         yield Clause(f"minimum cam force {runs.text(cam)}", cam.run)
         return

@@ -23,7 +23,7 @@ from valvetrain.report.springs_verdict import springs_verdict
 from valvetrain.report.sweep_verdict import runs_over_speed, sweep_clauses, worst_label
 from valvetrain.report.text import percent, speed_text
 from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.definition import label_of
+from valvetrain.solution.definition import NESTED, label_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -121,7 +121,19 @@ def rest_clauses(study: Study) -> list[str]:
     text = f"{whose}{joined(parts)} by {first.model}"
     if others:
         text += f", other models within {_share(max(map(abs, others)))} in that mode"
-    return [text]
+    return [*pair_clause(study), text]
+
+
+def pair_clause(study: Study) -> list[str]:
+    """Preload and rate of both springs of a nested pair together; nothing of any other springs."""
+    pair = [one for one in study.rest if one.model == study.rest[0].model and one.spring in NESTED]
+    curves = [one.curve for one in pair if one.curve is not None]
+    if len(curves) != len(NESTED):
+        return []
+    at = [(curve, one.precompression) for curve, one in zip(curves, pair, strict=True)]
+    force = sum(float(curve.force_at(compression)) for curve, compression in at)
+    rate = sum(float(curve.stiffness_at(compression)) for curve, compression in at)
+    return [f"together preload {figure(force)} N and rate {figure(rate * 1e-3)} N/mm"]
 
 
 def _share(value: float) -> str:
@@ -144,5 +156,6 @@ def published_clause(rows: Sequence[Comparison]) -> str:
     if len(known) == 1:
         return f"{count} of {label_of(row.quantity)} differs by {middle}"
     where = "" if row.engine_speed is None else f" at {speed_text(row.engine_speed)}"
-    most = f"most {_share(share)} in {label_of(row.quantity)}{where}"
+    what = label_of(row.quantity).partition(",")[0]
+    most = f"most {_share(share)} in {what}{where}"
     return f"{count} differ by {middle} in the median, {most}"

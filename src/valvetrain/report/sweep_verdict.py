@@ -18,10 +18,10 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
-from valvetrain.report.run_clauses import FLOAT_LIFT, bind_clause, is_judged
+from valvetrain.report.run_clauses import bind_clause, is_judged
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
-from valvetrain.solution.critical import CriticalSpeed
+from valvetrain.solution.critical import FLOAT_LIFT, CriticalSpeed
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
@@ -36,6 +36,8 @@ LOST = {
 }
 #: Share of a critical speed that its range over damping and division is named from.
 WIDE = 0.05
+#: Share of the peak spring force up to which a surge is none, but what a massless spring leaves.
+NO_SURGE = 1e-4
 #: Engine speeds that are named one by one.
 MAX_NAMED = 3
 
@@ -67,7 +69,8 @@ def sweep_clauses(study: Study) -> list[str]:
     parts += limits_over_speed(runs)
     if not train:
         parts += _spring_forces(runs)
-    if (surge := worst_surge(runs.solutions)) is not None:
+    surge = worst_surge(runs.solutions)
+    if surge is not None and surge.amplitude > NO_SURGE * peak_force(surge.run):
         order = f" (order {surge.order})" if surge.order else ""
         size, known = surge_text(runs, surge)
         text = f"{size} at {_speed(surge.run)}{order}"
@@ -246,6 +249,11 @@ def worst_surge(runs: Sequence[Solution]) -> Surge | None:
     run = max(known, key=lambda one: one.quantities["surge_amplitude_force"])
     order = run.quantities.get("surge_amplitude_cam_order", 0.0)
     return Surge(run.quantities["surge_amplitude_force"], run, round(order))
+
+
+def peak_force(run: Solution) -> float:
+    """Peak spring force (N) of a run, 0 where it gave none."""
+    return run.quantities.get("peak_spring_force", 0.0)
 
 
 def unsettled(runs: Sequence[Solution]) -> list[str]:

@@ -28,6 +28,8 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.critical import (
+    BOUNCE_HEIGHT,
+    FLOAT_LIFT,
     KINDS,
     CriticalSpeed,
     CriticalSpeeds,
@@ -56,8 +58,8 @@ class CriticalOptions:
     """
 
     resolution: float = 10 * RPM
-    float_lift: float = 50e-6
-    bounce_height: float = 100e-6
+    float_lift: float = FLOAT_LIFT
+    bounce_height: float = BOUNCE_HEIGHT
     ranges: bool = True
 
     def __post_init__(self) -> None:
