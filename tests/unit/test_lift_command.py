@@ -58,6 +58,9 @@ def test_the_terminal_tells_figures_answers_and_noise(table):
         "duration at 0.050 in",
     ):
         assert words in text
+    said = re.search(r"at 0.050 in, acceleration −([\d.]+) to ([\d.]+) mm/deg²", text)
+    over_nose = float(re.search(r"over the nose -([\d.]+)", text)[1])
+    assert float(said[1]) == pytest.approx(over_nose, abs=1e-4) and float(said[2]) > 0
     assert float(re.search(r"noise of a station is ([\d.]+) µm", text)[1]) == pytest.approx(
         3, rel=0.25
     )

@@ -253,6 +253,20 @@ def test_static_curves_by_model_with_their_marks(own):
     assert rules == pytest.approx({"installed": 7.0, "open": 16.0, "bind": 17.25})
 
 
+@pytest.mark.parametrize(
+    ("command", "key"), [("run", "static-1"), ("static", "static-1"), ("modes", "modes-1")]
+)
+def test_the_page_of_a_spring_at_rest_opens_with_its_curve_or_its_modes(command, key):
+    """Library cases of a spring at rest had no picture below their verdict."""
+    study = replace(own_study(), solutions=(), command=command)
+    page = study_page(study)
+    assert page.verdict and [one.chart.key for one in page.picture] == [key]
+    assert sorted(one.key for one in charts(page) if one.key.endswith("-1")) == [
+        "modes-1",
+        "static-1",
+    ]
+
+
 def test_modes_and_frequencies_side_by_side(own):
     chart = own["modes-1"]
     shape = at_rest()[0].modes.shape[2, :, 2]

@@ -210,8 +210,18 @@ def new(
 
     path = write_template(name, kind, cards)
     data = {"command": "new", "kind": kind, "files": [str(path)]}
-    label = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {path}'"
+    label = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {path}'\n{_damping(path)}"
     deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
+
+
+def _damping(path: Path) -> str:
+    """What damps the spring of a template, which no card and no drawing tells."""
+    from valvetrain.parameters.loading import load_case
+
+    case = load_case(path)
+    spring = (case.springs if case.train is None else case.train.spring_parts())[0]
+    ratio, hertz = spring.damping.ratio, spring.damping.ratio_frequency
+    return f"its spring is damped by {ratio:g} of critical at {hertz:g} Hz, an assumption until you measure it"
 
 
 def write_template(name: str, kind: str, cards: bool = False) -> Path:

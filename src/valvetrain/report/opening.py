@@ -22,6 +22,7 @@ from valvetrain.report.run_charts import (
     runs_at,
 )
 from valvetrain.report.run_clauses import judged_runs, worst_run
+from valvetrain.report.sections import at_rest
 from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.report.text import number, speed_text
 from valvetrain.solution.partial_failures import reason
@@ -39,11 +40,15 @@ def opening_blocks(study: Study) -> tuple[Block, ...]:
         return figure_or_gap("Difference of the models", fidelity_chart, study.fidelity)
     if _is_over_speed(study):
         return figure_or_gap("Control over engine speed", regime_chart, study)
+    if not study.solutions:
+        return figure_or_gap("Spring at rest", at_rest.opening_chart, study)
     return (*figure_or_gap("Over the cam angle", run_chart, study), *motion_blocks(study))
 
 
 def opening_chart(study: Study) -> Chart | None:
     """The figure that opens the page, without the moving picture; None without any."""
+    if not study.solutions:
+        return at_rest.opening_chart(study)
     return regime_chart(study) if _is_over_speed(study) else run_chart(study)
 
 

@@ -19,24 +19,22 @@ _COMPRESSION = "compression from the free length (mm)"
 
 
 def blocks(study: Study) -> tuple[Block, ...]:
-    """Per spring: curves of all models, their frequencies side by side, mode shapes."""
+    """Per spring: curves of all models, their frequencies side by side, mode shapes; without the figure
+    that opens the page.
+    """
     found: list[Block] = []
     springs = tuple(dict.fromkeys(one.spring for one in study.rest))
+    taken = _opening_key(study)
     for place, spring in enumerate(springs, start=1):
         mine = [one for one in study.rest if one.spring == spring]
         whose = f", {spring} spring" if len(springs) > 1 else ""
-        found += figure_or_gap(
-            f"Static curve{whose}",
-            static_chart,
-            study,
-            mine,
-            f"static-{place}",
-            f"Static curve{whose}",
-        )
+        if (key := f"static-{place}") != taken:
+            title = f"Static curve{whose}"
+            found += figure_or_gap(title, static_chart, study, mine, key, title)
         found += frequency_grid(mine, whose)
-        found += figure_or_gap(
-            f"Natural modes{whose}", modes_chart, mine, f"modes-{place}", f"Natural modes{whose}"
-        )
+        if (key := f"modes-{place}") != taken:
+            title = f"Natural modes{whose}"
+            found += figure_or_gap(title, modes_chart, mine, key, title)
         for one in mine:
             for word, part in (("static curve", one.curve), ("modes", one.modes)):
                 if part is not None and part.status != COMPLETED:
@@ -47,6 +45,32 @@ def blocks(study: Study) -> tuple[Block, ...]:
                         )
                     )
     return tuple(found)
+
+
+def opening_chart(study: Study) -> Chart | None:
+    """The figure that opens the page of springs at rest: curve or modes of the first of them; None
+    with any run.
+    """
+    mine = [one for one in study.rest if one.spring == study.rest[0].spring]
+    whose = f", {mine[0].spring} spring" if len({one.spring for one in study.rest}) > 1 else ""
+    key = _opening_key(study)
+    if key.startswith("static"):
+        return static_chart(study, mine, key, f"Static curve{whose}")
+    return modes_chart(mine, key, f"Natural modes{whose}") if key else None
+
+
+def _opening_key(study: Study) -> str:
+    """Key of that figure: of the modes where they were asked for, or where no curve was; empty with
+    any run.
+    """
+    if study.solutions or not study.rest:
+        return ""
+    mine = [one for one in study.rest if one.spring == study.rest[0].spring]
+    curve = any(one.curve is not None and len(one.curve.compression) > 1 for one in mine)
+    modes = any(one.modes is not None and len(one.modes.natural_frequency) for one in mine)
+    if modes and (study.command == "modes" or not curve):
+        return "modes-1"
+    return "static-1" if curve else ""
 
 
 def marked_compressions(study: Study, rest: SpringAtRest) -> dict[str, float]:
