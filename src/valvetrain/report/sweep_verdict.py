@@ -69,8 +69,7 @@ def sweep_clauses(study: Study) -> list[str]:
     parts += limits_over_speed(runs)
     if not train:
         parts += _spring_forces(runs)
-    surge = worst_surge(runs.solutions)
-    if surge is not None and surge.amplitude > NO_SURGE * peak_force(surge.run):
+    if (surge := worst_surge(runs.solutions)) is not None:
         order = f" (order {surge.order})" if surge.order else ""
         size, known = surge_text(runs, surge)
         text = f"{size} at {_speed(surge.run)}{order}"
@@ -133,10 +132,8 @@ def _control(study: Study, label: str, runs: Runs) -> list[str]:
     searched_rows = [one for one in study.critical_speeds if one.label == label]
     first, last = searched_rows[0].first_engine_speed, searched_rows[0].last_engine_speed
     if not rows:
-        force = runs.worst("minimum_cam_contact_force", True)
-        least = "" if force is None else f", minimum cam force {runs.text(force)}"
-        where = "" if force is None or force.run is None else f" at {_speed(force.run)}"
-        return [f"controlled up to {rpm(last):.6g} rpm, the highest speed searched{least}{where}"]
+        reach = f"controlled up to {rpm(last):.6g} rpm, the highest speed searched"
+        return [f"{reach}{_least_force(runs)}"]
     limit = controlled_to(study, label)
     first_lost = LOST[rows[0].kind][0]
     if rows[0].kind == "contact-loss" and rows[0].place:
@@ -148,6 +145,15 @@ def _control(study: Study, label: str, runs: Runs) -> list[str]:
     )
     others = [_loses(one) for one in rows[1:]]
     return [begun, *([f"{joined(others)} rpm"] if others else [])]
+
+
+def _least_force(runs: Runs) -> str:
+    """``, minimum cam force 35 N at 6000 rpm``: a force of zero for a moment opens no contact yet."""
+    force = runs.worst("minimum_cam_contact_force", True)
+    if force is None:
+        return ""
+    where = "" if force.run is None else f" at {_speed(force.run)}"
+    return f", minimum cam force {runs.text(force)}{where}"
 
 
 def _loses(one: CriticalSpeed) -> str:
@@ -184,7 +190,8 @@ def _control_of_runs(runs: Runs) -> str:
     ]
     speeds = [run.engine_speed for run in runs.solutions]
     if not lost:
-        return f"in contact from {rpm(min(speeds)):.6g} to {rpm(max(speeds)):.6g} rpm"
+        reach = f"in contact from {rpm(min(speeds)):.6g} to {rpm(max(speeds)):.6g} rpm"
+        return f"{reach}{_least_force(runs)}"
     first: dict[str, Solution] = {}
     for run, what in sorted(lost, key=lambda pair: pair[0].engine_speed):
         first.setdefault(what, run)
@@ -240,20 +247,18 @@ def _spring_forces(runs: Runs) -> list[str]:
 
 
 def worst_surge(runs: Sequence[Solution]) -> Surge | None:
-    """Where the surge amplitude is largest, and the cam order that makes it."""
+    """Where the surge amplitude is largest, and the cam order that makes it; None without a surge."""
     known = [
         run for run in runs if math.isfinite(run.quantities.get("surge_amplitude_force", math.nan))
     ]
     if not known:
         return None
     run = max(known, key=lambda one: one.quantities["surge_amplitude_force"])
+    peak = run.quantities.get("peak_spring_force", 0.0)
+    if run.quantities["surge_amplitude_force"] <= NO_SURGE * peak:
+        return None
     order = run.quantities.get("surge_amplitude_cam_order", 0.0)
     return Surge(run.quantities["surge_amplitude_force"], run, round(order))
-
-
-def peak_force(run: Solution) -> float:
-    """Peak spring force (N) of a run, 0 where it gave none."""
-    return run.quantities.get("peak_spring_force", 0.0)
 
 
 def unsettled(runs: Sequence[Solution]) -> list[str]:
