@@ -17,8 +17,10 @@ from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.report.beside_verdict import beside_verdict
+from valvetrain.report.model_charts import error_bar_chart
 from valvetrain.report.model_verdict import refine_verdict
 from valvetrain.report.page import Details, Tabs, render
+from valvetrain.report.plotly_chart import figure
 from valvetrain.report.study import study_page
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.runs.statics import static_study
@@ -175,6 +177,30 @@ def test_power_timing_and_causes_stand_on_the_page():
     assert lines["Valve, at 0.050 in"] == ("172.5, 294.3, 243.7",)
     cells = [[cell.text for cell in row] for row, _ in timing.blocks[-1].rows]
     assert ["loft, cam", "1", "59 µm", "surge lowers the force"] in [row[2:] for row in cells]
+
+
+def test_rows_of_error_bars_are_named_by_what_differs_and_fit_beside_the_figure():
+    """Names were cut at both widths; every row repeated the one model."""
+
+    def row(quantity: str, speed: float, label: str) -> Uncertainty:
+        return Uncertainty(quantity, speed * RPM, 35.0, 7.0, None, 35.0, 0.0, (35.0,) * 2, (35.0,) * 2, label)  # fmt: skip
+
+    def names(*rows: Uncertainty) -> list[str]:
+        return [name for _, name in error_bar_chart(rows).panels[0].y_tick_labels]
+
+    long = "minimum_valve_tip_contact_force"
+    assert names(row(long, 5500, "modal-uniform"), row(long, 3000, "modal-uniform")) == [
+        "Minimum valve tip contact force while open, 5500 rpm",
+        "Minimum valve tip contact force while open, 3000 rpm",
+    ]
+    apart = row(long, 5500, "modal-uniform"), row("bounce_height", 5500, "multi-mass")
+    cut, short = names(*apart)
+    assert cut == "Minimum valve tip contact force while open, modal-uni…"
+    assert short == "Bounce height, multi-mass"
+    made = figure(error_bar_chart(apart))
+    assert made["layout"]["margin"]["l"] >= 6.6 * len(cut)
+    (trace,) = made["data"]
+    assert "modal-uniform: 20 %" in str(trace["customdata"])
 
 
 def test_a_refinement_names_its_largest_bar():

@@ -15,6 +15,8 @@ from valvetrain.solution.uncertainty import Uncertainty
 
 #: Lines and rows of one figure at most.
 MAX_LINES, MAX_ROWS = 8, 24
+#: Letters of the name of a row.
+MAX_LETTERS = 54
 
 
 def fidelity_chart(found: FidelityMap) -> Chart | None:
@@ -45,8 +47,10 @@ def error_bar_chart(every: Sequence[Uncertainty]) -> Chart | None:
     rows = sorted(rows, key=lambda row: -abs(row.numerical / row.value))[:MAX_ROWS]
     sizes = np.array([abs(100 * row.numerical / row.value) for row in rows])
     height = np.arange(len(rows), dtype=float)[::-1]
-    marks = Marks(sizes, height, "numerical error", theme.SERIES[0], filled=True)
-    names = tuple((float(level), _name(row)) for row, level in zip(rows, height, strict=True))
+    named = _names(rows)
+    hints = tuple(f"{name}: {size:.2g} %" for name, size in zip(named, sizes, strict=True))
+    marks = Marks(sizes, height, "numerical error", theme.SERIES[0], filled=True, hints=hints)
+    names = tuple((float(level), _cut(name)) for name, level in zip(named, height, strict=True))
     panel = Panel(
         "numerical error, share of the value (%)",
         "headline number (name)",
@@ -59,7 +63,20 @@ def error_bar_chart(every: Sequence[Uncertainty]) -> Chart | None:
     return Chart("opening", title, "", (panel,), 1, max(240, 24 * len(rows) + 110), legend=False)
 
 
-def _name(row: Uncertainty) -> str:
-    speed = "" if row.engine_speed is None else f", {speed_text(row.engine_speed)}"
-    whose = f", {row.label}" if row.label else ""
-    return f"{quantity_label(row.quantity)}{speed}{whose}"
+def _names(rows: Sequence[Uncertainty]) -> list[str]:
+    """Quantity, with speed and label where they differ among the rows."""
+    speeds, labels = {row.engine_speed for row in rows}, {row.label for row in rows}
+    names = []
+    for row in rows:
+        parts = [quantity_label(row.quantity)]
+        if len(speeds) > 1 and row.engine_speed is not None:
+            parts.append(speed_text(row.engine_speed))
+        if len(labels) > 1 and row.label:
+            parts.append(row.label)
+        names.append(", ".join(parts))
+    return names
+
+
+def _cut(name: str) -> str:
+    """A name that fits beside the figure; the mark tells it whole."""
+    return name if len(name) <= MAX_LETTERS else f"{name[: MAX_LETTERS - 1]}…"

@@ -36,6 +36,8 @@ _SIDES = {
 #: Room in px about the panels of a figure: left for tick words, below for tick and axis words,
 #: above for a panel's own words.
 _LEFT, _RIGHT, _BOTTOM, _ABOVE, _BAR = 54, 18, 46, 26, 92
+#: Room in px for words in place of numbers along y, at most.
+WORDS_WIDE = 372
 #: Room in px between panels, and the width in px of a plot area of two columns at its narrowest
 #: (page.js changes over below it).
 _GAP_X, _MIN_WIDTH = 60, 620
@@ -100,7 +102,7 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     left = (
         20
         if narrow and max(worded, default=0)
-        else max(_LEFT, min(300, 14 + int(6.6 * max(worded, default=0))))
+        else max(_LEFT, min(WORDS_WIDE, 14 + int(6.6 * max(worded, default=0))))
     )
     right = (58 if direct else _RIGHT) + (_BAR - _RIGHT if maps and not narrow else 0)
     bottom = _BOTTOM + (60 if maps and narrow else 0)
@@ -316,7 +318,9 @@ def _add_furniture(
             )
             place = along | {"x": 1, "y": rule.value, "xanchor": "right", "yanchor": "bottom"}
         if rule.label:
-            notes.append(place | small | {"text": plain(rule.label)})
+            # On paper of its own: curves pass behind the words, not through them.
+            paper = {"bgcolor": theme.PAPER, "opacity": 0.9, "borderpad": 1}
+            notes.append(place | small | paper | {"text": plain(rule.label)})
     heights = label_heights(panel)
     for number, layer in enumerate(panel.layers):
         if isinstance(layer, Line) and number in heights:
