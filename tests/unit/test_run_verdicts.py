@@ -17,13 +17,14 @@ from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.report.beside_verdict import beside_verdict
-from valvetrain.report.model_charts import error_bar_chart
-from valvetrain.report.model_verdict import refine_verdict
+from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
+from valvetrain.report.model_verdict import fidelity_verdict, refine_verdict
 from valvetrain.report.page import Details, Tabs, render
 from valvetrain.report.plotly_chart import figure
 from valvetrain.report.study import study_page
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.runs.statics import static_study
+from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Event, Status
@@ -229,7 +230,7 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     one = train(numbers)
     one = replace(one, solutions=(replace(one.solutions[0], events=(soft, hard)),))
     expected = (
-        ("valve open", "226 crank deg at 0.050 in, 234 crank deg at 1 mm"),
+        ("valve open, crank deg", "226 at 0.050 in, 234 at 1 mm"),
         ("power of the cam", "9.81 W"),
         ("hardest clash", "66.5 N, coils 1–2 at 141 deg"),
         ("time step", "1.68 µs"),
@@ -239,7 +240,10 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     opening = page[page.index('id="opening"') : page.index('class="about"')]
     assert opening.index("verdict") < opening.index("66.5 N, coils 1–2") < opening.index("figure")
     both = beside_verdict(train(numbers, numbers | {"mean_cam_power": 12.0}))
-    assert [name for name, _ in both][:2] == ["valve open at 7000 rpm", "power of the cam"]
+    assert [name for name, _ in both][:2] == [
+        "valve open, crank deg at 7000 rpm",
+        "power of the cam",
+    ]
     apart = beside_verdict(train(numbers | {"mean_cam_power": 12.0}, numbers))
     assert apart[1] == ("power of the cam at 6000 rpm", "12 W")
     assert beside_verdict(sweep_study()) == ()
@@ -264,3 +268,25 @@ def test_both_springs_of_a_pair_are_told_together():
         "Together preload 235 N and rate 33.9 N/mm; outer: preload 150 N and rate 20 N/mm"
     )
     assert "ogether" not in static_study(case).verdict
+
+
+def test_modes_are_told_before_the_load_where_they_were_asked_for():
+    rest = replace(own_study(), solutions=(), comparisons=())
+    assert rest.verdict.startswith("Preload ")
+    assert replace(rest, command="modes").verdict.startswith("First axial mode 631 Hz, preload ")
+    assert study_page(replace(rest, command="modes")).kicker == "Natural modes"
+
+
+def test_a_map_of_models_names_a_few_quantities_of_each():
+    """Eleven names in a sentence are ten lines of a narrow page; the table below holds them."""
+    names = ("peak_spring_force", "minimum_spring_force", "seating_velocity", "loft_gap", "lift_loss_displacement")  # fmt: skip
+    rows = tuple(
+        FidelityRow(name, "massless", 300.0, 2.0 if name == "loft_gap" else 1.0, 0.0, 1.0, 0.0, 1.0)
+        for name in names
+    )
+    found = FidelityMap("wave-rod", 0.05, rows, (("massless", 1e-3), ("wave-rod", 1.0)))
+    assert fidelity_verdict(found) == (
+        "Within 5 % of wave-rod at every speed: massless (1000 times quicker) for 4 quantities, such as peak spring force and "
+        "minimum spring force; no cheaper model for loft."
+    )
+    assert fidelity_chart(found).panels[0].y_label == "model less wave-rod (%)"

@@ -341,6 +341,12 @@ def test_the_verdict_of_a_study_names_the_best_point_and_what_it_costs(table, se
     assert table().verdict == sentence
 
 
+def test_what_rigid_theory_gives_is_no_input():
+    names = ("rigid_contact_loss_engine_speed", "minimum_spring_margin_force")
+    table = listed([7.0, 9.0], [1.0, 1.1], [800.0, 820.0], names=names)
+    assert ": float speed, rigid parts 7830 rpm" in table.verdict
+
+
 @pytest.mark.parametrize("put_in", ["coil_bind_clearance", "outer_coil_bind_clearance"])
 def test_the_best_point_is_that_of_what_the_motion_gives_not_of_what_was_put_in(put_in):
     """The largest clearance was named best of a study that sets the clearance."""

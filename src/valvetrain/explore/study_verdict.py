@@ -12,13 +12,15 @@ from valvetrain.explore.sensitivity import Sensitivity
 from valvetrain.explore.study_charts import PERCENTILES, shown_output
 from valvetrain.explore.study_points import changed_alone, draws_of, is_chosen, point_label
 from valvetrain.explore.table import StudyTable, run_label
-from valvetrain.quantities.request import is_at_rest
+from valvetrain.quantities.request import BY_SIZE
 from valvetrain.report.text import number, unit_text
 from valvetrain.solution.definition import definition_of
 
 Array = NDArray[np.float64]
 #: Outputs whose price at the best point is told.
 MAX_COSTS = 2
+#: Names of what a spring is installed with begin so.
+INSTALLED = ("preload", "installed_")
 
 
 def study_verdict(table: StudyTable) -> str:
@@ -47,8 +49,9 @@ def _known(table: StudyTable, name: str) -> bool:
 
 
 def _installed(name: str) -> bool:
-    """Whether a quantity follows from the spring as it is installed and the lift of the cam."""
-    return is_at_rest(name) or name.endswith("coil_bind_clearance")
+    """Whether a quantity follows from the dimensions of a spring, its installing and the lift alone."""
+    bare = name.removeprefix("outer_").removeprefix("inner_")
+    return bare in BY_SIZE or bare.startswith(INSTALLED) or bare == "coil_bind_clearance"
 
 
 def _label(name: str) -> str:

@@ -38,12 +38,12 @@ def beside_verdict(study: Study) -> tuple[tuple[str, str], ...]:
 
 def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]:
     open_for = [
-        f"{figure(math.degrees(angle))} crank deg {EVENT_LIFTS[lift]}"
+        f"{figure(math.degrees(angle))} {EVENT_LIFTS[lift]}"
         for lift in CARD_LIFTS
         if math.isfinite(angle := runs.value(worst, f"valve_{lift}_open_crank_angle_range"))
     ]
     if open_for:
-        yield "valve open", worst, ", ".join(open_for)
+        yield "valve open, crank deg", worst, ", ".join(open_for)
     if (power := runs.worst("mean_cam_power", least=False)) is not None:
         yield "power of the cam", power.run or worst, runs.text(power)
     clashes = [

@@ -30,7 +30,7 @@ def fidelity_chart(found: FidelityMap) -> Chart | None:
         y = np.array([100 * row.difference for row in rows])
         layers.append(Line(x, y, model, theme.SERIES[place % len(theme.SERIES)]))
     rules = tuple(Rule("y", sign * 100 * found.tolerance) for sign in (-1, 1))
-    label = f"{quantity_label(name)}, model less {found.reference} (%)"
+    label = f"model less {found.reference} (%)"
     panel = Panel("engine speed (rpm)", label, tuple(layers), rules=rules)
     panel = replace(panel, x_range=visible_range(panel)[0])
     caption = "Per cent of the largest value of the reference; dotted: what still counts as equal."

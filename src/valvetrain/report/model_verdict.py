@@ -14,6 +14,8 @@ from valvetrain.solution.uncertainty import Uncertainty
 
 #: Error bars up to this share of a value count as small.
 SMALL = 0.01
+#: Quantities of a model that are named one by one.
+NAMED = 3
 
 
 def fidelity_verdict(found: FidelityMap) -> str:
@@ -27,7 +29,9 @@ def fidelity_verdict(found: FidelityMap) -> str:
     reference = costs.get(found.reference, math.nan)
 
     def part(model: str, names: list[str]) -> str:
-        what = "every quantity" if len(by_model) == 1 else joined(names)
+        several = f"{len(names)} quantities, such as {joined(names[:2])}"
+        what = joined(names) if len(names) <= NAMED else several
+        what = "every quantity" if len(by_model) == 1 else what
         if model == found.reference:
             return f"no cheaper model for {what}"
         times = reference / costs[model] if costs.get(model) else math.nan

@@ -250,6 +250,7 @@ def _add_axes(
                 {
                     "xref": f"x{suffix} domain", "yref": f"y{suffix}", "x": 0, "y": at, "xanchor": "left", "yanchor": "bottom",
                     "yshift": 4, "showarrow": False, "text": plain(one), "font": {"size": 10.5, "color": theme.MUTED},
+                    "bgcolor": theme.PAPER, "borderpad": 0,
                 }
                 for at, one in panel.y_tick_labels
             ]  # fmt: skip

@@ -108,7 +108,8 @@ def rest_clauses(study: Study) -> list[str]:
         parts.append(f"rate {figure(float(rate) * 1e-3)} N/mm")
     modes = [] if first.modes is None else [float(one) for one in first.modes.axial_frequencies]
     if modes:
-        parts.append(f"first axial mode {figure(modes[0])} Hz")
+        place = 0 if study.command == "modes" else len(parts)
+        parts.insert(place, f"first axial mode {figure(modes[0])} Hz")
     if not parts:
         return []
     others = [

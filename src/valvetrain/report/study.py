@@ -58,6 +58,9 @@ _KICKERS = {
     "sweep": "Sweep over engine speed",
     "compare-springs": "Comparison of springs",
     "run-up": "Run-up",
+    "fidelity": "Models over engine speed",
+    "static": "Springs at rest",
+    "modes": "Natural modes",
 }
 #: Sentences of a case's description that stand on top of its page.
 _LEAD_SENTENCES = 2
