@@ -250,7 +250,6 @@ def _add_axes(
                 {
                     "xref": f"x{suffix} domain", "yref": f"y{suffix}", "x": 0, "y": at, "xanchor": "left", "yanchor": "bottom",
                     "yshift": 4, "showarrow": False, "text": plain(one), "font": {"size": 10.5, "color": theme.MUTED},
-                    "bgcolor": theme.PAPER, "borderpad": 0,
                 }
                 for at, one in panel.y_tick_labels
             ]  # fmt: skip
@@ -319,9 +318,7 @@ def _add_furniture(
             )
             place = along | {"x": 1, "y": rule.value, "xanchor": "right", "yanchor": "bottom"}
         if rule.label:
-            # On paper of its own: curves pass behind the words, not through them.
-            paper = {"bgcolor": theme.PAPER, "opacity": 0.9, "borderpad": 1}
-            notes.append(place | small | paper | {"text": plain(rule.label)})
+            notes.append(place | small | {"text": plain(rule.label)})
     heights = label_heights(panel)
     for number, layer in enumerate(panel.layers):
         if isinstance(layer, Line) and number in heights:

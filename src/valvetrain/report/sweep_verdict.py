@@ -190,7 +190,7 @@ def _control_of_runs(runs: Runs) -> str:
     ]
     speeds = [run.engine_speed for run in runs.solutions]
     if not lost:
-        reach = f"in contact from {rpm(min(speeds)):.6g} to {rpm(max(speeds)):.6g} rpm"
+        reach = f"in contact from {rpm(min(speeds)):.0f} to {rpm(max(speeds)):.0f} rpm"
         return f"{reach}{_least_force(runs)}"
     first: dict[str, Solution] = {}
     for run, what in sorted(lost, key=lambda pair: pair[0].engine_speed):
