@@ -16,7 +16,7 @@ from synthetic_study import own_study, published_study, sweep_study, train_study
 from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
-from valvetrain.report.beside_verdict import beside_verdict
+from valvetrain.report.key_figures import key_figures
 from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
 from valvetrain.report.model_verdict import fidelity_verdict, refine_verdict
 from valvetrain.report.page import Details, Tabs, render
@@ -235,18 +235,18 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
         ("hardest clash", "66.5 N, coils 1–2 at 141 deg"),
         ("time step", "1.68 µs"),
     )
-    assert beside_verdict(one) == expected
+    assert key_figures(one) == expected
     page = render(study_page(one))
     opening = page[page.index('id="opening"') : page.index('class="about"')]
     assert opening.index("verdict") < opening.index("66.5 N, coils 1–2") < opening.index("figure")
-    both = beside_verdict(train(numbers, numbers | {"mean_cam_power": 12.0}))
+    both = key_figures(train(numbers, numbers | {"mean_cam_power": 12.0}))
     assert [name for name, _ in both][:2] == [
         "valve open, crank deg at 7000 rpm",
         "power of the cam",
     ]
-    apart = beside_verdict(train(numbers | {"mean_cam_power": 12.0}, numbers))
+    apart = key_figures(train(numbers | {"mean_cam_power": 12.0}, numbers))
     assert apart[1] == ("power of the cam at 6000 rpm", "12 W")
-    assert beside_verdict(sweep_study()) == ()
+    assert key_figures(sweep_study()) == ()
 
 
 def test_the_surge_of_a_massless_spring_is_none():

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from valvetrain.cli.outcome import PLAIN_WIDTH, plain_table
 from valvetrain.cli.published import ErrorBars, fitting
 from valvetrain.parameters.summary import number, unit_text
-from valvetrain.report.beside_verdict import beside_verdict
 from valvetrain.report.headlines import (
     HeadlineColumn,
     HeadlineRow,
@@ -20,6 +19,7 @@ from valvetrain.report.headlines import (
     headline_rows,
     largest_clash_rows,
 )
+from valvetrain.report.key_figures import key_figures
 from valvetrain.report.run_summary import (
     CRITICAL_LEGEND,
     critical_rows,
@@ -59,8 +59,8 @@ def show_study(
         if searched(study) and any(not row.main for row in critical_rows(study, study.labels)):
             console.print(f"\n{CRITICAL_LEGEND}")
         _show_published(console, study, published)
-        if len(study.labels) == 1 and (beside := beside_verdict(study)):
-            console.print("; ".join(f"{name} {value}" for name, value in beside))
+        if len(study.labels) == 1 and (figures := key_figures(study)):
+            console.print("; ".join(f"{name} {value}" for name, value in figures))
     finally:  # the folder is printed even where a table fails
         console.print(f"results  {folder}", soft_wrap=True)
         if page is not None:

@@ -195,8 +195,8 @@ class Section:
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """A whole report: ``kicker`` above the title, ``verdict`` (one sentence), figures ``beside``
-    it as (name, value) pairs and ``picture`` (one figure, or a moving picture) below it, then ``lead``, ``facts`` as (name, value) pairs, sections
+    """A whole report: ``kicker`` above the title, ``verdict`` (one sentence), ``key_figures`` as
+    (name, value) pairs and ``picture`` (one figure, or a moving picture) below it, then ``lead``, ``facts`` as (name, value) pairs, sections
     and a footer.
     """
 
@@ -208,7 +208,7 @@ class Page:
     footer: str = ""
     verdict: str = ""
     picture: tuple[Block, ...] = ()
-    beside: tuple[tuple[str, str], ...] = ()
+    key_figures: tuple[tuple[str, str], ...] = ()
 
     @property
     def parts(self) -> tuple[tuple[Block, ...], ...]:

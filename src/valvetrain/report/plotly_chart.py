@@ -37,7 +37,7 @@ _SIDES = {
 #: above for a panel's own words.
 _LEFT, _RIGHT, _BOTTOM, _ABOVE, _BAR = 54, 18, 46, 26, 92
 #: Room in px for words in place of numbers along y, at most.
-WORDS_WIDE = 372
+NAMES_WIDTH = 372
 #: Room in px between panels, and the width in px of a plot area of two columns at its narrowest
 #: (page.js changes over below it).
 _GAP_X, _MIN_WIDTH = 60, 620
@@ -102,7 +102,7 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     left = (
         20
         if narrow and max(worded, default=0)
-        else max(_LEFT, min(WORDS_WIDE, 14 + int(6.6 * max(worded, default=0))))
+        else max(_LEFT, min(NAMES_WIDTH, 14 + int(6.6 * max(worded, default=0))))
     )
     right = (58 if direct else _RIGHT) + (_BAR - _RIGHT if maps and not narrow else 0)
     bottom = _BOTTOM + (60 if maps and narrow else 0)

@@ -157,6 +157,5 @@ def published_clause(rows: Sequence[Comparison]) -> str:
     if len(known) == 1:
         return f"{count} of {label_of(row.quantity)} differs by {middle}"
     where = "" if row.engine_speed is None else f" at {speed_text(row.engine_speed)}"
-    what = label_of(row.quantity).partition(",")[0]
-    most = f"most {_share(share)} in {what}{where}"
+    most = f"most {_share(share)} in {label_of(row.quantity)}{where}"
     return f"{count} differ by {middle} in the median, {most}"

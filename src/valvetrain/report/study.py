@@ -15,9 +15,9 @@ import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.registry import find, places
-from valvetrain.report.beside_verdict import beside_verdict
 from valvetrain.report.chart import Chart
 from valvetrain.report.files import FreeNames, remove_earlier
+from valvetrain.report.key_figures import key_figures
 from valvetrain.report.opening import opening_blocks
 from valvetrain.report.page import (
     Block,
@@ -98,7 +98,7 @@ def study_page(study: Study) -> Page:
     record, gaps = study.record, PartialFailures()
     picture = gaps.part("picture at the top", (), opening_blocks, study)
     verdict = verdict_of(study)
-    beside = gaps.part("figures beside the verdict", (), beside_verdict, study)
+    figures = gaps.part("figures below the verdict", (), key_figures, study)
     by_source = gaps.part("what the source tells of the case", False, covered_by_source, study)
     lines = sentences(record.description) if by_source else []
     facts = gaps.part("facts below the title", (), _facts, study)
@@ -131,7 +131,7 @@ def study_page(study: Study) -> Page:
             footer,
             verdict,
             picture,
-            beside,
+            figures,
         )
     )
 

@@ -1,4 +1,4 @@
-"""Figures that stand beside the verdict of runs: how long the valve is open, what the cam takes, the
+"""Key figures below the verdict of runs: how long the valve is open, what the cam takes, the
 hardest clash of coils, the time step.
 """
 
@@ -19,7 +19,7 @@ from valvetrain.solution.study import Study
 CARD_LIFTS = ("50_thou", "1_mm")
 
 
-def beside_verdict(study: Study) -> tuple[tuple[str, str], ...]:
+def key_figures(study: Study) -> tuple[tuple[str, str], ...]:
     """(name, value) of each, of the run that is worst or of the run where it is largest; nothing over
     engine speed and without runs.
     """
