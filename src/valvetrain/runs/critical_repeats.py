@@ -5,7 +5,7 @@ damping.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from scipy.optimize import brentq
@@ -153,15 +153,20 @@ def first_lost(measure: Measure, low: Mapping[float, float]) -> float | None:
     return min(lost, default=None)
 
 
-def follow(
-    nominal: float, measure: Measure, ends: tuple[float, float], low: Mapping[float, float]
-) -> float:
-    """The onset of a changed train: from the nominal one in growing steps to a change, then to
-    :data:`REPEAT_WIDTH`; 0 where control is lost down to the first of ``ends``, infinite where it
-    is kept up to the last.
+def change(
+    nominal: float,
+    measure: Measure,
+    ends: tuple[float, float],
+    low: Mapping[float, float],
+    sampled: Collection[float] = (),
+) -> SpeedBracket:
+    """Bracket of the onset of a changed train: from the nominal one in growing steps to a change; at
+    0 where control is lost down to the first of ``ends``, at infinity where it is kept up to the
+    last.
 
     ``measure``: positive where control is kept; ``low``: speeds at which that of the unchanged
     train dips, and what it is there; the lowest of them that the changed train loses comes first.
+    ``sampled``: speeds at which the measure costs no run; a step ends at the last of them.
     """
     first, last = ends
     earlier = first_lost(measure, {one: at for one, at in low.items() if one < nominal})
@@ -170,14 +175,22 @@ def follow(
     while True:
         if controlled:
             there = min(last, here + step, *(one for one in low if one > here))
+            there = max((one for one in sampled if here < one < there), default=there)
         else:
             there = max(first, here - step)
+            there = min((one for one in sampled if there < one < here), default=there)
         if there == here:
-            return math.inf if controlled else 0.0
+            end = math.inf if controlled else 0.0
+            return SpeedBracket(end, end)
         if (measure(there) > 0) != controlled:
-            break
+            return SpeedBracket(min(here, there), max(here, there))
         here, step = there, min(2 * step, MAX_STRIDE * nominal)
-    bracket = SpeedBracket(min(here, there), max(here, there))
+
+
+def onset_in(bracket: SpeedBracket, measure: Measure) -> float:
+    """The onset in a bracket of :func:`change`, to :data:`REPEAT_WIDTH`."""
+    if bracket.lower_engine_speed == bracket.upper_engine_speed:
+        return bracket.upper_engine_speed
     found = root(measure, bracket, REPEAT_WIDTH)
     return bracket.upper_engine_speed if found is None else found
 
@@ -233,11 +246,13 @@ def repeated(
 
     at = {one: search.samples[one].measure(kind) for one in low}
 
-    def onset_of(sample: SampleAt, more: float = 0.0) -> float:
-        return follow(begin, lambda one: sample(one).measure(kind) + more, ends, at)
+    def onset_of(sample: SampleAt) -> float:
+        def measure(engine_speed: float) -> float:
+            return sample(engine_speed).measure(kind)
 
-    small = SMALL * max((one.margins[kind] for one in search.samples.values()), default=0.0)
-    moved = [onset_of(search.sample, more) for more in (-small, small)] if steady else []
+        return onset_in(change(begin, measure, ends, at), measure)
+
+    moved = _moved(kind, begin, search, ends, at) if steady else []
     graze = any(abs(one - nominal) > GRAZE * begin for one in moved)
     if not steady:
         scatter = scattered(kind, begin, search.sample, ends)
@@ -253,3 +268,30 @@ def repeated(
     damped = ranges["damping"] if len(values["damping"]) > len(DAMPING_FACTORS) else None
     onset = "non-repeating" if not steady else "graze" if graze else "sharp"
     return replace(row, numerical=ranges["numerical"], damping=damped, onset=onset)
+
+
+def _moved(
+    kind: str,
+    nominal: float,
+    search: Search,
+    ends: tuple[float, float],
+    low: Mapping[float, float],
+) -> list[float]:
+    """The onset with the margin less, and more, by :data:`SMALL` of its largest value; none where
+    the brackets of both show that this is no graze.
+    """
+    small = SMALL * max((one.margins[kind] for one in search.samples.values()), default=0.0)
+    found: list[tuple[SpeedBracket, Measure]] = []
+    for more in (-small, small):
+
+        def measure(engine_speed: float, more: float = more) -> float:
+            return search.sample(engine_speed).measure(kind) + more
+
+        sampled = tuple(search.samples)
+        found.append((change(nominal, measure, ends, low, sampled), measure))
+    far = [
+        abs(end - nominal) > GRAZE * nominal
+        for bracket, _ in found
+        for end in (bracket.lower_engine_speed, bracket.upper_engine_speed)
+    ]
+    return [onset_in(bracket, measure) for bracket, measure in found] if any(far) else []
