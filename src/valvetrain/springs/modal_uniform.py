@@ -91,7 +91,7 @@ class ModalUniform:
                 f"damping of {label} exceeds critical in its highest mode; lower stiffness_damping or take fewer modes"
             )
 
-    @property
+    @cached_property
     def numbers(self) -> Array:
         """Mode numbers 1 .. modes."""
         return np.arange(1.0, self.modes + 1)
@@ -103,20 +103,28 @@ class ModalUniform:
             return 2 * np.pi * np.asarray(self.natural_frequencies)
         return np.pi * self.numbers * self.spring.wave_speed
 
-    @property
+    @cached_property
     def ratios(self) -> Array:
         """Damping ratio of every mode on its departure from the static shape."""
         return self.damping_ratio + self.stiffness_damping * self.circular_frequencies / 2
 
-    @property
+    @cached_property
     def shares(self) -> Array:
         """Fourier coefficients c_n of the moving static shape: xi = sum c_n sin(n pi xi)."""
         return 2 * (-1.0) ** (self.numbers + 1) / (np.pi * self.numbers)
 
-    @property
+    @cached_property
     def modal_stiffness(self) -> Array:
         """k (n pi)**2 / 2 (N/m) of mode n."""
         return self.spring.rate * (np.pi * self.numbers) ** 2 / 2
+
+    @cached_property
+    def sections(self) -> tuple[Array, Array]:
+        """Places (0 seat, 1 retainer) at which motion is shown, and every mode's shape there,
+        (sections, modes).
+        """
+        share = np.linspace(0.0, 1.0, SECTIONS)
+        return share, np.sin(np.pi * np.outer(share, self.numbers))
 
     @property
     def unknowns(self) -> int:
@@ -216,8 +224,7 @@ class ModalUniform:
         self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
     ) -> SpringOutputs:
         """``coil_number`` is the share 0..1 of the active length."""
-        share = np.linspace(0.0, 1.0, SECTIONS)
-        shapes = np.sin(np.pi * np.outer(share, self.numbers))
+        share, shapes = self.sections
         velocity = state[self.modes : 2 * self.modes] - self.shares * retainer_velocity
         shift = share * retainer_displacement + shapes @ self._departures(
             state, retainer_displacement
