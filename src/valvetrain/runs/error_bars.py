@@ -29,7 +29,7 @@ Numbers = Mapping[str, float]
 SPRING_HEADLINES = (
     "peak_spring_force", "minimum_spring_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force",
     "main_clash_peak_force", "main_clash_below_20_khz_peak_force", "main_clash_below_10_khz_peak_force", "main_clash_cam_angle",
-    "main_clash_impulse", "peak_shear_stress", "outer_peak_shear_stress", "inner_peak_shear_stress",
+    "main_clash_impulse", "clash_energy", "largest_clash_impulse", "peak_shear_stress", "outer_peak_shear_stress", "inner_peak_shear_stress",
 )  # fmt: skip
 #: The variant with the mesh and step of the case.
 OWN = "mesh 1"
@@ -153,12 +153,16 @@ def grid_convergence(
 
 
 def two_grids(
-    value: float, finer: float, ratio: float, order: float = DECLARED_ORDER
+    value: float,
+    finer: float,
+    ratio: float,
+    order: float = DECLARED_ORDER,
+    safety: float = DOUBTFUL,
 ) -> GridConvergence:
     """Uncertainty of ``value`` from one grid ``ratio`` times as fine, with an assumed ``order`` and
-    Roache's factor of three.
+    a ``safety`` factor, Roache's three.
     """
-    finest = DOUBTFUL * abs(value - finer) / (ratio**order - 1)
+    finest = safety * abs(value - finer) / (ratio**order - 1)
     return GridConvergence((value, value, finer), None, False, finer, finest * ratio**order, finest)
 
 

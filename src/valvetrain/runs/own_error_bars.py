@@ -1,6 +1,5 @@
-"""Error bars of the runs of any case: each run once more, its springs and its step divided more
-finely, or more coarsely where the springs are large; springs reduced from their rods
-beside those rods.
+"""Error bars of the runs of any case: each run twice more, its springs and its step divided more
+finely and more coarsely; springs reduced from their rods beside those rods.
 """
 
 from __future__ import annotations
@@ -10,10 +9,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from valvetrain.integrate.contract import Keep
 from valvetrain.integrate.leapfrog import STEP_FRACTION
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.at_rest import AtRest
-from valvetrain.runs.error_bars import SPRING_HEADLINES, two_grids
+from valvetrain.runs.error_bars import DOUBTFUL, SPRING_HEADLINES, two_grids
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
@@ -32,16 +32,20 @@ from valvetrain.solution.later import Later
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 from valvetrain.springs.modal_uniform import oscillating_modes
+from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem, Rest
 
-#: Division of the springs of the further run over that of the case; finite elements, whose cost
-#: grows with the square, take the inverse where it can run.
-RATIO = 1.5
-#: Springs of fewer parts than this surge at other frequencies altogether: the further run takes so many.
+#: Divisions of the springs of the two further runs over that of the case, or their inverse: two, since one pair may agree
+#: by chance. Finite elements, whose cost grows with the square, take the inverse of both where those can run.
+RATIO, NEAR_RATIO = 1.5, 1.25
+#: Springs of fewer parts than this surge at other frequencies altogether: a further run takes so many.
 FEW, MANY = 20, 60
+#: Factor on the larger of two bars, where a bar of one pair has Roache's three.
+SAFETY = 2.0
 #: Order assumed of a rod, whose refinement shows it, and of chains and modes, of which few parts are far
-#: from the limit.
+#: from the limit, as is what clashing coils of a rod make: they meet node by node.
 ROD_ORDER, OTHER_ORDER = 2.0, 1.0
+OF_CLASHES = ("clash", "peak_spring", "peak_retainer", "below_", "peak_shear")
 #: Models whose grid follows the time step: their further run takes a shorter step alone, as do
 #: modes of which no more oscillate.
 BY_STEP = ("wave-rod", "wave-rod-clash")
@@ -75,14 +79,27 @@ CHAIN_OF_WIRE = {
 
 
 class _Further(NamedTuple):
-    """The run of a member with its springs divided otherwise, its division over the own one, and its
-    step under the own one (None: what the springs ask for).
+    """The run of a member with its springs divided otherwise, its division over the own one, its
+    step under the own one (None: what the springs ask for), and whether it ends a revolution sooner.
     """
 
     ready: PreparedRun
     ratio: float
     order: float
     steps: float | None
+    sooner: bool = False
+
+
+class _Point(NamedTuple):
+    """A further run: label, engine speed (rad/s), its place among those of the label, time step (s),
+    cam revolutions (None: as the plan has them).
+    """
+
+    label: str
+    engine_speed: float
+    place: int
+    time_step: float | None
+    cycles: int | None
 
 
 def own_error_bars(
@@ -95,11 +112,12 @@ def own_error_bars(
 ) -> ErrorBars:
     """Error bars of the completed ``solutions`` of a problem that ran by ``plan``.
 
-    The bar is Roache's for two grids: three times the difference to the limit of the assumed order;
-    scatter of a motion that does not repeat is added. ``at_rest``: the springs at rest as computed
-    for the solutions. Raises :class:`PointsStopped` when it is stopped.
+    The bar is the larger of those of two pairs of grids, twice the difference to the limit of the
+    assumed order, or Roache's three times that of one pair; scatter of a motion that does not
+    repeat is added. ``at_rest``: the springs at rest as computed for the solutions. Raises
+    :class:`PointsStopped` when it is stopped.
     """
-    further: dict[str, _Further] = {}
+    further: dict[str, list[_Further]] = {}
     rest = at_rest.value.springs
     undivided: list[str] = []
     reduced = [member for member in problem.members if member.model.word == REDUCED]
@@ -113,27 +131,32 @@ def own_error_bars(
         if member in reduced:
             continue
         found = _further(problem, member, rest)
-        if found is None:
+        if not found:
             undivided.append(member.model.word)
         else:
             further[member.label] = found
     runs = [
         run for run in solutions if run.status.completed and run.label in further and run.quantities
     ]
+    points = [
+        _point(problem, run, place, way)
+        for run in runs
+        for place, way in enumerate(further[run.label])
+    ]
     again = map_points(
         _run_again,
-        (problem, further, replace(plan, keep="ends", whole=False, later=False)),
-        [_point(run, further[run.label]) for run in runs],
+        (problem, further, replace(plan, whole=False, later=False)),
+        points,
         workers,
         processes=bool(problem.members and problem.members[0].gear),
         tell=tell,
         lost=lambda point: {},
     )
-    rows = tuple(
-        row
-        for run, numbers in zip(runs, again, strict=True)
-        for row in _rows(run, numbers, further[run.label])
-    )
+    numbers: dict[tuple[str, float], list[tuple[_Further, Mapping[str, float]]]] = {}
+    for point, found_again in zip(points, again, strict=True):
+        way = further[point.label][point.place]
+        numbers.setdefault((point.label, point.engine_speed), []).append((way, found_again))
+    rows = tuple(row for run in runs for row in _rows(run, numbers[run.label, run.engine_speed]))
     barred = {(row.label, row.engine_speed) for row in rows}
     without = [
         f"{run.label} at {run.engine_speed * 30 / math.pi:.6g} rpm"
@@ -141,28 +164,56 @@ def own_error_bars(
         if run.label in further and (run.label, run.engine_speed) not in barred
     ]
     rows += differing
-    return ErrorBars(rows, (*_sentences(rows, further.values(), undivided, without), *far))
+    ways = [way for several in further.values() for way in several]
+    return ErrorBars(rows, (*_sentences(rows, ways, undivided, without), *far))
 
 
-def _point(run: Solution, way: _Further) -> tuple[str, float, float | None]:
-    """Label, engine speed and time step (s) of a further run, which its finer springs carry."""
-    own = run.statistics.get("time_step_duration")
+def _point(problem: Problem, run: Solution, place: int, way: _Further) -> _Point:
+    """A further run with a time step that its springs carry."""
+    own, cycles = run.statistics.get("time_step_duration"), None
+    settled = run.statistics.get("steady_cycles_count")
+    if way.sooner and problem.kind == TRAIN and isinstance(settled, float) and settled > 1:
+        cycles = round(settled) - 1
     if way.steps is None or not isinstance(own, (int, float)) or way.ready.system is None:
-        return run.label, run.engine_speed, None
+        return _Point(run.label, run.engine_speed, place, None, cycles)
     limits = [
         STEP_FRACTION * float(spring.stable_time_step())
         for spring in way.ready.system.springs
         if hasattr(spring, "stable_time_step") and run.model not in BY_STEP
     ]
-    return run.label, run.engine_speed, min(float(own) / way.steps, *limits, math.inf)
+    step = min(float(own) / way.steps, *limits, math.inf)
+    return _Point(run.label, run.engine_speed, place, step, cycles)
 
 
-def _further(problem: Problem, member: Member, rest: Rest) -> _Further | None:
-    """A member with its springs divided otherwise, prepared; None where nothing divides them."""
-    _, frequencies = statics_of(member, rest)  # numbers are defined by those of the case's own
+def _further(problem: Problem, member: Member, rest: Rest) -> list[_Further]:
+    """A member with its springs divided otherwise, prepared; empty where nothing divides them."""
     rod = member.model.word == "finite-element"
     parts = min(_parts(member, member.springs), default=FEW)
-    for factor in (1 / RATIO, RATIO) if rod else (MANY / parts if parts < FEW else RATIO,):
+    if rod:
+        # a rod is not compared from cycle to cycle: one revolution less shows what it still remembers
+        ways = [_way(problem, member, rest, (1 / RATIO, RATIO), None, ROD_ORDER)]
+        ways += [_way(problem, member, rest, (1 / NEAR_RATIO,), None, ROD_ORDER, sooner=True)]
+    elif member.model.word in BY_STEP:
+        ways = [_way(problem, member, rest, (one,), one) for one in (RATIO, NEAR_RATIO)]
+    else:
+        finer = MANY / parts if parts < FEW else NEAR_RATIO
+        ways = [_way(problem, member, rest, (finer,), RATIO if parts < FEW else NEAR_RATIO)]
+        ways += [_way(problem, member, rest, (1 / RATIO,), 1.0)]
+    return [way for way in ways if way is not None]
+
+
+def _way(
+    problem: Problem,
+    member: Member,
+    rest: Rest,
+    factors: Sequence[float],
+    steps: float | None,
+    order: float = OTHER_ORDER,
+    sooner: bool = False,
+) -> _Further | None:
+    """The first of ``factors`` on the division of the springs that can run; None: none can."""
+    _, frequencies = statics_of(member, rest)  # numbers are defined by those of the case's own
+    for factor in factors:
         try:
             springs = tuple(_finer(member, spring, factor) for spring in member.springs)
             divisions = zip(_parts(member, springs), _parts(member, member.springs), strict=True)
@@ -180,8 +231,7 @@ def _further(problem: Problem, member: Member, rest: Rest) -> _Further | None:
             continue
         if not ready.refusal:
             frame = replace(ready.frame, surge_frequencies=frequencies)
-            order, steps = (ROD_ORDER, None) if rod else (OTHER_ORDER, RATIO)
-            return _Further(replace(ready, frame=frame), ratio, order, steps)
+            return _Further(replace(ready, frame=frame), ratio, order, steps, sooner)
     return None
 
 
@@ -210,39 +260,66 @@ def _parts(member: Member, springs: Sequence[InstalledSpring]) -> list[float]:
 
 
 def _run_again(
-    shared: tuple[Problem, Mapping[str, _Further], Plan], point: tuple[str, float, float | None]
+    shared: tuple[Problem, Mapping[str, Sequence[_Further]], Plan], point: _Point
 ) -> Mapping[str, float]:
     """Numbers of a further run; none of one that failed."""
-    (problem, further, plan), (label, engine_speed, step) = shared, point
-    ready = further[label].ready
+    problem, further, plan = shared
+    ready, step = further[point.label][point.place].ready, point.time_step
+    # the stress of the wire is found from all of the motion, and is a number of springs alone
+    keep: Keep = "all" if plan.keep == "all" and problem.kind != TRAIN else "ends"
+    plan = replace(plan, keep=keep, cycles_to_settle=point.cycles or plan.cycles_to_settle)
     try:
-        provenance = provenance_of(problem, ready.member, engine_speed, plan.created_at)
-        found, _ = integrate_from(ready, engine_speed, plan, provenance, time_step=step)
+        provenance = provenance_of(problem, ready.member, point.engine_speed, plan.created_at)
+        found, _ = integrate_from(ready, point.engine_speed, plan, provenance, time_step=step)
         found = with_quantities(ready, found, plan, {})
     except FAILURES:
         return {}
     return dict(found.quantities) if found.status.completed else {}
 
 
-def _rows(run: Solution, other: Mapping[str, float], way: _Further) -> Iterable[Uncertainty]:
-    if all(other.get(name) == run.quantities.get(name) for name in NAMES):
-        return  # the model had no further parts to take: both runs are one
+def _rows(
+    run: Solution, further: Sequence[tuple[_Further, Mapping[str, float]]]
+) -> Iterable[Uncertainty]:
+    """Rows of a run beside its further ones; none where these had no further parts to take."""
+    known = [
+        (way, numbers)
+        for way, numbers in further
+        if any(name in numbers and numbers[name] != run.quantities.get(name) for name in NAMES)
+    ]
+    clashes = run.quantities.get("clash_count", 0.0) > 0
     for name in NAMES:
-        value, again = run.quantities.get(name, math.nan), other.get(name, math.nan)
-        if not (math.isfinite(value) and math.isfinite(again)) or 0 < abs(value) < ROUNDING:
+        value = run.quantities.get(name, math.nan)
+        pairs = [(way, numbers[name]) for way, numbers in known if name in numbers]
+        pairs = [(way, again) for way, again in pairs if math.isfinite(again)]
+        if not pairs or not math.isfinite(value) or 0 < abs(value) < ROUNDING:
             continue
-        if way.ratio > 1:
-            bar = two_grids(value, again, way.ratio, way.order).uncertainty
-        else:
-            bar = two_grids(again, value, 1 / way.ratio, way.order).finest_index
+        safety = SAFETY if len(pairs) > 1 else DOUBTFUL
+        order = OTHER_ORDER if clashes and any(one in name for one in OF_CLASHES) else ROD_ORDER
+        bar = max(_bar(value, again, way, min(way.order, order), safety) for way, again in pairs)
         bar += run.quantities.get(f"cycle_scatter_{SAME_SCATTER.get(name, name)}", 0.0)
-        if _is_chain_of_wire(way.ready.member):
+        if _is_chain_of_wire(known[0][0].ready.member):
             bar += CHAIN_OF_WIRE.get(name, 0.0) * run.quantities.get("surge_amplitude_force", 0.0)
-        best = again if way.ratio > 1 else value
+        finest, best = max((way.ratio, again) for way, again in pairs)
         same = (value, value)
         yield Uncertainty(
-            name, run.engine_speed, value, bar, None, best, 0.0, same, same, run.label
+            name,
+            run.engine_speed,
+            value,
+            bar,
+            None,
+            best if finest > 1 else value,
+            0.0,
+            same,
+            same,
+            run.label,
         )
+
+
+def _bar(value: float, again: float, way: _Further, order: float, safety: float) -> float:
+    """Bar of ``value`` by one further run, finer or coarser."""
+    if way.ratio > 1:
+        return two_grids(value, again, way.ratio, order, safety).uncertainty
+    return two_grids(again, value, 1 / way.ratio, order, safety).finest_index
 
 
 def _is_chain_of_wire(member: Member) -> bool:
@@ -255,11 +332,11 @@ def _sentences(
     undivided: Sequence[str],
     without: Sequence[str],
 ) -> Iterable[str]:
-    ways = sorted({one.ratio for one in further})
+    ways = sorted({one.ratio for one in further}, reverse=True)
     none = f"none by {', '.join(dict.fromkeys(undivided))}"
     if rows and ways:
         divided_by = " and ".join(
-            f"{max(one, 1 / one):.2g} times {'finer' if one > 1 else 'coarser'}" for one in ways
+            f"{max(one, 1 / one):.3g} times {'finer' if one > 1 else 'coarser'}" for one in ways
         )
         end = f"; {none}." if undivided else "."
         yield f"± where there is room: runs repeated, springs and step {divided_by}{end}"
