@@ -85,6 +85,20 @@ def test_a_section_stands_where_there_is_something_to_tell(sections, beside, pea
     assert not beside or found["model"].title == "Compared with the case beehive"
 
 
+def test_a_film_of_a_decay_opens_with_it(monkeypatch):
+    """No cam turns, so nothing is drawn over its angle; the page had no picture."""
+    for name in DRAWN:
+        monkeypatch.setattr(made, f"{name}_chart", name)
+    drawn = {"displacement": ()}
+    monkeypatch.setattr(
+        made, "figure_or_gap", lambda title, chart, *_: drawn.get(chart, (Figure(chart),))
+    )
+    page = made.film_page(film(phase=None))
+    assert [one.chart for one in page.picture] == ["decay"]
+    surge = next(one for one in page.sections if one.key == "surge")
+    assert shape(surge) == ["line", "spectrum"]
+
+
 def cells(section, first: str) -> list[list[str]]:
     (grid,) = (one for one in section.blocks if isinstance(one, Grid) and one.headers[0] == first)
     assert all(cell.tone == "number" for row, _ in grid.rows for cell in row)

@@ -343,12 +343,13 @@ def film_page(
             *_sentences(model.notes),
         )
         sections.append(Section("model", f"Compared with the case {model.case}", blocks))
+    decay = figure_or_gap("Free decay", decay_chart, motion)
+    lines_found = () if motion.surge is None else (grid(LINE_COLUMNS, line_table(motion)),)
     surge: tuple[Block, ...] = (
-        *figure_or_gap("Free decay", decay_chart, motion),
+        *(decay if picture else ()),  # of a cam that does not turn it opens the page
+        *lines_found,
         *figure_or_gap("Spectrum", spectrum_chart, motion),
     )
-    if motion.surge is not None:
-        surge = (surge[0], grid(LINE_COLUMNS, line_table(motion)), *surge[1:])
     sections.append(Section("surge", "Surge lines and damping", surge))
     sections.append(
         Section("found", "What was found and done", _sentences(motion.notes), folded=True)
@@ -364,7 +365,7 @@ def film_page(
         tuple(sections),
         "Angles are cam degrees.",
         verdict=verdict_of(motion) if model is None else verdict_of(model),
-        picture=picture[:1],
+        picture=(picture or decay)[:1],
     )
 
 
