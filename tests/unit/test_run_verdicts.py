@@ -16,6 +16,7 @@ from synthetic_study import own_study, published_study, sweep_study, train_study
 from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
+from valvetrain.report.chart import Chart, Line, Panel, Rule
 from valvetrain.report.key_figures import key_figures
 from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
 from valvetrain.report.model_verdict import fidelity_verdict, refine_verdict
@@ -290,3 +291,16 @@ def test_a_map_of_models_names_a_few_quantities_of_each():
         "minimum spring force; no cheaper model for loft."
     )
     assert fidelity_chart(found).panels[0].y_label == "model less wave-rod (%)"
+
+
+def test_the_word_of_a_mark_near_the_right_end_stays_on_a_narrow_figure():
+    """ "float 7302" of a range to 8000 rpm was cut at 390 pixels; the wide figure has room for it."""
+    rule = Rule("x", 7302.0, "float 7302")
+    line = Line(np.array([3000.0, 8000.0]), np.zeros(2), "card", "#000")
+    panel = Panel("engine speed (rpm)", "force (N)", (line,), rules=(rule,), x_range=(3000, 8000))
+    made = figure(Chart("opening", "Control", "", (panel,), 1, 300))
+    sides = {
+        size: next(one["xanchor"] for one in made[size]["annotations"] if one["text"] == rule.label)
+        for size in ("layout", "narrow")
+    }
+    assert sides == {"layout": "left", "narrow": "right"}

@@ -160,10 +160,15 @@ def label_heights(panel: Panel) -> dict[int, float]:
     return heights
 
 
-def near_right_end(panel: Panel, rule: Rule) -> bool:
+#: Share of the width of a panel on a narrow page that a letter of a label takes.
+NARROW_LETTER = 0.023
+
+
+def near_right_end(panel: Panel, rule: Rule, narrow: bool = False) -> bool:
     """Whether a vertical rule is so far right that its label is written left of it."""
     low, high = visible_range(panel)[0]
-    return rule.value > low + 0.9 * (high - low)
+    room = max(0.1, NARROW_LETTER * len(rule.label) if narrow else 0.0)
+    return rule.value > high - room * (high - low)
 
 
 def shares_axis(chart: Chart, columns: int | None = None) -> bool:

@@ -254,7 +254,7 @@ def _add_axes(
                 for at, one in panel.y_tick_labels
             ]  # fmt: skip
     layout[f"yaxis{suffix}"] = common | y_axis
-    _add_furniture(layout, panel, suffix, x_domain, y_domain, parted)
+    _add_furniture(layout, panel, suffix, x_domain, y_domain, narrow, parted)
 
 
 def _add_furniture(
@@ -263,6 +263,7 @@ def _add_furniture(
     suffix: str,
     x_domain: list[float],
     y_domain: list[float],
+    narrow: bool,
     parted: bool,
 ) -> None:
     notes, shapes, across = (
@@ -303,7 +304,7 @@ def _add_furniture(
             shapes.append(
                 across | thin_line | {"x0": rule.value, "x1": rule.value, "y0": 0, "y1": 1}
             )
-            left_of_it = near_right_end(panel, rule)
+            left_of_it = near_right_end(panel, rule, narrow)
             place: dict[str, Any] = across | {
                 "x": rule.value,
                 "y": 0.98 - 0.08 * level,
