@@ -93,15 +93,13 @@ def quantities_page() -> str:
     ``--json``.
     """
     parts = [_HEAD, *(f"## {title}\n\n{lead}\n\n{_table(rows)}" for title, lead, rows in _GROUPS)]
-    parts += [
-        _study(word, place) for word, place in BUILT_IN["quantities"].items() if word != "general"
-    ]
+    parts += [_study(word) for word in BUILT_IN["quantities"] if word != "general"]
     return "\n".join([*parts, _JSON])
 
 
-def _study(word: str, place: str) -> str:
-    """Section of one published study, led by what the module of its rows says at its top."""
-    lead = getdoc(import_module(place.partition(":")[0])) or ""
+def _study(word: str) -> str:
+    """Section of one published study, led by the description in the module of its source."""
+    lead = getdoc(import_module(BUILT_IN["sources"][word].partition(":")[0])) or ""
     return f"## Of the study {word}\n\n{lead}\n\n{_table(tables()[word])}"
 
 

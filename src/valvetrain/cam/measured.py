@@ -118,7 +118,7 @@ class MeasuredModel(LiftModel):
     )
     opening: Angle | None = Field(
         default=None,
-        description="begin of the event of a file of fractions, in the angle of angle_of",
+        description="beginning of the event of a file of fractions, in the angle of angle_of",
     )
     noise: Length = Field(default=0.0, description="standard deviation of a station; 0 finds it")
     band: Length = Field(

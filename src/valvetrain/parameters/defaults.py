@@ -22,7 +22,7 @@ from valvetrain.units import DIMENSIONS, unit_factor
 _HEAD = """# Defaults
 
 What a case file that leaves a key out gets. This page is written from the tables that read the case file
-(`valvetrain.parameters.defaults_page()`); a test compares the two. A key without a default here is required or has no effect when left out.
+(`valvetrain.parameters.defaults.defaults_page()`); a test compares the two. A key without a default here is required or has no effect when left out.
 
 Units are the ones shown; any other of the same dimension may be written ([case-files.md](case-files.md)).
 """

@@ -49,7 +49,7 @@ _WIRE_KEYS = set(SpringModel.model_fields) - set(SpringCardModel.model_fields)
 EndContact = Literal["lifting", "bonded"]
 END_CONTACT = Field(
     default=None,
-    description="whether the ends lift off seat and retainer, or are bonded and pull; without it they lift, but between clamps",
+    description="whether the ends lift off seat and retainer, or are bonded and pull; by default they lift, between clamps they are bonded",
 )
 LineStiffness = Annotated[float, quantity("line stiffness", low=0.0)]
 PositiveLineStiffness = Annotated[float, quantity("line stiffness", low=0.0, open_low=True)]

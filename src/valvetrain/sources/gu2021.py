@@ -1,5 +1,14 @@
 """Gu, Hou, Keating and Ye (2021): a beehive valve spring with coil collisions, by finite elements,
-a modal model and head tests.
+a modal model and head tests: forces by the stages of the cam cycle, motion of two points of the
+wire, collisions of two coils.
+
+Stage I runs from the zero of the cam angle to the beginning of the main lift event, Stage II is the
+event, Stage III runs from its end to a whole revolution. The event is the lift law's own
+(``event_start`` to ``event_end``, or mirrored about ``nose``), else where the lift is above 4 % of
+its largest value; for the beehive Stage I is 0 to 127, II 127 to 233, III 233 to 360 cam degrees.
+Without lift, or where the event spans the zero of the cam angle, there are no stages. Forces are
+those on the cylinder head. Node n is the wire centre at the end of coil n, n turns from the lower
+tip of the wire.
 """
 
 from __future__ import annotations

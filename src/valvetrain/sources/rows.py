@@ -1,14 +1,4 @@
-"""Quantities of the beehive's study: forces by the stages of the cam cycle, motion of two points of
-the wire, collisions of two coils.
-
-Stage I runs from the zero of the cam angle to the begin of the main lift event, Stage II is the
-event, Stage III runs from its end to a whole turn. The event is the lift law's own (``event_start``
-to ``event_end``, or mirrored about ``nose``), else where the lift stands above 4 % of its largest
-value; for the beehive Stage I is 0 to 127, II 127 to 233, III 233 to 360 cam degrees. Without lift,
-or where the event spans the zero of the cam angle, there are no stages. Forces are those on the
-cylinder head. Node n is the wire centre at the end of coil n, n turns from the lower tip of the
-wire.
-"""
+"""Rows of the quantities of the published studies; each study is described in its own module."""
 
 from __future__ import annotations
 

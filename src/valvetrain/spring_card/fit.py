@@ -213,7 +213,7 @@ def _left_free(card: CatalogueCard, winding: Winding) -> tuple[str, ...]:
             "turns and solid height do not fit together with ends ground over 0.2 to 1 turn, so the solid height is missed as shown"
         )
     if card.top_outer_diameter is not None and card.taper_from_coil is None:
-        free.append("no begin of the taper is given: half of the turns are taken")
+        free.append("no start of the taper is given: half of the turns are taken")
     free.append(
         "the pitch is taken constant between the closed ends: two loads do not determine a progressive pitch, a table of forces does"
     )
