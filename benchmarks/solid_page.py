@@ -64,7 +64,7 @@ the one the others are set against. What it will take is told before it begins; 
 where the lift law rests and takes minutes per millisecond; its first increments may carry a jolt, which fades: a spring of three
 turns shows it at rest too, more with longer increments (its cause was not found).
 
-`studies.solid.solid_motion` moves the retainer by a lift law and gives a `Solution`. Each run happens in a temporary folder within
+`valvetrain.runs.solid.solid_motion` moves the retainer by a lift law and gives a `Solution`. Each run happens in a temporary folder within
 `time_limit` seconds; a solver that gives up leaves what it reached and its own words in the status. Without `ccx` the error names the
 command that installs it.
 
