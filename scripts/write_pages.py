@@ -2,7 +2,7 @@
 
 python scripts/write_pages.py quantities plausible     the tables of quantities and of plausible
 values, at once
-python scripts/write_pages.py readme                   README: table of spring models, and its
+python scripts/write_pages.py readme                   public-names.md: table of spring models; README: its
 picture
 python scripts/write_pages.py models                   docs/models.md: which model runs which case,
 by running all of them
@@ -77,7 +77,7 @@ MODELS_HEAD = "| word | model | what it knows | what it leaves out |\n|---|---|-
 
 
 def models_table() -> str:
-    """The spring models that ship, in the order of the registry, as a table of the README."""
+    """The spring models that ship, in the order of the registry, as a table of docs/public-names.md."""
     specs = [spring_model(word) for word in registry.names("springs")]
     return MODELS_HEAD + "".join(
         f"| `{one.word}` | {one.label} | {one.knows} | {one.leaves_out} |\n" for one in specs
