@@ -91,7 +91,7 @@ ACCELERATION = _range(
     2e6,
     "m/s²",
     1.0,
-    "racing valves reach about 1e5 m/s², and a blow on a cam tears it",
+    "racing valves reach about 1e5 m/s²; no contact of a valvetrain survives much more",
 )
 MOTION = (MIN_LIFT, MAX_LIFT, SPEED, ACCELERATION)
 #: Of parts: a force that holds a part in its guide.

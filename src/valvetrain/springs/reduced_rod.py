@@ -396,6 +396,6 @@ SPEC = SpringModelSpec(
     shows=("sections", "clash"),
     wire_only="a reduced rod is made from the wire; use modal-uniform or wave-rod",
     processor_time=0.6,
-    knows="the rod's wire over lift in some forty coordinates, all its contact points",
-    leaves_out="hard clash to a per cent, walls of a guide met in motion, ends that lift",
+    knows="the wire of the rod over lift in some forty coordinates, all its contact points",
+    leaves_out="accuracy in hard clash, walls of a guide met in motion, ends that lift",
 )
