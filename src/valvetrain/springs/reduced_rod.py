@@ -144,8 +144,14 @@ class ReducedRod:
         t, d = self.tables, self.rod.dynamics
         head = [t.start, t.spacing, d.mass_damping, d.stiffness_damping, d.contact_damping_time]
         reach = np.sqrt(np.max(np.sum(t.gradient**2, axis=2), axis=0))
+        more = kernels.row_size(t.coordinates) - t.coordinates
+
+        def rows(table: Array, axes: int = 1) -> Array:
+            return np.pad(table, [(0, 0)] * (table.ndim - axes) + [(0, more)] * axes)
+
         tables = (
-            t.contact_stiffness, reach, t.rest, t.rest_load, t.overlap, t.wire_force, t.stiffness, t.gradient, t.momentum,
+            t.contact_stiffness, reach, rows(t.rest), rows(t.rest_load), t.overlap, t.wire_force,
+            rows(t.stiffness, 2), rows(t.gradient), rows(t.momentum),
         )  # fmt: skip
         return np.concatenate([head, *(table.ravel() for table in tables)])
 

@@ -10,13 +10,14 @@ of the elastic forces, that of contacts on the rate of o; both at the half-step 
 ``integers`` = [m coordinates, p points, f fine lifts, c coarse lifts, fine per coarse, 1 where ends
 pull, q coil pairs], pair of each point (p; -1: a seat).
 ``parameters`` = header (see ``HEADER``), contact stiffness (p), most that an acceleration of size
-one moves the point (p), rest (f, m), load (f, m), overlap (f, p), wire's force (f), stiffness (c,
-m, m), gradient (c, p, m), momentum (c, m).
+one moves the point (p), rest (f, w), load (f, w), overlap (f, p), wire's force (f), stiffness (c,
+w, w), gradient (c, p, w), momentum (c, w), w being m and zeros up to a whole number of ``LANES``.
 ``state`` = z (m), velocities (m), then (``HEAD``) dissipated energy, clock (s), time until which
 the list of near points holds, their number, first position and velocity as left, size of the
-accelerations and twice that with which times were set; scratch (4 m), the list (p), times when a
-point is due (p), forces and stored energies of the pairs (q each). An open point is looked at again
-when it may have closed, and all are where positions were changed from outside.
+accelerations and twice that with which times were set; scratch (``SCRATCH`` w), the list (p), times
+when a point is due (p), points due now and their forces (p + LANES each), forces and stored energies of
+the pairs (q each). An open point is looked at again when it may have closed, and all are where
+positions were changed from outside.
 """
 
 from __future__ import annotations
@@ -31,12 +32,20 @@ from valvetrain.compiled import njit
 HEADER = 5
 #: Values between velocities and scratch; integers before the pairs.
 HEAD, INTEGERS = 8, 7
+#: Rows of tables are a whole number of so many values long, for loops without a rest; scratch, in rows:
+#: departure, rate, slope of rest, accelerations, shares of the first two at both lifts, contact sums.
+LANES, SCRATCH = 4, 10
 #: Time (s) for which a list of near points is made and longest that a point is left alone; what
 #: its closing speed (m/s) may gain on the way beside what the acceleration, which may double, gives.
-HORIZON, LONGEST, SPARE_SPEED = 12e-6, 150e-6, 0.5
+HORIZON, LONGEST, SPARE_SPEED = 12e-6, 150e-6, 0.2
 FAST = {"reassoc", "contract", "nsz"}
 KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
 INNER: dict[str, Any] = {**KERNEL, "forceinline": True}
+
+
+def row_size(coordinates: int) -> int:
+    """Length of a row of the tables."""
+    return -(-coordinates // LANES) * LANES
 
 
 def state_size(coordinates: int, points: int, pairs: int) -> int:
@@ -46,48 +55,94 @@ def state_size(coordinates: int, points: int, pairs: int) -> int:
 
 def pull_place(coordinates: int) -> int:
     """Place in the state of the accelerations by elastic, contact and stiffness damping forces."""
-    return 5 * coordinates + HEAD
+    return 2 * coordinates + HEAD + 3 * row_size(coordinates)
 
 
 def pairs_place(coordinates: int, points: int) -> int:
     """Place in the state of the forces (N) of the coil pairs; their stored energies (J) follow."""
-    return 6 * coordinates + HEAD + 2 * points
+    return 2 * coordinates + HEAD + SCRATCH * row_size(coordinates) + 4 * points + 2 * LANES
 
 
 @njit(**INNER)
-def _products(values, at, next_at, state, departure, rate, count):
-    """Row of a table times departure and rate, at a lift and at the next."""
-    here, there, here_rate, there_rate = 0.0, 0.0, 0.0, 0.0
-    low, high = values[at : at + count], values[next_at : next_at + count]
-    first, second = state[departure : departure + count], state[rate : rate + count]
+def _four_rows(values, at, next_at, count, apart, rate):
+    """Four rows of the stiffness times departure, at a lift and at the next, and at the lift times rate."""
+    one, two = values[at : at + count], values[at + count : at + 2 * count]
+    three, four = values[at + 2 * count : at + 3 * count], values[at + 3 * count : at + 4 * count]
+    next_one = values[next_at : next_at + count]
+    next_two = values[next_at + count : next_at + 2 * count]
+    next_three = values[next_at + 2 * count : next_at + 3 * count]
+    next_four = values[next_at + 3 * count : next_at + 4 * count]
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    next_a, next_b, next_c, next_d = 0.0, 0.0, 0.0, 0.0
+    rate_a, rate_b, rate_c, rate_d = 0.0, 0.0, 0.0, 0.0
     for i in range(count):
-        here += low[i] * first[i]
-        there += high[i] * first[i]
-        here_rate += low[i] * second[i]
-        there_rate += high[i] * second[i]
-    return here, there - here, here_rate, there_rate - here_rate
+        a += one[i] * apart[i]
+        b += two[i] * apart[i]
+        c += three[i] * apart[i]
+        d += four[i] * apart[i]
+        next_a += next_one[i] * apart[i]
+        next_b += next_two[i] * apart[i]
+        next_c += next_three[i] * apart[i]
+        next_d += next_four[i] * apart[i]
+        rate_a += one[i] * rate[i]
+        rate_b += two[i] * rate[i]
+        rate_c += three[i] * rate[i]
+        rate_d += four[i] * rate[i]
+    return (a, b, c, d), (next_a, next_b, next_c, next_d), (rate_a, rate_b, rate_c, rate_d)
 
 
 @njit(**INNER)
-def _row(values, at, next_at, state, departure, rate, count):
-    """Row of the stiffness times departure, at a lift and how it grows to the next, and times rate."""
-    here, there, damped = 0.0, 0.0, 0.0
-    low, high = values[at : at + count], values[next_at : next_at + count]
-    first, second = state[departure : departure + count], state[rate : rate + count]
+def _four_points(values, places, count, more, apart, next_apart, rate, next_rate):
+    """Rows of four points at a lift and, ``more`` further, at the next, times the shares of departure
+    there, and of its rate.
+    """
+    p, q, r, s = places
+    one, two = values[p : p + count], values[q : q + count]
+    three, four = values[r : r + count], values[s : s + count]
+    next_one, next_two = values[p + more : p + more + count], values[q + more : q + more + count]
+    next_three, next_four = values[r + more : r + more + count], values[s + more : s + more + count]
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    rate_a, rate_b, rate_c, rate_d = 0.0, 0.0, 0.0, 0.0
     for i in range(count):
-        here += low[i] * first[i]
-        there += high[i] * first[i]
-        damped += low[i] * second[i]
-    return here, there - here, damped
+        a += one[i] * apart[i] + next_one[i] * next_apart[i]
+        b += two[i] * apart[i] + next_two[i] * next_apart[i]
+        c += three[i] * apart[i] + next_three[i] * next_apart[i]
+        d += four[i] * apart[i] + next_four[i] * next_apart[i]
+        rate_a += one[i] * rate[i] + next_one[i] * next_rate[i]
+        rate_b += two[i] * rate[i] + next_two[i] * next_rate[i]
+        rate_c += three[i] * rate[i] + next_three[i] * next_rate[i]
+        rate_d += four[i] * rate[i] + next_four[i] * next_rate[i]
+    return (a, b, c, d), (rate_a, rate_b, rate_c, rate_d)
 
 
 @njit(**INNER)
-def _push(parameters, at, next_at, state, place, count, low_share, high_share):
-    """Add two rows of a table, each times a share, to a stretch of the state."""
-    low, high = parameters[at : at + count], parameters[next_at : next_at + count]
-    target = state[place : place + count]
+def _push(values, places, count, forces, sums):
+    """Add the rows of four points, each times its force, to sums."""
+    p, q, r, s = places
+    one, two = values[p : p + count], values[q : q + count]
+    three, four = values[r : r + count], values[s : s + count]
+    a, b, c, d = forces[0], forces[1], forces[2], forces[3]
     for i in range(count):
-        target[i] += low_share * low[i] + high_share * high[i]
+        sums[i] += a * one[i] + b * two[i] + c * three[i] + d * four[i]
+
+
+@njit(**INNER)
+def _places(state, at, first, count):
+    """Where the rows of the four points listed at ``at`` begin."""
+    return (
+        first + int(state[at]) * count,
+        first + int(state[at + 1]) * count,
+        first + int(state[at + 2]) * count,
+        first + int(state[at + 3]) * count,
+    )
+
+
+@njit(**INNER)
+def _wait(overlap, closing, strength, reach):
+    """Longest time (s) for which an open point may be left alone."""
+    start = abs(closing) + SPARE_SPEED
+    gain = 2.0 * strength * reach
+    return min(-2.0 * overlap / (start + math.sqrt(start * start - gain * overlap)), LONGEST)
 
 
 @njit(**KERNEL)
@@ -96,6 +151,7 @@ def advance_reduced(
 ):
     """One step of the spring contract for a spring reduced from its rod (see the module text)."""
     m, p, fines, coarses = integers[0], integers[1], integers[2], integers[3]
+    w = (m + LANES - 1) // LANES * LANES
     velocity, beta, tau = retainer_velocity, parameters[3], parameters[4]
     per_fine = 1.0 / parameters[1]
     per_coarse = per_fine / integers[4]
@@ -103,37 +159,58 @@ def advance_reduced(
     fine = min(max(math.floor(place), 0), fines - 2)
     coarse = fine // integers[4]
     tf, tc = place - fine, place / integers[4] - coarse
-    rest_at = HEADER + 2 * p + fine * m
-    load_at = rest_at + fines * m
-    overlap_at = HEADER + 2 * p + 2 * fines * m
-    force_at = overlap_at + fines * p
-    stiffness_at = force_at + fines
-    gradient_at = stiffness_at + coarses * m * m
-    momentum_at = gradient_at + coarses * p * m + coarse * m
+    rest_at = HEADER + 2 * p + fine * w
+    load_at = rest_at + fines * w
+    overlap_at = HEADER + 2 * p + 2 * fines * w + fine * p
+    force_at = HEADER + 2 * p + fines * (2 * w + p)
+    stiffness_at = force_at + fines + coarse * w * w
+    gradient_at = force_at + fines + coarses * w * w + coarse * p * w
+    momentum_at = force_at + fines + coarses * (w + p) * w + coarse * w
     head = 2 * m
-    apart, rate = head + HEAD, head + HEAD + m
-    slope_at, pull_at = head + HEAD + 2 * m, head + HEAD + 3 * m
+    first = head + HEAD
+    apart, rate = state[first : first + w], state[first + w : first + 2 * w]
+    slope, pull = state[first + 2 * w : first + 3 * w], state[first + 3 * w : first + 4 * w]
+    shares, next_shares = state[first + 4 * w : first + 5 * w], state[first + 5 * w : first + 6 * w]
+    rates, next_rates = state[first + 6 * w : first + 7 * w], state[first + 7 * w : first + 8 * w]
+    sums, next_sums = state[first + 8 * w : first + 9 * w], state[first + 9 * w : first + 10 * w]
+    position, speed = state[:m], state[m : 2 * m]
+    rest, next_rest = parameters[rest_at : rest_at + w], parameters[rest_at + w : rest_at + 2 * w]
+    load, next_load = parameters[load_at : load_at + w], parameters[load_at + w : load_at + 2 * w]
+    # loops of one result each, which a compiler turns into vector instructions
+    for i in range(w):
+        slope[i] = (next_rest[i] - rest[i]) * per_fine
     for i in range(m):
-        low = parameters[rest_at + i]
-        step = parameters[rest_at + m + i] - low
-        state[apart + i] = state[i] - low - tf * step
-        state[slope_at + i] = step * per_fine
-        state[rate + i] = state[m + i] - velocity * step * per_fine
+        apart[i] = position[i] - rest[i] - tf / per_fine * slope[i]
+    for i in range(m):
+        rate[i] = speed[i] - velocity * slope[i]
+    by_lift = velocity * per_coarse
+    for i in range(w):
+        shares[i] = (1.0 - tc) * apart[i]
+    for i in range(w):
+        next_shares[i] = tc * apart[i]
+    for i in range(w):
+        rates[i] = (1.0 - tc) * rate[i] - by_lift * apart[i]
+    for i in range(w):
+        next_rates[i] = tc * rate[i] + by_lift * apart[i]
     retainer = parameters[force_at + fine]
     growth = (parameters[force_at + fine + 1] - retainer) * per_fine
     retainer += tf * growth / per_fine + beta * growth * velocity
     lost = beta * growth * velocity * velocity
-    for i in range(m):
-        at = stiffness_at + (coarse * m + i) * m
-        here, grows, damped = _row(parameters, at, at + m * m, state, apart, rate, m)
-        low = parameters[load_at + i]
-        turned = (parameters[load_at + m + i] - low) * per_fine
-        viscous = beta * (damped + turned * velocity)
-        state[pull_at + i] = -(here + tc * grows + low + tf * turned / per_fine + viscous)
-        retainer += state[apart + i] * (turned + 0.5 * grows * per_coarse)
-        lost += viscous * state[rate + i]
-    listed, pairs = 6 * m + HEAD, integers[6]
-    due, pressed = listed + p, listed + 2 * p
+    for i in range(0, w, LANES):
+        at = stiffness_at + i * w
+        here, there, damped = _four_rows(parameters, at, at + w * w, w, apart, rate)
+        for j in range(LANES):
+            pull[i + j], sums[i + j], next_sums[i + j] = here[j], there[j], damped[j]
+    for i in range(w):
+        here, grows, low = pull[i], sums[i] - pull[i], load[i]
+        turned = (next_load[i] - low) * per_fine
+        viscous = beta * (next_sums[i] + turned * velocity)
+        pull[i] = -(here + tc * grows + low + tf / per_fine * turned + viscous)
+        retainer += apart[i] * (turned + 0.5 * grows * per_coarse)
+        lost += viscous * rate[i]
+    listed, pairs = first + SCRATCH * w, integers[6]
+    due, now = listed + p, listed + 2 * p
+    forces, pressed = now + p + LANES, now + 2 * (p + LANES)
     clock = state[head + 1]
     every = time_step == 0.0 or state[0] != state[head + 4] or state[m] != state[head + 5]
     if every or clock >= state[head + 2] or state[head + 6] > state[head + 7]:
@@ -149,48 +226,76 @@ def advance_reduced(
         state[head + 2], state[head + 3] = clock + HORIZON, near
     for pair in range(2 * pairs):
         state[pressed + pair] = 0.0
+    count, closed = 0, 0
     for entry in range(int(state[head + 3])):
         c = int(state[listed + entry])
-        if clock < state[due + c] and not every:
-            continue
-        low = overlap_at + fine * p + c
-        step = (parameters[low + p] - parameters[low]) * per_fine
-        at = gradient_at + (coarse * p + c) * m
-        here, grows, moved, more = _products(parameters, at, at + p * m, state, apart, rate, m)
-        overlap = parameters[low] + tf * step / per_fine + here + tc * grows
-        by_travel = step + grows * per_coarse
-        closing = by_travel * velocity + moved + tc * more
-        state[due + c] = clock
-        if overlap <= 0.0:
-            start = abs(closing) + SPARE_SPEED
-            gain = 2.0 * strength * parameters[HEADER + p + c]
-            wait = -2.0 * overlap / (start + math.sqrt(start * start - gain * overlap))
-            state[due + c] = clock + min(wait, LONGEST)
-            continue
-        elastic = parameters[HEADER + c] * overlap
-        force = max(0.0, elastic + tau * parameters[HEADER + c] * closing)
-        retainer += force * by_travel
-        lost += (force - elastic) * closing
-        if integers[INTEGERS + c] >= 0:
-            state[pressed + integers[INTEGERS + c]] += force
-            state[pressed + pairs + integers[INTEGERS + c]] += 0.5 * elastic * overlap
-        _push(parameters, at, at + p * m, state, pull_at, m, (tc - 1.0) * force, -tc * force)
+        state[now + count] = c
+        count += every or clock >= state[due + c]
+    for more in range(LANES - 1):
+        state[now + count + more] = state[now + max(count - 1, 0)]
+    next_lift = p * w
+    for entry in range(0, count, LANES):
+        at = now + entry
+        places = _places(state, at, gradient_at, w)
+        moved, gone = _four_points(
+            parameters, places, w, next_lift, shares, next_shares, rates, next_rates
+        )
+        for j in range(min(LANES, count - entry)):
+            c = int(state[at + j])
+            low = parameters[overlap_at + c]
+            step = parameters[overlap_at + p + c] - low
+            overlap = low + tf * step + moved[j]
+            closing = step * per_fine * velocity + gone[j]
+            if overlap <= 0.0:
+                state[due + c] = clock + _wait(
+                    overlap, closing, strength, parameters[HEADER + p + c]
+                )
+                continue
+            state[due + c] = clock
+            elastic = parameters[HEADER + c] * overlap
+            force = max(0.0, elastic + tau * parameters[HEADER + c] * closing)
+            retainer += force * step * per_fine
+            lost += (force - elastic) * closing
+            if integers[INTEGERS + c] >= 0:
+                state[pressed + integers[INTEGERS + c]] += force
+                state[pressed + pairs + integers[INTEGERS + c]] += 0.5 * elastic * overlap
+            state[now + closed], state[forces + closed] = c, force
+            closed += 1
+    if closed:
+        for i in range(w):
+            sums[i] = 0.0
+        for i in range(w):
+            next_sums[i] = 0.0
+        for more in range(LANES - 1):
+            state[now + closed + more], state[forces + closed + more] = state[now], 0.0
+        for entry in range(0, closed, LANES):
+            pushed = state[forces + entry : forces + entry + LANES]
+            places = _places(state, now + entry, gradient_at, w)
+            _push(parameters, places, w, pushed, sums)
+            places = _places(state, now + entry, gradient_at + next_lift, w)
+            _push(parameters, places, w, pushed, next_sums)
+        for i in range(w):
+            grows = next_sums[i] - sums[i]
+            pull[i] -= sums[i] + tc * grows
+            retainer += per_coarse * apart[i] * grows
     seat, size = 0.0, 0.0
-    for i in range(m):
-        size += state[pull_at + i] * state[pull_at + i]
-        low = parameters[momentum_at + i]
-        retainer += state[slope_at + i] * state[pull_at + i]
-        seat += (low + tc * (parameters[momentum_at + m + i] - low)) * state[pull_at + i]
+    momentum = parameters[momentum_at : momentum_at + w]
+    next_momentum = parameters[momentum_at + w : momentum_at + 2 * w]
+    for i in range(w):
+        size += pull[i] * pull[i]
+        retainer += slope[i] * pull[i]
+        seat += (momentum[i] + tc * (next_momentum[i] - momentum[i])) * pull[i]
     seat += retainer
     if time_step > 0.0:
         half = math.exp(-0.5 * parameters[2] * time_step) if parameters[2] > 0.0 else 1.0
         taken = 0.0
         for i in range(m):
-            old = state[m + i]
-            kicked = half * old + time_step * state[pull_at + i]
+            old = speed[i]
+            kicked = half * old + time_step * pull[i]
             taken += (old * old + kicked * kicked) * (1.0 - half * half)
-            state[m + i] = half * kicked
-            state[i] += time_step * half * kicked
+            speed[i] = half * kicked
+        for i in range(m):
+            position[i] += time_step * speed[i]
         state[head] += time_step * lost + 0.5 * taken
         state[head + 1], state[head + 4], state[head + 5] = clock + time_step, state[0], state[m]
         state[head + 6] = math.sqrt(size)
