@@ -51,15 +51,19 @@ def position_slots(mesh: RodMesh) -> NDArray[np.int64]:
     return slots[mesh.first + 1 : mesh.last, :3].ravel()
 
 
+def rotation_slots(bare: RodStatics) -> NDArray[np.int64]:
+    """Places of the free rotations among the unknowns (6 nv,)."""
+    slots = np.arange(6 * bare.mesh.vertices).reshape(-1, 6)
+    return slots[:, 3:][bare.free.reshape(-1, 6)[:, 3:]]
+
+
 def condensed(statics: RodStatics, bare: RodStatics, state: RodState) -> CondensedRod:
     """The wire about ``state``; ``statics`` with and ``bare`` (:func:`elastic_statics`) without
     contact.
     """
     mesh = statics.mesh
     tangent = bare.tangent(state)
-    places = position_slots(mesh)
-    slots = np.arange(6 * mesh.vertices).reshape(-1, 6)
-    turns = slots[:, 3:][bare.free.reshape(-1, 6)[:, 3:]].ravel()
+    places, turns = position_slots(mesh), rotation_slots(bare)
     coupling = tangent[turns][:, places].toarray()
     turning = -splu(tangent[turns][:, turns].tocsc()).solve(coupling)
     stiffness = tangent[places][:, places].toarray() + coupling.T @ turning

@@ -315,6 +315,8 @@ def _with_inner(
         coil = shown[0].coil_number
         values["axial_displacement"] = np.array([one.axial_displacement for one in shown])
         values["axial_velocity"] = np.array([one.axial_velocity for one in shown])
+        for name in shown[0].section_loads:
+            values[name] = np.array([one.section_loads[name] for one in shown])
     if shown[0].upper_coil.size:
         pairs = shown[0].upper_coil
         values["coil_gap"] = np.array([one.coil_gap for one in shown])

@@ -22,7 +22,7 @@ from valvetrain.integrate.train_tuples import (
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.mechanism.parts import Coordinate
 from valvetrain.mechanism.planar import crank_angle, piston_clearance
-from valvetrain.solution.channels import ChannelArrays, Variable
+from valvetrain.solution.channels import SPRING_CHANNELS, ChannelArrays, Variable
 from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs
 from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
@@ -162,6 +162,12 @@ def _add_sections(
             ("axial_velocity", "m/s", "axial velocity, seat to retainer positive"),
         ):
             values = np.array([getattr(one, name) for one in shown])
+            variables[f"{prefix}{name}"] = Variable(
+                dims, values, {"units": unit, "long_name": f"{heading}{text}"}
+            )
+        for name in shown[0].section_loads:
+            _, unit, text = SPRING_CHANNELS[name]
+            values = np.array([one.section_loads[name] for one in shown])
             variables[f"{prefix}{name}"] = Variable(
                 dims, values, {"units": unit, "long_name": f"{heading}{text}"}
             )

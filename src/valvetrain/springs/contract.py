@@ -34,7 +34,7 @@ Stepping (explicit leapfrog shared by everything that moves in a train)::
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -90,7 +90,7 @@ class SpringOutputs:
     installed state along z (seat to retainer, so compression is negative). ``upper_coil`` (p,),
     ``coil_gap`` (p,),
     ``coil_contact_force`` (p,): coil pairs by the coil number of the upper partner. Empty where the
-    model has none.
+    model has none. ``section_loads``: (n,) by the names of their channels, where the model knows them.
     """
 
     retainer_force: float
@@ -101,6 +101,7 @@ class SpringOutputs:
     upper_coil: Array = field(default_factory=_empty)
     coil_gap: Array = field(default_factory=_empty)
     coil_contact_force: Array = field(default_factory=_empty)
+    section_loads: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -193,9 +193,9 @@ def _least(values: Array, pair_of: NDArray[np.int64], count: int) -> Array:
     return out.T
 
 
-def _strains(mesh: RodMesh, position: Array, frame: Array) -> dict[str, Array]:
-    """Section moments (N m) and forces (N) on the vertices (ns, nv), elastic part, and the stored
-    energies (J).
+def section_vectors(mesh: RodMesh, position: Array, frame: Array) -> tuple[Array, Array, Array]:
+    """Moments (N m) and forces (N) on the vertices (ns, nv, 3) in the axes of their sections, elastic
+    part, and the stored energies (J; ns).
     """
     _, vector = quat.relative_vector(frame[:, :-1], frame[:, 1:])
     bend = 2 * vector - mesh.rest_bend
@@ -212,12 +212,18 @@ def _strains(mesh: RodMesh, position: Array, frame: Array) -> dict[str, Array]:
     energy = 0.5 * np.sum(moment * bend, axis=(1, 2)) + 0.5 * np.sum(
         force * stretch * mesh.edge_length[1:-1, None], axis=(1, 2)
     )
+    return moment, on_vertices, energy
+
+
+def _strains(mesh: RodMesh, position: Array, frame: Array) -> dict[str, Array]:
+    """Section moments (N m) and forces (N) on the vertices (ns, nv), and the stored energies (J)."""
+    moment, force, energy = section_vectors(mesh, position, frame)
     return {
         "bending_moment": moment[..., 0],
         "binormal_moment": moment[..., 1],
         "torsional_moment": moment[..., 2],
-        "normal_force": on_vertices[..., 2],
-        "shear_force": np.hypot(on_vertices[..., 0], on_vertices[..., 1]),
+        "normal_force": force[..., 2],
+        "shear_force": np.hypot(force[..., 0], force[..., 1]),
         "energy": energy,
     }
 

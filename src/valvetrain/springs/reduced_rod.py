@@ -29,7 +29,9 @@ from valvetrain.springs.contract import (
 )
 from valvetrain.springs.finite_element import SPEC as ROD
 from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.finite_element_channels import interpolation, wire_points
 from valvetrain.springs.reduced_rod_cache import tables_of
+from valvetrain.springs.reduced_rod_sections import section_loads
 from valvetrain.springs.reduced_rod_tables import (
     PARTS,
     SPACING,
@@ -129,7 +131,7 @@ class ReducedRod:
             self.statics, rod.installed, below, coarse * PARTS - below, spacing
         )
         start = path[0].state.compression - rod.installed.state.compression
-        return reduce_rod(self.statics, path, start, spacing)
+        return reduce_rod(self.statics, path, start, spacing, rod.definition.total_coils)
 
     @property
     def unknowns(self) -> int:
@@ -317,11 +319,15 @@ class ReducedRod:
         apart, depth = self._apart(state, here)
         fine = min(max(int(np.floor(here.place)), 0), len(t.rest) - 2)
         coarse = fine // t.parts
-        shape = t.axial_shape[coarse] + (here.place / t.parts - coarse) * (
-            t.axial_shape[coarse + 1] - t.axial_shape[coarse]
-        )
+        share, share_of_coarse = here.place - fine, here.place / t.parts - coarse
+
+        def by(shape: Array, change: Array) -> Array:
+            first, second = shape[coarse] @ change, shape[coarse + 1] @ change
+            return np.asarray(first + share_of_coarse * (second - first))
+
         step = t.height[fine + 1] - t.height[fine]
-        height = t.height[fine] + (here.place - fine) * step
+        height = t.height[fine] + share * step + by(t.axial_shape, apart)
+        load = (1 - share) * t.section_load[fine] + share * t.section_load[fine + 1]
         rate = state[t.coordinates : 2 * t.coordinates] - retainer_velocity * here.rest_slope
         upper_coil, pair_of = self._pairs
         gap, pressed = np.full(len(upper_coil), np.inf), np.zeros(len(upper_coil))
@@ -329,15 +335,23 @@ class ReducedRod:
         np.minimum.at(gap, pair_of[coils], -depth[coils])
         elastic = t.contact_stiffness * np.maximum(depth, 0.0)
         np.add.at(pressed, pair_of[coils], elastic[coils])
+        coil, installed = self._installed
         return SpringOutputs(
             *forces,
-            coil_number=self.rod.mesh.coil_number,
-            axial_displacement=height + shape @ apart - self.rod.installed.state.position[:, 2],
-            axial_velocity=step / t.spacing * retainer_velocity + shape @ rate,
+            coil_number=coil,
+            axial_displacement=height - installed,
+            axial_velocity=step / t.spacing * retainer_velocity + by(t.axial_shape, rate),
             upper_coil=upper_coil,
             coil_gap=gap,
             coil_contact_force=pressed,
+            section_loads=section_loads(load + by(t.section_shape, apart)),
         )
+
+    @cached_property
+    def _installed(self) -> tuple[Array, Array]:
+        """Coil numbers of the wire points, and their heights (m) as installed."""
+        coil = wire_points(self.rod.definition.total_coils)
+        return coil, interpolation(self.rod.mesh, coil) @ self.rod.installed.state.position[:, 2]
 
     def contact_watch(self) -> ContactWatch | None:
         """Force and stored energy of every coil pair, which the kernel leaves behind its scratch."""

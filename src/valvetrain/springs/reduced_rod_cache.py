@@ -20,7 +20,12 @@ from valvetrain.compiled import PACKAGE, sources_digest
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.errors import InputError
 from valvetrain.solution.atomic import atomic_path
-from valvetrain.springs import reduced_rod_kernel, reduced_rod_tables
+from valvetrain.springs import (
+    finite_element_channels,
+    reduced_rod_kernel,
+    reduced_rod_sections,
+    reduced_rod_tables,
+)
 from valvetrain.springs.reduced_rod_tables import ReducedTables
 
 #: Tables that stay in memory and on disk (some 4 MB each); the oldest go.
@@ -66,7 +71,8 @@ def _key(mesh: RodMesh, numbers: tuple[object, ...]) -> str:
 def _sources() -> str:
     """Digest of the program that makes tables."""
     rod = sorted((PACKAGE / "cosserat").glob("*.py"))
-    files = [path.read_bytes() for path in (*rod, Path(reduced_rod_tables.__file__))]
+    made_by = (reduced_rod_tables, reduced_rod_sections, finite_element_channels)
+    files = [path.read_bytes() for path in (*rod, *(Path(str(one.__file__)) for one in made_by))]
     return sources_digest(PACKAGE) + hashlib.blake2b(b"".join(files), digest_size=16).hexdigest()
 
 

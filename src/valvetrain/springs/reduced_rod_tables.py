@@ -24,10 +24,10 @@ from valvetrain.cosserat.condensed import (
     turning_of_contacts,
 )
 from valvetrain.cosserat.contact_points import ContactPoints
-from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import Equilibrium, RodStatics, compress
 from valvetrain.errors import InputError
+from valvetrain.springs.reduced_rod_sections import WireTables, wire_tables
 
 Array = NDArray[np.float64]
 
@@ -50,8 +50,9 @@ class ReducedTables:
 
     Fine: ``rest`` (f, m) coordinates at rest, ``rest_load`` (f, m) what the wire then pushes
     against its contacts, ``overlap`` (f, p), ``wire_force`` (f,) of the rod at rest without contacts,
-    ``height`` (f, nv) of its vertices. Coarse: ``stiffness`` (c, m, m), ``gradient`` (c, p, m) of
-    the overlaps, ``momentum`` (c, m) along the axis, ``axial_shape`` (c, nv, m).
+    ``height`` (f, n) and ``section_load`` (f, 6, n) at n points of the wire. Coarse: ``stiffness`` (c,
+    m, m), ``gradient`` (c, p, m) of the overlaps, ``momentum`` (c, m) along the axis, ``axial_shape``
+    (c, n, m) and ``section_shape`` (c, 6, n, m).
     ``contact_stiffness`` (p,) in N/m; ``retainer_mass`` (kg): what the coordinates do not hold of
     the wire that follows the retainer.
     """
@@ -68,7 +69,9 @@ class ReducedTables:
     momentum: Array
     contact_stiffness: Array
     height: Array
+    section_load: Array
     axial_shape: Array
+    section_shape: Array
     retainer_mass: float
 
     @property
@@ -117,10 +120,14 @@ def path_of_equilibria(
 
 
 def reduce_rod(
-    statics: RodStatics, path: Sequence[Equilibrium], start: float, spacing: float
+    statics: RodStatics,
+    path: Sequence[Equilibrium],
+    start: float,
+    spacing: float,
+    total_coils: float,
 ) -> ReducedTables:
     """Tables from a ``path`` of equilibria ``spacing`` (m) of retainer travel apart, the first at
-    the displacement ``start`` (m).
+    the displacement ``start`` (m), of a wire of ``total_coils``.
 
     Raises :class:`InputError` for a path of less than two coarse lifts.
     """
@@ -155,7 +162,9 @@ def reduce_rod(
     positions = np.array([point.state.position[free].ravel() for point in path])
     installed = int(np.argmin(np.abs(start + spacing * PARTS * np.arange(len(lifts)))))
     shapes = _carried(lifts, _basis(lifts, positions[::PARTS], stiffness, installed))
-    return _tables(statics, points, path, positions, lifts, shapes, stiffness, start, spacing)
+    states = [(lift.state, lift.wire) for lift in lifts]
+    wire = wire_tables(bare, [point.state for point in path], states, shapes, total_coils)
+    return _tables(statics, points, path, positions, lifts, shapes, stiffness, start, spacing, wire)
 
 
 def _middle(lifts: Sequence[_Lift], installed: int) -> int:
@@ -253,6 +262,7 @@ def _tables(
     stiffness: Array,
     start: float,
     spacing: float,
+    on_wire: WireTables,
 ) -> ReducedTables:
     fine, count = len(path), shapes[0].shape[1]
     weighted = np.array([lift.wire.mass @ one for lift, one in zip(lifts, shapes, strict=True)])
@@ -300,17 +310,12 @@ def _tables(
         gradient=gradients,
         momentum=weighted[:, 2::3].sum(axis=1),
         contact_stiffness=soft,
-        height=np.array([point.state.position[:, 2] for point in path]),
-        axial_shape=_axial(shapes, statics.mesh),
+        height=on_wire.height,
+        section_load=on_wire.load,
+        axial_shape=on_wire.axial_shape,
+        section_shape=on_wire.load_shape,
         retainer_mass=float(np.mean(left)),
     )
-
-
-def _axial(shapes: Sequence[Array], mesh: RodMesh) -> Array:
-    """Axial parts (c, nv, m) of the shapes at all vertices, which the held ones do not share in."""
-    found = np.zeros((len(shapes), mesh.vertices, shapes[0].shape[1]))
-    found[:, mesh.first + 1 : mesh.last] = [shape[2::3] for shape in shapes]
-    return found
 
 
 def _contact_share(stiffness: Array, overlap: Array, spacing: float) -> Array:
