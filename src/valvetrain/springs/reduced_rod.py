@@ -413,7 +413,7 @@ SPEC = SpringModelSpec(
     "#2e7d5b",
     ReducedRodOptions,
     _make,
-    shows=("sections", "clash"),
+    shows=("sections", "clash", "stress"),
     wire_only="a reduced rod is made from the wire; use modal-uniform or wave-rod",
     processor_time=0.6,
     knows="the wire of the rod over lift in some forty coordinates, all its contact points",

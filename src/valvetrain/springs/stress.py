@@ -1,4 +1,4 @@
-"""Stress of round spring wire at the inner and outer fibre, from the section loads of a rod run.
+"""Stress of round spring wire at the inner and outer fibre, from the section loads of a (reduced) rod.
 
 Torsion and direct shear carry the curvature of the bar, bending in the coil plane its own. The
 published factors hold for an axial
@@ -33,7 +33,7 @@ STRESS_CHANNELS: Mapping[str, str] = {
     "outer_fibre_equivalent_stress": "von Mises stress at the outer fibre",
 }
 
-#: The section loads that are needed, as channels of a rod run.
+#: The section loads that are needed, as channels of a rod or a reduced rod.
 LOADS = ("torsional_moment", "binormal_moment", "normal_force", "shear_force")
 
 
@@ -173,7 +173,7 @@ def with_stress(
     """
     if not solution.has(*LOADS):
         raise InputError(
-            f"a {solution.model or 'nameless'} run holds no section loads of the wire; run the finite-element model"
+            f"a {solution.model or 'nameless'} run holds no section loads of the wire; run reduced-rod or finite-element"
         )
     coil = solution.arrays.coords["coil_number"].values
     values = wire_stress(

@@ -141,8 +141,8 @@ def reduced_rod_stress() -> list[Row]:
                 peaks[1],
                 peaks[0],
                 "MPa",
-                0.01 * peaks[1],
-                "1 %; loads are those of the rod to first order about rest",
+                3e-3 * peaks[1],
+                "0.3 %, loads are those of the rod to first order about rest",
                 "consistency",
             )
         )

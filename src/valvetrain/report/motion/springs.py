@@ -294,6 +294,7 @@ def draw_spring(
         not shared
         and installed.wire is not None
         and cycle.solution.model != "finite-element"
+        and not cycle.solution.has(channel["inner_fibre_shear_stress"])
         and _knows_turns(cycle, channel["axial_displacement"], wire)
     ):
         colourings.insert(0, slope_stress(wire, coil, moved, closed_force(cycle, name)))
