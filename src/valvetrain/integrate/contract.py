@@ -17,6 +17,8 @@ from valvetrain.system.train_rest import TrainRest
 
 #: Longest run-up that is taken for meant.
 MAX_TURNS = 10_000
+#: Share of a spring's stable time step that is used; here, where it is read without the kernels.
+STEP_FRACTION = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +32,14 @@ class Cycles:
 class Periodic:
     """Until the motion repeats. ``cycles``: maximum of cam revolutions (None: the default of the system);
     ``method``: ``anderson`` or ``repeat`` (the classical one); ``tolerance``: change per turn
-    relative to lift and lift times cam speed (None: the default one).
+    relative to lift and lift times cam speed (None: the default one); ``probed``: four revolutions
+    more test whether an orbit found by acceleration attracts.
     """
 
     cycles: int | None = None
     method: str = "anderson"
     tolerance: float | None = None
+    probed: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
-from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
+from valvetrain.integrate.contract import STEP_FRACTION, Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.solution.channels import FINE, ChannelArrays, spring_channels
 from valvetrain.solution.later import Later
@@ -23,10 +23,9 @@ from valvetrain.system.prescribed import PrescribedSpring
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
-#: Samples per cam revolution, share of the model's stable step that is used, revolutions until a periodic
-#: motion is given up, and the change of the end forces per turn, over their span, at which it
-#: counts as periodic.
-SAMPLES, STEP_FRACTION, MAX_CYCLES, TOLERANCE = 720, 0.8, 40, 1e-3
+#: Samples per cam revolution, revolutions until a periodic motion is given up, and the change of the
+#: end forces per turn, over their span, at which it counts as periodic.
+SAMPLES, MAX_CYCLES, TOLERANCE = 720, 40, 1e-3
 #: A record of inner states beyond this size (bytes) is not stored.
 MAX_RECORD = 400e6
 #: Most steps of a revolution whose forces are stored, and that are computed at a time.

@@ -94,6 +94,7 @@ def accelerate(
     memory: int = 20,
     settle: int = 2,
     longest_period: int = 8,
+    probed: bool = True,
 ) -> SteadyState:
     """Anderson acceleration of the cycle map (D. G. Anderson, J. ACM 12 (1965) 547; Walker and Ni,
     SIAM J. Numer. Anal. 49 (2011)).
@@ -101,8 +102,8 @@ def accelerate(
     ``settle`` plain cycles first; then each new start is the combination of the last ``memory``
     cycles with the least residual. A step that raises the residual tenfold clears the memory; one
     that would leave the states seen by far (:data:`BEYOND`), or whose image is not finite, gives
-    way to the plain cycle. An orbit is accepted when plain cycles from a small disturbance come back to it, for acceleration
-    finds unstable orbits too, which no train shows. Falls back to plain cycles, and looks for a
+    way to the plain cycle. An orbit is accepted when plain cycles from a small disturbance come back to it (unless not
+    ``probed``), for acceleration finds unstable orbits too, which no train shows. Falls back to plain cycles, and looks for a
     sub-harmonic, when half of ``cycles`` are spent or the orbit found repels.
     """
     x, residuals = np.array(start, dtype=float), []
@@ -114,6 +115,8 @@ def accelerate(
         image = cycle(x)
         change = image - x
         residuals.append(residual_norm(change, weights))
+        if residuals[-1] <= tolerance and not probed:
+            return SteadyState(image, tuple(residuals), 1, len(residuals), "anderson", tolerance)
         if residuals[-1] <= tolerance:
             attracts, ended = _attracts(cycle, image, weights, tolerance)
             x = ended if np.all(np.isfinite(ended)) else image

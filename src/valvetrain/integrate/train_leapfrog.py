@@ -150,6 +150,7 @@ class TrainLeapfrog:
                 begun,
                 compared=not large,
                 least=min(least, most),
+                probed=until.probed,
             )
             if found.record.status.code != "diverged" or chosen.time_step is not None:
                 break

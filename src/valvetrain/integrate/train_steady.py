@@ -101,11 +101,13 @@ def steady_train(
     start: TrainState | None = None,
     compared: bool = True,
     least: int = 1,
+    probed: bool = True,
 ) -> SteadyTrain:
     """Search the periodic orbit from ``start`` (static equilibrium by default), then record one
     more cycle.
 
-    ``method``: ``repeat`` (the classical one, of ``least`` cycles and more) or ``anderson``. The record of the last cycle of a
+    ``method``: ``repeat`` (the classical one, of ``least`` cycles and more) or ``anderson``, with a test
+    whether the orbit attracts where ``probed``. The record of the last cycle of a
     train that does not settle is given with its status saying so, and, where requested
     (``compared``), with the scatter of some more cycles.
     """
@@ -122,7 +124,7 @@ def steady_train(
 
     vector, weights = _pack(template[0], runner), _weights(template[0], runner)
     if method == "anderson":
-        search = accelerate(cycle, vector, weights, tolerance, cycles)
+        search = accelerate(cycle, vector, weights, tolerance, cycles, probed=probed)
     else:
         search = repeat_cycles(cycle, vector, weights, tolerance, cycles, least=least)
     if not np.isfinite(search.residuals[-1]) and method == "anderson":

@@ -23,10 +23,10 @@ from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
 
 #: Width (rad/s) to which the speed itself is found, and to which its repeats are.
-NOMINAL_WIDTH, REPEAT_WIDTH = 1e-4 * RPM, 0.5 * RPM
+NOMINAL_WIDTH, REPEAT_WIDTH = 1e-2 * RPM, 2.0 * RPM
 #: Change per cycle at which the runs of the nominal speed repeat: what is left moves it less than
 #: :data:`NOMINAL_WIDTH`.
-NOMINAL_TOLERANCE = 1e-8
+NOMINAL_TOLERANCE = 1e-6
 DIVISION, STEP = 1.5, 0.5
 #: First and largest step from the nominal speed in a repeat, and step where motion does not
 #: repeat, over the speed.

@@ -37,7 +37,9 @@ from valvetrain.solution.critical import (
     SpeedBracket,
 )
 from valvetrain.solution.result import Solution
+from valvetrain.springs.contract import LargeSpring
 from valvetrain.system.problem import Problem
+from valvetrain.system.train_system import TrainSystem
 from valvetrain.units import Given, si
 
 RPM = math.pi / 30
@@ -46,9 +48,9 @@ DRIVE = ("cam", "tappet", "rocker", "valve_tip")
 #: Stiffness (N/m) of a drive at the cam, typical: it continues a contact force below zero by the
 #: gap, to judge how deep control is lost; the speed of zero does not depend on it.
 DRIVE_STIFFNESS = 5e7
-#: Change per cycle at which the runs of the nominal speed of a reduced rod repeat: what is left moves
-#: it by thousandths of an rpm, less by far than the rod would.
-REDUCED_TOLERANCE = 1e-6
+#: Change per cycle at which the runs of the search repeat: what is left moves an onset by less than
+#: a tenth of the usual resolution.
+SEARCH_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,24 +182,28 @@ def _search(
     problem, ready, plan, options = shared
     index, samples = job
     one, reduced = ready[index], replace(plan, whole=False)
+    assert isinstance(one.system, TrainSystem)
+    large = any(isinstance(spring, LargeSpring) for spring in one.system.springs)
+    usual = None if large else SEARCH_TOLERANCE
 
     def run(
         engine_speed: float,
         orbit: Any = None,
         variant: Variant = Variant("nominal", one),
-        tolerance: float | None = None,
+        tolerance: float | None = usual,
+        probed: bool = True,
     ) -> SpeedSample:
         step = variant.time_step(engine_speed, plan.samples)
         return _sample(
-            problem, variant.ready, reduced, options, engine_speed, orbit, step, tolerance
+            problem, variant.ready, reduced, options, engine_speed, orbit, step, tolerance, probed
         )
 
     def sampler(variant: Variant) -> SampleAt:
-        return cache(partial(run, variant=variant))
+        # its ranges are of what nobody knows: whether each of their orbits attracts is not tested
+        return cache(partial(run, variant=variant, probed=False))
 
     search = Search(run, samples, options.limits, options.resolution)
-    known = REDUCED_TOLERANCE if one.member.model.word == "reduced-rod" else NOMINAL_TOLERANCE
-    precise = cache(partial(run, tolerance=known))
+    precise = cache(partial(run, tolerance=NOMINAL_TOLERANCE))
     variants = variants_of(problem, one) if options.ranges else ()
     repeats = [(each.group, sampler(each)) for each in variants]
     ends = min(samples), max(samples)
@@ -214,11 +220,19 @@ def _sample(
     orbit: Any = None,
     time_step: float | None = None,
     tolerance: float | None = None,
+    probed: bool = True,
 ) -> SpeedSample:
     """One run of the search (rad/s of the crank), from ``orbit`` or from rest."""
     origin = provenance_of(problem, ready.member, engine_speed, plan.created_at)
     solution, ended = integrate_from(
-        ready, engine_speed, plan, origin, orbit, time_step=time_step, tolerance=tolerance
+        ready,
+        engine_speed,
+        plan,
+        origin,
+        orbit,
+        time_step=time_step,
+        tolerance=tolerance,
+        probed=probed,
     )
     missing = missing_force(ready, solution)
     return sample_of(with_quantities(ready, solution, plan, {}), options, ended, missing)

@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from valvetrain.integrate.contract import Keep
-from valvetrain.integrate.leapfrog import STEP_FRACTION
+from valvetrain.integrate.contract import STEP_FRACTION, Keep
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.at_rest import AtRest
 from valvetrain.runs.error_bars import DOUBTFUL, SPRING_HEADLINES, two_grids

@@ -217,10 +217,11 @@ def integrate_from(
     *,
     time_step: float | None = None,
     tolerance: float | None = None,
+    probed: bool = True,
 ) -> tuple[Solution, Orbit | None]:
     """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the
     final motion (None without one). ``time_step`` (s) and ``tolerance`` of its periodic state:
-    other than the default ones.
+    other than the default ones; ``probed``: whether that state attracts is tested.
     """
     if ready.system is None:
         remedy = "choose another model, or give more of the spring"
@@ -228,7 +229,8 @@ def integrate_from(
     prescribed = isinstance(ready.system, PrescribedSpring)
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
         return without_channels(status, provenance), None
-    until: Until = Periodic(None if prescribed else plan.cycles_to_settle, tolerance=tolerance)
+    most = None if prescribed else plan.cycles_to_settle
+    until: Until = Periodic(most, tolerance=tolerance, probed=probed)
     if prescribed and (cycles := plan.cycles or _without_end(ready.member)):
         until = Cycles(cycles)
     options = RunOptions(

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.leapfrog import STEP_FRACTION
+from valvetrain.integrate.contract import STEP_FRACTION
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
