@@ -184,13 +184,13 @@ def _search(
     one, reduced = ready[index], replace(plan, whole=False)
     assert isinstance(one.system, TrainSystem)
     large = any(isinstance(spring, LargeSpring) for spring in one.system.springs)
-    usual = None if large else SEARCH_TOLERANCE
+    search_tolerance = None if large else SEARCH_TOLERANCE
 
     def run(
         engine_speed: float,
         orbit: Any = None,
         variant: Variant = Variant("nominal", one),
-        tolerance: float | None = usual,
+        tolerance: float | None = search_tolerance,
         probed: bool = True,
     ) -> SpeedSample:
         step = variant.time_step(engine_speed, plan.samples)
