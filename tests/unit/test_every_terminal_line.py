@@ -60,7 +60,6 @@ def test_a_run_says_each_number_once_under_its_run():
         ("largest: coils", "", "–/1–2/–/–", 0),
         ("at cam angle", "deg", "–/250/–/–", 0),
         ("impulse", "mN s", "–/31/–/–", 0),
-        ("energy", "mJ", "–/17/–/–", 0),
         ("Clash energy", "mJ", "clash_energy", 1e3),
         ("Peak shear stress", "MPa", "peak_shear_stress", 1e-6),
         ("Minimum shear stress", "MPa", "minimum_shear_stress", 1e-6),

@@ -156,8 +156,8 @@ def clash_pair(event: Event) -> str:
 def largest_clash_rows(
     study: Study, columns: Sequence[HeadlineColumn]
 ) -> list[tuple[str, str, tuple[str, ...]]]:
-    """(label, unit, cells) of coils, first touch, impulse and energy of the largest clash of every
-    run; empty without clashes.
+    """(label, unit, cells) of coils, first touch and impulse of the largest clash of every run; empty
+    without clashes.
     """
     runs = [
         None
@@ -173,9 +173,9 @@ def largest_clash_rows(
         ("largest: coils", "", tuple("–" if one is None else clash_pair(one) for one in events)),
         ("at cam angle", "deg", _cells(angles)),
     ]
-    for name, unit in (("impulse", "mN s"), ("energy", "mJ")):
-        sizes = [None if one is None else clash_size(one, name) for one in events]
-        rows += [(name, unit, _cells(sizes))] if any(size is not None for size in sizes) else []
+    sizes = [None if one is None else clash_size(one, "impulse") for one in events]
+    if any(size is not None for size in sizes):
+        rows.append(("impulse", "mN s", _cells(sizes)))
     return rows
 
 
