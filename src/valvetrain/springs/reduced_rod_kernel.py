@@ -116,25 +116,15 @@ def _four_points(values, places, count, more, apart, next_apart, rate, next_rate
 
 
 @njit(**INNER)
-def _push(values, places, count, forces, sums):
-    """Add the rows of four points, each times its force, to sums."""
-    p, q, r, s = places
-    one, two = values[p : p + count], values[q : q + count]
-    three, four = values[r : r + count], values[s : s + count]
-    a, b, c, d = forces[0], forces[1], forces[2], forces[3]
+def _push(values, first, second, count, next_row, force, force_two, low, high):
+    """Add the rows of two points, each times its force, to sums (2, count) at a lift and at the next."""
+    one, two = values[first : first + count], values[second : second + count]
+    next_one = values[first + next_row : first + next_row + count]
+    next_two = values[second + next_row : second + next_row + count]
     for i in range(count):
-        sums[i] += a * one[i] + b * two[i] + c * three[i] + d * four[i]
-
-
-@njit(**INNER)
-def _places(state, at, first, count):
-    """Where the rows of the four points listed at ``at`` begin."""
-    return (
-        first + int(state[at]) * count,
-        first + int(state[at + 1]) * count,
-        first + int(state[at + 2]) * count,
-        first + int(state[at + 3]) * count,
-    )
+        low[i] += force * one[i] + force_two * two[i]
+    for i in range(count):
+        high[i] += force * next_one[i] + force_two * next_two[i]
 
 
 @njit(**INNER)
@@ -236,12 +226,16 @@ def advance_reduced(
     next_lift = p * w
     for entry in range(0, count, LANES):
         at = now + entry
-        places = _places(state, at, gradient_at, w)
+        places = (
+            gradient_at + int(state[at]) * w, gradient_at + int(state[at + 1]) * w,
+            gradient_at + int(state[at + 2]) * w, gradient_at + int(state[at + 3]) * w,
+        )  # fmt: skip
         moved, gone = _four_points(
             parameters, places, w, next_lift, shares, next_shares, rates, next_rates
         )
+        points = (int(state[at]), int(state[at + 1]), int(state[at + 2]), int(state[at + 3]))
         for j in range(min(LANES, count - entry)):
-            c = int(state[at + j])
+            c = points[j]
             low = parameters[overlap_at + c]
             step = parameters[overlap_at + p + c] - low
             overlap = low + tf * step + moved[j]
@@ -266,14 +260,19 @@ def advance_reduced(
             sums[i] = 0.0
         for i in range(w):
             next_sums[i] = 0.0
-        for more in range(LANES - 1):
-            state[now + closed + more], state[forces + closed + more] = state[now], 0.0
-        for entry in range(0, closed, LANES):
-            pushed = state[forces + entry : forces + entry + LANES]
-            places = _places(state, now + entry, gradient_at, w)
-            _push(parameters, places, w, pushed, sums)
-            places = _places(state, now + entry, gradient_at + next_lift, w)
-            _push(parameters, places, w, pushed, next_sums)
+        state[now + closed], state[forces + closed] = state[now], 0.0
+        for entry in range(0, closed, 2):
+            _push(
+                parameters,
+                gradient_at + int(state[now + entry]) * w,
+                gradient_at + int(state[now + entry + 1]) * w,
+                w,
+                next_lift,
+                state[forces + entry],
+                state[forces + entry + 1],
+                sums,
+                next_sums,
+            )
         for i in range(w):
             grows = next_sums[i] - sums[i]
             pull[i] -= sums[i] + tc * grows
