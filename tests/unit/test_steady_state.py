@@ -9,7 +9,7 @@ import pytest
 
 from train_parts import contacts, direct, system
 from valvetrain.cam.closed_form import SinePower
-from valvetrain.integrate.steady import accelerate, repeat_cycles, residual_norm
+from valvetrain.integrate.steady import PROBE_CYCLES, accelerate, repeat_cycles, residual_norm
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.train import (
@@ -58,6 +58,18 @@ def test_the_period_of_what_does_not_settle_is_told(method, rate, period):
     found = method(logistic(rate), np.array([0.3]), np.ones(1), 1e-8, 400)
     assert found.period == period
     assert found.converged is (period == 1)
+
+
+def test_without_the_test_of_attraction_the_same_orbit_costs_four_cycles_less():
+    """And one that repels is found too: 1 - 1/r of the logistic map, which has period 2 at 3.2."""
+    with_test, without = (
+        accelerate(linear, np.zeros(6), np.ones(6), 1e-9, 1000, probed=probed)
+        for probed in (True, False)
+    )
+    assert np.array_equal(with_test.state, without.state)
+    assert without.cycles == with_test.cycles - PROBE_CYCLES and without.converged
+    repels = accelerate(logistic(3.2), np.array([0.3]), np.ones(1), 1e-8, 400, probed=False)
+    assert repels.period == 1 and repels.state == pytest.approx(1 - 1 / 3.2, abs=1e-6)
 
 
 @pytest.mark.parametrize("method", [repeat_cycles, accelerate])
