@@ -39,6 +39,16 @@ def test_every_train_runs_from_cards(kind, spring_set):
     assert run.quantities["minimum_cam_contact_force"] > 50
 
 
+def test_a_spring_of_a_pair_whose_coil_bind_is_not_known_is_named():
+    """The clearance of a pair is then that of the other spring alone."""
+    text = template_text("direct", cards=True)
+    assert text.count('solid_height = "21 mm"') == 1  # of the inner card
+    for changed, named in ((text, False), (text.replace('solid_height = "21 mm"', ""), True)):
+        study = vt.simulate(parse_case(changed), "3000 rpm", "massless", spring_set="dual")
+        assert study.solutions[0].quantities["coil_bind_clearance"] > 0
+        assert any("Coil bind of spring 'inner' is not checked" in one for one in study.notes) is named  # fmt: skip
+
+
 @pytest.mark.parametrize("cards", [False, True], ids=["wire", "cards"])
 @pytest.mark.parametrize("kind", ["direct", "finger", "rocker", "pushrod"])
 def test_every_train_has_its_modes_valve_closed_and_open(kind, cards):

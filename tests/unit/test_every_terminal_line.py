@@ -57,7 +57,7 @@ def test_a_run_says_each_number_once_under_its_run():
         ("Surge order", "", "surge_cam_order", 1),
         ("Surge amplitude", "N", "surge_amplitude_force", 1),
         ("Coil clashes", "", "clash_count", 1),
-        ("largest: coils", "", "–/1–2/–/–", 0),
+        ("largest by energy: coils", "", "–/1–2/–/–", 0),
         ("at cam angle", "deg", "–/250/–/–", 0),
         ("impulse", "mN s", "–/31/–/–", 0),
         ("Clash energy", "mJ", "clash_energy", 1e3),

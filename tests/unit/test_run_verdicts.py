@@ -100,6 +100,16 @@ def test_the_worst_speed_is_named_once_and_where_runs_differ_each_by_itself():
     assert "2 bounces up to 0.5 mm at 6000 rpm; minimum cam force 5 N at 7000 rpm." in mixed.verdict
 
 
+def test_a_number_of_one_label_is_not_told_of_another():
+    """A card without a solid height beside one that has it: the clearance is the other's."""
+    one, other = train({}, {"loft_gap": 2e-6, "loss_of_contact_duration": 1e-4}).solutions
+    bare = {k: v for k, v in other.quantities.items() if k != "coil_bind_clearance"}
+    speed = one.provenance.engine_speed
+    card = replace(other, quantities=bare, provenance=replace(other.provenance, engine_speed=speed, label="card"))  # fmt: skip
+    said = Study(CaseRecord("own"), solutions=(one, card)).verdict
+    assert said.startswith("Clear of coil bind by 2.2 mm (stock); loft of 2 µm")
+
+
 @pytest.mark.parametrize(
     ("code", "first"),
     [
@@ -233,7 +243,7 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     expected = (
         ("valve open, crank deg", "226 at 0.050 in, 234 at 1 mm"),
         ("power of the cam", "9.81 W"),
-        ("hardest clash", "66.5 N, coils 1–2 at 141 deg"),
+        ("clash of largest force", "66.5 N, coils 1–2 at 141 deg"),
         ("time step", "1.68 µs"),
     )
     assert key_figures(one) == expected

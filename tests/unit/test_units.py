@@ -82,6 +82,8 @@ REFUSED = [
     ("3 lb/in", "stiffness", "lb is a mass, lbf the force"),
     ("5 mmm", "length", "did you mean"),
     ("5 (mm)", "length", "cannot be read"),
+    ("6000-8000 rpm", "angular speed", "a range is written first:last:step"),
+    ("0,036 kg", "mass", "write the number with a point"),
     ("5 mm^9^9^9", "length", "cannot be read"),
     ("1e999 mm", "length", "not a finite number"),
     ("nan mm", "length", "not a number with a unit"),

@@ -242,21 +242,16 @@ def write_template(name: str, kind: str, cards: bool = False) -> Path:
         or not stem.isprintable()
         or len(Path(stem).name) > 80
     ):
-        raise InputError(
-            f"'{name[:40]}' cannot be the name of a file; give such as my-spring", "NAME"
-        )
+        raise InputError(f"'{name[:40]}' cannot be the name of a file; give such as my-spring")
     if stem in library_names():
-        raise InputError(f"'{stem}' is a case of the library; choose another name", "NAME")
+        raise InputError(f"'{stem}' is a case of the library; choose another name")
     path = Path(f"{stem}.toml")
     try:
         taken = path.exists() or path.is_symlink()
     except OSError as error:
         raise InputError(
-            f"'{name[:40]}' cannot be the name of a file ({error.strerror}); give such as my-spring",
-            "NAME",
+            f"'{name[:40]}' cannot be the name of a file ({error.strerror}); give such as my-spring"
         ) from None
     if taken:
-        raise InputError(
-            f"the file '{path}' is there already; choose another name or remove it", "NAME"
-        )
+        raise InputError(f"the file '{path}' is there already; choose another name or remove it")
     return write_text(path, text.replace("NAME.toml", str(path)))

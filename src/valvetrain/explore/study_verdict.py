@@ -19,6 +19,8 @@ from valvetrain.solution.definition import definition_of
 Array = NDArray[np.float64]
 #: Outputs whose price at the best point is told.
 MAX_COSTS = 2
+#: Share within which values are no better than each other, and points of that kind that are named.
+ALIKE, MAX_ALIKE = 0.01, 2
 #: Names of what a spring is installed with begin so.
 INSTALLED = ("preload", "installed_")
 
@@ -109,10 +111,20 @@ def _best(table: StudyTable, name: str) -> str:
         if own[best] != ideal:
             costs.append(f"{_label(one)} {_shown(one, own[best])} ({_shown(one, ideal)} at best)")
     ends = f"{_shown(name, values[best])}, {_shown(name, values[other])} at the worst point"
-    said = f"best is {point_label(table, best)}: {_label(name)} {ends}"
+    said = f"best is {point_label(table, best)}{_alike(table, values, best)}: {_label(name)} {ends}"
     if costs:
         said += f"; it costs {' and '.join(costs[:MAX_COSTS])}"
     return f"{said}{runs}"
+
+
+def _alike(table: StudyTable, values: Array, best: int) -> str:
+    """The other points whose value is that of the best within :data:`ALIKE`, in brackets."""
+    near = np.abs(values - values[best]) <= ALIKE * abs(values[best])
+    others = [point_label(table, int(k)) for k in np.flatnonzero(near) if k != best]
+    if not others or near.all():
+        return ""
+    more = f" and {len(others) - MAX_ALIKE} more" if len(others) > MAX_ALIKE else ""
+    return f" (within {100 * ALIKE:.0f} %: {', '.join(others[:MAX_ALIKE])}{more})"
 
 
 def _largest_change(table: StudyTable, name: str) -> str:
@@ -124,7 +136,10 @@ def _largest_change(table: StudyTable, name: str) -> str:
         return f"no change moves the {_label(name)} of {_shown(name, values[0])}{runs}"
     moved = f"{change[most]:+.4g} {unit_text(definition_of(name).shown_unit)}".replace("-", "−")
     most_text = f"{_label(name)} {_shown(name, values[most])} ({moved.strip()})"
-    return f"most is moved by {point_label(table, most)}: {most_text} from {_shown(name, values[0])}{runs}"
+    near = np.abs(np.abs(change) - abs(change[most])) <= ALIKE * abs(change[most])
+    equal = [most, *(int(k) for k in np.flatnonzero(near) if k != most)][: MAX_ALIKE + 1]
+    names = " or ".join(point_label(table, k) for k in equal)
+    return f"most is moved by {names}: {most_text} from {_shown(name, values[0])}{runs}"
 
 
 def _scatter(table: StudyTable, name: str) -> str:

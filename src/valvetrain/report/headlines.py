@@ -170,7 +170,11 @@ def largest_clash_rows(
         return []
     angles = [None if one is None else math.degrees(one.cam_angle) % 360 for one in events]
     rows = [
-        ("largest: coils", "", tuple("–" if one is None else clash_pair(one) for one in events)),
+        (
+            "largest by energy: coils",
+            "",
+            tuple("–" if one is None else clash_pair(one) for one in events),
+        ),
         ("at cam angle", "deg", _cells(angles)),
     ]
     sizes = [None if one is None else clash_size(one, "impulse") for one in events]

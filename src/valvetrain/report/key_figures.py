@@ -53,6 +53,10 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
         hardest, run = max(clashes, key=lambda pair: pair[0].size)
         angle = math.degrees(hardest.cam_angle) % 360
         size = f"{figure(hardest.size)} {unit_text(hardest.unit)}"
-        yield "hardest clash", run, f"{size}, coils {clash_pair(hardest)} at {angle:.0f} deg"
+        yield (
+            "clash of largest force",
+            run,
+            f"{size}, coils {clash_pair(hardest)} at {angle:.0f} deg",
+        )
     if math.isfinite(step := runs.value(worst, "time_step_duration")):
         yield "time step", worst, quantity_text("time_step_duration", step)

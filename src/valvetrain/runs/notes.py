@@ -124,6 +124,7 @@ def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...
                 *undamped_notes((member,)),
                 *chain_notes((member,)),
                 *buckling_notes(alone),
+                *unknown_solid_notes((member,)),
                 *pulling_end_notes((run,)),
             ),
         )
@@ -164,6 +165,20 @@ def buckling_notes(problem: Problem) -> tuple[str, ...]:
                 "finds the place by finite elements."
             )
     return tuple(found)
+
+
+def unknown_solid_notes(members: Iterable[Member]) -> tuple[str, ...]:
+    """A sentence on each nested spring whose solid height is not known beside one whose is: the
+    clearance to coil bind is then that of the other alone.
+    """
+    return tuple(
+        dict.fromkeys(
+            f"Coil bind of spring '{spring.name}' is not checked: its card gives no solid height; the clearance is that of the other spring."
+            for member in members
+            for spring in member.springs
+            if spring.room is None and any(one.room is not None for one in member.springs)
+        )
+    )
 
 
 def pulling_end_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:

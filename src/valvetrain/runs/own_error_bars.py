@@ -338,7 +338,7 @@ def _sentences(
             f"{max(one, 1 / one):.3g} times {'finer' if one > 1 else 'coarser'}" for one in ways
         )
         end = f"; {none}." if undivided else "."
-        yield f"± where columns allow: runs repeated, springs and step {divided_by}{end}"
+        yield f"± from runs {divided_by}, where columns allow{end}"
     elif undivided and not rows:
         yield f"No error bars: {none}, whose spring has no division."
     large = sorted(

@@ -30,6 +30,7 @@ from valvetrain.runs.notes import (
     refuse_speeds,
     ringing_note,
     undamped_notes,
+    unknown_solid_notes,
     with_notes,
 )
 from valvetrain.runs.own_error_bars import own_error_bars
@@ -384,7 +385,12 @@ def _notes(problem: Problem) -> tuple[str, ...]:
         *dict.fromkeys(contacts),
         ringing_note(members),
     )
-    named = (*undamped_notes(members), *chain_notes(members), *buckling_notes(problem))
+    named = (
+        *undamped_notes(members),
+        *chain_notes(members),
+        *buckling_notes(problem),
+        *unknown_solid_notes(members),
+    )
     return (*filter(None, notes), *named)
 
 

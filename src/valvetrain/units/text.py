@@ -38,6 +38,15 @@ def _registry() -> pint.UnitRegistry[Any]:
     return registry
 
 
+def _better(unit: str) -> str:
+    """What to write for a unit that is none: often a range by a dash or a comma in a number."""
+    if re.match(r"-\s*\d", unit):
+        return "a range is written first:last:step, as in '1000:9000:500 rpm'"
+    if re.match(r",\d", unit):
+        return "write the number with a point, as in '0.5 mm'"
+    return "write it as in 'N/mm' or 'kg/m^3'"
+
+
 @lru_cache(maxsize=512)
 def _resolve(unit: str) -> tuple[float, tuple[tuple[str, float], ...]]:
     """SI value of one ``unit`` and its dimension; raises :class:`InputError` when it is unknown."""
@@ -49,9 +58,7 @@ def _resolve(unit: str) -> tuple[float, tuple[tuple[str, float], ...]]:
     if text in DEFAULT:
         return DEFAULT[text]
     if len(text) > 40 or not _UNIT.match(text):
-        raise InputError(
-            f"unit '{clipped(unit)}' cannot be read; write it as in 'N/mm' or 'kg/m^3'"
-        )
+        raise InputError(f"unit '{clipped(unit)}' cannot be read; {_better(text)}")
     try:
         quantity: Any = _registry().Quantity(1.0, _registry().parse_units(text)).to_base_units()
     except Exception as error:  # pint raises many kinds for a text it cannot read
