@@ -105,7 +105,7 @@ def test_a_number_of_one_label_is_not_told_of_another():
     one, other = train({}, {"loft_gap": 2e-6, "loss_of_contact_duration": 1e-4}).solutions
     bare = {k: v for k, v in other.quantities.items() if k != "coil_bind_clearance"}
     speed = one.provenance.engine_speed
-    card = replace(other, quantities=bare, provenance=replace(other.provenance, engine_speed=speed, label="card"))  # fmt: skip
+    card = replace(other, quantities=bare, provenance=replace(other.provenance, engine_speed=speed, label="card", spring_set="card"))  # fmt: skip
     said = Study(CaseRecord("own"), solutions=(one, card)).verdict
     assert said.startswith("Clear of coil bind by 2.2 mm (stock); loft of 2 µm")
 

@@ -31,7 +31,8 @@ def doubtful_turns(
         total = solid_height / wire_diameter
     if active >= MIN_ACTIVE and (total is None or total - active <= 2 * MAX_INACTIVE):
         return ""
-    found = f"rate, wire and coil diameter make {active:.3g} active turns"
+    digits = 2 if float(f"{active:.2g}") < MIN_ACTIVE else 3
+    found = f"rate, wire and coil diameter make {active:.{digits}g} active turns"
     if total is not None:
         source = "the solid height makes" if total_coils is None else "there are"
         found += f", but {source} {total:.3g} in all, of which some {max(total - 2, 0):.2g} should be active"
