@@ -17,6 +17,7 @@ from valvetrain.cli.options import read_engine_speeds
 from valvetrain.cli.progress import time_left
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
+from valvetrain.parameters.templates import template_text
 
 UNIFORM = ("uniform-spring", "--elements-per-coil", "8")
 
@@ -302,6 +303,7 @@ def test_modes_agree_with_the_library():
         (("compare", "job-c", "--solid-core", "2"), "add --spring finite-element,solid"),
         (("new", "job-c"), "is a case of the library"),
         (("new", "a\nb"), "cannot be the name of a file"),
+        (("new", "."), "cannot be the name of a file"),
         (("new", "mine", "--kind", "fingr"), "did you mean finger?"),
         (("compare-runs", "one", "two"), "there is no run 'one'"),
         (("run", "uniform-spring", "--engine-speed", "1000 rpm"), "has no lift law"),
@@ -354,6 +356,55 @@ def test_wrong_input_is_one_sentence_with_the_remedy(tmp_path, monkeypatch, argu
     assert result.exit_code == 2
     assert words in sentence(result)
     assert [path.name for path in tmp_path.iterdir()] == ["binary.toml"]
+
+
+#: A file that is not what a command takes, or lacks something -> what the sentence says.
+WRONG_FILES = (
+    (("check", "engine.toml", "--set", "lift_law.lash=-0.1 mm"), "--set lift_law.lash: '-0.1 mm'"),
+    (("check", "dual.toml"), "the loads of the inner spring are missing; give preload (seat load)"),
+    (
+        ("optimise", "engine.toml"),
+        "is a case, not an optimisation file; 'valvetrain optimise' takes an optimisation file "
+        'that names its case, as in case = "engine.toml"',
+    ),
+    (("study", "engine.toml"), "is a case, not a study file"),
+    (("identify", "engine.toml"), "is a case, not an identification file"),
+    (("run", "study.toml"), "is a study file, not a case; run it by 'valvetrain study'"),
+    (("optimise", "study.toml"), "is a study file, not an optimisation file"),
+    (("compare-springs", "engine.toml", "table.csv"), "table.csv: is no case, which is a TOML"),
+    (("study", "table.csv"), "table.csv: is no study file, which is a TOML file"),
+    (("run", "engine"), "did you mean the file engine.toml?"),
+    (("run", "engine.tml"), "did you mean the file engine.toml?"),
+    (("lift", "table.csv"), "(--angle-of); lift measured at the valve or the tappet (--lift-of);"),
+    (("lift", "table.csv", "--angle-of", "shaft"), "error: --angle-of is cam or crank, not"),
+    (("rig", "table.csv"), "(--encoder, --pulses or --once)"),
+    (("film", "table.csv", "--frame-rate", "fast"), "--frame-rate: 'fast' is not a number"),
+    (("spring-card", "table.csv", "--wire-diameter", "4 mm"), "--outer-diameter '32 mm'"),
+)
+
+
+@pytest.mark.parametrize(("arguments", "words"), WRONG_FILES)
+def test_a_wrong_file_or_value_is_named_as_the_user_gave_it(
+    tmp_path, monkeypatch, arguments, words
+):
+    """Expected: the option and the kind of file that a user typed, not the argument of a function
+    behind it or the parser's message.
+    """
+    monkeypatch.chdir(tmp_path)
+    engine = template_text("pushrod", cards=True)
+    (tmp_path / "engine.toml").write_text(engine)
+    inner = ("preload", "open_load", "open_height", "solid_height")
+    head, blocks = engine.split('preload = "40 lbf"')
+    kept = [line for line in blocks.splitlines(True) if not line.startswith(inner)]
+    (tmp_path / "dual.toml").write_text(head + "".join(kept))
+    (tmp_path / "study.toml").write_text(
+        'case = "engine.toml"\noutputs = ["peak_cam_force"]\n'
+        '[[vary]]\nkey = "train.valve.mass"\nvalues = "130, 145 g"\n'
+    )
+    (tmp_path / "table.csv").write_text("".join(f"{row};{row % 5}\n" for row in range(40)))
+    result = call(*arguments)
+    assert result.exit_code == 2
+    assert words in sentence(result)
 
 
 @pytest.mark.parametrize(

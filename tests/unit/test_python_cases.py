@@ -154,6 +154,18 @@ def test_a_train_from_parts_is_the_train_of_the_file():
     assert vt.diff(one, other) == {} and one.quantities["peak_spring_force"] > 0
 
 
+def test_no_spring_set_is_the_sets_of_the_case_and_a_number_is_none():
+    """Twin: None, as no argument at all."""
+    words = ("job-t", "2000 rpm")
+    none, plain = (
+        vt.simulate(*words, spring_models="massless", **given).solutions[0]
+        for given in ({"spring_set": None}, {})
+    )
+    assert vt.diff(none, plain) == {}
+    with pytest.raises(vt.InputError, match="'5' is no name; give one as text"):
+        vt.simulate(*words, spring_models="massless", spring_set=5)
+
+
 def test_python_and_the_command_give_the_same_numbers(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     case = vt.Case("job-t").set({"spring.pitch": "7.4 mm"})

@@ -115,7 +115,7 @@ def test_all_open_questions_are_one_sentence(tmp_path):
         (("rig.csv", "--bandwidth", "2 kHz"), "without a file"),
         (("rig.csv", "--unit", "spring_force"), "is no pair"),
         (("rig.csv", "--unit", "a=N", "--unit", "a=N"), "is given twice"),
-        (("rig.csv", "--angle-of", "x"), "angle_of is cam or crank"),
+        (("rig.csv", "--angle-of", "x"), "--angle-of is cam or crank"),
         (("rig.csv", "--dwell", "1 deg"), "two ends"),
         (("rig.csv", "--span", "3, 2 s"), "ends before it begins"),
         (("rig.csv", "--span", "0.1, 0.101 s", "--angle-of", "cam"), "in the span"),
@@ -142,7 +142,7 @@ def test_all_open_questions_are_one_sentence(tmp_path):
         (("rig.csv", "--angle-of", "crank", "--pulses", "Valve lift", "--teeth", "60"), "pulses"),
         (("rig.csv", "--angle-of", "crank", "--band", "2 Hz"), "shorter than the filter"),
         (("rig.csv", "--set", "a=1"), "--case"),
-        (("rig.csv", "--angle-count", "4"), "angle_count is a whole number"),
+        (("rig.csv", "--angle-count", "4"), "--angle-count is a whole number"),
         (("rig.csv", "--teeth", "0"), "teeth is a whole number"),
         (("rig.csv", "--angle-of", "crank", "--zero", "spring_force=1 mm"), "zero of spring_force"),
         (

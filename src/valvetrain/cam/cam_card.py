@@ -18,7 +18,13 @@ from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces, solve
 from valvetrain.errors import InputError
 from valvetrain.parameters.schema_lift import LiftModel
-from valvetrain.parameters.schema_types import Angle, Length, PositiveLength, problem, quantity
+from valvetrain.parameters.schema_types import (
+    Angle,
+    Lash,
+    PositiveLength,
+    problem,
+    quantity,
+)
 
 #: Lifts (m) of the lobe at which cards tell durations unless they say so: 0.050, 0.006 and 0.200
 #: in.
@@ -54,7 +60,7 @@ class CamCardModel(LiftModel):
         default=None,
         description="also sets the rocker's arm ratio where [train.lever] gives none; 1 for a bucket tappet",
     )
-    lash: Length | None = Field(
+    lash: Lash | None = Field(
         default=None, description="at the valve; also sets the lash of [train] where it gives none"
     )
     duration: PositiveAngle

@@ -210,7 +210,8 @@ def new(
 
     path = write_template(name, kind, cards)
     data = {"command": "new", "kind": kind, "files": [str(path)]}
-    label = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {path}'\n{_damping(path)}"
+    typed = f'"{path}"' if " " in str(path) else path
+    label = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {typed}'\n{_damping(path)}"
     deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
 
 
@@ -238,7 +239,8 @@ def write_template(name: str, kind: str, cards: bool = False) -> Path:
     stem = name.removesuffix(".toml")
     if (
         not stem.strip()
-        or stem.endswith(("/", ".."))
+        or Path(stem).name in ("", ".", "..")
+        or stem.endswith(("/", "/.", ".."))
         or not stem.isprintable()
         or len(Path(stem).name) > 80
     ):

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from typer.core import TyperGroup
@@ -35,7 +36,7 @@ OPTION_OF = {
     "spring_models": "--spring", "spring_set": "--spring-set", "workers": "--workers", "engine_speeds": "--engine-speed",
     "tolerance": "--tolerance", "reference": "--reference", "resolution": "--resolution", "float_lift": "--float-lift",
     "bounce_height": "--bounce-height", "first_engine_speed": "--from", "duration": "--duration", "draws": "--draws",
-    "output": "--output", "dask": "--dask",
+    "output": "--output", "dask": "--dask", "channels": "--channel", "open_load": "--open-load",
 }  # fmt: skip
 #: The sentence on what an interrupted command saved, once it is printed.
 _reported: list[str] = []
@@ -78,7 +79,8 @@ class GuardedGroup(TyperGroup):
                 ):  # the parser turns every signal into this code without a word
                     code = interrupted()
             except Exception as error:
-                code = interrupted() if noted() else _report(error)
+                given = sys.argv[1:] if args is None else args
+                code = interrupted() if noted() else _report(error, self._options_of(given))
             except KeyboardInterrupt:
                 code = interrupted()
             except (
@@ -99,6 +101,34 @@ class GuardedGroup(TyperGroup):
                 sys.stdout.flush()
             os._exit(code)
         sys.exit(code)
+
+    def _options_of(self, args: Sequence[str]) -> dict[str, str]:
+        """Argument of the function of the command in ``args`` -> the option that gives it."""
+        command = next((self.commands[word] for word in args if word in self.commands), None)
+        return {
+            str(one.name): next(flag for flag in one.opts if flag.startswith("--"))
+            for one in (command.params if command is not None else ())
+            if any(flag.startswith("--") for flag in one.opts)
+        }
+
+
+def _by_options(sentence: str, options: Mapping[str, str]) -> str:
+    """A sentence on arguments of a function with the options that a user types: names of several
+    words, and names that stand alone in brackets.
+    """
+
+    def by_flags(text: str, pattern: str) -> str:
+        return re.sub(pattern, lambda found: options.get(found[0], found[0]), text)
+
+    def in_brackets(found: re.Match[str]) -> str:
+        names = set(re.findall(r"[\w-]+", found[0])) - {"or", "and"}
+        return by_flags(found[0], r"\w+") if names <= options.keys() else found[0]
+
+    return re.sub(
+        r"\([\w, -]+\)",
+        in_brackets,
+        by_flags(sentence, r"(?<![\w.'-])[a-z]+(?:_[a-z]+)+(?![\w.'-])"),
+    )
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *rest: Any) -> None:
@@ -122,9 +152,16 @@ def interrupted(sentence: str = INTERRUPTED_SENTENCE) -> int:
     return code
 
 
-def _report(error: Exception) -> int:
+def _report(error: Exception, options: Mapping[str, str]) -> int:
     if isinstance(error, InputError):
-        return _say(error.reason, WRONG_INPUT, OPTION_OF.get(error.where, error.where))
+        named = error.where.partition(" of a ")[0]
+        where = OPTION_OF.get(error.where) or options.get(named, error.where)
+        of_an_option = where in options.values()
+        return _say(
+            _by_options(error.reason, options) if of_an_option else error.reason,
+            WRONG_INPUT,
+            where,
+        )
     if isinstance(error, MissingExtraError):
         return _say(str(error), WRONG_INPUT)
     if isinstance(error, RunFailedError):
@@ -164,7 +201,8 @@ def _usage(error: Any) -> int:
 def _say(sentence: str, code: int, where: str = "") -> int:
     """Print an error on standard error, and under ``--json`` as an object on standard output."""
     message = " ".join(sentence.split())
-    complain(f"error: {where}: {message}" if where else f"error: {message}")
+    placed = where and not message.startswith(where)
+    complain(f"error: {where}: {message}" if placed else f"error: {message}")
     _as_json(message, where, code)
     return code
 

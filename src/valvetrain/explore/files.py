@@ -7,7 +7,6 @@ TOML in, typed tables out, or one sentence with file, line and key.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -37,7 +36,7 @@ from valvetrain.explore.space import (
 )
 from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.loading import library_names, load_case
+from valvetrain.parameters.loading import library_names, load_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED
 from valvetrain.parameters.schema_types import Line, StrictModel, first_problem, problem
 from valvetrain.parameters.toml_text import find_line
@@ -200,17 +199,11 @@ FileModel = TypeVar("FileModel", bound=StrictModel)
 class FileText(Generic[FileModel]):
     """A TOML file read: its ``model``, folder and text; ``located`` places a problem in it."""
 
-    def __init__(self, text: str, where: str, folder: Path, kind: type[FileModel]) -> None:
+    def __init__(
+        self, text: str, where: str, folder: Path, kind: type[FileModel], what: str
+    ) -> None:
         self.text, self.where, self.folder = text, where, folder
-        try:
-            tree = tomllib.loads(text)
-        except RecursionError:
-            raise InputError("the values are nested too deeply; flatten them", where) from None
-        except ValueError as error:
-            raise InputError(
-                f"is not valid TOML: {' '.join(str(error).split())[:160]}; correct it there", where
-            ) from None
-        self._read(tree, kind)
+        self._read(parse_toml(text, where, what), kind)
 
     def _read(self, tree: Mapping[str, Any], kind: type[FileModel]) -> None:
         self.tree = standard_names(tree)
@@ -246,6 +239,7 @@ def text_of_file(path: Path, what: str) -> str:
     """Text of the TOML file at ``path``, which messages call ``what``. Raises :class:`InputError`,
     one sentence.
     """
+    article = "an" if what[0] in "aeiou" else "a"
     try:
         return bounded_bytes(path, what).decode("utf-8-sig")
     except InputError as error:
@@ -254,7 +248,7 @@ def text_of_file(path: Path, what: str) -> str:
         raise InputError("is no text file; it is TOML in UTF-8", path.name[:60]) from None
     except FileNotFoundError:
         raise InputError(
-            f"there is no file '{str(path)[:120]}'; check the path (a {what} ends in .toml)"
+            f"there is no file '{str(path)[:120]}'; check the path (the name of {article} {what} ends in .toml)"
         ) from None
     except (OSError, ValueError) as error:
         raise InputError(

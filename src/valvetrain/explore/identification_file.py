@@ -209,7 +209,7 @@ def read_request(path: str | os.PathLike[str]) -> Request:
             file.name[:60],
         ) from None
     try:
-        return parse_request(text, file.stem, file.parent)
+        return parse_request(text, file.stem, file.parent, file.name)
     except InputError as error:
         place = (
             f"{file.name}, {error.where}"
@@ -221,11 +221,11 @@ def read_request(path: str | os.PathLike[str]) -> Request:
         raise InputError("the tables are nested too deeply; flatten them", file.name) from None
 
 
-def parse_request(text: str, name: str, folder: Path) -> Request:
+def parse_request(text: str, name: str, folder: Path, where: str = "") -> Request:
     """The identification written in ``text``; ``folder`` is where the files it names are looked
     for. Errors as :func:`read_request`.
     """
-    whole = Part(parse_toml(text, ""), "")
+    whole = Part(parse_toml(text, where, "identification file"), "")
     case = _case(whole, folder)
     evaluator = whole.text("evaluator", "")
     options = Part(whole.take("options", {}), "options")

@@ -137,7 +137,7 @@ class OptimumText(FileText[OptimumModel]):
     """An optimisation file read."""
 
     def __init__(self, text: str, where: str, folder: Path) -> None:
-        super().__init__(text, where, folder, OptimumModel)
+        super().__init__(text, where, folder, OptimumModel, "optimisation file")
 
     @classmethod
     def of_tables(cls, tables: dict[str, Any], where: str) -> OptimumText:

@@ -375,7 +375,7 @@ class StudyText(FileText[StudyModel]):
     """A study file read, with the options of its sampler."""
 
     def __init__(self, text: str, where: str, folder: Path) -> None:
-        super().__init__(text, where, folder, StudyModel)
+        super().__init__(text, where, folder, StudyModel, "study file")
         points = self.tree.get("points", {})
         self.sampler_options = {key: value for key, value in points.items() if key != "sampler"}
 

@@ -8,7 +8,7 @@ import os
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -143,6 +143,11 @@ def load_case(
     path = Path(text)
     if path.suffix == ".toml" or os.sep in text or os.path.exists(text):
         return read_case(path, changes)
+    near = path.with_name(f"{path.stem}.toml")
+    if os.path.isfile(near):  # a name without its ending, or with a slip in it
+        raise InputError(
+            f"there is no case '{_one_line(text, 60)}' in the library; did you mean the file {_one_line(str(near), 60)}?"
+        )
     raise InputError(
         f"there is no case '{_one_line(text, 60)}' in the library; {nearest(text, names)} (a file ends in .toml)"
     )
@@ -280,9 +285,10 @@ def _read_text(path: Path) -> str:
         ) from None
 
 
-def parse_toml(text: str, where: str) -> dict[str, Any]:
+def parse_toml(text: str, where: str, what: str = "case") -> dict[str, Any]:
     """The tree of a TOML text, ``where`` naming it in messages; :class:`InputError` for what is
-    none, too deep, or of numbers too long.
+    none, too deep, of numbers too long, or another kind of file than ``what`` (a key of
+    ``KINDS_OF_FILE``).
     """
     if (deep := _DEEP_KEY.search(text)) is not None:
         line = text.count("\n", 0, deep.start()) + 1
@@ -293,13 +299,59 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
     try:
         tree = tomllib.loads(text)
         _refuse_long_integers(tree, "", where)
-        return tree
     except RecursionError:
         raise InputError("the values are nested too deeply; flatten them", where) from None
     except ValueError as error:
+        if Path(where).suffix.lower() not in ("", ".toml"):
+            raise InputError(
+                f"is no {what}, which is a TOML file; {KINDS_OF_FILE[what].made}", where
+            ) from None
         raise InputError(
             f"is not valid TOML: {_one_line(str(error), 160)}; correct or complete it there", where
         ) from None
+    _refuse_other_kind(tree, where, what)
+    return tree
+
+
+@dataclass(frozen=True)
+class KindOfFile:
+    """A kind of TOML file: keys that it alone has at the top, its command, how it is written."""
+
+    keys: frozenset[str]
+    command: str
+    made: str
+
+
+#: Name of a kind of file in messages -> what tells it from the others.
+KINDS_OF_FILE = {
+    "case": KindOfFile(
+        frozenset({"lift_law", "train", "spring"}),
+        "run",
+        "write one by 'valvetrain new', or make a spring tester's table one by 'valvetrain spring-card'",
+    ),
+    "identification file": KindOfFile(
+        frozenset({"measurements"}), "identify", "docs/identification.md shows one"
+    ),
+    "optimisation file": KindOfFile(
+        frozenset({"objective"}), "optimise", "docs/optimisation.md shows one"
+    ),
+    "study file": KindOfFile(frozenset({"outputs"}), "study", "docs/studies.md shows one"),
+}
+
+
+def _refuse_other_kind(tree: Mapping[str, Any], where: str, what: str) -> None:
+    due = KINDS_OF_FILE[what]
+    found = next((name for name, kind in KINDS_OF_FILE.items() if kind.keys & tree.keys()), what)
+    if found == what or due.keys & tree.keys() or (found == "case" and "case" in tree):
+        return
+    article, other = ("an" if name[0] in "io" else "a" for name in (found, what))
+    remedy = (
+        f"'valvetrain {due.command}' takes {other} {what} that names its case, as in "
+        f'case = "{where or "my-engine.toml"}"; {due.made}'
+        if found == "case"
+        else f"run it by 'valvetrain {KINDS_OF_FILE[found].command}'"
+    )
+    raise InputError(f"is {article} {found}, not {other} {what}; {remedy}", where)
 
 
 def _refuse_long_integers(item: Any, path: str, where: str) -> None:

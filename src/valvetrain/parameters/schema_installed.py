@@ -44,6 +44,8 @@ _CONTACT, _RUBBING = CoilContact(), Rubbing()
 _CARD_KEYS = (
     set(SpringCardModel.model_fields) - set(SpringModel.model_fields) - {"installed_height"}
 )
+#: Keys of which a card has one or more.
+_LOADS = {"preload", "rate", "open_load"}
 _WIRE_KEYS = set(SpringModel.model_fields) - set(SpringCardModel.model_fields)
 
 EndContact = Literal["lifting", "bonded"]
@@ -300,16 +302,28 @@ def _read_blocks(raw: Any) -> SpringBlocks:
     listed = isinstance(raw, list)
     return SpringBlocks(
         tuple(
-            _read_block(entry, (place,) if listed else ()) for place, entry in enumerate(entries)
+            _read_block(
+                entry,
+                (place,) if listed else (),
+                ("outer ", "inner ")[place] if len(entries) == 2 else "",
+            )
+            for place, entry in enumerate(entries)
         ),
         listed,
     )
 
 
-def _read_block(entry: Any, path: tuple[int, ...]) -> WireBlock | CardBlock:
+def _read_block(entry: Any, path: tuple[int, ...], which: str) -> WireBlock | CardBlock:
     if not isinstance(entry, dict):
         raise problem(
             "a spring is a table: its wire (wire_diameter and so on) or its card (preload, rate)",
+            path,
+        )
+    known = WireBlock.model_fields.keys() | CardBlock.model_fields.keys()
+    if entry.keys() <= known and not (_LOADS | _WIRE_KEYS) & entry.keys():
+        raise problem(
+            f"the loads of the {which}spring are missing; give preload (seat load) and rate, or preload, open_load and open_height "
+            "(of a spring known by its wire: total_coils, pitch, ends)",
             path,
         )
     return (

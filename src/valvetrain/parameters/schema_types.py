@@ -87,7 +87,8 @@ def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) 
 #: What a missing key is answered with, besides its name, where a newcomer cannot guess what belongs
 #: there.
 SUCH_AS = {
-    "material": ', such as material = "EN 10270-2 VDSiCr" (a name of the library) or its moduli and density'
+    "material": ', such as material = "EN 10270-2 VDSiCr" (a name of the library) or its moduli and density',
+    "preload": ", the load with the valve closed (seat load)",
 }
 
 
@@ -186,6 +187,7 @@ def quantities(dimension: str | None) -> BeforeValidator:
 
 
 Length = Annotated[float, quantity("length")]
+Lash = Annotated[float, quantity("length", low=0.0)]
 PositiveLength = Annotated[float, quantity("length", low=0.0, open_low=True)]
 Force = Annotated[float, quantity("force")]
 Stiffness = Annotated[float, quantity("stiffness", low=0.0, open_low=True)]

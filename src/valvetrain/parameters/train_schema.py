@@ -16,6 +16,7 @@ from valvetrain.parameters.schema_types import (
     MAX_MASS,
     Angle,
     Angles,
+    Lash,
     Length,
     Mass,
     Modulus,
@@ -238,7 +239,7 @@ class VariantModel(StrictModel):
     label: Name
     spring_set: Name = Field(default="", description="without it the train's own")
     spring_model: str = Field(default="", description="without it the train's own")
-    lash: Length | None = Field(default=None, description="without it the train's own")
+    lash: Lash | None = Field(default=None, description="without it the train's own")
     valve_damping: Damping | None = Field(default=None, description="added to the valve's own")
     without_preload: bool = Field(
         default=False, description="springs at rest with the valve closed"
@@ -273,7 +274,7 @@ class TrainModel(StrictModel):
         description="name of the spring model; without it modal-uniform for cards, multi-mass for wires",
     )
     rubbing: RubbingModel = RubbingModel()
-    lash: Length = Field(default=0.0, description="play at the valve")
+    lash: Lash = Field(default=0.0, description="play at the valve")
     gravity: Gravity = Field(default=(0.0, -9.80665), description="vector in the plane of motion")
     variants: list[VariantModel] = []  # noqa: RUF012 (pydantic copies it)
     cycles: int | None = Field(

@@ -24,9 +24,9 @@ Array = NDArray[np.float64]
 QUESTIONS = {
     "channels": "which channels are measured quantities, such as spring_force=NAME",
     "shaft": "which channel gives the angle (encoder, pulses or once)",
-    "angle_of": "whether the shaft of the angle is the cam or the crank",
-    "teeth": "how many teeth the pulses come from",
-    "sampling_rate": "the sampling rate",
+    "angle_of": "whether the shaft of the angle is the cam or the crank (angle_of)",
+    "teeth": "how many teeth the pulses come from (teeth)",
+    "sampling_rate": "the sampling rate (sampling_rate)",
     "unit": "the unit of {}",
     "calibration": "the calibration of {}",
     "dwell": "the dwell in which the zero is taken, such as '-30, 30 deg'",

@@ -108,10 +108,13 @@ def spring_card(
     from valvetrain.units import parse_quantity
 
     take_folder(output)
-    for flag, value in (("--wire-diameter", wire_diameter), ("--outer-diameter", outer_diameter)):
+    for flag, value, typical in (
+        ("--wire-diameter", wire_diameter, "4.2 mm"),
+        ("--outer-diameter", outer_diameter, "32 mm"),
+    ):
         if value is None:
             raise InputError(
-                f"the card needs {flag[2:].replace('-', '_')}; give it, such as {flag} '4.2 mm'",
+                f"the card needs the {flag[2:].replace('-', ' ')}; give it, such as {flag} '{typical}'",
                 flag,
             )
 

@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import functools
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from inspect import Parameter, signature
 from typing import ParamSpec, TypeVar
 
-from valvetrain.errors import UnknownNameError
+from valvetrain.errors import InputError, UnknownNameError
 
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
 
 
-def as_names(given: Sequence[str] | str) -> tuple[str, ...]:
-    """Names, of which a single one may stand for itself; empty text is none.
+def as_names(given: Sequence[str] | str | None) -> tuple[str, ...]:
+    """Names, of which a single one may stand for itself; empty text is none. Raises
+    :class:`InputError` for what is no name.
 
     >>> as_names("massless"), as_names(["massless", "multi-mass"]), as_names("")
     (('massless',), ('massless', 'multi-mass'), ())
     """
-    return tuple(dict.fromkeys([given] if isinstance(given, str) and given else given))
+    if not given:
+        return ()
+    names = [given] if isinstance(given, str) else given
+    if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"'{str(given)[:40]}' is no name; give one as text, or a list of them")
+    return tuple(dict.fromkeys(names))
 
 
 def renamed(
