@@ -113,7 +113,7 @@ def loss_and_float() -> tuple[str, tuple[Panel, ...]]:
     label, panels = swept.labels[0], []
     shown = (
         ("minimum_cam_contact_force", "minimum cam contact force (N)", 1.0), ("float_excess_lift", "lift above the rigid lift (µm)", 1e6),
-        ("surge_amplitude_force", "surge amplitude (N)", 1.0), ("seating_velocity", "seating velocity (m/s)", 1.0),
+        ("surge_amplitude_force", "surge amplitude, 0 to peak (N)", 1.0), ("seating_velocity", "seating velocity (m/s)", 1.0),
     )  # fmt: skip
     for name, words, factor in shown:
         speeds, values = swept.series(label, name)
@@ -202,7 +202,7 @@ def over_clearance() -> tuple[str, tuple[Panel, ...]]:
     table = vt.study(text)
     clearance = 1e3 * table.column("coil_bind_clearance")
     shown = (
-        ("clash_energy", "clash energy (mJ)", 1e3), ("surge_amplitude_force", "surge amplitude (N)", 1.0),
+        ("clash_energy", "clash energy (mJ)", 1e3), ("surge_amplitude_force", "surge amplitude, 0 to peak (N)", 1.0),
         ("peak_spring_force", "peak spring force (N)", 1.0), ("largest_clash_impulse", "largest impulse of a clash (mN s)", 1e3),
     )  # fmt: skip
     panels = (
@@ -218,7 +218,7 @@ def over_rubbing() -> tuple[str, tuple[Panel, ...]]:
     table = vt.study(EXAMPLES / "rubbing.toml")
     press = table.column("train.rubbing.normal_force")
     shown = (
-        ("surge_amplitude_force", "surge amplitude (N)"),
+        ("surge_amplitude_force", "surge amplitude, 0 to peak (N)"),
         ("minimum_spring_force", "minimum spring force (N)"),
     )
     panels = (
@@ -418,7 +418,7 @@ def damping_found() -> tuple[str, tuple[Panel, ...]]:
         panels.append(
             Panel(
                 "stiffness damping (µs)",
-                "surge amplitude (N)",
+                "surge amplitude, 0 to peak (N)",
                 layers,
                 f"{speed} rpm",
                 (),

@@ -370,7 +370,7 @@ def sweep(study: Study, place: str | None) -> Panels:
     """The first figure has the forces, the others surge, clash and what happens at the seat."""
     shown = {
         None: (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1)),
-        "-1": (("surge_amplitude_force", "surge amplitude (N)", 1),),
+        "-1": (("surge_amplitude_force", "surge amplitude, 0 to peak (N)", 1),),
         "-2": (("clash_energy", "clash energy (mJ)", 1e3),),
         "-3": (("seating_velocity", "seating velocity (m/s)", 1), ("lift_loss_displacement", "lift lost (mm)", 1e3)),
     }[place]  # fmt: skip
@@ -411,7 +411,7 @@ def order_map(study: Study, place: str) -> Panels:
             "",
             "engine speed (rpm)",
             "cam order",
-            {"surge amplitude": (x, sizes)} | drawn | {"surge": ridge(surge)},
+            {"surge amplitude, 0 to peak": (x, sizes)} | drawn | {"surge": ridge(surge)},
         )
     ]
 

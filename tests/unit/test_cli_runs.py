@@ -63,7 +63,7 @@ def test_every_template_runs_as_it_stands_and_answers_within_40_lines(tmp_path, 
         next(line for line in lines if line.startswith("results")),
     )
     assert lines[-1].endswith(".") and "clear of coil bind by" in " ".join(
-        " ".join(lines[-4:]).lower().split()
+        " ".join(lines[-6:]).lower().split()
     )
 
 
@@ -228,7 +228,7 @@ def test_a_sweep_tells_the_worst_and_its_speed(small):
         *QUICK,
     )
     assert result.exit_code == 0, result.stderr
-    assert re.search(r"Surge amplitude +N +\S+ at \d000 +\S+ at \d000", result.stdout)
+    assert re.search(r"Surge amplitude, 0 to peak +N +\S+ at \d000 +\S+ at \d000", result.stdout)
     assert re.search(r"Engine speeds run +4 +4", result.stdout)
 
 

@@ -111,6 +111,9 @@ ANSWERS = {
     "nothing": ({"best": None, "missed_by_least": (trial(0.04, number=5), "preload")},
                 "No trial keeps every bound. Trial 5 comes nearest; it misses 'preload' by 14 % of the bound: "
                 "loosen that bound, or widen the ranges."),
+    "nothing by far": ({"best": None, "missed_by_least": (trial(0.04, number=0, penalties=(1.0, 0.2)), "preload")},
+                "No trial keeps every bound. Trial 0 comes nearest; it misses 'preload' by 100 % of the bound: "
+                "loosen that bound, or widen the ranges."),
     "nothing computed": ({"best": None, "trials": [trial(np.nan, failure="no wire")] * 3}, "None of 3 trials could be computed: no wire"),
 }  # fmt: skip
 
@@ -120,6 +123,7 @@ def test_the_answer_comes_first(name):
     changes, told = ANSWERS[name]
     found = search(**changes)
     assert said.answer(found) == told == said.sentences(found)[0]
+    assert "e+" not in told
     stopped = said.sentences(search(**changes, finished=False))
     assert stopped[0] == f"The search was stopped after {len(found.trials) - 1} trials. {told}"
 
@@ -168,11 +172,13 @@ def test_how_far_the_best_can_be_trusted_by_its_steps_and_its_place_in_the_searc
 
 
 def test_counts_bounds_ends_and_limits_are_told():
-    assert said.trust(search())[0] == "9 of 41 trials keep every bound."
+    assert said.trust(search())[0] == "9 of 41 designs, the case among them, keep every bound."
     failed = search(
         trials=[trial(0.05), trial(np.nan, failure="no"), trial(np.nan, failure="no")], best=None
     )
-    assert said.trust(failed) == ("9 of 3 trials keep every bound, 2 could not be computed.",)
+    assert said.trust(failed) == (
+        "9 of 3 designs, the case among them, keep every bound, 2 could not be computed.",
+    )
     found = search(active=lambda _trial: (0, 2), at_ends=lambda _trial: ((0, "low"), (1, "high")))
     assert said.trust(found)[1:] == (
         "What limits it: bound 0; bound 2.",

@@ -98,7 +98,7 @@ def test_answers_say_each_number_of_each_run():
         row("Surge order", "surge_cam_order"),
         row("Nearest lift harmonic", "nearest_lift_harmonic_order"),
         row("Nearest lift harmonic, amplitude (µm)", "nearest_lift_harmonic_lift", 1e6),
-        row("Surge amplitude (N)", "surge_amplitude_force"),
+        row("Surge amplitude, 0 to peak (N)", "surge_amplitude_force"),
         ("Coil clash", ()),
         row("Coil clashes", "clash_count"),
         ("\u2003largest by energy: coils", ("–", "1–2", "–", "–")),
@@ -144,7 +144,7 @@ def test_a_sweep_answers_with_the_worst_of_each_label_and_its_speed():
         "Minimum spring force (N)": ("181 at 8000 rpm", "181 at 8000 rpm"),
         "Surge": (),
         "Surge frequency (Hz)": ("560", "672"),
-        "Surge amplitude (N)": ("64.99 at 7454.55 rpm", "64.8 at 4727.27 rpm"),
+        "Surge amplitude, 0 to peak (N)": ("64.99 at 7454.55 rpm", "64.8 at 4727.27 rpm"),
         "Coil clash": (),
         "Clash energy (mJ)": ("11 at 8000 rpm", "13.2 at 8000 rpm"),
         "Seating and contact": (),
@@ -155,7 +155,7 @@ def test_a_sweep_answers_with_the_worst_of_each_label_and_its_speed():
 
 def test_critical_speeds_stand_in_a_table_with_how_they_were_searched():
     grid, legend, details = blocks("critical-speeds", sweep_study())
-    note, ranges = details.blocks
+    limits, note, ranges = details.blocks
     told = cells(grid)
     assert (
         told[0] == ["Loss of contact from", "6207–6217, at the cam", "not computed"]
@@ -173,8 +173,9 @@ def test_critical_speeds_stand_in_a_table_with_how_they_were_searched():
     assert "graze" in ranges.html and "non-repeating" in ranges.html
     assert (
         "from 2000 to 8000 rpm" in note.html
-        and "0.05 mm" in note.html
-        and "0.1 mm" in note.html
+        and "0.05 mm" in limits.html
+        and "0.1 mm" in limits.html
+        and "10 % of its lift" in limits.html
         and "10 rpm" in note.html
     )
     assert blocks("critical-speeds", STUDIES["own"]()) == ()

@@ -55,7 +55,7 @@ def test_a_run_says_each_number_once_under_its_run():
         ("Clearance to coil bind", "mm", "coil_bind_clearance", 1e3),
         ("Surge frequency", "Hz", "surge_frequency", 1),
         ("Surge order", "", "surge_cam_order", 1),
-        ("Surge amplitude", "N", "surge_amplitude_force", 1),
+        ("Surge amplitude, 0 to peak", "N", "surge_amplitude_force", 1),
         ("Coil clashes", "", "clash_count", 1),
         ("largest by energy: coils", "", "–/1–2/–/–", 0),
         ("at cam angle", "deg", "–/250/–/–", 0),
@@ -119,7 +119,7 @@ def test_a_sweep_says_the_worst_of_each_label_and_where():
         and told["Minimum spring force"] == ["N"] + ["181 at 8000"] * 2
     )
     assert told["Surge frequency"] == ["Hz", "560", "672"]
-    assert told["Surge amplitude"] == ["N", "64.99 at 7454.55", "64.8 at 4727.27"]
+    assert told["Surge amplitude, 0 to peak"] == ["N", "64.99 at 7454.55", "64.8 at 4727.27"]
     assert (
         told["Clash energy"] == ["mJ", "11 at 8000", "13.2 at 8000"]
         and told["Lift lost"] == ["mm"] + ["0.11 at 8000"] * 2

@@ -21,9 +21,11 @@ import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
 from valvetrain.explore.optimise import SearchInterrupted
 from valvetrain.explore.optimum import write_optuna
-from valvetrain.explore.optimum_page import optimum_page
+from valvetrain.explore.optimum_page import answer_rows, optimum_page
 from valvetrain.explore.optimum_summary import _seeds, sentences
+from valvetrain.parameters.templates import template_text
 
+LBF = 4.4482216152605
 #: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in
 #: a few that cannot be built.
 SEARCH = """
@@ -139,10 +141,10 @@ def test_the_answer_for_people_says_the_same(kept):
         and "The case itself misses: estimated rate at least" in text
     )
     assert (
-        f"{light().feasible} of 41 trials keep every bound" in text
+        f"{light().feasible} of 41 designs, the case among them, keep every bound" in text
         and "2 searches from different seeds end at" in text
     )
-    assert "41 trials, 0 points computed" in text
+    assert "40 trials and the case, 0 points computed" in text
 
 
 def test_the_case_file_of_the_best_has_its_numbers_to_the_last_bit(kept):
@@ -433,3 +435,28 @@ def test_the_worth_of_a_search_is_half_the_range_of_its_seeds_in_the_unit_of_tab
     plan = SimpleNamespace(objectives=(SimpleNamespace(measure=measure),))
     found = _seeds(SimpleNamespace(best_by_seed=dict(enumerate(values, start=1)), plan=plan))
     assert found == ([] if words is None else [words])
+
+
+def test_the_verdict_gives_the_loads_found_as_typed_and_lists_none_twice(tmp_path):
+    """The objective alone was told, in N, and the open load was listed again in lbf."""
+    (tmp_path / "mine.toml").write_text(template_text("pushrod"))
+    keys = "".join(
+        f'[[vary]]\nkey = "train.springs.card.0.{key}"\nlow = "{low} lbf"\nhigh = "{high} lbf"\nlabel = "{label}"\n'
+        for key, low, high, label in (
+            ("preload", 90, 150, "seat load"),
+            ("open_load", 250, 420, "open load"),
+        )
+    )
+    (tmp_path / "loads.toml").write_text(
+        'title = "Loads"\ncase = "mine.toml"\n[[objective]]\nquantity = "card_open_force"\ndirection = "minimise"\n'
+        f'[[constraint]]\nquantity = "card_rate"\nat_least = "20 N/mm"\n{keys}[search]\ntrials = 6\n'
+    )
+    found = vt.optimise(tmp_path / "loads.toml", workers=1)
+    preload, load = found.best.trial.values / LBF
+    assert load < 340
+    assert f"he open load falls from 350 lbf of the case to {load:.5g} lbf" in found.verdict
+    rate = (load - preload) / 0.55  # over the lift of the card, 1.80 less 1.25 in
+    assert found.verdict.endswith(f", with seat load {preload:.4g} lbf, rate {rate:.4g} lbf/in.")
+    labels = [row[0] for row in answer_rows(found)]
+    assert labels == ["Seat load", "Open load", "Rate of the card"]
+    assert sentences(found)[1].endswith("of 7 designs, the case among them, keep every bound.")

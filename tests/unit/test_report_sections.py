@@ -340,6 +340,11 @@ def test_sweep_curves_and_order_map():
     assert any(layer.name.endswith(" Hz") for layer in shown["order-map-1"].panels[0].layers)
 
 
+def test_lines_of_equal_frequency_at_a_top_of_just_below_a_power_of_ten():
+    """A quarter of it is 999.9999999999999 Hz, whose logarithm rounds to 3: no figure was drawn."""
+    assert sweep._round_steps(np.nextafter(4000.0, 0.0)) == [1000.0, 2000.0, 3000.0]
+
+
 def test_answers_come_in_the_order_in_which_they_are_asked():
     study = own_study()
     rows = headline_rows(study)

@@ -16,6 +16,7 @@ from synthetic_study import own_study, published_study, sweep_study, train_study
 from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
+from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE, CAUSE_VIBRATION
 from valvetrain.report.chart import Chart, Line, Panel, Rule
 from valvetrain.report.key_figures import key_figures
 from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
@@ -30,6 +31,7 @@ from valvetrain.solution.later import is_computed
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import ErrorBars
 
 RPM = np.pi / 30
 CALM = {
@@ -110,6 +112,81 @@ def test_a_number_of_one_label_is_not_told_of_another():
     assert said.startswith("Clear of coil bind by 2.2 mm (stock); loft of 2 µm")
 
 
+def test_a_loss_says_why_and_how_much_surge_takes_off_the_spring():
+    def lost(cause: str, **details: float) -> str:
+        event = Event("loft", 4.0, 0.01, 1e-4, 9e-5, "m", "cam", {"cause": cause, **details})
+        values = {"loss_of_contact_duration": 2e-4, "loft_gap": 9e-5, "surge_amplitude_cam_order": 7.0}  # fmt: skip
+        study = train(values)
+        return replace(study, solutions=(replace(study.solutions[0], events=(event,)),)).verdict
+
+    surge = lost(CAUSE_SURGE, spring_force_loss=123.4)
+    assert "ms without contact because surge lowers the spring force by 123 N (order 7)," in surge
+    assert "because inertia exceeds the spring force," in lost(CAUSE_INERTIA)
+    assert "because the train vibrates," in lost(CAUSE_VIBRATION)
+    assert "because" not in lost("something else")
+
+
+@pytest.mark.parametrize(
+    ("lift", "degrees", "said"),
+    [
+        (7.6e-5, 245.6, "flex takes 76 µm of lift and 3.3 crank deg of duration at 0.050 in,"),
+        (2e-5, 245.6, "flex takes 20 µm of lift and 3.3 crank deg of duration at 0.050 in,"),
+        (-2e-5, 245.6, "flex takes 3.3 crank deg of duration at 0.050 in,"),
+        (2e-5, 248.0, "no loft, one bounce"),
+    ],
+)
+def test_flex_takes_lift_and_duration(lift, degrees, said):
+    rigid = {"rigid_valve_50_thou_open_crank_angle_range": math.radians(248.9)}
+    values = {"lift_loss_displacement": lift, "valve_50_thou_open_crank_angle_range": math.radians(degrees)}  # fmt: skip
+    assert said in train(values, still={"stock": rigid}).verdict
+
+
+def test_bounces_and_their_height_are_of_one_run():
+    """The count of one run stood before the height of another."""
+    said = train({"bounce_count": 5.0, "bounce_height": 2e-4}, {"bounce_count": 4.0, "bounce_height": 2.4e-3}).verdict  # fmt: skip
+    assert "4 bounces up to 2.4 mm" in said and "5 bounces" not in said
+
+
+def test_two_spring_sets_are_listed_with_power_stress_and_clash(tmp_path):
+    """Power stood in the terminal for one spring set alone."""
+    one, other = train(
+        {"mean_cam_power": 39.3, "nominal_peak_shear_stress": 1.035e9, "permitted_shear_stress": 1.1e9, "clash_energy": 0.0},
+        {"mean_cam_power": 44.1, "clash_energy": 0.153},
+    ).solutions  # fmt: skip
+    speed = one.provenance.engine_speed
+    stiff = replace(other, provenance=replace(other.provenance, engine_speed=speed, label="stiff, multi-mass", spring_set="stiff"))  # fmt: skip
+    soft = replace(one, provenance=replace(one.provenance, label="soft, multi-mass", spring_set="soft"))  # fmt: skip
+    study = Study(CaseRecord("own"), solutions=(soft, stiff))
+    assert key_figures(study) == (
+        ("cam power", "39.3 W (soft), 44.1 W (stiff)"),
+        ("peak shear stress", "1035 MPa, permitted 1100 MPa (soft)"),
+        ("clash energy", "none (soft), 153 mJ (stiff)"),
+        ("clearance to coil bind at full lift", "2.2 mm (soft), 2.2 mm (stiff)"),
+    )
+    out = io.StringIO()
+    show_study(Console(file=out, width=100), study, tmp_path, None)
+    assert out.getvalue().splitlines()[-4] == "cam power 39.3 W (soft), 44.1 W (stiff)"
+
+
+def test_models_that_differ_inside_their_bars_say_so():
+    one, other = train({"peak_spring_force": 700.0}, {"peak_spring_force": 750.0}).solutions
+    speed = one.provenance.engine_speed
+    names = ("multi-mass", "wave-rod")
+    runs = tuple(
+        replace(run, provenance=replace(run.provenance, engine_speed=speed, label=name, model=name))
+        for run, name in zip((one, other), names, strict=True)
+    )
+    same = (700.0, 700.0)
+    bars = tuple(
+        Uncertainty("peak_spring_force", speed, 700.0, size, None, 700.0, 0.0, same, same, name)
+        for name, size in zip(names, (20.0, 31.0), strict=True)
+    )
+    told = Study(CaseRecord("own"), solutions=runs, error_bars=ErrorBars(bars)).verdict
+    assert told.endswith("models differ by 6.7 % in peak force, inside their error bars.")
+    apart = Study(CaseRecord("own"), solutions=runs, error_bars=ErrorBars(bars[:1])).verdict
+    assert apart.endswith("models differ by 6.7 % in peak force.")
+
+
 @pytest.mark.parametrize(
     ("code", "first"),
     [
@@ -127,7 +204,10 @@ def test_what_did_not_complete_comes_first(code, first):
 
 def test_models_of_a_spring_and_published_values():
     said = own_study().verdict
-    assert "7 coil clashes at 5600 rpm (finite-element); peak spring force 811 N" in said
+    assert (
+        "hardest 345 N at 250 deg, coils 1–2 (try more gap) at 5600 rpm (finite-element); peak spring force 811 N"
+        in said
+    )
     assert said.endswith("models differ by 1.4 % in peak force at 5600 rpm.")
     assert (
         "3 published values differ by 7.0 % in the median, most 91.0 %" in published_study().verdict
@@ -151,7 +231,7 @@ def test_a_sweep_says_up_to_where_it_is_controlled():
     assert said.startswith(
         "Worst (stock): controlled to 6217 rpm, where contact is lost at the cam; floats from 6688 rpm; "
     )
-    assert "; worst surge 65 N at 7455 rpm; " in said
+    assert "; worst surge 65 N at 7455 rpm, beyond control, below that 64.7 N at 4182 rpm; " in said
     assert said.endswith("one of 12 speeds did not settle, at 8000 rpm.")
 
 
@@ -229,8 +309,8 @@ def test_a_refinement_names_its_largest_bar():
 
 
 def test_what_a_sentence_cannot_hold_stands_beside_it():
-    """Durations, power, the hardest clash by its force (not its energy) and the step, of one run or
-    each with the run it is of.
+    """Durations, power and the step, of one run or each with the run it is of; the hardest clash by its
+    force (not its energy) in the sentence.
     """
     numbers = {
         "valve_1_mm_open_crank_angle_range": math.radians(234.1), "mean_cam_power": 9.81,
@@ -240,24 +320,30 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     hard = Event("clash", math.radians(141), 0.1, 0.0, 66.5, "N", "coils 1-2", {"lower_coil": 1, "upper_coil": 2, "energy": 1e-3})  # fmt: skip
     one = train(numbers)
     one = replace(one, solutions=(replace(one.solutions[0], events=(soft, hard)),))
+    (run,) = one.solutions
+    values = {**run.quantities, "clash_count": 2.0, "clash_energy": 0.01}
+    clashes = replace(one, solutions=(replace(run, quantities=values),))
+    hardest = "hardest 66.5 N at 141 deg, coils 1–2 (try more gap)"
+    assert f"2 coil clashes (10 mJ in all), {hardest}" in clashes.verdict
+    assert "clear of coil bind by 2.2 mm at full lift," in clashes.verdict.lower()
     expected = (
         ("valve open, crank deg", "226 at 0.050 in, 234 at 1 mm"),
-        ("power of the cam", "9.81 W"),
-        ("clash of largest force", "66.5 N, coils 1–2 at 141 deg"),
+        ("cam power", "9.81 W"),
         ("time step", "1.68 µs"),
     )
     assert key_figures(one) == expected
     page = render(study_page(one))
     opening = page[page.index('id="opening"') : page.index('class="about"')]
-    assert opening.index("verdict") < opening.index("66.5 N, coils 1–2") < opening.index("figure")
+    assert opening.index("verdict") < opening.index("1.68 µs") < opening.index("figure")
     both = key_figures(train(numbers, numbers | {"mean_cam_power": 12.0}))
     assert [name for name, _ in both][:2] == [
         "valve open, crank deg at 7000 rpm",
-        "power of the cam",
+        "cam power",
     ]
     apart = key_figures(train(numbers | {"mean_cam_power": 12.0}, numbers))
-    assert apart[1] == ("power of the cam at 6000 rpm", "12 W")
-    assert key_figures(sweep_study()) == ()
+    assert apart[1] == ("cam power at 6000 rpm", "12 W")
+    swept = dict(key_figures(sweep_study()))
+    assert set(swept) >= {"surge, 0 to peak"} and "(stock)" in swept["surge, 0 to peak"]
 
 
 def test_the_surge_of_a_massless_spring_is_none():
@@ -284,7 +370,9 @@ def test_both_springs_of_a_pair_are_told_together():
 def test_modes_are_told_before_the_load_where_they_were_asked_for():
     rest = replace(own_study(), solutions=(), comparisons=())
     assert rest.verdict.startswith("Preload ")
-    assert replace(rest, command="modes").verdict.startswith("First axial mode 631 Hz, preload ")
+    assert replace(rest, command="modes").verdict.startswith(
+        "First axial mode 631 Hz (cam order 6 at 12620 rpm to 12 at 6310 rpm), preload "
+    )
     assert study_page(replace(rest, command="modes")).kicker == "Natural modes"
 
 

@@ -12,10 +12,12 @@ from typer.testing import CliRunner
 
 from synthetic_study import train_study
 from valvetrain.cli.main import app
+from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE
+from valvetrain.report.headlines import headline_rows
 from valvetrain.report.run_charts import line_styles
 from valvetrain.report.study import study_page
 from valvetrain.runs.notes import NO_DAMPING
-from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
 from valvetrain.solution.netcdf import load_result
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
@@ -151,3 +153,62 @@ def test_the_runs_between_are_kept_in_a_file(tmp_path):
 def test_the_help_keeps_its_brackets():
     told = CliRunner().invoke(app, ["compare-springs", "--help"]).output
     assert "A spring is a case with [spring], as" in " ".join(told.split())
+
+
+def test_stress_is_compared_with_what_the_wire_is_permitted():
+    def stressed(light: dict[str, float], **heavy: float) -> str:
+        study = pair(**heavy)
+        runs = [replace(one, quantities={**one.quantities, **light}) if one.spring_set == "light" else one for one in study.solutions]  # fmt: skip
+        return replace(study, solutions=tuple(runs), between=()).verdict
+
+    bound = {"nominal_peak_shear_stress": 1.354e9, "permitted_shear_stress": 1.014e9}
+    same = stressed(bound, nominal_peak_shear_stress=1.216e9, permitted_shear_stress=1.014e9)
+    assert "heavy is stressed less (1216 MPa against 1354 MPa, permitted 1014 MPa)" in same
+    other = stressed(bound, nominal_peak_shear_stress=1.216e9, permitted_shear_stress=1.1e9)
+    assert "(1216 MPa, permitted 1100 MPa against 1354 MPa, permitted 1014 MPa)" in other
+    assert stressed(bound).endswith("stress of heavy unknown without its wire.")
+
+
+def test_the_worst_surge_says_where_in_the_range_it_is():
+    """What was worst at the last speed swept, or where the valve flies, was told as a resonance."""
+    assert "worst surge 476 N at 6444 rpm (order 9)." in pair("sweep").verdict
+    rising = pair("sweep", surge_amplitude_force=600.0)
+    runs = [replace(one, quantities={**one.quantities, "surge_amplitude_force": one.engine_speed}) for one in rising.solutions]  # fmt: skip
+    ended = replace(rising, solutions=tuple(runs), between=())
+    assert ended.verdict.endswith("worst surge 733 N at 7000 rpm, at the end of the range.")
+    control = CriticalSpeed("heavy, modal-uniform", "float", 5e-5, 6000 * RPM, 7000 * RPM, RPM, True, "valve",
+                            Crossing(SpeedBracket(6300 * RPM, 6310 * RPM)), nominal_engine_speed=6305 * RPM)  # fmt: skip
+    lost = replace(pair("sweep"), critical_speeds=CriticalSpeeds((control,)))
+    assert "worst surge 476 N at 6444 rpm (order 9), beyond control, below that 280 N at 6000 rpm." in lost.verdict  # fmt: skip
+
+
+def test_the_table_of_a_sweep_has_the_runs_between_its_speeds_as_the_sentence():
+    """The sentence had 476 N between the speeds, the table 280 N at one of them."""
+    rows = {row.name: row for row in headline_rows(pair("sweep"))}
+    assert rows["surge_amplitude_force"].values == pytest.approx((475.7, 393.0))
+    assert rows["surge_amplitude_force"].engine_speeds == pytest.approx((6444 * RPM, 6555 * RPM))
+
+
+def test_a_sweep_says_why_control_is_lost():
+    def event(kind: str, size: float, cause: str, **details: float) -> Event:
+        return Event(kind, 4.0, 0.01, 1e-3, size, "m", "cam", {"cause": cause, **details})
+
+    lost = event("loft", 1e-4, CAUSE_SURGE, spring_force_loss=215.0)
+    flies = event("float", 2e-4, CAUSE_INERTIA)
+    runs = (
+        run("a", 6000, loss_of_contact_duration=0.0),
+        replace(run("a", 6250, loss_of_contact_duration=1e-3, surge_amplitude_cam_order=8.0), events=(lost,)),
+        replace(run("a", 7000, loss_of_contact_duration=1e-3), events=(lost, flies)),
+    )  # fmt: skip
+    found = [
+        CriticalSpeed("a, modal-uniform", kind, limit, 6000 * RPM, 7000 * RPM, RPM, True, "cam",
+                      Crossing(SpeedBracket(speed * RPM, (speed + 1) * RPM)), nominal_engine_speed=speed * RPM)
+        for kind, limit, speed in (("contact-loss", 0.0, 6140), ("float", 5e-5, 6917))
+    ]  # fmt: skip
+    said = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds(tuple(found))).verdict  # fmt: skip
+    assert said.startswith(
+        "Controlled to 6140 rpm, where contact is lost at the cam because surge lowers the spring force by 215 N "
+        "at 6250 rpm (order 8); floats from 6917 rpm (inertia exceeds the spring force);"
+    )
+    none = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds()).verdict
+    assert none.startswith("Contact is lost first at 6250 rpm because surge lowers the spring force by 215 N at 6250 rpm (order 8)")  # fmt: skip

@@ -10,13 +10,15 @@ import pytest
 
 from unit.cli_parts import SMALL
 from valvetrain import InputError, load_case, simulate
+from valvetrain.errors import UnusualValueWarning
 from valvetrain.explore.case_paths import nominal, vary
 from valvetrain.explore.evaluate import Point, evaluate
 from valvetrain.explore.space import ENGINE_SPEED, LogNormal, Normal, Uniform, Values, Varied
 from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.request import LIGHT, PointRequest
 
-RPM = math.pi / 30
+RPM, LBF = math.pi / 30, 4.4482216152605
 BEEHIVE = load_case("gu2021-beehive")
 
 
@@ -289,3 +291,21 @@ def test_a_point_that_cannot_be_keeps_its_status_and_sentence(values, code, word
     assert found.status.code == code and words in found.status.sentence() and not found.values
     with pytest.raises(InputError, match="has no 'peak_spring_force'"):
         _ = found["peak_spring_force"]
+
+
+def test_a_warning_of_a_trial_names_its_values_and_one_of_the_case_does_not():
+    """Which of the trials a card warning was about could not be told."""
+    text = template_text("pushrod", cards=True)
+    case = parse_case(text)
+    key = "train.springs.dual.0.open_load"
+    with pytest.warns(UnusualValueWarning) as caught:
+        vary(case, {Varied(key, "lbf", label="open load"): 420 * LBF})
+    (told,) = {str(one.message) for one in caught}
+    assert told.startswith(
+        "at open load = 420 lbf: spring 'spring card': rate, wire and coil diameter"
+    )
+    with pytest.warns(UnusualValueWarning):
+        doubtful = parse_case(text.replace('open_load = "234 lbf"', 'open_load = "420 lbf"'))
+    with pytest.warns(UnusualValueWarning) as caught:
+        vary(doubtful, {Varied("train.valve.mass", "g"): 0.12})
+    assert not any(str(one.message).startswith("at ") for one in caught)

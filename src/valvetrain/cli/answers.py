@@ -22,6 +22,7 @@ from valvetrain.report.headlines import (
 from valvetrain.report.key_figures import key_figures
 from valvetrain.report.run_summary import (
     CRITICAL_LEGEND,
+    control_legend,
     critical_rows,
     reach_rows,
     reason_for,
@@ -56,15 +57,21 @@ def show_study(
         for table in _tables(study):
             console.print()
             console.print(table)
-        if searched(study) and any(not row.main for row in critical_rows(study, study.labels)):
-            console.print(f"\n{CRITICAL_LEGEND}")
+        if searched(study):
+            some = any(not row.main for row in critical_rows(study, study.labels))
+            legend = (control_legend(study), CRITICAL_LEGEND if some else "")
+            if any(legend):
+                console.print(f"\n{' '.join(filter(None, legend))}")
         _show_published(console, study, published)
-        if len(study.labels) == 1 and (figures := key_figures(study)):
-            console.print("; ".join(f"{name} {value}" for name, value in figures))
     finally:  # the folder is printed even where a table fails
         console.print(f"results  {folder}", soft_wrap=True)
         if page is not None:
             console.print(f"report   {page}", soft_wrap=True)
+    sets = {run.spring_set for run in study.solutions}
+    of_models = len(study.labels) > 1 and len(sets) == 1 and not study.over_speed
+    if not of_models and (figures := key_figures(study)):  # next to the verdict
+        between = "\n" if len(study.labels) > 1 else "; "
+        console.print(between.join(f"{name} {value}" for name, value in figures))
 
 
 def _tables(study: Study) -> Iterator[Table]:

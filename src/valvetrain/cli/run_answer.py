@@ -490,7 +490,7 @@ def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = Fa
 
 def say_sweep_time(request: StudyRequest) -> None:
     """Print how long a sweep of a train that searches its critical speeds will take, where that is
-    long, by a run of each of its springs.
+    long, by two runs of each of its springs.
     """
     from valvetrain.cli.outcome import WORTH_SAYING
     from valvetrain.cli.progress import busy
@@ -508,4 +508,6 @@ def say_sweep_time(request: StudyRequest) -> None:
             workers=request.workers,
         )
     if seconds is not None and seconds > WORTH_SAYING:
-        tell(f"this will take about {duration_text(seconds)}, by a run at the highest speed")
+        tell(
+            f"this will take about {duration_text(seconds)}, by a run at the middle and at the highest speed"
+        )

@@ -10,6 +10,7 @@ from __future__ import annotations
 import copy
 import re
 import tomllib
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -212,10 +213,13 @@ _CURVES = (Constant, PiecewiseLinear, Table, FunctionCurve, WeightedSum)
 
 @dataclass(frozen=True, eq=False)
 class _Template:
-    """A case file read, without its published values: ``bare`` tree and notes."""
+    """A case file read, without its published values: ``bare`` tree, notes, and the ``warnings`` that
+    reading gives.
+    """
 
     bare: dict[str, Any]
     notes: dict[str, Note]
+    warnings: tuple[str, ...] = ()
 
 
 def vary(case: Case, values: Mapping[Varied, float]) -> Case:
@@ -242,7 +246,17 @@ def vary(case: Case, values: Mapping[Varied, float]) -> Case:
     )
     names = tuple(dict.fromkeys((*case.changed, *(varied.name for varied in own))))
     template = _template(case)
-    changed = _changed_case(case, own) if template is None else _from_tree(case, template, own)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        changed = _changed_case(case, own) if template is None else _from_tree(case, template, own)
+    where = ", ".join(
+        f"{one.shown_name} = {one.shown(value):.5g} {one.unit}".rstrip()
+        for one, value in own.items()
+    )
+    for one in caught:
+        text = str(one.message)
+        of_case = template is not None and text in template.warnings
+        warnings.warn(text if of_case else f"at {where}: {text}", one.category, stacklevel=2)
     return replace(
         changed, published=case.published, notes=case.notes, text=case.text + remarks, changed=names
     )
@@ -292,12 +306,14 @@ def _template(case: Case) -> _Template | None:
     try:
         bare, notes, bad = split_notes(tomllib.loads(case.text))
         bare.pop("published", None)
-        again = None if bad else _read(case, bare, notes)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            again = None if bad else _read(case, bare, notes)
     except (ValueError, InputError):
         return None
     if again is None or replace(again, published=case.published, name=case.name) != case:
         return None
-    return _Template(bare, notes)
+    return _Template(bare, notes, tuple(str(one.message) for one in caught))
 
 
 def _changed_case(case: Case, values: Mapping[Varied, float]) -> Case:

@@ -22,7 +22,7 @@ from valvetrain.explore.optimum import (
     write_optuna,
 )
 from valvetrain.explore.optimum_charts import convergence_chart, front_chart, over_chart
-from valvetrain.explore.optimum_summary import confirmed_text, sentences
+from valvetrain.explore.optimum_summary import confirmed_text, same_as_varied, sentences
 from valvetrain.explore.study_page import distribution_text
 from valvetrain.explore.trial import Trial
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
@@ -91,7 +91,7 @@ def optimum_page(found: Optimum) -> Page:
     sections.append(Section("asked", "The request", _requested(found), folded=True))
     seeds = "" if len(found.seeds) == 1 else f", {len(found.seeds)} seeds"
     facts = (
-        ("case", plan.case_name), ("trials", f"{len(found.trials)}, {found.feasible} feasible"),
+        ("case", plan.case_name), ("trials", f"{len(found.trials) - 1} and the case, {found.feasible} feasible"),
         ("method", METHODS[plan.search.method] + f", seed {plan.search.seed}{seeds}"),
         ("computed", f"{found.computed} runs, {found.seconds:.0f} s"),
     )  # fmt: skip
@@ -113,10 +113,10 @@ def answer_rows(found: Optimum) -> list[tuple[str, ...]]:
     """
     assert found.best is not None
     best, case, rows = found.best.trial, found.case, list[tuple[str, ...]]()
-    for goal, value, before in zip(
-        found.plan.objectives, best.objectives, case.objectives, strict=True
-    ):
-        rows.append(_row(goal.measure, float(before), float(value)))
+    for index, goal in enumerate(found.plan.objectives):
+        if same_as_varied(found, index) is None:  # else it is listed as varied
+            value, before = float(best.objectives[index]), float(case.objectives[index])
+            rows.append(_row(goal.measure, before, value))
     for one, value, before in zip(found.plan.varied, best.values, case.values, strict=True):
         there, own = one.shown(float(value)), one.shown(float(before))
         apart = (

@@ -4,26 +4,81 @@ and in JSON.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from valvetrain.explore.measure import BELOW, BEYOND, FOUND, Measure
+from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitFound, Measure
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, bound_label
+from valvetrain.explore.space import Varied
 from valvetrain.explore.trial import Trial
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.statics import card_quantities
+from valvetrain.solution.definition import shown
+from valvetrain.units import si
 
 #: A search whose best value came in this last share of its trials was still rising.
 LATE = 0.1
+#: What the card of a best design has besides what was varied: quantity -> name, and its unit next to
+#: loads in pounds.
+CARD = {
+    "card_preload": ("seat load", "lbf"),
+    "card_rate": ("rate", "lbf/in"),
+    "card_open_force": ("open load", "lbf"),
+}
+#: Varied values that a verdict names.
+MAX_NAMED = 6
 #: Share of the gain that a small step may cost before the best is called narrow.
 NARROW = 0.5
 
 
-def reported(one: Measure, value: float, digits: int = 5) -> str:
+@dataclass(frozen=True)
+class AsVaried:
+    """An objective that is itself one of the varied quantities, in the words and unit of that."""
+
+    varied: Varied
+    limit: None = None
+
+    @property
+    def label(self) -> str:
+        """What people read."""
+        return self.varied.shown_name
+
+    @property
+    def unit(self) -> str:
+        """The unit as typed."""
+        return self.varied.unit
+
+    def shown(self, value: float) -> float:
+        """A value (SI) in that unit."""
+        return self.varied.shown(value)
+
+
+def same_as_varied(found: Optimum, index: int) -> int | None:
+    """Place of the varied quantity that an objective is, by its values in the case and the best design;
+    None for any other.
+    """
+    best = found.best
+    if best is None or found.plan.objectives[index].measure.limit is not None:
+        return None
+    for place, one in enumerate(found.plan.varied):
+        pairs = (
+            (trial.objectives[index], trial.values[place]) for trial in (found.case, best.trial)
+        )
+        if all(np.isclose(value, own, rtol=1e-9, atol=0.0) for value, own in pairs):
+            return place if one.operation == "value" else None
+    return None
+
+
+def reported(one: Measure | AsVaried, value: float, digits: int = 5) -> str:
     """A value (SI) with its unit, as people read it."""
     if not np.isfinite(value):
         return "no number"
     return f"{one.shown(value):.{digits}g} {one.unit}".rstrip().replace("-", "−")
 
 
-def change(one: Measure, value: float, before: float) -> str:
+def change(one: Measure | AsVaried, value: float, before: float) -> str:
     """The difference of two values (SI) with its sign, and in per cent where that says something."""
     shown = one.shown(value) - one.shown(before)
     share = (
@@ -44,8 +99,8 @@ def sentences(found: Optimum) -> tuple[str, ...]:
     return (answer(found), *trust(found))
 
 
-def answer(found: Optimum) -> str:
-    """The answer in one sentence."""
+def answer(found: Optimum, values: str = "") -> str:
+    """The answer in one sentence, with the ``values`` of the best design where they are given."""
     best = found.best
     if best is None:
         return _nothing(found)
@@ -53,33 +108,34 @@ def answer(found: Optimum) -> str:
     if len(goals) > 1:
         spans = []
         for index, goal in enumerate(goals):
-            values = [float(one.objectives[index]) for one in found.front]
+            front = [float(one.objectives[index]) for one in found.front]
             spans.append(
-                f"{goal.measure.label} {reported(goal.measure, min(values))} to {reported(goal.measure, max(values))}"
+                f"{goal.measure.label} {reported(goal.measure, min(front))} to {reported(goal.measure, max(front))}"
             )
         there = _own(found.case)
         return f"{len(found.front)} designs beat each other in nothing: {'; '.join(spans)}. {there}"
-    one, value, before = (
-        goals[0].measure,
-        float(best.trial.objectives[0]),
-        float(case.objectives[0]),
+    place = same_as_varied(found, 0)
+    one: Measure | AsVaried = (
+        goals[0].measure if place is None else AsVaried(found.plan.varied[place])
     )
+    value, before = float(best.trial.objectives[0]), float(case.objectives[0])
+    at = f", with {values}" if values else ""
     if best.trial.number == 0:
         return f"No trial beats the case itself, whose {one.label} is {reported(one, value)}."
     if not case.feasible:
         most = "most" if goals[0].maximise else "least"
-        return f"The {most} that keeps every bound: {one.label} {_own_value(best.trial, one, 0)}. {_own(case)}"
+        return f"The {most} that keeps every bound: {one.label} {_own_value(best.trial, one, 0)}{at}. {_own(case)}"
     verb, least = (
         "rises" if value > before else "falls",
         "at least " if _beyond(best.trial, one) else "",
     )
     ends = f"from {_own_value(case, one, 0)} of the case to {_own_value(best.trial, one, 0)}"
-    return f"Within all bounds the {one.label} {verb} {ends} ({least}{change(one, value, before)})."
+    return f"Within all bounds the {one.label} {verb} {ends} ({least}{change(one, value, before)}){at}."
 
 
 def optimum_verdict(found: Optimum) -> str:
     """The answer, with the bounds that the best design misses by a finer model, as one sentence."""
-    said = answer(found).rstrip(".")
+    said = answer(found, best_values(found)).rstrip(".")
     lead = "" if found.finished else f"Stopped after {len(found.trials) - 1} trials: "
     if found.best is None:
         return f"{lead}{said}."
@@ -91,6 +147,58 @@ def optimum_verdict(found: Optimum) -> str:
         ]:
             said += f"; by {one.label} it misses {' and '.join(missed)}"
     return f"{lead}{said}."
+
+
+def best_values(found: Optimum) -> str:
+    """``seat load 147 lbf, open load 260.9 lbf, rate 206 lbf/in``: the best design, as typed, and what
+    follows for its card; empty where the case is best.
+    """
+    best = found.best
+    if best is None or best.trial.number == 0 or len(found.plan.objectives) > 1:
+        return ""
+    objective = same_as_varied(found, 0)
+    given = [
+        f"{one.shown_name} {one.shown(float(value)):.4g} {one.unit}".rstrip().replace("-", "−")
+        for place, (one, value) in enumerate(zip(found.plan.varied, best.trial.values, strict=True))
+        if place != objective
+    ]
+    if len(given) > MAX_NAMED:
+        return ""
+    return ", ".join([*given, *_card_values(found, best.trial)])
+
+
+def _card_values(found: Optimum, trial: Trial) -> list[str]:
+    """Seat load, rate and open load of the card that is varied, as far as they are not varied."""
+    case = found.plan.case
+    keys = [one.key.split(".") for one in found.plan.varied] if case is not None else []
+    places = {tuple(key[:-1]) for key in keys if "spring" in key[0] or "springs" in key[1:2]}
+    if len(places) != 1 or found.best is None:
+        return []
+    spring = _spring_at(found.case_of(found.best), places.pop())
+    if spring is None or spring.card is None:
+        return []
+    known = card_quantities(spring.card)
+    pounds = any(one.unit == "lbf" for one in found.plan.varied)
+    texts = []
+    for name, (label, unit) in CARD.items():
+        value = known.get(name)
+        if value is None or np.any(np.isclose(trial.values, value, rtol=1e-9, atol=0.0)):
+            continue
+        number, own = shown(name, value)
+        if pounds:
+            number, own = value / si(f"1 {unit}", "stiffness" if "rate" in name else "force"), unit
+        texts.append(f"{label} {number:.4g} {own}")
+    return texts
+
+
+def _spring_at(case: Case, path: tuple[str, ...]) -> InstalledSpring | None:
+    """The spring that a key such as ``train.springs.card.0`` names; None for any other part."""
+    if path[:2] == ("train", "springs") and len(path) == 4 and case.train is not None:
+        springs, index = case.train.springs.get(path[2], ()), path[3]
+    else:
+        springs, index = case.springs, path[1] if len(path) == 2 else "0"
+    place = int(index) if index.isdigit() else 0
+    return springs[place] if place < len(springs) else None
 
 
 def _own(case: Trial) -> str:
@@ -108,9 +216,10 @@ def _nothing(found: Optimum) -> str:
     if nearest is None:
         return f"None of {len(found.trials)} trials could be computed: {found.trials[-1].failure}"
     trial, phrase = nearest
-    worst = max(trial.penalties)
+    worst = 100 * max(trial.penalties)
+    size = f"{worst:.0f}" if worst >= 10 else f"{worst:.2g}"
     return (
-        f"No trial keeps every bound. Trial {trial.number} comes nearest; it misses '{phrase}' by {100 * worst:.2g} % of the bound: "
+        f"No trial keeps every bound. Trial {trial.number} comes nearest; it misses '{phrase}' by {size} % of the bound: "
         "loosen that bound, or widen the ranges."
     )
 
@@ -120,7 +229,8 @@ def trust(found: Optimum) -> tuple[str, ...]:
     seeds, other models.
     """
     best = found.best
-    counts = f"{found.feasible} of {len(found.trials)} trials keep every bound"
+    every = f"{found.feasible} of {len(found.trials)} designs, the case among them,"
+    counts = f"{every} keep every bound"
     failed = sum(bool(one.failure) for one in found.trials)
     lines = [counts + (f", {failed} could not be computed." if failed else ".")]
     if best is None:
@@ -232,21 +342,25 @@ def confirmed_text(one: Confirmed, found: Optimum) -> str:
     return f"By {one.label}: {'; '.join(parts)}. {bounds}"
 
 
-def _beyond(trial: Trial, measure: Measure) -> bool:
+def _beyond(trial: Trial, measure: Measure | AsVaried) -> bool:
     """Whether a limit speed lies outside the speeds that were searched, so that there is no number
     for it.
     """
-    return any(bracket.kind != FOUND for bracket in trial.measured.limits.get(measure, ()))
+    return any(bracket.kind != FOUND for bracket in _limits_of(trial, measure))
 
 
-def _own_value(trial: Trial, measure: Measure, index: int) -> str:
+def _limits_of(trial: Trial, measure: Measure | AsVaried) -> tuple[LimitFound, ...]:
+    return () if isinstance(measure, AsVaried) else trial.measured.limits.get(measure, ())
+
+
+def _own_value(trial: Trial, measure: Measure | AsVaried, index: int) -> str:
     """An objective of a trial; of a limit speed outside the speeds searched, on which side."""
     phrase = reported(measure, float(trial.objectives[index]))
     if not _beyond(trial, measure):
         return phrase
     return (
         f"below {phrase}"
-        if any(one.kind == BELOW for one in trial.measured.limits[measure])
+        if any(one.kind == BELOW for one in _limits_of(trial, measure))
         else f"{phrase} or more"
     )
 

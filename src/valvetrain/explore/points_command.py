@@ -243,7 +243,7 @@ def _show_optimum(console: Console, found: Optimum, folder: Path) -> None:
         for sentence in sentences(found):
             console.print(sentence, soft_wrap=True)
     console.print(
-        f"{len(found.trials)} trials, {found.computed} points computed in {found.seconds:.0f} s",
+        f"{len(found.trials) - 1} trials and the case, {found.computed} points computed in {found.seconds:.0f} s",
         soft_wrap=True,
     )
     if found.best is not None:

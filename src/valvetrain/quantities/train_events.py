@@ -142,7 +142,7 @@ def _loss_details(
     force = solution.channel(f"{place}_contact_force")
     last = int(np.argmin((solution.cam_angle - part[1]) % TURN))
     return {
-        "cause": _cause_within(solution, rigid, part),
+        **_cause_within(solution, rigid, part),
         "landing_cam_angle": part[1] % TURN,
         "landing_force": float(np.max(force[np.arange(last - 1, last + 7) % len(force)])),
     }
@@ -166,7 +166,7 @@ def _floats(solution: Solution, rigid: RigidCycle, losses: Sequence[Event]) -> l
             part,
             _largest_within(angle, excess, part),
             "valve",
-            {"cause": _cause_within(solution, rigid, part)},
+            _cause_within(solution, rigid, part),
         )
         for part in shared(above, lost)
     ]
@@ -302,19 +302,22 @@ def _time_at(solution: Solution, angle: float) -> float:
     return float(solution.time[0] + (angle - solution.cam_angle[0]) / rate)
 
 
-def _cause_within(solution: Solution, rigid: RigidCycle, part: Span) -> str:
+def _cause_within(solution: Solution, rigid: RigidCycle, part: Span) -> dict[str, Detail]:
     return _cause(solution, rigid, _between(solution, part[0], part[1] - part[0]))
 
 
-def _cause(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -> str:
+def _cause(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -> dict[str, Detail]:
+    """The cause; of surge also what it takes off the spring force (N) as the stretch begins."""
     first = window[: max(1, len(window) // 4)]
     if np.min(rigid.contact_force[window]) <= 0:
-        return CAUSE_INERTIA
-    if np.mean(solution.channel("retainer_force")[first]) < 0.9 * np.mean(
-        solution.channel("static_retainer_force")[first]
-    ):
-        return CAUSE_SURGE
-    return CAUSE_VIBRATION
+        return {"cause": CAUSE_INERTIA}
+    force, static = (
+        float(np.mean(solution.channel(name)[first]))
+        for name in ("retainer_force", "static_retainer_force")
+    )
+    if force < 0.9 * static:
+        return {"cause": CAUSE_SURGE, "spring_force_loss": static - force}
+    return {"cause": CAUSE_VIBRATION}
 
 
 def _event(

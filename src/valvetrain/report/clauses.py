@@ -54,7 +54,8 @@ class Runs:
         """A quantity of a run, or of its spring at rest; NaN where neither has it."""
         if name in run.quantities:
             return run.quantities[name]
-        places = (self.still.get(label, {}) for label in (run.label, run.model, ""))
+        labels = (run.label, run.spring_set, run.model, "")
+        places = (self.still.get(label, {}) for label in labels)
         return next((one[name] for one in places if name in one), math.nan)
 
     def worst(self, name: str, least: bool, prefer: Solution | None = None) -> Worst | None:
@@ -83,8 +84,16 @@ class Runs:
         unit = size.partition(" ")[2]
         return f"{value.removesuffix(f' {unit}') if unit else value} ± {size}"
 
-    def bar(self, found: Worst) -> float:
-        """The known error bar of a value where it is above 5 %, else 0."""
+    def bounded(self, found: Worst) -> str:
+        """A value; of a stress by EN 13906-1 with what the wire is permitted, where that is known."""
+        text, name = self.text(found), found.name.replace("nominal_peak", "permitted")
+        bound = self.value(found.run or self.solutions[0], name)
+        if name == found.name or not math.isfinite(bound):
+            return text
+        return f"{text}, permitted {quantity_text(name, bound)}"
+
+    def bar(self, found: Worst, above: float = COARSE) -> float:
+        """The known error bar of a value where it is ``above`` that share of it, else 0."""
         run = found.run or (self.solutions[0] if len(self.solutions) == 1 else None)
         for row in self.bars:
             if (
@@ -92,7 +101,8 @@ class Runs:
                 and run is not None
                 and (row.label or "finite-element") == (run.label or "finite-element")
                 and same_speed(row.engine_speed, run.engine_speed)
-                and row.numerical > COARSE * abs(found.value) > 0
+                and row.numerical > above * abs(found.value)
+                and found.value
             ):
                 return row.numerical
         return 0.0
@@ -100,7 +110,13 @@ class Runs:
     def place(self, run: Solution) -> str:
         """Which of the runs one is: ``at 6000 rpm (modal-varied)``, as far as they differ in it."""
         speed = f"at {rpm(run.engine_speed):.6g} rpm" if self.speeds > 1 else ""
-        return " ".join(filter(None, (speed, f"({run.label})" if self.labels > 1 else "")))
+        return " ".join(filter(None, (speed, f"({self.name(run)})" if self.labels > 1 else "")))
+
+    def name(self, run: Solution) -> str:
+        """The spring set of a run where that tells the labels apart, else its label."""
+        sets = {(one.spring_set, one.label) for one in self.solutions}
+        known = {name for name, _ in sets} - {""}
+        return run.spring_set if len(known) == len(sets) == self.labels else run.label
 
     @property
     def speeds(self) -> int:

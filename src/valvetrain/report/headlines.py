@@ -105,9 +105,11 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
 
 
 def _runs(study: Study, column: HeadlineColumn) -> list[Solution]:
-    return [
-        run for run in study.runs(column.label) if column.engine_speed in (None, run.engine_speed)
-    ]
+    """The runs of a column; over engine speed those between the swept speeds too."""
+    if column.engine_speed is None:
+        between = [run for run in study.between if run.label == column.label]
+        return sorted((*study.runs(column.label), *between), key=lambda run: run.engine_speed)
+    return [run for run in study.runs(column.label) if run.engine_speed == column.engine_speed]
 
 
 def _passed(runs: Sequence[Solution]) -> list[PassedLimit]:
@@ -121,7 +123,8 @@ def limit_sentences(study: Study, reasons: bool = True) -> tuple[str, ...]:
     found = []
     for label in study.labels:
         worst: dict[str, tuple[PassedLimit, Solution]] = {}
-        for run in study.runs(label):
+        every = _runs(study, HeadlineColumn(label)) if study.over_speed else study.runs(label)
+        for run in every:
             for name, one in passed_limits(run.quantities).items():
                 if name not in worst or abs(one.value - one.limit) > abs(
                     worst[name][0].value - worst[name][0].limit

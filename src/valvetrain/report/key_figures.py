@@ -1,5 +1,5 @@
-"""Key figures below the verdict of runs: how long the valve is open, what the cam takes, the
-hardest clash of coils, the time step.
+"""Key figures next to the verdict: of one spring set how long the valve is open, what the cam takes and
+the time step; of several, and over engine speed, power, stress, surge, clash and clearance of each.
 """
 
 from __future__ import annotations
@@ -8,25 +8,39 @@ import math
 from collections.abc import Iterator
 
 from valvetrain.quantities.table import EVENT_LIFTS
-from valvetrain.report.clauses import Runs, figure, quantity_text
-from valvetrain.report.headlines import clash_pair
+from valvetrain.report.clauses import Runs, Worst, figure, quantity_text
 from valvetrain.report.run_clauses import judged_runs, worst_run
-from valvetrain.report.text import unit_text
+from valvetrain.report.sweep_verdict import NO_SURGE, runs_over_speed
+from valvetrain.report.text import rpm
+from valvetrain.solution.definition import NESTED
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
 #: Heights of the valve at which a card gives its duration.
 CARD_LIFTS = ("50_thou", "1_mm")
+#: What is listed of each label: quantity -> its name there, and whether the least counts.
+EACH = {
+    "mean_cam_power": ("cam power", False),
+    "nominal_peak_shear_stress": ("peak shear stress", False),
+    "surge_amplitude_force": ("surge, 0 to peak", False),
+    "clash_energy": ("clash energy", False),
+    "coil_bind_clearance": ("clearance to coil bind at full lift", True),
+}
+#: Labels of which each is listed.
+MAX_LABELS = 4
 
 
 def key_figures(study: Study) -> tuple[tuple[str, str], ...]:
-    """(name, value) of each, of the run that is worst or of the run where it is largest; nothing over
-    engine speed and without runs.
+    """(name, value) of each, of the run that is worst or of the run where it is largest; of several
+    spring sets and over engine speed of each label; nothing without runs.
     """
     runs = judged_runs(study)
     worst = worst_run(runs)
-    if worst is None or study.over_speed:
+    if worst is None:
         return ()
+    several = len({run.spring_set for run in runs.solutions}) > 1
+    if study.over_speed or (several and len(study.labels) <= MAX_LABELS):
+        return tuple(_of_each(study)) if len(study.labels) <= MAX_LABELS else ()
     figures = list(_figures(runs, worst))
     several = len(runs.solutions) > 1
     alike = len({id(run) for _, run, _ in figures}) == 1
@@ -34,6 +48,55 @@ def key_figures(study: Study) -> tuple[tuple[str, str], ...]:
         (f"{name} {runs.place(run)}" if several and not (alike and place) else name, value)
         for place, (name, run, value) in enumerate(figures)
     )
+
+
+def _of_each(study: Study) -> Iterator[tuple[str, str]]:
+    """The largest or least value of every label, with its engine speed where that differs."""
+    known = {label: runs_over_speed(study, label) for label in study.labels}
+    every = Runs(study.solutions)
+    names = {run.label: every.name(run) for run in study.solutions}
+    for quantity, (name, least) in EACH.items():
+        found = {
+            label: one
+            for label, runs in known.items()
+            if (one := _worst(runs, quantity, least)) is not None
+        }
+        places = {label: _place(known[label], one) for label, one in found.items()}
+        alike = len(set(places.values())) == 1
+        texts = [
+            f"{_value(known[label], one)}"
+            + (f" ({names[label]})" if len(known) > 1 else "")
+            + ("" if alike else places[label])
+            for label, one in found.items()
+        ]
+        if texts:
+            yield name, ", ".join(texts) + (next(iter(places.values())) if alike else "")
+
+
+def _worst(runs: Runs, quantity: str, least: bool) -> Worst | None:
+    """Of a pair of springs the worse one; no surge that is round-off."""
+    found = [
+        one
+        for spring in ("", *NESTED)
+        if (one := runs.worst(f"{spring}_{quantity}".strip("_"), least)) is not None
+    ]
+    worst = (min if least else max)(found, key=lambda one: one.value, default=None)
+    if worst is not None and quantity == "surge_amplitude_force":
+        peak = runs.worst("peak_spring_force", least=False)
+        if peak is not None and worst.value <= NO_SURGE * peak.value:
+            return None
+    return worst
+
+
+def _place(runs: Runs, one: Worst) -> str:
+    return "" if one.run is None or runs.speeds == 1 else f" at {rpm(one.run.engine_speed):.0f} rpm"
+
+
+def _value(runs: Runs, one: Worst) -> str:
+    """The value; of a stress with what the wire is permitted, where that is known."""
+    if one.name == "clash_energy" and one.value <= 0:
+        return "none"
+    return runs.bounded(one)
 
 
 def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]:
@@ -45,18 +108,6 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
     if open_for:
         yield "valve open, crank deg", worst, ", ".join(open_for)
     if (power := runs.worst("mean_cam_power", least=False)) is not None:
-        yield "power of the cam", power.run or worst, runs.text(power)
-    clashes = [
-        (event, run) for run in runs.solutions for event in run.events if event.kind == "clash"
-    ]
-    if clashes:
-        hardest, run = max(clashes, key=lambda pair: pair[0].size)
-        angle = math.degrees(hardest.cam_angle) % 360
-        size = f"{figure(hardest.size)} {unit_text(hardest.unit)}"
-        yield (
-            "clash of largest force",
-            run,
-            f"{size}, coils {clash_pair(hardest)} at {angle:.0f} deg",
-        )
+        yield "cam power", power.run or worst, runs.text(power)
     if math.isfinite(step := runs.value(worst, "time_step_duration")):
         yield "time step", worst, quantity_text("time_step_duration", step)

@@ -6,8 +6,15 @@ import math
 from collections.abc import Iterator
 
 from valvetrain.quantities.limits import PassedLimit, passed_limits
-from valvetrain.quantities.train_events import PLACES
-from valvetrain.report.clauses import Clause, Runs, Worst, counted, joined, quantity_text
+from valvetrain.quantities.train_events import (
+    CAUSE_INERTIA,
+    CAUSE_SURGE,
+    CAUSE_VIBRATION,
+    PLACES,
+)
+from valvetrain.report.clauses import Clause, Runs, Worst, counted, figure, joined, quantity_text
+from valvetrain.report.headlines import clash_pair
+from valvetrain.report.text import unit_text
 from valvetrain.runs.notes import rings
 from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT
@@ -18,6 +25,15 @@ from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
 
+#: Cause of an event -> how a sentence gives it.
+CAUSES = {
+    CAUSE_INERTIA: "inertia exceeds the spring force",
+    CAUSE_SURGE: "surge lowers the spring force",
+    CAUSE_VIBRATION: "the train vibrates",
+}
+SURGE_ORDER = "surge_amplitude_cam_order"
+#: Crank angle (rad) of the open valve above which its loss to flex is named.
+FLEX_ANGLE = math.radians(1.0)
 #: Room to coil bind (m) below which it is called close (docs/limits.md).
 NEAR_BIND = 1e-3
 
@@ -89,7 +105,9 @@ def bind_clause(runs: Runs) -> Clause | None:
     if 0 <= one.value < NEAR_BIND:
         return Clause(f"{whose}only {runs.text(one)} clear of coil bind", one.run)
     if one.value >= 0:
-        return Clause(f"{whose}clear of coil bind by {runs.text(one)}", one.run)
+        clash = any(runs.value(run, "clash_count") > 0 for run in runs.solutions)
+        still = " at full lift" if clash else ""  # coils clash in spite of it
+        return Clause(f"{whose}clear of coil bind by {runs.text(one)}{still}", one.run)
     short = runs.text(Worst(one.name, -one.value, one.run))
     return Clause(f"{whose}solid {short} before the largest lift", one.run)
 
@@ -101,10 +119,11 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
         time = runs.text(lost)
         gap = f"loft of {runs.text(loft)}, " if loft is not None and loft.value > 0 else ""
         places, flight = _places_lost(runs, lost), _flight(runs, loft)
+        why = _why_lost(runs, lost)
         yield Clause(
-            f"{gap}{time} without contact{places}{flight}"
+            f"{gap}{time} without contact{places}{why}{flight}"
             if gap
-            else f"contact lost{places} for {time}",
+            else f"contact lost{places} for {time}{why}",
             lost.run,
         )
     elif lost is not None:
@@ -112,18 +131,19 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
     over = runs.worst("float_excess_lift", False)
     if over is not None and over.value > FLOAT_LIFT:
         yield Clause(f"floats {runs.text(over)} above the rigid lift", over.run)
-    flex = runs.worst("lift_loss_displacement", False)
-    if flex is not None and flex.value > FLOAT_LIFT:
-        yield Clause(f"flex takes {runs.text(flex)} of lift", flex.run)
+    if (flex := _flex_clause(runs)) is not None:
+        yield flex
     bounces, height = runs.worst("bounce_count", False), runs.worst("bounce_height", False)
     if bounces is not None:
         count = round(bounces.value)
         if count and height is not None and 0 < height.value <= BOUNCE_HEIGHT:
             yield Clause(f"no bounce above {quantity_text('bounce_height', BOUNCE_HEIGHT)}")
         else:
+            run = bounces.run if height is None or not count else height.run or bounces.run
+            if run is not None and count:
+                count = max(1, round(runs.value(run, "bounce_count")))
             size = f" of {runs.text(height)}" if height is not None and height.value > 0 else ""
             high = f" up{size.replace(' of', ' to')}" if count > 1 and size else size
-            run = bounces.run if height is None or not count else height.run or bounces.run
             said = f"{counted(count, 'bounce')}{high if count else ''}"
             yield Clause(said, run if count else None)
     piston = runs.worst("minimum_piston_clearance_gap", True)
@@ -134,6 +154,26 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             else "the valve meets the piston",
             piston.run,
         )
+
+
+def _flex_clause(runs: Runs) -> Clause | None:
+    """Lift and duration that flex takes, of the run that loses most lift; None of what is small."""
+    flex = runs.worst("lift_loss_displacement", False)
+    if flex is None:
+        return None
+    run = flex.run or runs.solutions[0]
+    rigid, open_for = (
+        runs.value(run, f"{name}_50_thou_open_crank_angle_range")
+        for name in ("rigid_valve", "valve")
+    )
+    shorter = rigid - open_for  # NaN where one is unknown
+    lift, angle = flex.value > FLOAT_LIFT, shorter > FLEX_ANGLE
+    if not (lift or angle):
+        return None
+    takes = [f"{runs.text(flex)} of lift"] if flex.value > 0 else []
+    if shorter > 0:
+        takes.append(f"{figure(math.degrees(shorter), 2)} crank deg of duration at 0.050 in")
+    return Clause(f"flex takes {joined(takes)}", flex.run)
 
 
 def _losses(runs: Runs, found: Worst) -> list[Event]:
@@ -149,6 +189,27 @@ def _places_lost(runs: Runs, lost: Worst) -> str:
     return f" at the {joined(places)}" if places and places != ["cam"] else ""
 
 
+def _why_lost(runs: Runs, lost: Worst) -> str:
+    """Why contact is lost, in the largest gap."""
+    for event in _losses(runs, lost):
+        cause = cause_text(lost.run or runs.solutions[0], event)
+        if cause and (event.size > FLOAT_LIFT or cause != CAUSES[CAUSE_VIBRATION]):
+            return f" because {cause}"
+    return ""
+
+
+def cause_text(run: Solution, event: Event, size: bool = True, where: str = "") -> str:
+    """The cause of an event, with what surge takes off the spring force ``where``, and its cam order;
+    empty where none is known.
+    """
+    cause = CAUSES.get(str(event.details.get("cause", "")), "")
+    if cause != CAUSES[CAUSE_SURGE] or not size:
+        return cause
+    loss, order = event.details.get("spring_force_loss"), run.quantities.get(SURGE_ORDER, 0.0)
+    force = "" if loss is None else f" by {figure(float(loss))} N{where}"
+    return f"{cause}{force}{f' (order {order:.0f})' if order else ''}"
+
+
 def _flight(runs: Runs, loft: Worst | None) -> str:
     """Where the follower leaves the cam and lands, in its largest loft."""
     if loft is None or loft.value < FLOAT_LIFT:
@@ -162,12 +223,25 @@ def _flight(runs: Runs, loft: Worst | None) -> str:
 
 
 def _clash_clauses(runs: Runs) -> Iterator[Clause]:
+    """Clashes, their energy and the hardest of them, of the run with most of it."""
     clashes = runs.worst("clash_count", False)
     alone = all(run.provenance.system != TRAIN for run in runs.solutions)
-    if clashes is not None and (clashes.value or alone):
-        count = round(clashes.value)
-        plural = "coil clashes"
-        yield Clause(counted(count, "coil clash", plural), clashes.run if count else None)
+    if clashes is None or not (clashes.value or alone):
+        return
+    energy = runs.worst("clash_energy", False)
+    run = clashes.run if energy is None or energy.run is None else energy.run
+    count = round(clashes.value if run is None else runs.value(run, "clash_count"))
+    text = counted(count, "coil clash", "coil clashes")
+    if count and energy is not None and energy.value > 0:
+        text += f" ({runs.text(energy)} in all)"
+    events = [] if run is None and len(runs.solutions) > 1 else (run or runs.solutions[0]).events
+    if hardest := max(
+        (one for one in events if one.kind == "clash"), key=lambda one: one.size, default=None
+    ):
+        angle = math.degrees(hardest.cam_angle) % 360
+        size = f"{figure(hardest.size)} {unit_text(hardest.unit)}"
+        text += f", hardest {size} at {angle:.0f} deg, coils {clash_pair(hardest)} (try more gap)"
+    yield Clause(text, run if count else None)
 
 
 def _force_clauses(runs: Runs) -> Iterator[Clause]:

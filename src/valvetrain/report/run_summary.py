@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from valvetrain.quantities.valve_events import OPEN_SHARE
 from valvetrain.report.text import in_unit, number, percent, quantity_label, rpm
 from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.critical import KINDS, CriticalSpeed
@@ -75,17 +76,29 @@ def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
     return rows
 
 
+def control_legend(study: Study) -> str:
+    """From what on a train has lost control, of the search of a sweep; empty without one."""
+    limits = {row.kind: f"{number(in_unit(row.limit, 'mm'))} mm" for row in study.critical_speeds}
+    if not limits:
+        return ""
+    return (
+        f"Controlled: no contact of the drive opens while the valve is open by more than {OPEN_SHARE:.0%} of its lift".replace(
+            "%", " %"
+        )
+        + f"; float: more than {limits['float']} above the rigid lift; bounce: higher than {limits['bounce']}."
+    )
+
+
 def critical_notes(study: Study) -> tuple[str, ...]:
     """How the critical speeds were searched."""
     if not len(study.critical_speeds):
         return ()
     one = study.critical_speeds.rows[0]
-    limits = {row.kind: f"{number(in_unit(row.limit, 'mm'))} mm" for row in study.critical_speeds}
     return (
+        control_legend(study),
         f"Searched from {rpm(one.first_engine_speed):.6g} to {rpm(one.last_engine_speed):.6g} rpm, every speed from rest, and about each "
         f"change with the motion of the neighbouring speed carried on, rising and falling; brackets of {rpm(one.resolution):.3g} rpm or "
-        f"less. Float: valve more than {limits['float']} above its rigid lift, off the cam; bounce: higher than {limits['bounce']}. "
-        "A very narrow speed range may be missed.",
+        f"less. A very narrow speed range may be missed.",
         *((RANGES_NOTE,) if any(row.onset for row in study.critical_speeds) else ()),
     )
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from valvetrain.report.clauses import (
     ENDED,
     Runs,
+    Worst,
     clause_texts,
     ended_clauses,
     figure,
@@ -26,6 +27,11 @@ from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import NESTED, label_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
+
+#: Cam orders that a verdict on modes names.
+MODE_ORDERS = (6, 12)
+#: What models are compared in.
+PEAK = "peak_spring_force"
 
 
 def study_verdict(study: Study) -> str:
@@ -62,27 +68,34 @@ def solution_verdict(run: Solution) -> str:
 
 def _spread(study: Study) -> str:
     """How far models of one spring set are apart in the peak force, where there are several."""
-    worst: tuple[float, float, float, float] | None = None
+    worst: tuple[float, float, str] | None = None
+    bars = judged_runs(study)
     for speed in study.engine_speeds:
         for name in {run.spring_set for run in study.solutions}:
             peaks = {
-                run.model: run.quantities["peak_spring_force"]
+                run.model: run
                 for run in study.solutions
                 if run.label.rpartition(", ")[2] == run.model
                 and run.engine_speed == speed
                 and run.spring_set == name
                 and is_judged(run)
-                and math.isfinite(run.quantities.get("peak_spring_force", math.nan))
+                and math.isfinite(run.quantities.get(PEAK, math.nan))
             }
             if len(peaks) > 1:
-                low, high = min(peaks.values()), max(peaks.values())
-                found = ((high - low) / max(abs(high), 1e-12), low, high, speed)
+                ends = sorted(peaks.values(), key=lambda run: run.quantities[PEAK])
+                low, high = (ends[at].quantities[PEAK] for at in (0, -1))
+                known = sum(
+                    bars.bar(Worst(PEAK, run.quantities[PEAK], run), above=0.0)
+                    for run in (ends[0], ends[-1])
+                )
+                inside = ", inside their error bars" if high - low <= known else ""
+                found = ((high - low) / max(abs(high), 1e-12), speed, inside)
                 worst = found if worst is None or found > worst else worst
     if worst is None:
         return ""
-    apart, _, _, speed = worst
+    apart, speed, inside = worst
     where = f" at {speed_text(speed)}" if len(study.engine_speeds) > 1 else ""
-    return f"models differ by {_share(apart)} in peak force{where}"
+    return f"models differ by {_share(apart)} in peak force{where}{inside}"
 
 
 def rest_failures(study: Study) -> list[str]:
@@ -109,7 +122,7 @@ def rest_clauses(study: Study) -> list[str]:
     modes = [] if first.modes is None else [float(one) for one in first.modes.axial_frequencies]
     if modes:
         place = 0 if study.command == "modes" else len(parts)
-        parts.insert(place, f"first axial mode {figure(modes[0])} Hz")
+        parts.insert(place, f"first axial mode {figure(modes[0])} Hz{_orders(study, modes[0])}")
     if not parts:
         return []
     others = [
@@ -123,6 +136,14 @@ def rest_clauses(study: Study) -> list[str]:
     if others:
         text += f", other models within {_share(max(map(abs, others)))} in that mode"
     return [*pair_clause(study), text]
+
+
+def _orders(study: Study, frequency: float) -> str:
+    """Crank speeds at which cam orders meet a frequency (Hz), where modes were asked for."""
+    if study.command != "modes":
+        return ""
+    ends = (f"{order} at {120 * frequency / order:.0f} rpm" for order in MODE_ORDERS)
+    return f" (cam order {' to '.join(ends)})"
 
 
 def pair_clause(study: Study) -> list[str]:

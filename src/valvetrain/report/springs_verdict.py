@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from valvetrain.report.clauses import Runs, Worst, ended_clauses, sentence
+from valvetrain.report.clauses import Runs, Worst, ended_clauses, joined, sentence
 from valvetrain.report.run_clauses import bind_clause, condition_of
 from valvetrain.report.sweep_verdict import runs_over_speed
 from valvetrain.report.text import rpm
@@ -31,6 +31,7 @@ def springs_verdict(study: Study) -> str:
     found += _near_bind(names, pair)
     for quantity in SAID:
         found.append(_better(quantity, names, pair))
+    found.append(_unknown(names, pair))
     condition = next(filter(None, map(condition_of, pair)), "")
     text = sentence([one for one in found if one], condition)
     first = next((one for one in found if one), "")
@@ -50,14 +51,33 @@ def _better(quantity: str, names: list[str], pair: list[Runs]) -> str:
         return ""
     place = 0 if one.value < other.value else 1
     both = [_numbers(runs, found) for runs, found in zip(pair, (one, other), strict=True)]
-    against = f"({both[place][0]} against {both[1 - place][0]})"
+    (better, bound), (worse, other_bound) = (
+        text.partition(", permitted ")[::2] for text, _ in (both[place], both[1 - place])
+    )
+    if bound and bound == other_bound:  # the bound of both once
+        against = f"({better} against {worse}, permitted {bound})"
+    else:
+        against = f"({both[place][0]} against {both[1 - place][0]})"
     if not all(known for _, known in both):
         return f"{noun} not resolved {against}"
     return f"{names[place]} {word} {against}"
 
 
+def _unknown(names: list[str], pair: list[Runs]) -> str:
+    """What one spring shows and the other cannot, as a card without its wire."""
+    for name, runs, other in zip(names, pair, pair[::-1], strict=True):
+        nouns = [
+            noun
+            for quantity, (_, noun, _) in SAID.items()
+            if runs.worst(quantity, False) is None and other.worst(quantity, False) is not None
+        ]
+        if nouns:
+            return f"{joined(nouns)} of {name} unknown without its wire"
+    return ""
+
+
 def _numbers(runs: Runs, found: Worst) -> tuple[str, bool]:
-    return runs.text(found), runs.bar(found) <= abs(found.value)
+    return runs.bounded(found), runs.bar(found) <= abs(found.value)
 
 
 def _near_bind(names: list[str], pair: list[Runs]) -> list[str]:
@@ -78,7 +98,8 @@ def _float_text(study: Study, names: list[str]) -> str:
         speeds.append(math.inf if one is None or not one.found else one.engine_speed)
     if all(map(math.isinf, speeds)):
         return f"neither floats up to {rpm(max(study.engine_speeds)):.5g} rpm"
-    texts = ["never" if math.isinf(one) else f"{rpm(one):.0f} rpm" for one in speeds]
+    never = f"never up to {rpm(max(study.engine_speeds)):.5g} rpm"
+    texts = [never if math.isinf(one) else f"{rpm(one):.0f} rpm" for one in speeds]
     if abs(speeds[0] - speeds[1]) <= ALIKE * min(speeds):
         return f"both float from {texts[0]}"
     place = 0 if speeds[0] > speeds[1] else 1

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from valvetrain.quantities.limits import passed_limits
+from valvetrain.quantities.train_events import PLACES
 from valvetrain.report.clauses import (
     ENDED,
     Runs,
@@ -18,7 +19,7 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
-from valvetrain.report.run_clauses import bind_clause, is_judged
+from valvetrain.report.run_clauses import bind_clause, cause_text, is_judged
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import FLOAT_LIFT, CriticalSpeed
@@ -38,6 +39,8 @@ LOST = {
 WIDE = 0.05
 #: Share of the peak spring force up to which a surge is none, but what a massless spring leaves.
 NO_SURGE = 1e-4
+#: What is said of a surge below its error bar.
+UNRESOLVED = ", not resolved"
 #: Engine speeds that are named one by one.
 MAX_NAMED = 3
 
@@ -69,11 +72,7 @@ def sweep_clauses(study: Study) -> list[str]:
     parts += limits_over_speed(runs)
     if not train:
         parts += _spring_forces(runs)
-    if (surge := worst_surge(runs.solutions)) is not None:
-        order = f" (order {surge.order})" if surge.order else ""
-        size, known = surge_text(runs, surge)
-        text = f"{size} at {_speed(surge.run)}{order}"
-        parts.append(f"worst surge {text}{'' if known else ', not resolved'}")
+    parts += _surge(study, label, runs)
     parts += unsettled(study.runs(label))
     if several:
         parts[0] = f"worst ({label}): {parts[0]}"
@@ -88,6 +87,31 @@ def runs_over_speed(study: Study, label: str) -> Runs:
     return Runs(tuple(judged), study.still, bars)
 
 
+def _surge(study: Study, label: str, runs: Runs) -> list[str]:
+    """The worst surge; one beyond control also with the worst below that."""
+    surge = worst_surge(runs.solutions)
+    if surge is None:
+        return []
+    text, limit = f"worst surge {_surge_at(runs, surge)}", controlled_to(study, label)
+    if text.endswith(UNRESOLVED):
+        return [text]
+    if surge.run.engine_speed > limit:
+        text += ", beyond control"
+        below = [run for run in runs.solutions if run.engine_speed < limit]
+        if (other := worst_surge(below)) is not None:
+            return [f"{text}, below that {_surge_at(runs, other)}"]
+    elif surge.run in (runs.solutions[0], runs.solutions[-1]) and runs.speeds > 1:
+        text += ", at the end of the range"
+    return [text]
+
+
+def _surge_at(runs: Runs, surge: Surge) -> str:
+    """``124 N at 6444 rpm (order 9)``."""
+    size, known = surge_text(runs, surge)
+    order = f" (order {surge.order})" if surge.order else ""
+    return f"{size} at {_speed(surge.run)}{order}{'' if known else UNRESOLVED}"
+
+
 def surge_text(runs: Runs, surge: Surge) -> tuple[str, bool]:
     """A surge amplitude with its error bar, and whether it is above that."""
     found = Worst("surge_amplitude_force", surge.amplitude, surge.run)
@@ -99,15 +123,7 @@ def controlled_to(study: Study, label: str) -> float:
     never, 0 where it does from the first speed on.
     """
     found = [one for one in study.critical_speeds if one.label == label and one.found]
-    return min(
-        (
-            0.0
-            if one.begins is None and not math.isfinite(one.nominal_engine_speed)
-            else one.engine_speed
-            for one in found
-        ),
-        default=math.inf,
-    )
+    return min(map(_lost_from, found), default=math.inf)
 
 
 def worst_label(study: Study) -> str:
@@ -143,8 +159,11 @@ def _control(study: Study, label: str, runs: Runs) -> list[str]:
         if limit <= 0
         else f"controlled to {rpm(limit):.0f} rpm, where {first_lost}{_range(rows[0])}"
     )
-    others = [_loses(one) for one in rows[1:]]
-    return [begun, *([f"{joined(others)} rpm"] if others else [])]
+    cause = _cause(rows[0], runs)
+    begun += f" because {cause}" if cause else ""
+    others = [_loses(one, runs, cause) for one in rows[1:]]
+    unit = " rpm" if others and not others[-1].endswith(")") else ""
+    return [begun, *([f"{joined(others)}{unit}"] if others else [])]
 
 
 def _least_force(runs: Runs) -> str:
@@ -156,13 +175,47 @@ def _least_force(runs: Runs) -> str:
     return f", minimum cam force {runs.text(force)}{where}"
 
 
-def _loses(one: CriticalSpeed) -> str:
-    """``floats from 7302``."""
+def _cause(one: CriticalSpeed, runs: Runs, size: bool = True) -> str:
+    """Why control is lost, in the first run from there on that shows it; empty where none tells."""
+    for run in runs.solutions:
+        if run.engine_speed >= _lost_from(one) and (
+            cause := _cause_in(run, one.kind, one.limit, one.place, size)
+        ):
+            return cause
+    return ""
+
+
+def _cause_in(run: Solution, kind: str, limit: float, place: str = "", size: bool = True) -> str:
+    """Why a run loses control in one way, in its largest event above a ``limit`` (m), at the ``place``
+    where it has one there.
+    """
+    kinds = tuple(PLACES.values()) if kind == "contact-loss" else (kind,)
+    events = [one for one in run.events if one.kind in kinds and one.size > limit]
+    events = [one for one in events if one.where in place.split(", ")] or events
+    if not events:
+        return ""
+    where = f" at {_speed(run)}" if size else ""
+    return cause_text(run, max(events, key=lambda one: one.size), size, where)
+
+
+def _lost_from(one: CriticalSpeed) -> float:
+    """Engine speed (rad/s) from which control is lost: 0 for the first speed searched."""
+    return (
+        0.0
+        if one.begins is None and not math.isfinite(one.nominal_engine_speed)
+        else one.engine_speed
+    )
+
+
+def _loses(one: CriticalSpeed, runs: Runs, first: str) -> str:
+    """``floats from 7302``, with its cause where that is not the ``first``."""
     verb = LOST[one.kind][1]
+    cause = _cause(one, runs, size=False)
+    why = f" rpm ({cause})" if cause and not first.startswith(cause) else ""
     speed = one.engine_speed
     if one.begins is None and not math.isfinite(one.nominal_engine_speed):
-        return f"{verb} below {rpm(one.first_engine_speed):.6g}"
-    return f"{verb} {rpm(speed):.0f}"
+        return f"{verb} below {rpm(one.first_engine_speed):.6g}{why}"
+    return f"{verb} {rpm(speed):.0f}{why}"
 
 
 def _range(one: CriticalSpeed) -> str:
@@ -195,14 +248,16 @@ def _control_of_runs(runs: Runs) -> str:
     first: dict[str, Solution] = {}
     for run, what in sorted(lost, key=lambda pair: pair[0].engine_speed):
         first.setdefault(what, run)
-    return joined(
-        [
-            f"{what} already at {_speed(run)}, the lowest speed run"
-            if run.engine_speed <= min(speeds)
-            else f"{what} first at {_speed(run)}"
-            for what, run in first.items()
-        ]
-    )
+    texts = [
+        f"{what} already at {_speed(run)}, the lowest speed run"
+        if run.engine_speed <= min(speeds)
+        else f"{what} first at {_speed(run)}"
+        for what, run in first.items()
+    ]
+    what, run = next(iter(first.items()))
+    kind, limit = ("float", FLOAT_LIFT) if "floats" in what else ("contact-loss", 0.0)
+    cause = _cause_in(run, kind, limit)
+    return joined([f"{texts[0]} because {cause}" if cause else texts[0], *texts[1:]])
 
 
 def limits_over_speed(runs: Runs) -> list[str]:

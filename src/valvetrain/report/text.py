@@ -7,7 +7,7 @@ import math
 from valvetrain.parameters.summary import in_unit as in_unit
 from valvetrain.parameters.summary import number as number
 from valvetrain.parameters.summary import unit_text as unit_text
-from valvetrain.solution.definition import label_of
+from valvetrain.solution.definition import definition_of, label_of
 
 
 def rpm(engine_speed: float) -> float:
@@ -26,9 +26,14 @@ def percent(share: float) -> str:
     return ("0.0" if float(text) == 0 else text.replace("-", "−")) + " %"
 
 
+def axis_label(name: str) -> str:
+    """A quantity's label with the remark of its definition: ``surge amplitude, 0 to peak``."""
+    return ", ".join(filter(None, (label_of(name), definition_of(name).remark)))
+
+
 def quantity_label(name: str) -> str:
     """A quantity's label as a line begins with it: ``stage_2_peak_cam_angle`` -> ``Stage II peak,
-    cam angle``.
+    cam angle``, with the remark of its definition.
     """
-    text = label_of(name)
+    text = axis_label(name)
     return text[:1].upper() + text[1:]

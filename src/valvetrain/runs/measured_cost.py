@@ -1,4 +1,6 @@
-"""How long the sweep of a train takes here: by the time of one run of each member at its highest speed."""
+"""How long the sweep of a train takes here: by the time of a run of each member at its middle and at its
+highest speed.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,8 @@ from valvetrain.parameters.case import Case
 from valvetrain.runs.run import run_study
 from valvetrain.solution.result import Solution
 
-#: Runs of the search for critical speeds and of its ranges, most of them at the upper speeds, some with
-#: springs divided more finely (90 to 300 times the run at the highest speed measured).
+#: Runs of the search for critical speeds and of its ranges, some with springs divided more finely, over the
+#: run at the speeds at which control is lost.
 SEARCH = 180.0
 #: The same where the run at the highest speed keeps control, so that nothing is to be found.
 SEARCH_IN_VAIN = 25.0
@@ -33,16 +35,17 @@ def sweep_seconds(
     """
     assert case.train is not None
     top = max(engine_speeds)
+    middle = min(engine_speeds, key=lambda speed: abs(speed - (min(engine_speeds) + top) / 2))
     sets = tuple(spring_sets) or case.train.swept_sets
-    each, runs = list[float](), list[float]()
+    swept, searched = list[float](), list[float]()
     for chosen in sets:
-        seconds = []
-        for _ in range(2):  # the first builds and loads what later runs share
-            begun = time.perf_counter()
+        each, lost = dict[float, float](), dict[float, bool]()
+        for speed in (middle, middle, top):  # the first builds and loads what later runs share
+            begun = time.process_time()  # of this process: what else runs here does not last
             try:
                 study = run_study(
                     case,
-                    engine_speeds=(top,),
+                    engine_speeds=(speed,),
                     spring_models=spring_models,
                     spring_sets=(chosen,),
                     workers=1,
@@ -51,13 +54,22 @@ def sweep_seconds(
                 )
             except InputError:
                 return None
-            seconds.append(time.perf_counter() - begun)
-        each.append(min(seconds))
-        runs.append(SEARCH if any(map(_lost, study.solutions)) else SEARCH_IN_VAIN)
-    # A slower engine takes longer for a cycle.
-    swept = REPEATED * sum(each) * sum(top / speed for speed in engine_speeds)
-    searched = [count * one if searches else 0.0 for one, count in zip(each, runs, strict=True)]
-    return swept / workers + max(max(searched), sum(searched) / workers)
+            each[speed] = time.process_time() - begun
+            lost[speed] = any(map(_lost, study.solutions))
+        # A slower engine takes longer for a cycle, one out of control more cycles.
+        span = max(top - middle, 1e-9)
+        swept.append(
+            REPEATED
+            * sum(
+                each[middle] * middle / speed
+                if speed <= middle
+                else each[middle] + (each[top] - each[middle]) * (speed - middle) / span
+                for speed in engine_speeds
+            )
+        )
+        between = each[middle] if lost[middle] else (each[middle] + each[top]) / 2
+        searched.append((SEARCH if lost[top] else SEARCH_IN_VAIN) * between if searches else 0.0)
+    return sum(swept) / workers + max(max(searched), sum(searched) / workers)
 
 
 def _lost(run: Solution) -> bool:

@@ -72,7 +72,8 @@ class QuantityRow:
     motion, a train. ``topic`` of the answers on the page, in the terminal and in the workbench, empty for
     the table of all quantities alone; ``uses``: where else it is shown; ``answered_as``: names for
     topic and uses where they are not ``name`` alone. ``compute`` (a quantity of another package): SI
-    value of a :class:`~valvetrain.solution.result.Solution`, None where it has none.
+    value of a :class:`~valvetrain.solution.result.Solution`, None where it has none. ``remark``: what
+    tables and axes put behind the label.
     """
 
     name: str
@@ -86,6 +87,7 @@ class QuantityRow:
     uses: tuple[Use, ...] = ()
     answered_as: tuple[str, ...] = ()
     compute: Callable[[Any], float | None] | None = None
+    remark: str = ""
 
     @property
     def si_unit(self) -> str:
@@ -106,6 +108,7 @@ def row(
     uses: tuple[Use, ...] = (),
     answered_as: tuple[str, ...] = (),
     compute: Callable[[Any], float | None] | None = None,
+    remark: str = "",
 ) -> QuantityRow:
     """A :class:`QuantityRow` whose dimension and shown unit follow from the last word of ``name``
     where they are left out. Raises :class:`InputError` for an unknown use.
@@ -117,7 +120,7 @@ def row(
     default = _by_last_word(name)
     return QuantityRow(
         name, dimension or default[0], default[1] if shown_unit is None else shown_unit, label, definition, sense, systems, topic, uses,
-        answered_as, compute,
+        answered_as, compute, remark,
     )  # fmt: skip
 
 

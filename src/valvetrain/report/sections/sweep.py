@@ -25,8 +25,8 @@ from valvetrain.report.page import (
 )
 from valvetrain.report.run_charts import MAX_LINES, Array, bars, line_styles, panels_chart, runs_at
 from valvetrain.report.run_summary import CRITICAL_LEGEND, critical_notes, critical_rows, searched
-from valvetrain.report.text import number, rpm, speed_text
-from valvetrain.solution.definition import definition_of, label_of, names_for, shown
+from valvetrain.report.text import axis_label, number, rpm, speed_text
+from valvetrain.solution.definition import definition_of, names_for, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -215,7 +215,7 @@ def _panel(study: Study, name: str, labels: list[str]) -> Panel:
             )
     return Panel(
         "engine speed (rpm)",
-        f"{label_of(name)} ({unit})" if unit else label_of(name),
+        f"{axis_label(name)} ({unit})" if unit else axis_label(name),
         tuple(layers),
     )
 
@@ -257,7 +257,7 @@ def order_map(study: Study, label: str, key: str, title: str) -> Chart | None:
         x,
         orders,
         np.nan_to_num(sizes),
-        "surge amplitude",
+        "surge amplitude, 0 to peak",
         "N",
         y_tick_labels="cam order",
         second=hertz,
@@ -309,7 +309,7 @@ def _frequency_line(
 def _round_steps(top: float) -> list[float]:
     """Round frequencies (Hz) below ``top``, four to eight of them."""
     decade = 10.0 ** np.floor(np.log10(top / 4))
-    step = next(size * decade for size in (5, 2, 1) if size * decade <= top / 4)
+    step = next((size * decade for size in (5, 2) if size * decade <= top / 4), decade)
     return [float(step * n) for n in range(1, 9) if step * n < top]
 
 
