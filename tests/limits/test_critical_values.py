@@ -13,7 +13,11 @@ import pytest
 from scipy.optimize import brentq
 
 import valvetrain as vt
+from valvetrain.parameters.loading import parse_case
+from valvetrain.runs.critical_speeds import standing_force
+from valvetrain.runs.prepared import prepare
 from valvetrain.solution.critical import RPM
+from valvetrain.system.build import build
 
 TEMPLATE = Path(vt.__file__).parent / "templates" / "pushrod.toml"
 
@@ -74,6 +78,31 @@ def test_a_sweep_says_what_lies_between_its_speeds() -> None:
     note = next(note for note in study.notes if "between the speeds of the sweep" in note)
     assert re.search(r"minimum spring force 0 N at 64\d\d rpm \(\d+\.\d+ N at 6500 rpm\)", note)
     assert len(study.solutions) == 2  # files and pages hold the speeds that were requested
+
+
+def test_the_margin_at_standstill_is_that_of_the_springs() -> None:
+    """Closed form of the bucket template: preload and rate at a tenth of the lift, less weight."""
+    text = TEMPLATE.with_name("direct.toml").read_text(encoding="utf-8")
+    problem = build(parse_case(text), spring_set=("stiff",))
+    ready = prepare(problem, problem.members[0], {}, "")
+    weight = (0.045 + 0.095 + 0.048 / 3) * 9.81
+    expected = 320.0 + 42e3 * 0.1 * 7.9e-3
+    assert standing_force(ready) == pytest.approx(expected, abs=weight + 3.0)
+
+
+@pytest.mark.long
+def test_a_graze_is_one_whatever_speeds_are_searched() -> None:
+    """The largest margin of the speeds searched decided: less of it was left where they began nearer."""
+    case = vt.Case(TEMPLATE).set({"train.valve.mass": "140 g"})
+    wide, near = (
+        case.critical_speeds(speeds, spring_sets=["card"], workers=1).of("contact-loss")
+        for speeds in ("3000:8000:500 rpm", "6000:8000:500 rpm")
+    )
+    assert wide.onset == near.onset
+    assert wide.engine_speed == pytest.approx(near.engine_speed, rel=1e-3)
+    assert wide.numerical.upper_engine_speed == pytest.approx(
+        near.numerical.upper_engine_speed, rel=5e-3
+    )
 
 
 @pytest.mark.long

@@ -12,10 +12,13 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.cli.published import ErrorBars
+from valvetrain.quantities.clash import next_to_largest
+from valvetrain.quantities.train_events import marginal_duration
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
 from valvetrain.report.json import study_json
 from valvetrain.runs import own_error_bars
 from valvetrain.runs.run import run_study
+from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import Uncertainty
 
@@ -62,8 +65,8 @@ def bar_by_hand(name: str, order: float, further: dict[float, float]) -> float:
     """Bar of 100 of a quantity in a run with clashes, whose further runs gave others by their ratio."""
     member = SimpleNamespace(model=SimpleNamespace(word="finite-element"), springs=())
     run = SimpleNamespace(
-        quantities={name: 100.0, "clash_count": 2.0}, engine_speed=1.0, label="rod"
-    )
+        quantities={name: 100.0, "clash_count": 2.0}, engine_speed=1.0, label="rod", model="finite-element", events=()
+    )  # fmt: skip
     ways = [
         (own_error_bars._Further(SimpleNamespace(member=member), ratio, order, None), {name: value})
         for ratio, value in further.items()
@@ -80,11 +83,36 @@ def test_the_wider_bar_of_two_further_runs_counts():
     assert bar_by_hand(name, 1.0, {1.25: 99.0}) == pytest.approx(3 * 1.0 * 1.25 / 0.25)
 
 
-def test_what_clashing_coils_make_converges_with_the_first_order():
-    """A coarser rod, 1 off: smooth numbers by order 2, those of clashes by order 1."""
+def test_what_clashing_coils_make_follows_no_order():
+    """A coarser rod, 1 off: smooth numbers by order 2 and a factor of 2, those of clashes by order 1 and Roache's 3."""
     ways = {1 / 1.5: 99.0, 1 / 1.25: 99.0}
     assert bar_by_hand("minimum_spring_force", 2.0, ways) == pytest.approx(2 / (1.25**2 - 1))
-    assert bar_by_hand("largest_clash_impulse", 2.0, ways) == pytest.approx(2 / (1.25 - 1))
+    assert bar_by_hand("largest_clash_impulse", 2.0, ways) == pytest.approx(3 / (1.25 - 1))
+
+
+def blow(time: float, first: float, last: float, impulse: float, spring: str = "") -> Event:
+    """A clash of 1 ms from coil ``first`` to ``last``."""
+    details = {"first_pair": first, "last_pair": last, "impulse": impulse}
+    return Event("clash", 0.0, time, 1e-3, 100.0, "N", f"{spring}coils 1-2", details)
+
+
+def test_clashes_that_may_be_one_widen_the_bar_of_the_largest():
+    """At one time and next to it; not later, not farther along the wire, not of the other spring."""
+    largest = blow(0.02, 1.4, 2.4, 5.0)
+    near = blow(0.0205, 2.6, 4.2, 3.0)
+    assert next_to_largest((near, largest), "impulse") == 3.0
+    others = blow(0.0215, 2.6, 4.2, 3.0), blow(0.0205, 3.5, 4.2, 3.0), blow(0.0205, 2.6, 4.2, 3.0, "inner ")  # fmt: skip
+    assert next_to_largest((largest, *others), "impulse") == 0.0
+    assert next_to_largest((), "impulse") == 0.0
+
+
+def test_openings_of_a_few_micrometres_are_there_or_not():
+    """Of openings of 3, 4 and 8 um, each of 0.1 ms, two may be missing by another division."""
+    lost = [
+        Event("loft", 0.0, 0.0, 1e-4, size, "m", "cam", {"cause": "", "landing_force": 1.0})
+        for size in (3e-6, 4e-6, 8e-6)
+    ]
+    assert marginal_duration(lost) == pytest.approx(2e-4)
 
 
 def test_bars_do_not_depend_on_workers_nor_on_the_way_in():

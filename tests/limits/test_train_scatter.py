@@ -5,6 +5,7 @@ settled or floats stays named.
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -23,8 +24,6 @@ def pushrod(lash: str, torque: str = "0.3 N m", model: str = "multi-mass"):
     """The pushrod train that `valvetrain new` writes, with other lash, hold of its rocker while the
     lash is open, and spring model.
     """
-    from importlib import resources
-
     text = (
         resources.files("valvetrain").joinpath("templates/pushrod.toml").read_text(encoding="utf-8")
     )
@@ -120,3 +119,33 @@ def test_scatter_is_the_range_over_plain_cycles():
         numbers.append(cycle_numbers(built, record))
     by_hand = {name: float(np.ptp([one[name] for one in numbers])) for name in numbers[0]}
     assert found.scatter.numbers == pytest.approx(by_hand, rel=1e-9, abs=1e-15)
+
+
+def test_a_train_that_settles_to_no_better_than_asked_is_compared_unless_it_repeats():
+    """A rattling one with a wide tolerance: the range of the cycles by hand; one that repeats: none, of two cycles."""
+    loose = build(pushrod("0.3 mm", model="massless")).members[0].system()
+    ready = runner(loose, 1500 * RPM, TrainOptions(samples=360))
+    found = steady_train(ready, "repeat", 1.0, compared=False, least=3, rattling=0.0)
+    alone = steady_train(ready, "repeat", 1.0, compared=False, least=3)
+    assert found.search.converged and alone.scatter is None
+    state, numbers = alone.start, []
+    for _ in range(COMPARED):
+        end, record = ready.cycle(state)
+        state = replace(end, cam_angle=0.0)
+        numbers.append(cycle_numbers(loose, record))
+    by_hand = {name: float(np.ptp([one[name] for one in numbers])) for name in numbers[0]}
+    assert found.scatter.numbers == pytest.approx(by_hand, rel=1e-9, abs=1e-15)
+    tight = build(pushrod("0.1 mm")).members[0].system()
+    ready = runner(tight, 1000 * RPM, TrainOptions(samples=360))
+    assert steady_train(ready, least=3, rattling=0.0).scatter is None
+
+
+def test_a_bucket_that_rattles_on_its_rod_says_by_how_much():
+    """The bucket template with a lash of its own, just below float: a rod had no scatter."""
+    text = resources.files("valvetrain").joinpath("templates/direct.toml").read_text("utf-8")
+    case = parse_case(text.replace('lash = "0.1 mm"', 'lash = "0.15 mm"'))
+    (run,) = run_study(
+        case, engine_speeds=[7900 * RPM], spring_models=("finite-element",), spring_sets=("stock",), workers=1
+    ).solutions  # fmt: skip
+    assert run.status.completed and run.statistics["steady_residual_ratio"] > 1e-4
+    assert 1.0 < run.quantities["cycle_scatter_peak_seat_contact_force"] < 300.0

@@ -102,6 +102,29 @@ def test_the_command_tells_each_case_and_each_row_that_fails(monkeypatch, capsys
     assert [row.name for row in book.run_book()] == ["rate of a wire", "a|b", "worse"]
 
 
+def test_one_chapter_is_run_with_those_that_share_its_tables(monkeypatch):
+    """``--only laws --page`` left the rows of followers out of the tables of both."""
+    cases = {one.rows.__module__.rpartition(".")[2] for one in book.book()}
+    assert set(book.TABLES) | set(book.TABLES.values()) <= cases
+    for only in ("laws", "followers"):
+        chosen = []
+        monkeypatch.setattr(book, "book", lambda chosen=chosen: tuple(recorded(chosen)))
+        book.run_book(only=only)
+        assert set(chosen) == {"laws", "followers"}
+
+
+def recorded(chosen: list[str]):
+    """A case of every chapter that writes down its chapter when it is run."""
+    for chapter in book.CHAPTERS:
+
+        def rows(chapter: str = chapter) -> list[Row]:
+            chosen.append(chapter)
+            return []
+
+        rows.__module__ = f"valvetrain.validation.{chapter}"
+        yield BookCase(chapter, rows)
+
+
 #: Bands that are wider than the rule, about numbers that follow the sampling or a difference of two
 #: forces: half the width over the middle.
 WIDER = {

@@ -33,7 +33,7 @@ class Periodic:
     """Until the motion repeats. ``cycles``: maximum of cam revolutions (None: the default of the system);
     ``method``: ``anderson`` or ``repeat`` (the classical one); ``tolerance``: change per turn
     relative to lift and lift times cam speed (None: the default one); ``probed``: four revolutions
-    more test whether an orbit found by acceleration attracts.
+    more test whether an orbit found by acceleration attracts, or a few whether a train of rods rattles.
     """
 
     cycles: int | None = None

@@ -283,6 +283,8 @@ def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) 
 
 COMPARED = 8
 """Cycles that are compared."""
+EQUAL, NO_LENGTH = 1e-3, 1e-7
+"""Share, and length (m), by which the numbers of two cycles that are taken for the same may differ."""
 STEADY_VALVE = 1e-2
 """Share of the largest lift up to which the valve is taken to repeat."""
 LONG_SEARCH = 30
@@ -357,9 +359,11 @@ def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
     return found if velocity is None else found | {"seating_velocity": velocity}
 
 
-def scatter_of(runner: TrainRunner, start: TrainState) -> tuple[Scatter, TrainState]:
+def scatter_of(
+    runner: TrainRunner, start: TrainState, unless_equal: bool = False
+) -> tuple[Scatter | None, TrainState]:
     """The spread over :data:`COMPARED` plain cycles from ``start``, and the state at the beginning
-    of the last of them.
+    of the last of them; None after two that are equal to :data:`EQUAL`, where asked for.
     """
     bare = replace(
         runner, options=replace(runner.options, record_springs=False, record_contacts=False)
@@ -373,6 +377,10 @@ def scatter_of(runner: TrainRunner, start: TrainState) -> tuple[Scatter, TrainSt
         lifts.append(record.q[:, valve])
         numbers.append(cycle_numbers(runner.system, record))
         on_cam = on_cam or record.touches(runner.system, "cam")
+        if unless_equal and len(numbers) == 2 and numbers[0].keys() == numbers[1].keys():
+            before, after = (np.array(list(one.values())) for one in numbers)
+            if np.allclose(before, after, rtol=EQUAL, atol=NO_LENGTH):
+                return None, first
     spread = float(np.max(np.ptp(np.array(lifts), axis=0)))
     names = [name for name in numbers[0] if all(name in one for one in numbers)]
     return Scatter(

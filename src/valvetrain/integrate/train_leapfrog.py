@@ -4,6 +4,7 @@ turns, or through a run-up.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +20,7 @@ from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_tra
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
-from valvetrain.springs.contract import LargeSpring, contact_watch_of
+from valvetrain.springs.contract import contact_watch_of
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest, rest_of
 from valvetrain.system.train_system import TrainSystem
@@ -30,6 +31,8 @@ SAMPLES, LARGE_SAMPLES = 1440, 720
 #: Maximum of cam revolutions of the search for the periodic state; the finite-element rod's state (frames among
 #: it) does not mix: few plain turns more than those in which its springs settle.
 MAX_CYCLES, FEW_CYCLES, FEW_TOLERANCE = 60, 3, 1e-3
+#: Change per cycle from which the numbers of the cycles after those few are compared as well.
+FEW_RATTLING = 1e-4
 #: How often the step is cut to a third when a contact hardens beyond what it resolves.
 FINER_STEPS = 2
 
@@ -66,7 +69,7 @@ class TrainLeapfrog:
         """The run, and its motion as a start for another; of a run-up there is none."""
         assert isinstance(system, TrainSystem)
         rest = options.rest or rest_of(system)
-        large = any(isinstance(spring, LargeSpring) for spring in system.springs)
+        large = system.has_large_springs
         samples = options.samples or (LARGE_SAMPLES if large else SAMPLES)
         chosen = TrainOptions(
             samples,
@@ -151,6 +154,7 @@ class TrainLeapfrog:
                 compared=not large,
                 least=min(least, most),
                 probed=until.probed,
+                rattling=FEW_RATTLING if large and until.probed else math.inf,
             )
             if found.record.status.code != "diverged" or chosen.time_step is not None:
                 break

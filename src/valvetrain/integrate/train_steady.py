@@ -102,6 +102,7 @@ def steady_train(
     compared: bool = True,
     least: int = 1,
     probed: bool = True,
+    rattling: float = np.inf,
 ) -> SteadyTrain:
     """Search the periodic orbit from ``start`` (static equilibrium by default), then record one
     more cycle.
@@ -109,7 +110,8 @@ def steady_train(
     ``method``: ``repeat`` (the classical one, of ``least`` cycles and more) or ``anderson``, with a test
     whether the orbit attracts where ``probed``. The record of the last cycle of a
     train that does not settle is given with its status saying so, and, where requested
-    (``compared``), with the scatter of some more cycles.
+    (``compared``), with the scatter of some more cycles; so is one that settled to no better than
+    ``rattling``, unless the next two cycles have the same numbers.
     """
     template, times = [start or runner.initial_state()], []
 
@@ -135,8 +137,9 @@ def steady_train(
     # was completed
     first = _unpack(search.state, template[0], runner)
     scatter = None
-    if compared and np.isfinite(search.residuals[-1]) and not search.converged:
-        scatter, first = scatter_of(runner, first)
+    last = search.residuals[-1]
+    if np.isfinite(last) and (last > rattling if search.converged else compared):
+        scatter, first = scatter_of(runner, first, unless_equal=search.converged)
     _, record = runner.cycle(first)
     return SteadyTrain(runner, search, first, record, float(np.median(times)), tolerance, scatter)
 

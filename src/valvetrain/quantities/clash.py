@@ -4,6 +4,7 @@ the integrator recorded none.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,6 +88,35 @@ def clash_numbers(solution: Solution, events: tuple[Event, ...]) -> dict[str, fl
             (float(event.details["impulse"]) for event in clashes), default=0.0
         ),
     }
+
+
+def next_to_largest(events: Iterable[Event], detail: str) -> float:
+    """Largest ``impulse`` (N s) or ``energy`` (J), by ``detail``, of a clash at the time of the largest one
+    and less than a coil from it, which a finer division may count as one with it; 0 where there is none.
+    """
+    blows = [event for event in events if event.kind == "clash"]
+    sizes = [float(event.details[detail]) for event in blows]
+    if not blows:
+        return 0.0
+    largest = blows[sizes.index(max(sizes))]
+    return max(
+        (
+            size
+            for size, blow in zip(sizes, blows, strict=True)
+            if blow is not largest and _overlap(blow, largest)
+        ),
+        default=0.0,
+    )
+
+
+def _overlap(one: Event, other: Event) -> bool:
+    """Whether two clashes of a spring are at one time and less than a coil apart."""
+    early, late = sorted((one, other), key=lambda event: event.time)
+    firsts, lasts = (
+        [float(event.details[end]) for event in (one, other)] for end in ("first_pair", "last_pair")
+    )
+    same = one.where.partition("coils")[0] == other.where.partition("coils")[0]
+    return same and max(firsts) - min(lasts) < 1.0 and late.time <= early.time + early.duration
 
 
 #: A spike stands out by this share of the force range of the run, so that a ripple on the falling

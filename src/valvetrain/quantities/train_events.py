@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 SMALLEST_GAP = 2e-6
 """Gaps below this (m) are vibration of a contact, not an event."""
+MARGINAL = 2.5 * SMALLEST_GAP
 
 #: Place whose gap can open while the valve should be driven -> kind of that event.
 PLACES = {
@@ -81,6 +82,14 @@ def lost_spans(events: Sequence[Event], turn: float) -> list[Span]:
         for event in events
         if event.kind in PLACES.values()
     ]
+
+
+def marginal_duration(events: Iterable[Event]) -> float:
+    """Time (s) of the losses of contact by gaps up to :data:`MARGINAL`, each of which another division
+    of the springs may not have.
+    """
+    lost = (event for event in events if event.kind in PLACES.values())
+    return sum(event.duration for event in lost if event.size < MARGINAL)
 
 
 def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:

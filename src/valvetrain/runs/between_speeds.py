@@ -14,7 +14,6 @@ from valvetrain.runs.train_runs import train_point
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.result import Solution
-from valvetrain.springs.contract import LargeSpring
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
 
@@ -40,7 +39,7 @@ def order_speeds(one: PreparedRun, engine_speeds: Sequence[float]) -> tuple[floa
     """
     if not isinstance(one.system, TrainSystem) or one.member.model.word == "massless":
         return ()
-    if any(isinstance(spring, LargeSpring) for spring in one.system.springs):
+    if one.system.has_large_springs:
         return ()
     first, last = min(engine_speeds), max(engine_speeds)
     found = {

@@ -18,7 +18,6 @@ from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
 from valvetrain.runs.refine_trains import divided
 from valvetrain.runs.train_runs import member_statics
 from valvetrain.solution.critical import DAMPING_FACTORS, RPM, CriticalSpeed, SpeedBracket
-from valvetrain.springs.contract import LargeSpring
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
 
@@ -36,7 +35,7 @@ FIRST_STRIDE, MAX_STRIDE, SCATTER_STRIDE = 0.0025, 0.01, 0.005
 MAX_SCATTERED, MAX_DIPS = 10, 8
 #: Dips, the deepest, that are always looked at; others as far as this multiple of the largest loss at one before.
 MIN_DIPS, MARGIN = 2, 3.0
-#: An onset is a graze where the margin changed by :data:`SMALL` of its largest value moves it up or
+#: An onset is a graze where the margin changed by :data:`SMALL` of its value at standstill moves it up or
 #: down by more than :data:`GRAZE` of the speed: half as far again as inertia, which grows with the
 #: square of speed, would.
 SMALL, GRAZE = 0.1, 0.075
@@ -73,7 +72,7 @@ def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
     minutes.
     """
     assert isinstance(one.system, TrainSystem)
-    if any(isinstance(spring, LargeSpring) for spring in one.system.springs):
+    if one.system.has_large_springs:
         return ()
     member = one.member
     found = [Variant("numerical", one, STEP)]
@@ -219,11 +218,13 @@ def repeated(
     search: Search,
     precise: SampleAt,
     repeats: Sequence[tuple[str, SampleAt]],
+    whole: float,
 ) -> CriticalSpeed:
     """The result of a search with its nominal speed, its numerical error, its range over damping
     and what kind of onset it is.
 
-    ``precise``: runs to :data:`NOMINAL_TOLERANCE`; ``repeats``: group and runs of every variant.
+    ``precise``: runs to :data:`NOMINAL_TOLERANCE`; ``repeats``: group and runs of every variant;
+    ``whole``: the margin (SI) of the train at standstill, whatever speeds are searched.
     """
     if row.found and row.begins is None:
         return row  # control is lost already at the first speed
@@ -252,7 +253,7 @@ def repeated(
 
         return onset_in(change(begin, measure, ends, at), measure)
 
-    moved = _moved(kind, begin, search, ends, at) if steady else []
+    moved = _moved(kind, begin, search, ends, at, SMALL * whole) if steady else []
     graze = any(abs(one - nominal) > GRAZE * begin for one in moved)
     if not steady:
         scatter = scattered(kind, begin, search.sample, ends)
@@ -276,11 +277,11 @@ def _moved(
     search: Search,
     ends: tuple[float, float],
     low: Mapping[float, float],
+    small: float,
 ) -> list[float]:
-    """The onset with the margin less, and more, by :data:`SMALL` of its largest value; none where
-    the brackets of both show that this is no graze.
+    """The onset with the margin less, and more, by ``small``; none where the brackets of both show
+    that this is no graze.
     """
-    small = SMALL * max((one.margins[kind] for one in search.samples.values()), default=0.0)
     found: list[tuple[SpeedBracket, Measure]] = []
     for more in (-small, small):
 

@@ -37,7 +37,6 @@ from valvetrain.solution.critical import (
     SpeedBracket,
 )
 from valvetrain.solution.result import Solution
-from valvetrain.springs.contract import LargeSpring
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
 from valvetrain.units import Given, si
@@ -45,6 +44,8 @@ from valvetrain.units import Given, si
 RPM = math.pi / 30
 #: Contacts of the drive, from the cam to the valve.
 DRIVE = ("cam", "tappet", "rocker", "valve_tip")
+#: Columns of the forces of a rigid train on those behind the cam.
+LOADED = tuple(f"{name}_contact_force" for name in DRIVE[1:])
 #: Stiffness (N/m) of a drive at the cam, typical: it continues a contact force below zero by the
 #: gap, to judge how deep control is lost; the speed of zero does not depend on it.
 DRIVE_STIFFNESS = 5e7
@@ -149,6 +150,17 @@ def missing_force(ready: PreparedRun, solution: Solution) -> float:
     return DRIVE_STIFFNESS * max(gaps, default=0.0)
 
 
+def standing_force(ready: PreparedRun) -> float:
+    """Least force (N) of a contact of the drive at standstill, the valve open by more than a tenth of its
+    lift: what inertia and surge have to take.
+    """
+    assert ready.motion is not None and ready.window is not None
+    table, (begin, end) = ready.motion.table(0.0), ready.window
+    open_wide = (table.cam_angle - begin) % (2 * math.pi) <= end - begin
+    forces = (table[name] for name in ("contact_force", *LOADED) if name in table.columns)
+    return max(0.0, min(float(force[open_wide].min()) for force in forces))
+
+
 def find_critical_speeds(
     problem: Problem,
     ready: Sequence[PreparedRun],
@@ -183,7 +195,7 @@ def _search(
     index, samples = job
     one, reduced = ready[index], replace(plan, whole=False)
     assert isinstance(one.system, TrainSystem)
-    large = any(isinstance(spring, LargeSpring) for spring in one.system.springs)
+    large = one.system.has_large_springs
     search_tolerance = None if large else SEARCH_TOLERANCE
 
     def run(
@@ -208,7 +220,8 @@ def _search(
     repeats = [(each.group, sampler(each)) for each in variants]
     ends = min(samples), max(samples)
     rows = [critical_speed(search, kind, one.member.label, *ends, options) for kind in KINDS]
-    return tuple(repeated(row, search, precise, repeats) for row in rows)
+    whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
+    return tuple(repeated(row, search, precise, repeats, whole[row.kind]) for row in rows)
 
 
 def _sample(

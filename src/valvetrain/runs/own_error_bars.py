@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 from valvetrain.integrate.contract import STEP_FRACTION, Keep
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.quantities.clash import next_to_largest
+from valvetrain.quantities.train_events import marginal_duration
 from valvetrain.runs.at_rest import AtRest
 from valvetrain.runs.error_bars import DOUBTFUL, SPRING_HEADLINES, two_grids
 from valvetrain.runs.prepared import (
@@ -45,10 +47,14 @@ SAFETY = 2.0
 #: from the limit, as is what clashing coils of a rod make: they meet node by node.
 ROD_ORDER, OTHER_ORDER = 2.0, 1.0
 OF_CLASHES = ("clash", "peak_spring", "peak_retainer", "below_", "peak_shear")
+#: Numbers that the largest clash gives, by the detail of its event.
+ONE_CLASH = {"largest_clash_impulse": "impulse", "largest_clash_energy": "energy"}
+#: Lengths that jump where a cam that was just touched is left.
+OF_LOFT = ("lift_loss_displacement", "loft_gap", "peak_valve_lift")
 #: Models whose grid follows the time step: their further run takes a shorter step alone, as do
 #: modes of which no more oscillate.
 BY_STEP = ("wave-rod", "wave-rod-clash")
-MODES, REDUCED = "modal-uniform", "reduced-rod"
+ROD, MODES, REDUCED = "finite-element", "modal-uniform", "reduced-rod"
 #: Numbers that differ by a constant from one whose scatter is known, or hold the same peak.
 SAME_SCATTER = {
     "lift_loss_displacement": "peak_valve_lift",
@@ -186,7 +192,7 @@ def _point(problem: Problem, run: Solution, place: int, way: _Further) -> _Point
 
 def _further(problem: Problem, member: Member, rest: Rest) -> list[_Further]:
     """A member with its springs divided otherwise, prepared; empty where nothing divides them."""
-    rod = member.model.word == "finite-element"
+    rod = member.model.word == ROD
     parts = min(_parts(member, member.springs), default=FEW)
     if rod:
         # a rod is not compared from cycle to cycle: one revolution less shows what it still remembers
@@ -269,7 +275,11 @@ def _run_again(
     plan = replace(plan, keep=keep, cycles_to_settle=point.cycles or plan.cycles_to_settle)
     try:
         provenance = provenance_of(problem, ready.member, point.engine_speed, plan.created_at)
-        found, _ = integrate_from(ready, point.engine_speed, plan, provenance, time_step=step)
+        # the rattle of a rod is known from the run itself
+        probed = ready.member.model.word != ROD
+        found, _ = integrate_from(
+            ready, point.engine_speed, plan, provenance, time_step=step, probed=probed
+        )
         found = with_quantities(ready, found, plan, {})
     except FAILURES:
         return {}
@@ -286,17 +296,27 @@ def _rows(
         if any(name in numbers and numbers[name] != run.quantities.get(name) for name in NAMES)
     ]
     clashes = run.quantities.get("clash_count", 0.0) > 0
+    touching = _may_leave_the_cam(run, known)
+    chain_of_wire = run.model == "multi-mass" and any(
+        spring.wire is not None for way, _ in known for spring in way.ready.member.springs
+    )
     for name in NAMES:
         value = run.quantities.get(name, math.nan)
         pairs = [(way, numbers[name]) for way, numbers in known if name in numbers]
         pairs = [(way, again) for way, again in pairs if math.isfinite(again)]
         if not pairs or not math.isfinite(value) or 0 < abs(value) < ROUNDING:
             continue
-        safety = SAFETY if len(pairs) > 1 else DOUBTFUL
-        order = OTHER_ORDER if clashes and any(one in name for one in OF_CLASHES) else ROD_ORDER
+        blow = clashes and any(one in name for one in OF_CLASHES)
+        order = OTHER_ORDER if blow else ROD_ORDER
+        doubtful = blow or len(pairs) < 2 or (touching and name in OF_LOFT)
+        safety = DOUBTFUL if doubtful else SAFETY
         bar = max(_bar(value, again, way, min(way.order, order), safety) for way, again in pairs)
         bar += run.quantities.get(f"cycle_scatter_{SAME_SCATTER.get(name, name)}", 0.0)
-        if _is_chain_of_wire(known[0][0].ready.member):
+        if name == "loss_of_contact_duration":
+            bar += marginal_duration(run.events)
+        if name in ONE_CLASH:
+            bar += next_to_largest(run.events, ONE_CLASH[name])
+        if chain_of_wire:
             bar += CHAIN_OF_WIRE.get(name, 0.0) * run.quantities.get("surge_amplitude_force", 0.0)
         finest, best = max((way.ratio, again) for way, again in pairs)
         same = (value, value)
@@ -314,15 +334,21 @@ def _rows(
         )
 
 
+def _may_leave_the_cam(
+    run: Solution, known: Sequence[tuple[_Further, Mapping[str, float]]]
+) -> bool:
+    """Whether one of the runs keeps its cam, and one as far as its surge only: the next may leave it."""
+    name, surge = "minimum_cam_contact_force", run.quantities.get("surge_amplitude_force", 0.0)
+    found = (run.quantities, *(numbers for _, numbers in known))
+    forces = [numbers[name] for numbers in found if name in numbers]
+    return bool(forces) and min(forces) <= surge and max(forces) > 0.0
+
+
 def _bar(value: float, again: float, way: _Further, order: float, safety: float) -> float:
     """Bar of ``value`` by one further run, finer or coarser."""
     if way.ratio > 1:
         return two_grids(value, again, way.ratio, order, safety).uncertainty
     return two_grids(again, value, 1 / way.ratio, order, safety).finest_index
-
-
-def _is_chain_of_wire(member: Member) -> bool:
-    return member.model.word == "multi-mass" and any(one.wire is not None for one in member.springs)
 
 
 def _sentences(

@@ -135,7 +135,7 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
         equilibrium = rest_of(system)
         # Rigid theory has no surge: springs count with the Rayleigh share of their mass, whatever model runs.
         massless = replace(member, model=spring_model("massless"), rubbing=None)
-        own = member.model.word == massless.model.word
+        own = member.model.word == massless.model.word or bool(massless.refusal)
         plain = system if own else massless.system({}, problem.built)
         assert isinstance(plain, TrainSystem)
         motion = rigid_motion(plain, member.gear.parameters)

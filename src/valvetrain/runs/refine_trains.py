@@ -37,7 +37,6 @@ from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.springs.contract import LargeSpring
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
 
@@ -271,7 +270,7 @@ def _solution(problem: Problem, prepared: PreparedRun, job: _Job, implausible: b
     assert isinstance(system, TrainSystem)
     step = None
     if job.step != 1.0 or job.samples is not None:
-        large = any(isinstance(spring, LargeSpring) for spring in system.springs)
+        large = system.has_large_springs
         chosen = TrainOptions(LARGE_SAMPLES if large else TRAIN_SAMPLES)
         default = runner(system, cam_speed, chosen, rest=prepared.rest).time_step
         step = default * job.step * (1 + 1e-9)

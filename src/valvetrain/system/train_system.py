@@ -18,7 +18,7 @@ from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import COORDINATES_PER_INTERACTION
 from valvetrain.mechanism.parts import AssembledMechanism, WithDifferentialMemory
 from valvetrain.parameters.train import CrankParameters
-from valvetrain.springs.contract import SpringModel
+from valvetrain.springs.contract import LargeSpring, SpringModel
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.prescribed import names_of
 
@@ -85,6 +85,11 @@ class TrainSystem:
     @property
     def kind(self) -> str:
         return TRAIN
+
+    @property
+    def has_large_springs(self) -> bool:
+        """Whether a spring has states so many that samples and repeats are saved: a rod or a solid."""
+        return any(isinstance(spring, LargeSpring) for spring in self.springs)
 
     @property
     def spring_names(self) -> tuple[str, ...]:

@@ -203,7 +203,7 @@ def _numbers(
     preload: float,
 ) -> Iterator[Compared]:
     runs = default, finest
-    repeats = all(run.statistics.get("motion_period_count", 1) for run in runs)
+    repeats = not any(name.startswith("cycle_scatter_") for run in runs for name in run.quantities)
     for name in NAMES:
         value, best = (run.quantities.get(name, math.nan) for run in runs)
         if not (math.isfinite(value) and math.isfinite(best)):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cache
-from typing import NamedTuple
 
 from valvetrain.solution.definition import label_of, shown
 from valvetrain.validation.default_runs import RPM, SUBJECTS, Compared, compare, compare_exact
@@ -60,7 +59,7 @@ def _row(one: Compared, members: Sequence[Compared], kind: Kind) -> Row:
     factor = float(shown(one.quantity, 1.0)[0])
     unit = shown(one.quantity, 1.0)[1] or "1"
     reason = _reason(one)
-    share, why = _explained(one)
+    share, why = (0.0, "") if one.repeats else RATTLE
     reach = share * max(abs(one.finest), abs(one.default))
     band = (factor * (one.finest - reach), factor * (one.finest + reach))
     name = f"{one.subject.label}, {one.model}, {one.engine_speed / RPM:.0f} rpm: {label_of(one.quantity)}"
@@ -79,70 +78,12 @@ def _reason(one: Compared) -> str:
     return "1 %" if one.converged > one.near else "nothing beside the preload or the lift"
 
 
-class Explained(NamedTuple):
-    """A known miss: of which runs (parts of the label, all where empty), models and quantities; up to which
-    share of the larger value; why.
-    """
-
-    subject: str
-    models: tuple[str, ...]
-    quantities: tuple[str, ...]
-    share: float
-    why: str
-
-
-ROD, CHAIN = ("finite-element",), ("multi-mass",)
-EXPLAINED: tuple[Explained, ...] = (
-    Explained(
-        "",
-        ("modal-uniform", "wave-rod", *CHAIN),
-        ("loss_of_contact",),
-        1.1,
-        "a sum of openings of less than 5 um that a rattling tappet has in some revolutions or divisions and not in others: "
-        "each is there or not, and two further divisions may agree on it by chance",
-    ),
-    Explained(
-        "vaz-ohc nested",
-        CHAIN,
-        ("lift_loss",),
-        0.4,
-        "just below float: the finest chain leaves its cam for 0.44 ms, the default one, 14 N from it, does not; lift lost includes the loft",
-    ),
-    Explained(
-        "job-c",
-        CHAIN,
-        ("largest_clash_impulse",),
-        0.6,
-        "coils 1 to 5 meet within 0.3 ms and are one clash of 544 mN s on the finest chain; on the default one they are two, of 260 and 232 mN s",
-    ),
-    Explained(
-        "direct stock",
-        ROD,
-        ("peak_seat", "seating_velocity", "loft"),
-        0.5,
-        "just below float the bucket rattles: from the fifth to the twelfth revolution the seat force goes from 1332 to 1349 N, the seating "
-        "velocity from 0.771 to 0.780 m/s, the loft from 7 to 13 um; a rod is not compared over revolutions and prints no scatter",
-    ),
-    Explained(
-        "",
-        ROD,
-        ("below_",),
-        0.05,
-        "coils clash: the height of the filtered spike follows no order up to 24 elements per coil, with 16, 19, 24 and 36: 1078, 1077, 1074 "
-        "and 1106 N of the pushrod template below 10 kHz, 1315, 1307, 1312 and 1363 N of job C below 20 kHz",
-    ),
+#: Why a number of a motion that does not repeat may be beyond, and by which share of the larger value: on
+#: another processor the same rattle has other revolutions.
+RATTLE = (
+    1.1,
+    "the motion does not repeat, and eight revolutions of either run do not hold all that it does",
 )
-
-
-def _explained(one: Compared) -> tuple[float, str]:
-    for known in EXPLAINED:
-        if (
-            known.subject in one.subject.label
-            and one.model in known.models
-            and any(part in one.quantity for part in known.quantities)
-        ):
-            return known.share, known.why
-    return 0.0, ""
 
 
 def summary() -> str:
