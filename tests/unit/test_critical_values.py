@@ -37,7 +37,7 @@ def found(margin: Margin, others: dict[str, list[Margin]], **options) -> Critica
     search = Search(run, grid, (Limit(KIND, None, 100.0),), 10.0)
     row = critical_speed(search, KIND, "own", 6000.0, 9000.0, CriticalOptions())
     repeats = [(group, sampler(one)) for group, some in others.items() for one in some]
-    return repeated(row, search, run, repeats)
+    return repeated(row, search, run, repeats, 400.0)
 
 
 def falling(zero: float) -> Margin:

@@ -94,16 +94,16 @@ def next_to_largest(events: Iterable[Event], detail: str) -> float:
     """Largest ``impulse`` (N s) or ``energy`` (J), by ``detail``, of a clash at the time of the largest one
     and less than a coil from it, which a finer division may count as one with it; 0 where there is none.
     """
-    blows = [event for event in events if event.kind == "clash"]
-    sizes = [float(event.details[detail]) for event in blows]
-    if not blows:
+    clashes = [event for event in events if event.kind == "clash"]
+    sizes = [float(event.details[detail]) for event in clashes]
+    if not clashes:
         return 0.0
-    largest = blows[sizes.index(max(sizes))]
+    largest = clashes[sizes.index(max(sizes))]
     return max(
         (
             size
-            for size, blow in zip(sizes, blows, strict=True)
-            if blow is not largest and _overlap(blow, largest)
+            for size, clash in zip(sizes, clashes, strict=True)
+            if clash is not largest and _overlap(clash, largest)
         ),
         default=0.0,
     )

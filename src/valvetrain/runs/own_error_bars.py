@@ -306,9 +306,9 @@ def _rows(
         pairs = [(way, again) for way, again in pairs if math.isfinite(again)]
         if not pairs or not math.isfinite(value) or 0 < abs(value) < ROUNDING:
             continue
-        blow = clashes and any(one in name for one in OF_CLASHES)
-        order = OTHER_ORDER if blow else ROD_ORDER
-        doubtful = blow or len(pairs) < 2 or (touching and name in OF_LOFT)
+        of_clash = clashes and any(one in name for one in OF_CLASHES)
+        order = OTHER_ORDER if of_clash else ROD_ORDER
+        doubtful = of_clash or len(pairs) < 2 or (touching and name in OF_LOFT)
         safety = DOUBTFUL if doubtful else SAFETY
         bar = max(_bar(value, again, way, min(way.order, order), safety) for way, again in pairs)
         bar += run.quantities.get(f"cycle_scatter_{SAME_SCATTER.get(name, name)}", 0.0)
