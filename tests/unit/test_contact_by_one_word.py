@@ -112,7 +112,7 @@ def test_every_law_runs_in_both_trains_by_one_word(name, springs):
     from valvetrain.system.build import build
 
     places = load_case(name).train.contacts
-    peaks = {}
+    peaks, means = {}, {}
     for law in LAWS:
         case = load_case(name, {f"train.contacts.{place}.law": law for place in places})
         problem = build(case, spring_models=["massless"], spring_set=[springs])
@@ -124,6 +124,7 @@ def test_every_law_runs_in_both_trains_by_one_word(name, springs):
             member.springs, rigid=rigid_motion(system, member.gear.parameters).table(cam_speed)
         )
         peaks[law] = evaluate(made, frame).quantities["peak_open_cam_contact_force"]
+        means[law] = float(np.mean(made.channel("cam_contact_force")))
         assert law in value_text(case.train.contacts["cam"], "cam")
     lossy = [
         peak
@@ -131,9 +132,10 @@ def test_every_law_runs_in_both_trains_by_one_word(name, springs):
         if not law.startswith("hertz") and law != "impact-as-printed"
     ]
     assert max(lossy) < 1.15 * min(lossy), peaks
-    # without loss the drive rings about the same mean; the misprint adds a force that has no
-    # meaning, so it has no upper bound
-    assert max(peaks["hertz-point"], peaks["hertz-line"]) < 4 * np.mean(lossy), peaks
+    # without loss the drive rings as high as rounding has it, about a mean of the same size; the misprint
+    # adds a force that has no meaning
+    for law in ("hertz-point", "hertz-line"):
+        assert 0.5 < means[law] / means["linear"] < 2, means
     assert min(peaks.values()) > 0.85 * np.mean(lossy) and np.isfinite(
         peaks["impact-as-printed"]
     ), peaks

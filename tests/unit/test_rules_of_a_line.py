@@ -154,7 +154,7 @@ def test_an_abort_of_the_parser_is_an_interrupt_and_nothing_else_is(
 ):
     monkeypatch.setattr(guard, "_reported", [])
     monkeypatch.delenv(guard.TRACEBACK_VARIABLE, raising=False)
-    code = guard._report(error)
+    code = guard._report(error, {})
     assert words in capsys.readouterr().err and code == (130 if words == "interrupted" else 1)
 
 
