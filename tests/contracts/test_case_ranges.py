@@ -91,6 +91,7 @@ end: inactive_coils ground_coils; spring.damping: ratio stiffness_share mass_dam
 spring.contact: stiffness damping_time; rubbing: coefficient normal_force; contacts: exponent restitution friction_coefficient
 train.cam: poisson_ratio; train.follower: mass damping friction; train.lever: mass damping holding_torque; train.pushrod: damping
 train.support: damping; train.valve: head_fraction stem_damping damping friction; train.variants: valve_damping
+train: lash; train.variants: lash; cam-card: lash
 polydyne: design_engine_speed; options.massless: effective_mass_fraction
 """
 #: Key -> least and largest value, in the usual unit.

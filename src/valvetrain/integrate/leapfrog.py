@@ -146,7 +146,7 @@ class Leapfrog:
             if done <= samples * sub:
                 break
             change, before = turn_change(before, forces[:, 1]), forces[:, 1]
-            if change <= tolerance:
+            if change <= tolerance and not isinstance(until, Cycles):
                 break
         status = run_status(
             system,

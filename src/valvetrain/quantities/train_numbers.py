@@ -29,7 +29,6 @@ from valvetrain.quantities.train_events import (
     spans_above,
 )
 from valvetrain.quantities.valve_events import OPEN_SHARE, open_window, top_of
-from valvetrain.registry import find, places
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.system.train_system import TrainSystem
@@ -43,8 +42,8 @@ COUNTED = (
     "minimum_spring_force_cam_angle",
     "peak_cam_torque", "minimum_cam_torque", "peak_valve_lift", "peak_valve_acceleration", "peak_lever_speed",
 )  # fmt: skip
-#: Share of peak force times lift below which a spring without damping loses nothing: its sum over the
-#: steps has that error.
+#: Share of peak force times lift below which a spring loses nothing: its sum over the steps has that
+#: error.
 ROUNDING = 2e-5
 #: Front of the names of what differs from cycle to cycle.
 SCATTER = "cycle_scatter_"
@@ -69,9 +68,7 @@ def counted_quantities(solution: Solution) -> dict[str, float]:
     }
     if "spring_dissipated_energy" in found:
         moved = found.get("peak_retainer_force", 0.0) * found.get("peak_valve_lift", 0.0)
-        model = solution.model
-        undamped = model in places("springs") and not find("springs", model).damped
-        if undamped and abs(found["spring_dissipated_energy"]) < ROUNDING * moved:
+        if abs(found["spring_dissipated_energy"]) < ROUNDING * moved:
             found["spring_dissipated_energy"] = 0.0
         found["cycle_damper_energy"] = found["spring_dissipated_energy"]
     return found
