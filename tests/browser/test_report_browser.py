@@ -31,10 +31,22 @@ window.addEventListener("error", (event) => seen.errors.push(String(event.messag
 window.addEventListener("unhandledrejection", (event) => seen.errors.push(String(event.reason)));
 </script>
 """
-#: Stands last: opens every tab and every detail, as a reader would, then writes down what was seen.
+#: A page of a narrow window shows its verdict, its picture and the titles of its sections: so many
+#: screens of 844 px at most.
+SCREENS = {"own": 5, "published": 5, "train": 5, "sweep": 3}
+#: Stands last: notes what is folded and follows a link, then opens every tab and every detail, as a reader would, then writes down what was seen.
 ASK = """
 <script>
 window.addEventListener("load", () => setTimeout(() => {
+  const parts = Array.from(document.querySelectorAll("details.part"));
+  seen.folded = parts.map((part) => !part.open);
+  seen.height = document.querySelector("main") ? document.querySelector("main").scrollHeight : 0;
+  const aim = document.querySelector("details.part figure");
+  if (aim) { location.hash = aim.id; }
+}, 300));
+window.addEventListener("load", () => setTimeout(() => {
+  const aimed = location.hash && document.getElementById(location.hash.slice(1));
+  seen.led = Boolean(aimed) && aimed.getBoundingClientRect().height > 0;
   document.querySelectorAll("details").forEach((part) => { part.open = true; });
   // A loaded machine may show no frame in virtual time, so figures are asked for as for print.
   window.dispatchEvent(new Event("beforeprint"));
@@ -150,6 +162,15 @@ def test_nothing_is_cut_off_and_nothing_scrolls_sideways(visit):
     assert seen["wider"] <= 0
     assert seen["outside"] == []
     assert seen["hidden"] == 0
+
+
+def test_a_narrow_page_folds_its_sections_and_a_link_opens_its_own(visit, request):
+    """Contract: verdict and picture first, the rest a touch away; a wide page shows everything."""
+    page, width, seen, _ = visit
+    name = request.node.callspec.params["visit"][0]
+    assert len(seen["folded"]) == len([one for one in page.sections if not one.folded])
+    assert seen["folded"] == [width < 900] * len(seen["folded"]) and seen["led"]
+    assert width > 900 or seen["height"] < 844 * SCREENS[name]
 
 
 def test_the_first_screen_answers_in_order(visit):

@@ -223,6 +223,41 @@ def test_a_narrow_page_has_all_panels_in_one_column_and_room_for_ticks():
     assert wide["margin"]["l"] >= 50 and narrow["margin"]["l"] >= 50
 
 
+def test_a_panel_of_half_the_weight_has_half_the_height_in_every_form():
+    """Property: what a reader compares first gets the room."""
+    line = Line(np.arange(3.0), np.arange(3.0), "a", "#000000")
+    chart = Chart("key", "t", "c", (Panel("x", "y", (line,)), Panel("x", "z", (line,), weight=0.5)))
+    drawn = figure(chart)
+    for layout in (drawn["layout"], drawn["narrow"]):
+        first, second = (np.ptp(layout[f"yaxis{n}"]["domain"]) for n in ("", "2"))
+        assert second == pytest.approx(first / 2) and layout["yaxis2"]["domain"][0] < 1e-9
+    boxes = ElementTree.fromstring(svg(chart)).iter(f"{SVG}clipPath")
+    first, second = (float(box[0].get("height")) for box in boxes)
+    assert second == pytest.approx(first / 2, abs=0.1)
+
+
+def test_names_of_rows_stand_inside_their_panel_in_every_form():
+    line = Line(np.array([0.0, 9.0]), np.zeros(2), "a", "#000000")
+    chart = _chart(line, row_labels=((0.0, "float <b>"),), y_range=(-0.5, 0.5))
+    drawn = figure(chart)
+    for layout in (drawn["layout"], drawn["narrow"]):
+        assert "float &lt;b&gt;" in [note["text"] for note in layout["annotations"]]
+        assert layout["yaxis"]["showticklabels"] is False
+    words = [one.text for one in ElementTree.fromstring(svg(chart)).iter(f"{SVG}text")]
+    assert "float <b>" in words and "0.0" not in words
+
+
+def test_a_narrow_figure_of_many_panels_is_lower_for_each():
+    """Property: six panels of a phone need less than three times what two need."""
+    line = Line(np.arange(3.0), np.arange(3.0), "a", "#000000")
+
+    def height(count: int) -> int:
+        panels = tuple(Panel("x", f"y{n}", (line,)) for n in range(count))
+        return figure(Chart("key", "t", "c", panels))["narrow"]["height"]
+
+    assert height(2) < height(6) < 2.6 * height(2)
+
+
 def test_words_from_outside_are_no_markup_in_a_figure():
     mark = Marks(
         np.ones(1), np.ones(1), "<!--<script>", "#000000", labels=("<b>x</b>",), hints=("<i>h</i>",)

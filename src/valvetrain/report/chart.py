@@ -97,7 +97,8 @@ class Panel:
     """One pair of axes. Ranges are (low, high) or None for what the data need; labels carry the
     unit. ``y_log``: y in decades.
 
-    ``y_tick_labels``: (value, words) in place of numbers along y.
+    ``y_tick_labels``: (value, words) in place of numbers along y. ``row_labels``: the same, written
+    inside the panel above their rows. ``weight``: height relative to other panels of the chart.
     """
 
     x_label: str
@@ -111,6 +112,14 @@ class Panel:
     x_step: float | None = None
     y_log: bool = False
     y_tick_labels: tuple[tuple[float, str], ...] = ()
+    row_labels: tuple[tuple[float, str], ...] = ()
+    weight: float = 1.0
+
+
+def row_weights(chart: Chart, columns: int) -> list[float]:
+    """Relative height of each row of panels in ``columns``, that of its tallest panel."""
+    weights = [panel.weight for panel in chart.panels]
+    return [max(weights[first : first + columns]) for first in range(0, len(weights), columns)]
 
 
 def rule_levels(panel: Panel) -> list[int]:

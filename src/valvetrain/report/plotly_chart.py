@@ -21,6 +21,7 @@ from valvetrain.report.chart import (
     Panel,
     label_heights,
     near_right_end,
+    row_weights,
     rule_levels,
     shares_axis,
     visible_range,
@@ -44,8 +45,9 @@ _GAP_X, _MIN_WIDTH = 60, 620
 #: Letters of a panel's words that one line of a narrow page holds; a title beyond them stands on a
 #: line of its own.
 _MAX_LETTERS = 40
-#: Height in px of a panel on a narrow page, where all are in one column.
-NARROW_PANEL = 220
+#: Height in px of a panel on a narrow page, where all are in one column: of one of two, what each
+#: further one takes off, and the least.
+NARROW_PANEL, _NARROW_STEP, _MIN_NARROW = 220, 20, 150
 
 
 def figure(chart: Chart) -> dict[str, Any]:
@@ -70,8 +72,13 @@ def figure(chart: Chart) -> dict[str, Any]:
     return {
         "data": data,
         "layout": _layout(chart, chart.columns, 0),
-        "narrow": _layout(chart, 1, NARROW_PANEL),
+        "narrow": _layout(chart, 1, _narrow_panel(chart)),
     }
+
+
+def _narrow_panel(chart: Chart) -> int:
+    """Height in px of a panel of weight 1 on a narrow page: less where there are many."""
+    return max(NARROW_PANEL - _NARROW_STEP * max(len(chart.panels) - 2, 0), _MIN_NARROW)
 
 
 def _columns(panel: Panel, layer: Layer) -> list[str]:
@@ -115,17 +122,23 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     gap = above + (28 if shared else _BOTTOM)
     if narrow and max(worded, default=0):
         panel_height = chart.height - above - _BOTTOM
-    height = rows * panel_height + (rows - 1) * gap + above + bottom if narrow else chart.height
+    weights = row_weights(chart, columns)
+    height = (
+        int(sum(weights) * panel_height) + (rows - 1) * gap + above + bottom
+        if narrow
+        else chart.height
+    )
     inside = float(height - above - bottom)
     layout = _base(chart) | {
         "height": height,
         "margin": {"l": left, "r": right, "t": above, "b": bottom, "pad": 0},
     }
     wide = (1 - (columns - 1) * _GAP_X / _MIN_WIDTH) / columns
-    high = (inside - (rows - 1) * gap) / rows / inside
+    unit = (inside - (rows - 1) * gap) / sum(weights) / inside
     for index, panel in enumerate(chart.panels):
         row, column = divmod(index, columns)
-        start, top = column * (wide + _GAP_X / _MIN_WIDTH), 1 - row * (high + gap / inside)
+        start, high = column * (wide + _GAP_X / _MIN_WIDTH), unit * weights[row]
+        top = 1 - unit * sum(weights[:row]) - row * gap / inside
         x_domain, y_domain = [start, min(start + wide, 1.0)], [max(top - high, 0.0), min(top, 1.0)]
         named = not shared or index == len(chart.panels) - 1
         for heat in (layer for layer in panel.layers if isinstance(layer, HeatMap)):
@@ -244,15 +257,17 @@ def _add_axes(
             "tickvals": list(places),
             "ticktext": [plain(one) for one in label],
         }
-        if narrow:  # no room beside the lines, so each label stands on its own
-            y_axis["showticklabels"] = False
-            layout["annotations"] += [
-                {
-                    "xref": f"x{suffix} domain", "yref": f"y{suffix}", "x": 0, "y": at, "xanchor": "left", "yanchor": "bottom",
-                    "yshift": 4, "showarrow": False, "text": plain(one), "font": {"size": 10.5, "color": theme.MUTED},
-                }
-                for at, one in panel.y_tick_labels
-            ]  # fmt: skip
+    # On a narrow page there is no room beside the lines, so each label stands on its own.
+    inside = panel.row_labels or (panel.y_tick_labels if narrow else ())
+    if inside:
+        y_axis |= {"showticklabels": False, "ticks": ""}
+        layout["annotations"] += [
+            {
+                "xref": f"x{suffix} domain", "yref": f"y{suffix}", "x": 0, "y": at, "xanchor": "left", "yanchor": "bottom",
+                "yshift": 4, "showarrow": False, "text": plain(one), "font": {"size": 10.5 if narrow else 11.5, "color": theme.MUTED},
+            }
+            for at, one in inside
+        ]  # fmt: skip
     layout[f"yaxis{suffix}"] = common | y_axis
     _add_furniture(layout, panel, suffix, x_domain, y_domain, narrow, parted)
 

@@ -24,6 +24,7 @@ from valvetrain.report.chart import (
     label_heights,
     legend_entries,
     near_right_end,
+    row_weights,
     rule_levels,
     shares_axis,
     visible_range,
@@ -88,7 +89,8 @@ def svg(chart: Chart) -> str:
     )
     wide = (WIDTH - left - right - (chart.columns - 1) * _GAP_X) / chart.columns
     gap = 54 if shares_axis(chart) else _GAP_Y
-    high = (height - top - _BOTTOM - (chart.rows - 1) * gap) / chart.rows
+    weights = row_weights(chart, chart.columns)
+    unit = (height - top - _BOTTOM - (chart.rows - 1) * gap) / sum(weights)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}" '
         f'font-family="{escape(theme.FONT, quote=True)}" font-size="12" fill="{theme.INK}">',
@@ -99,7 +101,8 @@ def svg(chart: Chart) -> str:
         parts.append(_legend(chart))
     for index, panel in enumerate(chart.panels):
         row, column = divmod(index, chart.columns)
-        frame = _Frame(panel, left + column * (wide + _GAP_X), top + row * (high + gap), wide, high)
+        across, down = left + column * (wide + _GAP_X), top + unit * sum(weights[:row]) + row * gap
+        frame = _Frame(panel, across, down, wide, unit * weights[row])
         named = not shares_axis(chart) or index == len(chart.panels) - 1
         parts += _panel(frame, f"{chart.key}-{index}", named)
     return "\n".join([*parts, "</svg>\n"])
@@ -133,6 +136,10 @@ def ticks(low: float, high: float, count: int = 6, step: float | None = None) ->
 def _panel(frame: _Frame, name: str, x_named: bool) -> list[str]:
     panel = frame.panel
     parts = [_bands(frame), _grid(frame, x_named)]
+    parts += [
+        _text(frame.left + 3, float(frame.y(value)) - 6, label, colour=theme.MUTED)
+        for value, label in panel.row_labels
+    ]
     parts.append(
         f'<clipPath id="{name}"><rect {_box(frame)}/></clipPath><g clip-path="url(#{name})">'
     )
@@ -223,7 +230,11 @@ def _grid(frame: _Frame, x_named: bool) -> str:
 
 
 def _y_ticks(frame: _Frame) -> list[tuple[float, str]]:
-    """Values and words of the ticks up the side; whole decades on a logarithmic axis."""
+    """Values and words of the ticks up the side; whole decades on a logarithmic axis, none where
+    rows have labels.
+    """
+    if frame.panel.row_labels:
+        return []
     if frame.panel.y_tick_labels:
         return list(frame.panel.y_tick_labels)
     if frame.panel.y_log:

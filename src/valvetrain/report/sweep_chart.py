@@ -28,6 +28,8 @@ REGIMES = {
     "float": ("float", "#b3261e"),
     "bounce": ("bounce", "#7a4fa0"),
 }
+#: Height of the panel of regimes next to that of the curves.
+REGIMES_WEIGHT = 0.6
 #: Words of the marks across the upper panel.
 _MARKS = {"contact-loss": "contact", "float": "float", "bounce": "bounce"}
 
@@ -58,13 +60,15 @@ def regime_chart(study: Study) -> Chart | None:
             " Bars: speeds at which contact is lost, the valve floats or bounces; thin: where that begins with another "
             "damping of the springs or a finer division. Open marks: the motion did not settle."
         )
+    rows = sum(panel.weight for panel in drawn)
     return Chart(
         "opening",
         title,
         caption,
         tuple(drawn),
         1,
-        (200 if len(drawn) < 3 else 165) * len(drawn) + 70,
+        round((200 if rows < 3 else 165) * rows + 40 * len(drawn)),
+        len(study.labels) > 1,
     )
 
 
@@ -93,15 +97,14 @@ def _curves(study: Study, names: tuple[str, ...], rules: tuple[Rule, ...]) -> Pa
                 continue
             x = np.array([rpm(one) for one in speeds])
             look = known[label]
-            what = f", {label_of(name)}" if len(names) > 1 else ""
+            title = f"{look.label}, {label_of(name)}" if place else look.label
             dash = "dash" if place else look.dash
-            layers.append(Line(x, values, f"{look.label}{what}", look.colour, 1.8, dash))
-            restless = f"{look.label}{what}, not settled"
-            layers += _restless(study, label, x, values, restless, look.colour)
+            layers.append(Line(x, values, title, look.colour, 1.8, dash, in_legend=not place))
+            layers += _restless(study, label, x, values, f"{title}, not settled", look.colour)
     axis = (
         "minimum cam force while open" if names[0].startswith("minimum_cam") else label_of(names[0])
     )
-    axis = "spring force" if len(names) > 1 else axis
+    axis = "spring force: peak, dashed the minimum" if len(names) > 1 else axis
     return Panel(
         "engine speed (rpm)", f"{axis} ({unit})", tuple(layers), rules=rules, x_range=_reach(study)
     )
@@ -123,19 +126,23 @@ def _reach(study: Study) -> tuple[float, float]:
 
 
 def _regimes(study: Study, label: str, several: bool) -> Panel:
-    """A bar per regime of a label over the speeds at which it holds."""
+    """A bar per regime of a label over the speeds at which it holds, its name above it."""
     layers: list[Layer] = []
     first, last = _reach(study)
-    for level, (kind, (name, colour)) in enumerate(reversed(REGIMES.items())):
-        row = study.critical_speeds.of(kind, label) if kind else None
+    rows = {kind: study.critical_speeds.of(kind, label) for kind in REGIMES}
+    searched = {kind: row for kind, row in rows.items() if not kind or row is not None}
+    labels = []
+    for level, (kind, row) in enumerate(reversed(searched.items())):
+        name, colour = REGIMES[kind]
         spans = (
             [(first, min(rpm(controlled_to(study, label)), last))]
             if row is None
             else _spans(row, last)
         )
+        labels.append((float(level), name if spans else f"no {name}"))
         x = np.array([value for low, high in spans for value in (low, high, math.nan)])
         y = np.where(np.isnan(x), np.nan, float(level))
-        layers += [Line(x, y, name, colour, 7.0)] if spans else []
+        layers += [Line(x, y, name, colour, 7.0, in_legend=False)] if spans else []
         if row is not None and row.found and row.printed is not None:
             low, high = rpm(row.printed.lower_engine_speed), rpm(row.printed.upper_engine_speed)
             ends = np.array([max(low, first), min(high, last)])
@@ -143,12 +150,13 @@ def _regimes(study: Study, label: str, several: bool) -> Panel:
             layers.append(Line(ends, np.full(2, float(level)), name, colour, 2.0, in_legend=False))
     return Panel(
         "engine speed (rpm)",
-        "regime (one row each)",
+        "",
         tuple(reversed(layers)),
         label if several else "",
         x_range=(first, last),
-        y_range=(-0.6, len(REGIMES) - 0.4),
-        y_tick_labels=((-9.0, ""),),
+        y_range=(-0.35, len(searched) - 0.2),
+        row_labels=tuple(labels),
+        weight=REGIMES_WEIGHT,
     )
 
 

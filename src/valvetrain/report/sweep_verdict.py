@@ -127,14 +127,22 @@ def controlled_to(study: Study, label: str) -> float:
 
 
 def worst_label(study: Study) -> str:
-    """The label that loses control first; without critical speeds that with the largest surge."""
-    labels = study.labels
+    """The label that loses control first; of springs alone that whose coils clash hardest; else that
+    with the largest surge.
+    """
 
-    def key(label: str) -> tuple[float, float]:
-        surge = worst_surge(runs_over_speed(study, label).solutions)
-        return controlled_to(study, label), -(surge.amplitude if surge else 0.0)
+    def key(label: str) -> tuple[float, float, float]:
+        runs = runs_over_speed(study, label).solutions
+        surge = worst_surge(runs)
+        train = any(run.provenance.system == TRAIN for run in runs)
+        clash = (
+            0.0
+            if train
+            else max((run.quantities.get("clash_energy", 0.0) for run in runs), default=0.0)
+        )
+        return controlled_to(study, label), -clash, -(surge.amplitude if surge else 0.0)
 
-    return min(labels, key=key)
+    return min(study.labels, key=key)
 
 
 def _control(study: Study, label: str, runs: Runs) -> list[str]:

@@ -114,8 +114,13 @@ const valvetrainFigures = (function () {
         button.setAttribute("aria-pressed", String(shown));
         const box = button.closest("figure").querySelector(".plot");
         draw(box);
+        // "stock, not settled" goes with "stock", but not where the key names it.
+        const names = Array.from(button.parentElement.children, function (one) { return new Option(one.dataset.name).innerHTML; });
         const escaped = new Option(button.dataset.name).innerHTML;
-        const places = box.data.map(function (trace, place) { return trace.name === escaped ? place : -1; }).filter(function (place) { return place >= 0; });
+        const places = box.data.map(function (trace, place) {
+          const fits = trace.name === escaped || (!names.includes(trace.name) && trace.name.startsWith(escaped + ", "));
+          return fits ? place : -1;
+        }).filter(function (place) { return place >= 0; });
         Plotly.restyle(box, { visible: shown }, places);
       });
     });
@@ -163,7 +168,7 @@ const valvetrainFigures = (function () {
     wireFilters(root);
     wireTables(root);
     watch(root);
-    root.querySelectorAll("details").forEach(function (part) {
+    root.querySelectorAll("details:not(.part)").forEach(function (part) {
       part.addEventListener("toggle", function () { part.querySelectorAll(".plot").forEach(function (box) { if (part.open) { draw(box); } }); });
     });
   }
@@ -171,11 +176,25 @@ const valvetrainFigures = (function () {
 })();
 (function () {
   if (document.documentElement.dataset.workbench !== undefined) { return; }
+  // On a phone the sections are a list that a touch opens; verdict and picture stay. A link opens what it leads to.
+  const narrow = window.matchMedia("screen and (max-width: 900px)"), folds = document.querySelectorAll("details.part");
+  function opened(id) {
+    const aim = id && document.getElementById(id);
+    if (!aim) { return; }
+    const within = aim.querySelector(":scope > details.part");
+    for (let part = within || aim; part; part = part.parentElement) { if (part.tagName === "DETAILS") { part.open = true; } }
+    aim.scrollIntoView();
+  }
+  function fold() { folds.forEach(function (part) { part.open = !narrow.matches; }); }
+  fold();
+  narrow.addEventListener("change", fold);
+  window.addEventListener("hashchange", function () { opened(decodeURIComponent(location.hash.slice(1))); });
   valvetrainFigures.wire(document);
+  opened(decodeURIComponent(location.hash.slice(1)));
   const links = new Map(Array.from(document.querySelectorAll("nav a")).map(function (a) { return [a.getAttribute("href").slice(1), a]; }));
   const sections = Array.from(document.querySelectorAll("section, details.computed")).filter(function (part) { return links.has(part.id); });
   links.forEach(function (link, key) {
-    link.addEventListener("click", function () { const part = document.getElementById(key); if (part.tagName === "DETAILS") { part.open = true; } });
+    link.addEventListener("click", function () { opened(key); });
   });
   function mark() {
     let current = sections[0];

@@ -37,6 +37,11 @@ export default {
       place.querySelectorAll(".card th:empty, thead th:empty").forEach((cell) => { cell.innerHTML = '<span class="off-screen">quantity</span>'; });
       // A tab is fold enough.
       place.querySelectorAll("details.computed").forEach((fold) => { fold.replaceWith(...fold.querySelectorAll(":scope > section")); });
+      place.querySelectorAll("details.part").forEach((fold) => {
+        const summary = fold.querySelector(":scope > summary");
+        summary.replaceWith(...summary.childNodes);
+        fold.replaceWith(...fold.childNodes);
+      });
       const sections = Array.from(place.querySelectorAll("section"));
       if (this.whole || sections.length < 3) {
         this.tabs = [];
