@@ -331,3 +331,38 @@ def test_a_train_says_how_far_it_settled_and_in_which_steps(method, cycles, sett
     assert not settles or (
         told["motion_period_count"] == 1 and 2 < told["steady_cycles_count"] < 400
     )
+
+
+class _Counted:
+    """A lift law that counts the angles at which it is asked, by derivative."""
+
+    continuity, joints = LAW.continuity, LAW.joints
+
+    def __init__(self) -> None:
+        self.asked = {0: 0, 1: 0, 2: 0}
+
+    def lift(self, cam_angle, derivative=0):
+        self.asked[derivative] += np.size(cam_angle)
+        return LAW.lift(cam_angle, derivative)
+
+
+def test_the_lift_law_is_asked_once_for_all_equal_revolutions():
+    """Its place on every step of one revolution, however many are run (property)."""
+    asked = {}
+    for count in (1, 4):
+        law = _Counted()
+        made = run(
+            PrescribedSpring((DAMPED,), law), CAM_SPEED, Cycles(count), RunOptions(samples=72)
+        )
+        asked[count] = law.asked
+        steps = made.statistics["steps_per_cycle_count"]
+    assert asked[1] == asked[4] and steps < asked[4][0] < 1.1 * steps
+
+
+def test_a_number_of_revolutions_is_run_whatever_repeats():
+    """A massless spring repeats bit by bit from the first revolution on (contract)."""
+    made = run(
+        prescribed(MasslessSpring(30e3, 250.0)), CAM_SPEED, Cycles(3), RunOptions(samples=72)
+    )
+    assert made.statistics["steady_cycles_count"] == 3
+    assert made.time[0] == pytest.approx(2 * 2 * math.pi / CAM_SPEED)

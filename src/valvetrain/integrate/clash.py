@@ -63,6 +63,8 @@ class PairSeries:
 
     def where(self, chosen: NDArray[np.int64]) -> PairSeries:
         """Some of the pairs."""
+        if len(chosen) == len(self.ranks):
+            return self
         force, energy = (
             np.ascontiguousarray(values[chosen]) for values in (self.force, self.energy)
         )

@@ -100,7 +100,7 @@ class HilberHughesTaylor:
             if done <= count:
                 break
             change, before = turn_change(before, record.ends[:, 1]), record.ends[:, 1]
-            if change <= tolerance:
+            if change <= tolerance and not isinstance(until, Cycles):
                 break
         status = run_status(
             system, until, done > count, change, tolerance, turn, time[min(done, count)], cam_speed

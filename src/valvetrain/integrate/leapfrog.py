@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.cam.contract import LiftLaw
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
 from valvetrain.integrate.contract import STEP_FRACTION, Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.leapfrog_kernel import advance
@@ -91,6 +92,8 @@ class Leapfrog:
         impacts: list[tuple[Array, Array]] = []
         before, change, done, turn = np.zeros(0), np.inf, 0, 0
         record_parts: list[tuple[Array, Array, Array]] = []
+        # place and rate of the retainer on every step, where all revolutions have the same
+        motion: tuple[Array, Array] | None = None
         for turn in range(turns):
             begun = turn * samples * interval
             time = step * (stride * np.arange(samples * fine + 1.0)) + begun
@@ -104,12 +107,10 @@ class Leapfrog:
                 pressed = np.empty((rows, watch.entries))
             for first in range(0, samples * sub, block * sub):
                 last = min(first + block * sub, samples * sub)
-                now = step * np.arange(float(first), last + 1.0) + begun
-                angle = cam_speed * now + 0.5 * acceleration * now**2
-                place = np.ascontiguousarray(system.valve_lift.lift(angle), dtype=float)
-                rate = np.ascontiguousarray(system.valve_lift.lift(angle, 1)) * (
-                    cam_speed + acceleration * now
-                )
+                if motion is None or acceleration or block < samples:
+                    now = step * np.arange(float(first), last + 1.0) + begun
+                    motion = _motion(system.valve_lift, now, cam_speed, acceleration)
+                place, rate = motion
                 done = advance(
                     model.kernel,
                     parameters,
@@ -180,6 +181,9 @@ class Leapfrog:
             options.keep == "all",
             later=options.later,
             stride=stride,
+            place=motion[0][: len(record_parts[0][0])]
+            if motion is not None and not acceleration and stride == 1
+            else None,
         )
         events: tuple[Event, ...] = ()
         if impacts and watch is not None:
@@ -197,6 +201,15 @@ class Leapfrog:
                 )
             )
         return Solution(channels, events, status, statistics, provenance)
+
+
+def _motion(
+    law: LiftLaw, time: Array, cam_speed: float, acceleration: float
+) -> tuple[Array, Array]:
+    """Place (m) and rate (m/s) of the retainer over ``time`` (s) from a cam speed (rad/s) on."""
+    angle = cam_speed * time + 0.5 * acceleration * time**2
+    place = np.ascontiguousarray(law.lift(angle), dtype=float)
+    return place, np.ascontiguousarray(law.lift(angle, 1)) * (cam_speed + acceleration * time)
 
 
 def turn_change(before: Array, now: Array) -> float:
@@ -253,28 +266,33 @@ def run_channels(
     half_behind: bool = True,
     later: bool = False,
     stride: int = 1,
+    place: Array | None = None,
 ) -> ChannelArrays:
     """Channels over the recorded revolutions: end forces at every sample and step, inner motion where states
     were recorded, energies.
 
     ``half_behind``: velocities of the states stand half a step before their places; ``later``:
     inner motion and energies when one of them is read; ``stride``: steps between two recorded
-    forces, of which ``sub`` make a sample.
+    forces, of which ``sub`` make a sample; ``place`` (m) of the retainer at each of them (None: by
+    the lift law).
     """
     cuts = [
         slice(None) if n == len(record_parts) - 1 else slice(None, -1)
         for n in range(len(record_parts))
     ]
-    time, forces = (
-        np.concatenate([part[k][cut] for part, cut in zip(record_parts, cuts, strict=True)])
-        for k in (0, 1)
+    time, forces, states = (
+        record_parts[0]
+        if len(record_parts) == 1
+        else (
+            np.concatenate([part[k][cut] for part, cut in zip(record_parts, cuts, strict=True)])
+            for k in range(3)
+        )
     )
-    states = np.concatenate([part[2][cut] for part, cut in zip(record_parts, cuts, strict=True)])
     at, turned = time[::sub], cam_speed * time + 0.5 * acceleration * time**2
     angle, rate = turned[::sub], cam_speed + acceleration * at
-    lift = np.asarray(system.valve_lift.lift(angle), dtype=float)
+    place = np.asarray(system.valve_lift.lift(turned)) if place is None else place
+    lift = place[::sub]
     velocity = np.asarray(system.valve_lift.lift(angle, 1)) * rate
-    place = np.asarray(system.valve_lift.lift(turned))
     work = np.concatenate(([0.0], np.cumsum((forces[1:, 0] + forces[:-1, 0]) / 2 * np.diff(place))))
     values: dict[str, Array] = {
         "valve_lift": lift, "retainer_velocity": velocity,

@@ -61,7 +61,8 @@ def train_channels(
     valve, retainer = mechanism.index(mechanism.valve), arrays.retainer
 
     def all_of(name: str) -> Array:
-        return np.concatenate([getattr(record, name) for record in records])
+        parts = [getattr(record, name) for record in records]
+        return np.asarray(parts[0]) if len(parts) == 1 else np.concatenate(parts)
 
     q, v, a, forces, gaps, ends = (
         all_of(name) for name in ("q", "v", "a", "forces", "gaps", "spring_forces")
