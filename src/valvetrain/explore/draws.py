@@ -26,7 +26,7 @@ class Draws:
     logarithm of the evidence and its error.
 
     ``evidence_kind``: how the evidence was found. ``whole``: False where the search was cut short;
-    ``notes``: what a reader should know.
+    ``notes``: what a reader should know; ``chains``: walkers whose draws take turns.
     """
 
     work: Array
@@ -36,6 +36,7 @@ class Draws:
     evidence_kind: str = ""
     whole: bool = True
     notes: tuple[str, ...] = ()
+    chains: int = 1
 
     @property
     def effective(self) -> float:

@@ -93,7 +93,9 @@ def ensemble(
         notes.append(
             f"the chain holds {reported} autocorrelation times, {ENOUGH_TIMES} are wanted; take more steps"
         )
-    return Draws(work, np.full(len(work), 1.0 / len(work)), whole=whole, notes=tuple(notes))
+    return Draws(
+        work, np.full(len(work), 1.0 / len(work)), whole=whole, notes=tuple(notes), chains=number
+    )
 
 
 def _starts(

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.errors import MissingExtraError
+from valvetrain.explore.fit import REFUSED
 from valvetrain.explore.identification_charts import (
     dots_chart,
     marginals_chart,
@@ -85,7 +87,8 @@ def identification_page(title: str, found: Identified) -> Page:
     priors = (_priors(found),)
     sections.append(Section("priors", "What was known before", priors, folded=True))
     lead = (
-        "Intervals hold 95 % of what the measurements and the priors leave open, if the model is right and the stated scatter is. A "
+        "Intervals hold 95 % of what the measurements and the priors leave open, if the model is right and the stated scatter is; where "
+        f"it cannot meet the data (p below {REFUSED:g}) they are those of a scatter as large as the misfit asks. A "
         "percentile tells where a measured value lies among those that would be measured: near 0 or 100 model and measurement disagree."
     )
     said = verdict_of(found)
@@ -101,13 +104,9 @@ def _found(found: Identified) -> tuple[Block, ...]:
     blocks: list[Block] = []
     if not found.whole:
         blocks.append(text("The search was stopped before its end; this is what it had.", "alert"))
-    for number, branch in enumerate(found.branches, start=1):
+    for number, branch in enumerate(found.branches):
         if len(found.branches) > 1:
-            blocks.append(
-                text(
-                    f"Branch {number}: probability {branch.share:.3f}, misfit {branch.misfit:.4g}."
-                )
-            )
+            blocks.append(text(f"{found.branch_label(number).capitalize()}."))
         blocks.append(_found_grid(found, branch))
     return (
         *blocks,
@@ -241,8 +240,9 @@ def identification_json(found: Identified) -> dict[str, Any]:
     }
     quantities = [
         {
-            "share": branch.share,
+            "share": branch.share if found.weighed else None,
             "misfit": branch.misfit,
+            "fit": _fit(branch),
             "quantities": {
                 name: _each(one, spread, units[name]) for name, one in branch.quantities.items()
             },
@@ -305,10 +305,32 @@ def identification_json(found: Identified) -> dict[str, Any]:
         },
         "evidence": evidence,
         "profiles": profiles,
+        "diagnostics": _diagnostics(found),
         "warnings": list(found.warnings),
         "evaluations": found.evaluations,
         "kept_from_before": found.reused,
     }
+
+
+def _fit(branch: Branch) -> dict[str, Any] | None:
+    one = branch.fit
+    if one is None:
+        return None
+    return {
+        "chi_square": one.chi_square,
+        "degrees_of_freedom": one.freedom,
+        "p_value": one.p_value,
+        "posterior_predictive_p_value": one.predictive,
+        "met": not one.missed,
+        "intervals_widened_for_scatter_times": one.widening,
+    }
+
+
+def _diagnostics(found: Identified) -> Mapping[str, Mapping[str, float]]:
+    try:
+        return found.diagnostics
+    except MissingExtraError:
+        return {}
 
 
 def _each(one: object, fields: Mapping[str, str], unit: str) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.errors import MissingExtraError
 from valvetrain.explore.identified import Branch, Conflict, Identified, Predicted, Prediction
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.explore.space import Prior
@@ -18,6 +19,8 @@ FOUND = ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "learned from 
 MEASURED = ("measurement", "measured", "±", "computed", "2.5 %", "97.5 %", "", "percentile")
 CONFLICTS = ("missed", "scatters", "met by", "cost", "missed instead")
 PREDICTED = ("not measured", "likeliest", "2.5 %", "50 %", "97.5 %", "")
+#: R-hat at most, and effective draws at least, of chains that have mixed.
+MIXED, EFFECTIVE = 1.05, 400
 #: Percentiles outside these are worth a look.
 ODD = (2.5, 97.5)
 
@@ -132,9 +135,30 @@ def facts(found: Identified) -> tuple[tuple[str, str], ...]:
             else f" ({found.evidence_kind})"
         )
         rows.append(("log evidence", f"{found.log_evidence:.2f}{error}"))
+    if found.fit is not None:
+        rows.append(("goodness of fit", found.fit.phrase))
+    if found.chains > 1:
+        rows.append(("chains by ArviZ", _chains_text(found)))
     used = [one for one in found.predicted if one.datum.used]
     rows.append(("data fitted, compared", f"{len(used)}, {len(found.predicted) - len(used)}"))
     return tuple(rows)
+
+
+def _chains_text(found: Identified) -> str:
+    try:
+        every = found.diagnostics.values()
+    except MissingExtraError as error:
+        return str(error)
+    if not every:
+        return "too few draws"
+    largest, least = (
+        max(one["r_hat"] for one in every),
+        min(min(one["ess_bulk"], one["ess_tail"]) for one in every),
+    )
+    said = f"largest R-hat {largest:.3g}, {least:.0f} effective draws at least"
+    if largest > MIXED or least < EFFECTIVE:
+        said += f" ({MIXED:g} at most and {EFFECTIVE} are wanted: take more steps)"
+    return said
 
 
 def is_odd(one: Predicted) -> bool:
@@ -181,13 +205,18 @@ def identified_verdict(found: Identified) -> str:
     if missed:
         verb = "is" if len(missed) == 1 else "are"
         said += f"; {len(missed)} of {fitted} measurements {verb} missed, first {datum_label(missed[0].datum)}"
-    elif fitted:
+    elif fitted and not (found.fit and found.fit.missed):
         said += (
             f"; every one of {fitted} measurements is met"
             if fitted > 1
             else "; the measurement is met"
         )
     lead = "" if found.whole else "Stopped before its end: "
+    if found.fit and found.fit.missed:
+        lead = (
+            f"{found.fit.sentence}: intervals are those of {found.fit.widening:.2g} times the stated scatter and hold the truth "
+            "only where that was stated too small, not where the model is wrong. "
+        )
     branches = f"; {len(found.branches)} branches fit" if len(found.branches) > 1 else ""
     return f"{lead}{said}{branches}."
 

@@ -4,8 +4,10 @@ measurement lies in its prediction.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import Information, even_draws
+from valvetrain.explore.fit import Fit
 from valvetrain.explore.least_squares import Profile
 from valvetrain.explore.posterior import Datum, Outcome, Posterior, Unknown
 from valvetrain.solution.display import table_and_picture, verdict_first
@@ -175,6 +178,8 @@ def _instead(
 
 #: Ends of the intervals (percent).
 LOW, HIGH = 2.5, 97.5
+#: Methods whose shares of branches are probabilities.
+WEIGHING = ("nested", "least-squares")
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,8 +197,10 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """A separate part of the posterior with its probability ``share``; ``misfit``: least sum of
-    squared scaled misses, priors included.
+    """A separate part of the posterior with its probability ``share`` (where the method weighs
+    branches, see :attr:`Identified.weighed`); ``misfit``: least sum of squared scaled misses, priors
+    included; ``fit``: how well it meets the data, None of a search that was stopped. Intervals are
+    widened where it does not.
     """
 
     share: float
@@ -201,6 +208,7 @@ class Branch:
     quantities: Mapping[str, Interval]
     correlation: Array
     information: Information
+    fit: Fit | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,7 +250,7 @@ class Identified(Reported):
     ``conflicts``: what meeting a missed measurement
     costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its
     error (NaN where it was not found);
-    ``notes`` on the search; ``evaluations``: points that were computed, ``reused``: those of an
+    ``notes`` on the search; ``chains``: walkers whose draws take turns; ``evaluations``: points that were computed, ``reused``: those of an
     earlier start; ``whole``: False where
     it was cut short.
 
@@ -279,6 +287,27 @@ class Identified(Reported):
     wall_time: float = field(default=0.0, compare=False)
     name: str = ""
     conflicts: tuple[Conflict, ...] = ()
+    chains: int = 1
+
+    @property
+    def fit(self) -> Fit | None:
+        """How well the most probable branch meets the data; None of a search that was stopped."""
+        return self.branches[0].fit
+
+    @property
+    def weighed(self) -> bool:
+        """Whether the shares of the branches are probabilities: of nested sampling, and of linearised
+        posteriors. Walkers do not pass between branches, and an evolution strategy ends in one.
+        """
+        return self.method in WEIGHING
+
+    def branch_label(self, number: int) -> str:
+        """``branch 1: probability 0.750, misfit 3.25``, the branch at place ``number`` from 0; without
+        a probability where the method cannot weigh it.
+        """
+        one = self.branches[number]
+        share = f"probability {one.share:.3f}, " if self.weighed else ""
+        return f"branch {number + 1}: {share}misfit {one.misfit:.4g}"
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -323,26 +352,43 @@ class Identified(Reported):
         """About ``draws`` equally weighted draws of the posterior as ArviZ takes them. Raises
         :class:`MissingExtraError` where ArviZ is not installed.
         """
+        arviz = _arviz()
+        if self.chains > 1:
+            rows = self.values.reshape(-1, self.chains, len(self.names)).swapaxes(0, 1)
+        else:
+            index, counts = even_draws(self.weights, draws, seed)
+            rows = np.repeat(self.values[index], counts, axis=0)[None]
+        posterior = {name: rows[..., k] for k, name in enumerate(self.names)}
         try:
-            arviz: Any = import_module("arviz")
-        except ImportError as error:
-            raise MissingExtraError(
-                "arviz is not installed; install it with pip install arviz"
-            ) from error
-        index, counts = even_draws(self.weights, draws, seed)
-        rows = np.repeat(self.values[index], counts, axis=0)
-        posterior = {name: rows[None, :, k] for k, name in enumerate(self.names)}
-        try:
-            return arviz.from_dict({"posterior": posterior})
-        except TypeError:  # before ArviZ 1.0
             return arviz.from_dict(posterior=posterior)
+        except TypeError:  # from ArviZ 1.0
+            return arviz.from_dict({"posterior": posterior})
+
+    @cached_property
+    def diagnostics(self) -> Mapping[str, Mapping[str, float]]:
+        """Of each quantity ``r_hat``, ``ess_bulk`` and ``ess_tail`` of an ensemble by ArviZ (A. Vehtari
+        and others, Bayesian Analysis 16 (2021) 667); empty for other methods, whose draws are no
+        chains. Raises :class:`MissingExtraError` where ArviZ is not installed.
+        """
+        if self.chains < 2 or len(self.values) < 4 * self.chains:
+            return {}
+        arviz, chains = _arviz(), self.to_arviz()
+        found = {
+            "r_hat": arviz.rhat(chains),
+            "ess_bulk": arviz.ess(chains, method="bulk"),
+            "ess_tail": arviz.ess(chains, method="tail"),
+        }
+        return {
+            name: {key: float(np.asarray(one[name])) for key, one in found.items()}
+            for name in self.names
+        }
 
     def __repr__(self) -> str:
         count = len(self.branches)
         lines = [f"Identified by {self.method}: {count} branch{'es' * (count > 1)}"]
-        for branch in self.branches:
+        for number, branch in enumerate(self.branches):
             if count > 1:
-                lines.append(f"probability {branch.share:.2f}:")
+                lines.append(self.branch_label(number))
             lines += [
                 f"{name} {one.best:.3g} ({one.low:.3g} to {one.high:.3g})"
                 for name, one in branch.quantities.items()
@@ -353,7 +399,7 @@ class Identified(Reported):
         rows = [
             (
                 str(number),
-                f"{branch.share:.3f}",
+                f"{branch.share:.3f}" if self.weighed else "–",
                 name,
                 f"{one.best:.6g}",
                 f"{one.low:.6g}",
@@ -365,6 +411,17 @@ class Identified(Reported):
         return table_and_picture(
             self, ("branch", "probability", "quantity", "best", "2.5 %", "97.5 %"), rows
         )
+
+
+def _arviz() -> Any:
+    try:
+        with warnings.catch_warnings():  # of its next version
+            warnings.simplefilter("ignore")
+            return import_module("arviz")
+    except ImportError as error:
+        raise MissingExtraError(
+            "arviz is not installed; install it with pip install 'valvetrain[posterior]'"
+        ) from error
 
 
 def percentiles(values: Array, weights: Array, shares: tuple[float, ...]) -> tuple[float, ...]:

@@ -195,9 +195,9 @@ def _show(console: Console, found: Identified, folder: Path) -> None:
         prediction_cells,
     )
 
-    for number, branch in enumerate(found.branches, start=1):
+    for number, branch in enumerate(found.branches):
         if len(found.branches) > 1:
-            console.print(f"branch {number}, probability {branch.share:.3f}")
+            console.print(found.branch_label(number))
         console.print(plain_table(FOUND, found_rows(found, branch), right=(1, 2, 3, 6)))
         console.print()
     console.print(

@@ -74,6 +74,15 @@ class Datum:
             return off
         return np.sign(off) * np.sqrt((self.freedom + 1) * np.log1p(off**2 / self.freedom))
 
+    def score(self, computed: Array | float) -> Array:
+        """Normal score of the probability of such a deviation or less: the deviation where errors are
+        normal.
+        """
+        off = self.deviation(computed)
+        if self.law == "normal":
+            return off
+        return np.asarray(-np.sign(off) * ndtri(stdtr(self.freedom, -np.abs(off))))
+
     @property
     def log_peak(self) -> float:
         """Logarithm of the likelihood where computed and measured agree."""

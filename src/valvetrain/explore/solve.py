@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -21,6 +21,7 @@ from valvetrain.explore.draws import (
     silent,
 )
 from valvetrain.explore.ensembles import ensemble, evolution, nested
+from valvetrain.explore.fit import fit_of, predictive, widenings
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identified import (
     HIGH,
@@ -60,6 +61,8 @@ def finite(outcome: Outcome, key: str) -> float:
 
 Labels = NDArray[np.int64]
 Places = NDArray[np.int64]
+#: Methods that sample the posterior.
+SAMPLING = ("nested", "ensemble")
 #: Quantile of the normal law at :data:`HIGH`.
 _NORMAL = 1.959963984540054
 
@@ -87,7 +90,7 @@ def solve(
     """
     began = time.perf_counter()
     given = None if begin is None else posterior.work_of(begin)
-    if search.method in ("nested", "ensemble"):
+    if search.method in SAMPLING:
         if search.method == "nested":
             draws = nested(
                 posterior,
@@ -139,6 +142,11 @@ def solve(
         if draws.whole
         else ()
     )
+    if draws.whole:
+        branches = tuple(
+            replace(one, fit=fit_of(posterior, peak.work, peak.outcome, peak.jacobian))
+            for one, peak in zip(branches, peaks, strict=True)
+        )
     tables = [
         _table(
             posterior,
@@ -156,6 +164,13 @@ def solve(
             _table(posterior, draws.work, indices, compare, counts.astype(float), peaks[0])
         )
     computed = {key: values for table in tables for key, values in table.computed.items()}
+    if search.method in SAMPLING and draws.whole:
+        branches = _checked(posterior, branches, tables[0], labels)
+    branches = tuple(
+        _widened(posterior, one, peak) for one, peak in zip(branches, peaks, strict=True)
+    )
+    fit = branches[0].fit
+    widening = 1.0 if fit is None else fit.widening
     return Identified(
         search.method,
         posterior.unknowns,
@@ -163,8 +178,8 @@ def solve(
         posterior.values(draws.work),
         draws.weights,
         labels,
-        _predicted(posterior, tables),
-        _predictions(posterior, tables, units),
+        _predicted(posterior, tables, widening),
+        _predictions(posterior, tables, units, widening),
         computed,
         draws.log_evidence,
         draws.evidence_error,
@@ -177,7 +192,44 @@ def solve(
         time.perf_counter() - began,
         name,
         _conflicts(posterior, peaks[0], journal),
+        draws.chains,
     )
+
+
+def _checked(
+    posterior: Posterior, branches: Sequence[Branch], table: _Table, labels: Labels
+) -> tuple[Branch, ...]:
+    """Branches with the posterior predictive p value over their draws."""
+    found = []
+    for number, branch in enumerate(branches):
+        assert branch.fit is not None
+        value = predictive(posterior, table.computed, table.weights * (labels == number))
+        found.append(replace(branch, fit=replace(branch.fit, predictive=value)))
+    return tuple(found)
+
+
+def _widened(posterior: Posterior, branch: Branch, peak: Peak) -> Branch:
+    """The branch with the intervals that it has once the scatter of all data is as large as their
+    misfit asks, no wider than the priors leave them.
+    """
+    if branch.fit is None or branch.fit.widening == 1.0:
+        return branch
+    factors = widenings(posterior, peak.jacobian, branch.fit.widening)
+    quantities = {}
+    for factor, one in zip(factors.tolist(), posterior.unknowns, strict=True):
+        interval = branch.quantities[one.name]
+        low, best, high = one.prior.work(
+            np.array([interval.low, interval.best, interval.high], dtype=float)
+        )
+        middle = min(max(best, low), high)
+        ends = one.prior.value(middle + factor * (np.array([low, high]) - middle))
+        quantities[one.name] = replace(
+            interval,
+            deviation=factor * interval.deviation,
+            low=float(ends[0]),
+            high=float(ends[1]),
+        )
+    return replace(branch, quantities=quantities)
 
 
 def _conflicts(posterior: Posterior, peak: Peak, journal: Store) -> tuple[Conflict, ...]:
@@ -366,12 +418,20 @@ def _table(
     return _Table(computed, every, best)
 
 
-def _predicted(posterior: Posterior, tables: Sequence[_Table]) -> tuple[Predicted, ...]:
+def _ends_of(values: Array, weights: Array, widening: float) -> tuple[float, float, float]:
+    """2.5, 50 and 97.5 %, the ends ``widening`` times as far from the middle."""
+    low, middle, high = percentiles(values, weights, (LOW, 50.0, HIGH))
+    return middle + widening * (low - middle), middle, middle + widening * (high - middle)
+
+
+def _predicted(
+    posterior: Posterior, tables: Sequence[_Table], widening: float
+) -> tuple[Predicted, ...]:
     found = []
     for datum in posterior.data:
         table = next((one for one in tables if datum.key in one.computed), tables[0])
         over = table.computed.get(datum.key, np.full(len(table.weights), np.nan))
-        low, middle, high = percentiles(over, table.weights, (LOW, 50.0, HIGH))
+        low, middle, high = _ends_of(over, table.weights, widening)
         found.append(
             Predicted(
                 datum,
@@ -386,7 +446,7 @@ def _predicted(posterior: Posterior, tables: Sequence[_Table]) -> tuple[Predicte
 
 
 def _predictions(
-    posterior: Posterior, tables: Sequence[_Table], units: Mapping[str, str]
+    posterior: Posterior, tables: Sequence[_Table], units: Mapping[str, str], widening: float
 ) -> tuple[Prediction, ...]:
     """Every computed number that no datum is about."""
     measured = {one.key for one in posterior.data}
@@ -395,7 +455,7 @@ def _predictions(
             key,
             units.get(key, ""),
             finite(table.best, key),
-            *percentiles(values, table.weights, (LOW, 50.0, HIGH)),
+            *_ends_of(values, table.weights, widening),
         )
         for table in tables
         for key, values in table.computed.items()
