@@ -28,6 +28,7 @@ from typing import Any, Literal
 import numpy as np
 
 from valvetrain.cam import build_lift_law
+from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.loading import load_case
@@ -38,7 +39,6 @@ from valvetrain.solution.netcdf import save_netcdf
 from valvetrain.springs.solid import deck as steps
 from valvetrain.springs.solid.deck import SolidContact
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.springs.solid.results import (
     fibre_stress,
     last_field,

@@ -7,13 +7,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from valvetrain.continuum.mesh import MeshOptions, SolidMesh, sweep_spring
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
 from valvetrain.springs.solid import deck as steps
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.mesh import MeshOptions, SolidMesh, sweep_spring
 from valvetrain.springs.solid.results import (
     FibreStress,
     NodalField,

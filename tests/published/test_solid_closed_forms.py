@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from valvetrain.continuum.mesh import FaceSet, MeshOptions, SolidMesh, connect_sections
+from valvetrain.continuum.section import disc_section
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
@@ -13,9 +15,7 @@ from valvetrain.runs.solid import force_error
 from valvetrain.springs.solid.calculix import run_deck
 from valvetrain.springs.solid.deck import SolidContact, model_text
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.mesh import FaceSet, MeshOptions, SolidMesh, connect_sections
 from valvetrain.springs.solid.results import read_printed
-from valvetrain.springs.solid.section import disc_section
 from valvetrain.springs.solid.spec import SolidOptions, solid_spring
 from valvetrain.springs.solid.transient import TransientJob, run_transient
 

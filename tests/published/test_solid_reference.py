@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.state import free_state
@@ -19,7 +20,6 @@ from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.validation.wires import ring_section
 
 DATA = tomllib.loads(Path(__file__).with_name("solid_reference.toml").read_text())

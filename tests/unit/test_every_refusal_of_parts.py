@@ -25,6 +25,7 @@ from valvetrain.cam.ramped import ramped
 from valvetrain.cam.shaped import Shaped
 from valvetrain.cam.spline import Spline, Stations
 from valvetrain.contact.dissipative import damping_number, rebound
+from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.integrate.contract import RunUp
 from valvetrain.mechanism.contour import table_from_samples
 from valvetrain.mechanism.parts import (
@@ -44,7 +45,6 @@ from valvetrain.runs.error_bars import observed_order
 from valvetrain.springs.chain_layout import uniform_chain
 from valvetrain.springs.massless import massless_table
 from valvetrain.springs.nested import RadialRubbing
-from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.springs.solid.transient import TransientJob
 
 NAN = math.nan

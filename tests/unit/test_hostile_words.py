@@ -15,6 +15,7 @@ import pytest
 from browser.test_report_browser import browse
 from synthetic_study import modal_run, own_study, record, rod_run, train_run, train_study
 from unit.cli_parts import SMALL
+from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case
@@ -25,7 +26,6 @@ from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import quoted
 from valvetrain.solution.textfile import load_csv, save_csv
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.mesh import MeshOptions
 
 COMMENT = "<!--<script>"
 BREAKS_OUT = "</script><script>lost()</script>"

@@ -7,15 +7,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from valvetrain.continuum import mesh as hexahedra
+from valvetrain.continuum.mesh import MeshOptions, layer_coils, sweep_spring
+from valvetrain.continuum.section import disc_section
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.springs.solid import mesh as hexahedra
 from valvetrain.springs.solid.deck import _row, _wrapped, seat_plates
-from valvetrain.springs.solid.mesh import MeshOptions, layer_coils, sweep_spring
-from valvetrain.springs.solid.section import disc_section
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ import tempfile
 import numpy as np
 import pytest
 
+from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.springs.solid.calculix import find_solver, run_deck
@@ -21,7 +22,6 @@ from valvetrain.springs.solid.deck import (
     write_mesh,
 )
 from valvetrain.springs.solid.jobs import SolidSpring, axial_modes
-from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.springs.solid.results import last_field, read_fields, read_printed
 from valvetrain.springs.solid.transient import MOTION_CONTACT, TransientJob, transient_deck
 

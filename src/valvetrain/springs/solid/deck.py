@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.continuum.mesh import FaceSet, MeshOptions, SolidMesh
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.atomic import atomic_path
-from valvetrain.springs.solid.mesh import FaceSet, MeshOptions, SolidMesh
 
 Array = NDArray[np.float64]
 

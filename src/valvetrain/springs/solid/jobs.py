@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.continuum.mesh import MeshOptions, SolidMesh, sweep_spring
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.modes import ModalResult
@@ -26,7 +27,6 @@ from valvetrain.springs.solid.deck import (
     model_text,
     seats_text,
 )
-from valvetrain.springs.solid.mesh import MeshOptions, SolidMesh, sweep_spring
 from valvetrain.springs.solid.results import Printed, read_printed
 from valvetrain.units import Given, si
 

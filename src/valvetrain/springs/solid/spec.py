@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import PositiveTime
@@ -14,7 +15,6 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.solid.deck import SolidContact
 from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.mesh import MeshOptions
 from valvetrain.springs.spec import SpringModelSpec
 
 NO_MOTION = "solid finite elements serve statics and modes; a cam cycle would take them days (a short stretch: 'valvetrain compare --solid-motion')"

@@ -9,10 +9,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.continuum import mesh as hexahedra
+from valvetrain.continuum.section import SectionMesh, disc_section, ground_section
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.solid import mesh as hexahedra
-from valvetrain.springs.solid.section import SectionMesh, disc_section, ground_section
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
