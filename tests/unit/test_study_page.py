@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.sensitivity import surrogate_of
 from valvetrain.explore.study import StudyText, analysed, read_plan
 from valvetrain.explore.study_page import (
     answer_table,
@@ -20,6 +19,7 @@ from valvetrain.explore.study_page import (
     points_page,
     sentences,
 )
+from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyTable
 from valvetrain.report.page import Details, Grid, Text, charts, render
 from valvetrain.report.plotly_chart import figure
@@ -155,12 +155,12 @@ def test_the_json_answer_holds_what_the_page_says():
     )
 
 
-def test_a_surrogate_of_a_smooth_function_predicts_points_kept_out():
+def test_a_surrogate_of_a_smooth_function_predicts_each_point_from_the_others():
     pytest.importorskip("sklearn")
     table = made("surrogate", function=lambda c: 800 + 30 * np.sin(3 * c[:, 0]) * (1 + c[:, 1]))
     (one,) = table.surrogates  # the other output never changes
     assert (
-        one.held_out == 51
+        one.fitted == len(table)
         and one.share < 0.01
         and one.error < 0.1
         and "so it does not" not in one.sentence
@@ -188,7 +188,11 @@ def test_a_surrogate_of_few_points_is_not_made():
     pytest.importorskip("sklearn")
     assert (
         surrogate_of(
-            "peak_spring_force", RUN, np.random.default_rng(1).random((11, 2)), np.arange(11.0)
+            "peak_spring_force",
+            RUN,
+            ("a", "b"),
+            np.random.default_rng(1).random((11, 2)),
+            np.arange(11.0),
         )
         is None
     )

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.explore.sensitivity import Surrogate
 from valvetrain.explore.study_charts import surrogate_chart
+from valvetrain.explore.surrogate import Surrogate
 from valvetrain.report.chart import Line, Marks
 
 
@@ -16,13 +16,14 @@ def test_points_stand_where_their_numbers_say():
     one = Surrogate(
         "clash_energy",
         (600.0, "multi-mass", ""),
-        20,
-        3,
+        ("rate",),
         1.8e-3,
         0.6,
         1.0,
         predicted,
         computed,
+        np.zeros(1),
+        np.ones(1),
         np.zeros(1),
         np.ones(1),
         None,
@@ -42,6 +43,6 @@ def test_points_stand_where_their_numbers_say():
     )
     assert panel.x_range[0] <= 10 and panel.x_range[1] >= 20
     assert (
-        "errs by 1.8 mJ (rms) on 3 points" in chart.caption
+        "errs by 1.8 mJ (rms) at each of its 3 points left out in turn" in chart.caption
         and chart.title == "Surrogate of the clash energy"
     )

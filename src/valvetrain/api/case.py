@@ -272,7 +272,7 @@ class Case:
         varied: Mapping[str, Any],
         outputs: Sequence[Output] | Output,
         *,
-        sampling: str = "latin-hypercube",
+        sampling: str = "sobol",
         count: int = 64,
         seed: int = 1,
         engine_speeds: Any = None,

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from valvetrain.explore.identified import Identified
     from valvetrain.explore.optimum import Optimum
     from valvetrain.explore.posterior import Datum
-    from valvetrain.explore.sensitivity import Sensitivity, Surrogate
+    from valvetrain.explore.sensitivity import Sensitivity
+    from valvetrain.explore.surrogate import Surrogate
 
 
 class Experiment(Evaluation):
@@ -64,7 +65,7 @@ class Experiment(Evaluation):
 
     def sample(
         self,
-        sampler: str = "latin-hypercube",
+        sampler: str = "sobol",
         options: Mapping[str, Any] | None = None,
         **execution: Any,
     ) -> StudyTable:
@@ -86,12 +87,12 @@ class Experiment(Evaluation):
             self, find_sampler("saltelli"), "tolerance", options, **execution
         ).sensitivities
 
-    def surrogate(self, count: int = 200, seed: int = 1, **execution: Any) -> tuple[Surrogate, ...]:
-        """A Gaussian process for every output at every run, fitted to a Latin hypercube."""
+    def surrogate(self, count: int = 256, seed: int = 1, **execution: Any) -> tuple[Surrogate, ...]:
+        """A Gaussian process for every output at every run, fitted to Sobol's sequence."""
 
         options = {"count": count, "seed": seed}
         return run_experiment(
-            self, find_sampler("latin-hypercube"), "surrogate", options, **execution
+            self, find_sampler("sobol"), "surrogate", options, **execution
         ).surrogates
 
     def optimise(

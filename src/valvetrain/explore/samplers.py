@@ -18,8 +18,8 @@ from valvetrain.registry import find
 Array = NDArray[np.float64]
 #: Most points of a study.
 MAX_POINTS = 1_000_000
-#: Points drawn and levels of a grid by default.
-COUNT, LEVELS = 100, 5
+#: Points drawn, a power of two for the balance of Sobol's sequence, and levels of a grid by default.
+COUNT, LEVELS = 128, 5
 
 
 class SamplerOptions(BaseModel):

@@ -27,7 +27,8 @@ from valvetrain.explore.files import (
 )
 from valvetrain.explore.outputs import LimitSearch, Outputs, Run
 from valvetrain.explore.samplers import SamplerSpec, sampler
-from valvetrain.explore.sensitivity import sensitivity_of, surrogate_of
+from valvetrain.explore.sensitivity import sensitivity_of
+from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
 from valvetrain.registry import find
@@ -280,7 +281,7 @@ def analysed(table: StudyTable) -> StudyTable:
         return replace(table, sensitivities=tuple(one for one in indices if one is not None))
     if plan.kind == "surrogate":
         fits = [
-            surrogate_of(name, run, table.inputs[rows], _completed(table, name)[rows])
+            surrogate_of(name, run, names, table.inputs[rows], _completed(table, name)[rows])
             for run, rows, name in pairs
         ]
         return replace(table, surrogates=tuple(one for one in fits if one is not None))
@@ -343,7 +344,7 @@ Kind = Literal["points", "tolerance", "surrogate"]
 class PointsModel(StrictModel):
     """The ``[points]`` table: the sampler, and its options, which it checks itself."""
 
-    sampler: str = "latin-hypercube"
+    sampler: str = "sobol"
 
     @model_validator(mode="before")
     @classmethod

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.explore.outputs import Run
-from valvetrain.explore.sensitivity import Sensitivity, Surrogate
+from valvetrain.explore.sensitivity import Sensitivity
+from valvetrain.explore.surrogate import Surrogate
 from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Marks, Panel, Rule
@@ -253,16 +254,14 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
 
 
 def surrogate_chart(one: Surrogate, key: str) -> Chart:
-    """The surrogate against runs that were held out of its fit."""
+    """What the surrogate tells of each run from the others, against the run."""
     computed, predicted = (
         np.asarray(shown(one.output, values)[0]) for values in (one.computed, one.predicted)
     )
     ends = np.array([min(computed.min(), predicted.min()), max(computed.max(), predicted.max())])
     layers: tuple[Layer, ...] = (
         Line(ends, ends, "agreement", theme.MUTED, 1.0, "dash"),
-        Marks(
-            computed, predicted, "point held out of the fit", theme.SERIES[0], filled=True, size=5.0
-        ),
+        Marks(computed, predicted, "from the other points", theme.SERIES[0], filled=True, size=5.0),
     )
     label = output_label(one.output)
     panel = Panel(

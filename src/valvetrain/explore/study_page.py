@@ -321,7 +321,7 @@ def points_json(table: StudyTable) -> dict[str, Any]:
             for one in table.sensitivities
         ],
         "surrogates": [
-            {"output": one.output, "run": places[one.run], "fitted": one.fitted, "kept_out": one.held_out, "error": one.error,
+            {"output": one.output, "run": places[one.run], "fitted": one.fitted, "error": one.error,
              "error_over_scatter": one.share, "within_two_deviations": one.covered, "sentence": one.sentence} for one in table.surrogates
         ],
         "sentences": list(sentences(table)), "failures": list(table.failures[:MAX_ROWS]), "completed": bool(np.all(table.completed)),

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from valvetrain.explore.sensitivity import Sensitivity, Surrogate
+    from valvetrain.explore.sensitivity import Sensitivity
+    from valvetrain.explore.surrogate import Surrogate
 
 Array = NDArray[np.float64]
 
