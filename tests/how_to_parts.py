@@ -115,6 +115,25 @@ class Guide:
         return answer
 
 
+def holds(answer: Mapping[str, Any], row: Row) -> bool:
+    """Whether a row is what the command answers. Of a best design the objective is held to a hundredth, what
+    is varied to the valley of designs as good, what follows from it to a tenth: the path of a search
+    is that of a processor.
+    """
+    computed = number_of(answer, row)
+    if answer["command"] != "optimise" or row.place != ("best",):
+        return row.agrees(computed)
+    printed = float(row.value.replace("−", "-"))
+    valley = answer["designs"][0]["valley"]["quantities"]
+    objective = answer["designs"][0]["objectives"][0]
+    for one in answer["varied"]:
+        if one["label"] == row.quantity and in_unit(objective, row.unit) != computed:
+            low, high = (in_unit(valley[one["name"]][end], row.unit) for end in ("low", "high"))
+            return low - abs(printed) / 100 <= printed <= high + abs(printed) / 100
+    share = 0.01 if in_unit(objective, row.unit) == computed else 0.1
+    return abs(computed - printed) <= share * abs(printed)
+
+
 def in_unit(value: float | Mapping[str, Any], unit: str) -> float:
     """A value in SI, or with its unit as ``--json`` prints it, in the unit of the page."""
     if isinstance(value, Mapping):

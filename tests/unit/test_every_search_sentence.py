@@ -41,7 +41,7 @@ def bracket(kind: str, low: float, high: float) -> SimpleNamespace:
 def design(
     one: SimpleNamespace | None = None, steps: tuple = (), confirmed: tuple = ()
 ) -> SimpleNamespace:
-    return SimpleNamespace(trial=one or trial(0.04), steps=steps, confirmed=confirmed)
+    return SimpleNamespace(trial=one or trial(0.04), steps=steps, confirmed=confirmed, valley=None)
 
 
 def step(place: int, improves: bool, objective: float = 0.04) -> SimpleNamespace:
@@ -128,8 +128,33 @@ def test_the_answer_comes_first(name):
     assert stopped[0] == f"The search was stopped after {len(found.trials) - 1} trials. {told}"
 
 
+def by(label: str, case: float, best: float) -> SimpleNamespace:
+    """What a model of a name says of the case and of the best design."""
+    return SimpleNamespace(label=label, case=trial(case), design=trial(best))
+
+
+@pytest.mark.parametrize(
+    ("confirmed", "told"),
+    [
+        ((by("rod", 0.05, 0.0405), by("mesh", 0.05, 0.04)), "Within all bounds the wire mass falls from"),
+        (
+            (by("rod", 0.05, 0.044), by("mesh", 0.05, 0.046), by("lost", 0.05, np.nan)),
+            "Confirmed is a change of the wire mass of −4 g, −8.0 % by mesh (−6 g, −12.0 % by rod); by the model of the search the wire "
+            "mass falls from 50 g of the case to 40 g (−10 g, −20.0 %).",
+        ),
+        (
+            (by("rod", 0.05, 0.052), by("mesh", 0.05, 0.046)),
+            "No gain is confirmed by every model: of the wire mass +2 g, +4.0 % by rod and −4 g, −8.0 % by mesh; by the model of the search "
+            "the wire mass falls from",
+        ),
+    ],
+)  # fmt: skip
+def test_the_answer_leads_with_the_least_gain_that_other_models_confirm(confirmed, told):
+    assert said.answer(search(best=design(confirmed=confirmed))).startswith(told)
+
+
 STILL = "A small step still improves it ({}): more trials will find more."
-DONE = "Small changes no longer improve it within the bounds."
+DONE = "Small changes of one quantity no longer improve it within the bounds."
 LATE = "The best value came with trial {} of 40: more trials may find more."
 NARROW = "It is narrow: a hundredth of one range away the wire mass is {}, so count on {}."
 

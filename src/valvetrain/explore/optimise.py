@@ -25,6 +25,7 @@ from valvetrain.explore.searchers import local_search, searcher_of, shares_of, v
 from valvetrain.explore.space import Space
 from valvetrain.explore.study import seconds_of
 from valvetrain.explore.trial import CASE_SEED, Array, Trial, best_of
+from valvetrain.explore.valley import valley_of
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
@@ -61,7 +62,9 @@ def estimate_search(plan: OptimumPlan, workers: int) -> SearchEstimate:
     """Estimated cost of a plan: every trial to the end of its scans, and the confirmations."""
     trials = plan.search.trials * plan.search.seeds + 1
     each = _seconds(plan)
-    after = (2 * len(plan.varied) + 1) * each
+    after = (
+        8 * len(plan.varied) + 1
+    ) * each  # steps, and three points towards either end of the valley
     confirmed = sum(2 * _seconds(one.plan) for one in plan.confirmations)
     points = sum(
         len(one.runs) if one.limit is None else len(one.limit.engine_speeds) + CLOSER
@@ -333,7 +336,13 @@ class _Search:
             subjects = [(self.plan.plans, tuple(row.tolist())) for row in values]
             return measure_designs(points, subjects, self.plan.measures)
 
-        return replace(one, steps=steps_of(self.plan, one.trial, measure))
+        steps = steps_of(self.plan, one.trial, measure)
+        valley = (
+            valley_of(self.plan, one.trial, steps, self.trials, measure)
+            if len(self.plan.objectives) == 1
+            else None
+        )
+        return replace(one, steps=steps, valley=valley)
 
     def _confirm(
         self,

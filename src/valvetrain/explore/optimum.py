@@ -21,6 +21,7 @@ from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.searchers import quiet_optuna, shares_of
 from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, front_of
+from valvetrain.explore.valley import Step, Valley
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.atomic import write_bytes
@@ -33,20 +34,6 @@ if TYPE_CHECKING:
 
 #: A varied quantity is at an end of its range, and a bound is active, within these shares of them.
 AT_END, ACTIVE = 0.01, 0.01
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """What a small step of one varied quantity does to a design: ``size`` (SI, with its sign),
-    objectives (m,) and feasibility there.
-    """
-
-    index: int
-    size: float
-    objectives: Array
-    feasible: bool
-    improves: bool
-    failure: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,14 +50,15 @@ class Confirmed:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """One of the chosen designs: its ``trial``, why it was ``chosen``, its ``steps`` and
-    confirmations.
+    """One of the chosen designs: its ``trial``, why it was ``chosen``, its ``steps``,
+    confirmations, and of the best one the ``valley`` of designs as good.
     """
 
     trial: Trial
     chosen: str
     steps: tuple[Step, ...] = ()
     confirmed: tuple[Confirmed, ...] = ()
+    valley: Valley | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,6 +296,7 @@ def steps_of(
                 one.feasible,
                 better,
                 one.failure,
+                one.missed,
             )
         )
     return tuple(found)

@@ -25,6 +25,7 @@ from valvetrain.explore.optimum_charts import convergence_chart, front_chart, ov
 from valvetrain.explore.optimum_summary import confirmed_text, same_as_varied, sentences
 from valvetrain.explore.study_page import distribution_text
 from valvetrain.explore.trial import Trial
+from valvetrain.explore.valley import ALIKE
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
 from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.report.text import number, percent, unit_text
@@ -406,6 +407,23 @@ def _design(found: Optimum, one: Design) -> dict[str, Any]:
             for step in one.steps
         ],
         "confirmed": [_confirmed_optimum_files(other) for other in one.confirmed],
+        "valley": _valley(found, one),
+    }
+
+
+def _valley(found: Optimum, one: Design) -> dict[str, Any] | None:
+    """Designs as good as the best: least and most of each quantity, and which are left open."""
+    if one.valley is None:
+        return None
+    names = [varied.name for varied in found.plan.varied]
+    ends = zip(one.valley.values.min(axis=0), one.valley.values.max(axis=0), strict=True)
+    return {
+        "within": ALIKE,
+        "designs": len(one.valley.values),
+        "quantities": {
+            name: {"low": low, "high": high} for name, (low, high) in zip(names, ends, strict=True)
+        },
+        "open": [names[place] for place in one.valley.open],
     }
 
 

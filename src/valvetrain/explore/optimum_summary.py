@@ -11,7 +11,8 @@ import numpy as np
 from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitFound, Measure
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, bound_label
 from valvetrain.explore.space import Varied
-from valvetrain.explore.trial import Trial
+from valvetrain.explore.trial import Array, Trial, best_of
+from valvetrain.explore.valley import ALIKE
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.statics import card_quantities
@@ -29,6 +30,8 @@ CARD = {
 }
 #: Varied values that a verdict names.
 MAX_NAMED = 6
+#: Share of the gain of the search that another model may lack and still confirm it.
+CONFIRMED = 0.1
 #: Share of the gain that a small step may cost before the best is called narrow.
 NARROW = 0.5
 
@@ -122,6 +125,7 @@ def answer(found: Optimum, values: str = "") -> str:
     at = f", with {values}" if values else ""
     if best.trial.number == 0:
         return f"No trial beats the case itself, whose {one.label} is {reported(one, value)}."
+    confirmed = _confirmed_change(found, one)
     if not case.feasible:
         most = "most" if goals[0].maximise else "least"
         return f"The {most} that keeps every bound: {one.label} {_own_value(best.trial, one, 0)}{at}. {_own(case)}"
@@ -130,7 +134,39 @@ def answer(found: Optimum, values: str = "") -> str:
         "at least " if _beyond(best.trial, one) else "",
     )
     ends = f"from {_own_value(case, one, 0)} of the case to {_own_value(best.trial, one, 0)}"
-    return f"Within all bounds the {one.label} {verb} {ends} ({least}{change(one, value, before)}){at}."
+    said = f"the {one.label} {verb} {ends} ({least}{change(one, value, before)}){at}."
+    if confirmed:
+        return f"{confirmed}; by the model of the search {said}"
+    return f"Within all bounds {said}"
+
+
+def _confirmed_change(found: Optimum, one: Measure | AsVaried) -> str:
+    """The least gain of the other models, first, where it is below that of the search by a tenth or
+    more; empty where they confirm it.
+    """
+    assert found.best is not None
+    goal = found.plan.objectives[0]
+
+    def gain(trial: Trial, case: Trial) -> float:
+        return -goal.sign * float(trial.objectives[0] - case.objectives[0])
+
+    own = gain(found.best.trial, found.case)
+    known = [other for other in found.best.confirmed if np.isfinite(gain(other.design, other.case))]
+    if not known or not found.case.feasible:
+        return ""
+    known.sort(key=lambda other: gain(other.design, other.case))
+    worst = known[0]
+    if gain(worst.design, worst.case) >= (1 - CONFIRMED) * own:
+        return ""
+    changes = [
+        f"{change(one, float(other.design.objectives[0]), float(other.case.objectives[0]))} by {other.label}"
+        for other in known
+    ]
+    if gain(worst.design, worst.case) <= 0:
+        return f"No gain is confirmed by every model: of the {one.label} {' and '.join(changes)}"
+    return f"Confirmed is a change of the {one.label} of {changes[0]}" + (
+        f" ({', '.join(changes[1:])})" if changes[1:] else ""
+    )
 
 
 def optimum_verdict(found: Optimum) -> str:
@@ -248,7 +284,8 @@ def trust(found: Optimum) -> tuple[str, ...]:
         )
     lines += _limits(best, found)
     lines += _steps(best, found)
-    lines += _seeds(found)
+    lines += _valley(best, found)
+    lines += [*_seeds(found), *_spread(found)]
     lines += [confirmed_text(one, found) for one in best.confirmed]
     return tuple(lines)
 
@@ -276,7 +313,7 @@ def _steps(best: Design, found: Optimum) -> list[str]:
             f"A small step still improves it ({', '.join(dict.fromkeys(better))}): more trials will find more."
         )
     elif best.steps:
-        lines.append("Small changes no longer improve it within the bounds.")
+        lines.append("Small changes of one quantity no longer improve it within the bounds.")
     lines += _narrow(best, found)
     if found.finished and len(found.plan.objectives) == 1 and best.trial.number and not better:
         history = found.history(best.trial.seed)
@@ -294,7 +331,12 @@ def _narrow(best: Design, found: Optimum) -> list[str]:
     no workshop meets.
     """
     goal = found.plan.objectives[0]
-    near = [float(one.objectives[0]) for one in best.steps if np.isfinite(one.objectives[0])]
+    itself = same_as_varied(found, 0)
+    near = [
+        float(one.objectives[0])
+        for one in best.steps
+        if np.isfinite(one.objectives[0]) and one.index != itself
+    ]
     gain = goal.sign * (float(found.case.objectives[0]) - float(best.trial.objectives[0]))
     if len(found.plan.objectives) > 1 or not near or not found.case.feasible or not gain > 0:
         return []
@@ -308,6 +350,42 @@ def _narrow(best: Design, found: Optimum) -> list[str]:
     ]
 
 
+def _valley(best: Design, found: Optimum) -> list[str]:
+    """The quantities that designs as good leave open, with the designs at their ends."""
+    valley, goal = best.valley, found.plan.objectives[0].measure
+    if valley is None or len(valley.values) < 2:
+        return []
+    lines = []
+    lead = f"Within {100 * ALIKE:g} % of the best {goal.label}, and within all bounds,"
+    for place in valley.open:
+        one = found.plan.varied[place]
+        ends = []
+        for row in valley.ends(place):
+            values, objective = valley.values[row], reported(goal, valley.objectives[row])
+            others = f"{_others_of(found, values, place)}{goal.label} {objective}"
+            ends.append(f"{_value(one, values[place])} ({others})")
+        lines.append(
+            f"{lead} the {one.shown_name} goes from {' to '.join(ends)}: the search does not settle it."
+        )
+    if not lines:
+        lines.append(f"{lead} every quantity stays within a tenth of its range.")
+    return lines
+
+
+def _value(one: Varied, value: float) -> str:
+    return f"{one.shown(float(value)):.4g} {one.unit}".rstrip().replace("-", "−")
+
+
+def _others_of(found: Optimum, values: Array, place: int) -> str:
+    """The other varied quantities of a design, where they are few and none is the objective."""
+    others = [
+        f"{one.shown_name} {_value(one, value)}, "
+        for k, (one, value) in enumerate(zip(found.plan.varied, values, strict=True))
+        if k not in (place, same_as_varied(found, 0))
+    ]
+    return "".join(others) if len(others) < MAX_NAMED else ""
+
+
 def _seeds(found: Optimum) -> list[str]:
     if len(found.best_by_seed) < 2:
         return []
@@ -317,6 +395,21 @@ def _seeds(found: Optimum) -> list[str]:
     half = 0.5 * (one.shown(float(values.max())) - one.shown(float(values.min())))
     ends = f"{len(values)} searches from different seeds end at {each_value} {one.unit}".rstrip()
     return [f"{ends}: the search itself is worth {f'±{half:.2g} {one.unit}'.rstrip()}."]
+
+
+def _spread(found: Optimum) -> list[str]:
+    """From where to where the best designs of several seeds lie."""
+    if len(found.best_by_seed) < 2:
+        return []
+    bests = [
+        best_of([one for one in found.trials if one.seed == seed]) for seed in found.best_by_seed
+    ]
+    rows = np.array([one.values for one in bests if one is not None])
+    spans = [
+        f"{one.shown_name} {_value(one, rows[:, k].min())} to {_value(one, rows[:, k].max())}"
+        for k, one in enumerate(found.plan.varied)
+    ]
+    return [f"Over seeds the best designs have {', '.join(spans)}."]
 
 
 def confirmed_text(one: Confirmed, found: Optimum) -> str:
