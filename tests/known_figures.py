@@ -532,9 +532,10 @@ def forces_over_speed(study: Study) -> tuple:
         restless = np.array([run.status.code != "completed" for run in runs])
         for name in ("peak_spring_force", "minimum_spring_force"):
             y = np.array([run.quantities[name] for run in runs])
-            found[f"{label}, {name.replace('_', ' ')}"] = (x, y)
-            found[f"{label}, {name.replace('_', ' ')}, not settled"] = (x[restless], y[restless])
-    return ("", "engine speed (rpm)", "spring force (N)", found)
+            curve = label if name.startswith("peak") else f"{label}, {name.replace('_', ' ')}"
+            found[curve] = (x, y)
+            found[f"{curve}, not settled"] = (x[restless], y[restless])
+    return ("", "engine speed (rpm)", "spring force: peak, dashed the minimum (N)", found)
 
 
 def regimes(study: Study) -> tuple:
@@ -565,7 +566,7 @@ def regimes(study: Study) -> tuple:
         for end in ("lower_engine_speed", "upper_engine_speed")
     )
     bars["float, range"] = (np.array([low, high]), np.full(2, 1.0))
-    return ("", "engine speed (rpm)", "regime (one row each)", bars)
+    return ("", "engine speed (rpm)", "", bars)
 
 
 FIGURES = {

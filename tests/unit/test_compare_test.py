@@ -372,7 +372,9 @@ def test_what_does_not_fit_is_refused_in_one_sentence(changes, more, words):
 def test_damaged_files_are_refused_in_one_sentence(tmp_path, monkeypatch, content, words):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "test.csv").write_bytes(content)
+    monkeypatch.setattr("valvetrain.cli.progress.seconds_to_compile", lambda *kinds: 30.0)
     shown = invoke("compare-test", "job-t", "--test", "test.csv")
+    assert "compil" not in shown.output  # a file is read before anything that takes long
     assert (
         shown.exit_code == 2
         and words in " ".join(shown.output.split())

@@ -458,5 +458,5 @@ def test_the_verdict_gives_the_loads_found_as_typed_and_lists_none_twice(tmp_pat
     rate = (load - preload) / 0.55  # over the lift of the card, 1.80 less 1.25 in
     assert found.verdict.endswith(f", with seat load {preload:.4g} lbf, rate {rate:.4g} lbf/in.")
     labels = [row[0] for row in answer_rows(found)]
-    assert labels == ["Seat load", "Open load", "Rate of the card"]
+    assert labels == ["seat load", "open load", "Rate of the card"]  # as typed
     assert sentences(found)[1].endswith("of 7 designs, the case among them, keep every bound.")

@@ -150,6 +150,31 @@ def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_t
     store.close()
 
 
+LISTED = """
+case = "gu2021-beehive"
+outputs = ["preload"]
+[[vary]]
+key = "spring.precompression"
+values = ["6 mm", "7 mm", "7.5 mm"]
+"""
+SECOND = '[[vary]]\nkey = "spring.wire_diameter"\nvalues = ["3.7 mm", "3.8 mm", "3.9 mm"]\n'
+
+
+def _plan(text: str):
+    return read_plan(StudyText(text, "study", Path()))
+
+
+def test_values_that_are_listed_are_run_as_they_are_listed():
+    """Contract: a list without a sampler is no range to draw from; of two lists the file says how
+    they meet; draws that are counted are drawn.
+    """
+    np.testing.assert_allclose(_plan(LISTED).draws()[:, 0], [6e-3, 7e-3, 7.5e-3])
+    with pytest.raises(vt.InputError, match=r'sampler = "grid".*"list"'):
+        _plan(LISTED + SECOND)
+    assert len(_plan(f'points = {{ sampler = "grid" }}{LISTED}{SECOND}').draws()) == 9
+    assert len(_plan(f"points = {{ count = 20 }}{LISTED}{SECOND}").draws()) == 20
+
+
 def test_the_number_of_workers_moves_no_bit():
     one, two = table_of(3), table_of(3, 2)
     assert np.array_equal(one.values, two.values, equal_nan=True) and one.statuses == two.statuses

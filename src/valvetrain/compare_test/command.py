@@ -103,17 +103,18 @@ def compare_test(
     from valvetrain.cli.options import choose_case, folder_of, read_sensor
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.compare_test.compare import compare_with_test
+    from valvetrain.compare_test.reader import read_test
 
     take_folder(output)
     gauge = read_sensor(bandwidth, sensor, None) if bandwidth or sensor else None
     chosen = choose_case(case, settings, elements_per_coil)
+    measured = read_test(test, quantity, channel)
     announce_compilation(*(("train",) if chosen.train is not None else ("statics", "transient")))
     with progress_bar(chosen.name) as report:
         found = compare_with_test(
             chosen,
-            test,
+            measured,
             quantity=quantity,
-            channel=channel,
             engine_speed=engine_speed,
             spring_models=read_models(spring),
             spring_set=read_names(spring_set),

@@ -109,8 +109,8 @@ def optimum_page(found: Optimum) -> Page:
 
 
 def answer_rows(found: Optimum) -> list[tuple[str, ...]]:
-    """Words, value of the case, of the best design, unit and difference: objectives first, then
-    what is varied, then what is bounded.
+    """Name (of what is varied as the file has it), value of the case, of the best design, unit and
+    difference: objectives first, then what is varied, then what is bounded.
     """
     assert found.best is not None
     best, case, rows = found.best.trial, found.case, list[tuple[str, ...]]()
@@ -143,7 +143,7 @@ def answer_rows(found: Optimum) -> list[tuple[str, ...]]:
         if bound.measure.quantity not in seen:
             seen.add(bound.measure.quantity)
             rows.append(_row(bound.measure, float(before), float(value)))
-    return [(f"{row[0][:1].upper()}{row[0][1:]}", *row[1:]) for row in rows]
+    return rows
 
 
 def bound_rows(found: Optimum, design: Design) -> list[tuple[str, ...]]:
@@ -206,7 +206,8 @@ def _row(one: Measure, before: float, value: float) -> tuple[str, ...]:
     apart = (
         percent(value / before - 1) if np.isfinite(before) and before and np.isfinite(value) else ""
     )
-    return one.label, _shown(one, before), _shown(one, value), unit_text(one.unit), apart
+    label = f"{one.label[:1].upper()}{one.label[1:]}"
+    return label, _shown(one, before), _shown(one, value), unit_text(one.unit), apart
 
 
 def _shown(one: Measure, value: float) -> str:

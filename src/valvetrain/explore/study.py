@@ -28,6 +28,7 @@ from valvetrain.explore.files import (
 from valvetrain.explore.outputs import LimitSearch, Outputs, Run
 from valvetrain.explore.samplers import SamplerSpec, sampler
 from valvetrain.explore.sensitivity import sensitivity_of
+from valvetrain.explore.space import Space, Values
 from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
@@ -344,7 +345,7 @@ Kind = Literal["points", "tolerance", "surrogate"]
 class PointsModel(StrictModel):
     """The ``[points]`` table: the sampler, and its options, which it checks itself."""
 
-    sampler: str = "sobol"
+    sampler: str = ""
 
     @model_validator(mode="before")
     @classmethod
@@ -386,12 +387,29 @@ def read_study_file(path: Path) -> StudyText:
     return StudyText(text_of_file(path, "study file"), path.name[:60], path.parent)
 
 
+def _default_sampler(text: StudyText, space: Space) -> str:
+    """The sampler of a file that names none: values listed one by one are run as they are listed,
+    unless draws are counted. Raises :class:`InputError` where they can be combined in two ways.
+    """
+    listed = all(isinstance(one.distribution, Values) for one in space)
+    if not listed or text.sampler_options or space.correlation is not None:
+        return "sobol"
+    if len(space) == 1:
+        return "list"
+    raise text.located(
+        ("vary",),
+        "several quantities list values and no sampler says how they meet; give points = "
+        '{ sampler = "grid" } for every combination, or "list" for the first of all together, then the second',
+    )
+
+
 def read_plan(text: StudyText) -> StudyPlan:
     """The plan of a study file. Raises :class:`InputError`, one sentence with file, line and key."""
     model = text.model
     case = text.guarded(("case",), lambda: case_of_file(model.case, model.changes, text.folder))
     space = space_of_file(text, model.vary, case, model.correlation)
-    spec = text.guarded(("points", "sampler"), lambda: sampler(model.points.sampler, ""))
+    word = model.points.sampler or _default_sampler(text, space)
+    spec = text.guarded(("points", "sampler"), lambda: sampler(word, ""))
     options = text.guarded(("points",), lambda: spec.read_options(dict(text.sampler_options)))
     if model.kind == "tolerance" and spec.word != "saltelli":
         raise text.located(

@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 MAX_SIDE = 5
 #: Points and runs of a figure with a line for each point, and height (px) of a line.
 MAX_LINES, MAX_SERIES, LINE = 40, 6, 26
+#: Letters of a point's label that fit next to its line.
+MAX_LETTERS = 50
 
 
 def is_chosen(table: StudyTable) -> bool:
@@ -68,6 +70,17 @@ def point_label(table: StudyTable, point: int) -> str:
         value = number(one.shown(float(draws_of(table)[point, index])), 5)
         parts.append(f"{one.shown_name} {value} {unit_text(one.unit)}".strip())
     return ", ".join(parts) or f"point {point + 1}"
+
+
+def _short_label(table: StudyTable, point: int) -> str:
+    """The number of a point and, where they fit, its values without their names."""
+    values = [
+        f"{number(one.shown(float(draws_of(table)[point, index])), 5)} {unit_text(one.unit)}".strip()
+        for index in changing(table)
+        if (one := table.plan.varied[index])
+    ]
+    label = f"point {point + 1}: {', '.join(values)}"
+    return label if len(label) <= MAX_LETTERS else f"point {point + 1}"
 
 
 def point_table(
@@ -185,9 +198,10 @@ def _lines(
     height: Array,
     zero: float | None = None,
 ) -> Panel:
-    ticks = tuple(
-        (float(at), point_label(table, point)) for at, point in zip(height, points, strict=True)
-    )
+    labels = [point_label(table, point) for point in points]
+    if max(map(len, labels)) > MAX_LETTERS:
+        labels = [_short_label(table, point) for point in points]
+    ticks = tuple((float(at), label) for at, label in zip(height, labels, strict=True))
     return Panel(
         label,
         "",

@@ -34,8 +34,10 @@ CAUSES = {
 SURGE_ORDER = "surge_amplitude_cam_order"
 #: Crank angle (rad) of the open valve above which its loss to flex is named.
 FLEX_ANGLE = math.radians(1.0)
-#: Room to coil bind (m) below which it is called close (docs/limits.md).
-NEAR_BIND = 1e-3
+#: Room to coil bind (m) below which it is called close (docs/limits.md), that to the piston too.
+NEAR = 1e-3
+#: Labels of which everything is said.
+MAX_LABELS = 2
 
 
 def judged_runs(study: Study) -> Runs:
@@ -56,7 +58,9 @@ def is_judged(run: Solution) -> bool:
 
 
 def run_clauses(runs: Runs) -> Iterator[Clause]:
-    """What a user asks first, limits passed before all else; nothing without runs."""
+    """What a user asks first, limits passed before all else; nothing without runs. Of more than
+    two labels what flex takes, a piston far away and the hardest clash are left to the tables.
+    """
     if not runs.solutions:
         return
     yield from limit_clauses(runs)
@@ -66,6 +70,11 @@ def run_clauses(runs: Runs) -> Iterator[Clause]:
         yield from _contact_clauses(runs)
     yield from _clash_clauses(runs)
     yield from _force_clauses(runs)
+
+
+def _is_brief(runs: Runs) -> bool:
+    """Whether so many labels are judged that each clause needs its own place."""
+    return runs.labels > MAX_LABELS
 
 
 def worst_run(runs: Runs) -> Solution | None:
@@ -102,7 +111,7 @@ def bind_clause(runs: Runs) -> Clause | None:
         return None
     one, spring = min(found, key=lambda pair: pair[0].value)
     whose = f"{spring} spring " if spring else ""
-    if 0 <= one.value < NEAR_BIND:
+    if 0 <= one.value < NEAR:
         return Clause(f"{whose}only {runs.text(one)} clear of coil bind", one.run)
     if one.value >= 0:
         clash = any(runs.value(run, "clash_count") > 0 for run in runs.solutions)
@@ -131,7 +140,7 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
     over = runs.worst("float_excess_lift", False)
     if over is not None and over.value > FLOAT_LIFT:
         yield Clause(f"floats {runs.text(over)} above the rigid lift", over.run)
-    if (flex := _flex_clause(runs)) is not None:
+    if not _is_brief(runs) and (flex := _flex_clause(runs)) is not None:
         yield flex
     bounces, height = runs.worst("bounce_count", False), runs.worst("bounce_height", False)
     if bounces is not None:
@@ -147,7 +156,7 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             said = f"{counted(count, 'bounce')}{high if count else ''}"
             yield Clause(said, run if count else None)
     piston = runs.worst("minimum_piston_clearance_gap", True)
-    if piston is not None:
+    if piston is not None and (not _is_brief(runs) or piston.value < NEAR):
         yield Clause(
             f"clear of the piston by {runs.text(piston)}"
             if piston.value > 0
@@ -234,7 +243,8 @@ def _clash_clauses(runs: Runs) -> Iterator[Clause]:
     text = counted(count, "coil clash", "coil clashes")
     if count and energy is not None and energy.value > 0:
         text += f" ({runs.text(energy)} in all)"
-    events = [] if run is None and len(runs.solutions) > 1 else (run or runs.solutions[0]).events
+    told = not _is_brief(runs) and (run is not None or len(runs.solutions) == 1)
+    events = (run or runs.solutions[0]).events if told else []
     if hardest := max(
         (one for one in events if one.kind == "clash"), key=lambda one: one.size, default=None
     ):

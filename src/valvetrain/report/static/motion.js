@@ -25,7 +25,7 @@ const STYLE = `
 .vtm-group { display: inline-flex; flex-wrap: wrap; gap: 4px; }
 .vtm-scale { margin: 6px 0 0; font-size: 12.5px; }
 .vtm-scale div { height: 12px; border-radius: 3px; }
-.vtm-scale p { display: flex; justify-content: space-between; margin: 2px 0 0; max-width: none; font-variant-numeric: tabular-nums; }
+.vtm-scale p { display: flex; justify-content: space-between; gap: 12px; margin: 2px 0 0; max-width: none; font-variant-numeric: tabular-nums; }
 .vtm-scale strong { font-weight: 550; }
 .vtm-plot svg { display: block; width: 100%; overflow: visible; cursor: crosshair; touch-action: pan-y; }
 .vtm-plot text { fill: currentColor; font-size: 12px; }
