@@ -183,9 +183,14 @@ def test_only_an_axis_that_is_asked_for_has_decades(y_log):
 
 
 def test_words_of_near_rules_stand_on_different_lines():
-    rules = (Rule("x", 5.0, "b"), Rule("x", 4.5, "a"), Rule("x", 9.5, "c"))
+    rules = (Rule("x", 5.0, "bounce"), Rule("x", 4.5, "float"), Rule("x", 9.5, "surge"))
     line = Line(np.array([0.0, 10.0]), np.zeros(2), "", "#000000")
     assert rule_levels(Panel("x", "y", (line,), rules=rules)) == [1, 0, 0]
+    # labels that are written towards each other, from a rule on the left and one near the end
+    facing = Panel(
+        "x", "y", (line,), rules=(Rule("x", 5.5, "contact 6970"), Rule("x", 9.0, "float 8539"))
+    )
+    assert rule_levels(facing) == [0, 0] and rule_levels(facing, narrow=True) == [0, 1]
 
 
 def test_tables_write_units_and_quote():

@@ -361,6 +361,55 @@ def test_the_best_point_is_that_of_what_the_motion_gives_not_of_what_was_put_in(
     )
 
 
+def test_a_study_over_the_clearance_says_at_which_it_is_calm_and_draws_over_it():
+    """Example: clash least at 3.5 mm, surge at 1.5 mm, within what the trade runs."""
+    text = """
+case = "gu2021-beehive"
+engine_speeds = "6000 rpm"
+spring_models = "massless"
+outputs = ["coil_bind_clearance", "clash_energy", "surge_amplitude_force"]
+vary = [{ key = "spring.precompression", values = ["7 mm", "9 mm", "11 mm"] }]
+"""
+    plan = read_plan(StudyText(text, "study", Path()))
+    clearance, clash, surge = [5.5e-3, 3.5e-3, 1.5e-3], [4e-3, 2e-3, 5e-3], [24.0, 33.0, 19.0]
+    values = np.column_stack([clearance, clash, surge])
+    inputs = plan.sampler.first(plan.varied, plan.options)
+    table = StudyTable(plan, inputs, plan.runs * 3, values, (COMPLETED,) * 3)
+    assert table.verdict == (
+        "Clash energy is least at 3.5 mm of clearance to coil bind (2 mJ, 5 mJ at most) and surge amplitude at 1.5 mm "
+        "(19 N, 33 N at most); 1.5 mm, as the trade runs (1.3 to 1.8), gives less surge amplitude but more clash energy "
+        "than 5.5 mm (5 mJ and 19 N)."
+    )
+    page = points_page(table)
+    clash_panel, surge_panel = charts(page)[0].panels
+    assert clash_panel.layers[0].x.tolist() == pytest.approx([1.5, 3.5, 5.5])
+    assert surge_panel.layers[0].y.tolist() == pytest.approx([19.0, 33.0, 24.0])
+    assert [(one.first, one.last) for one in surge_panel.bands] == [(1.5, 1.8)]
+
+
+def test_the_picture_of_a_study_shows_what_its_sentence_is_about():
+    """The first output was drawn, which of springs side by side is what was put in."""
+    names = ("outer_coil_bind_clearance", "clash_energy")
+    table = listed([7.0, 9.0], [1.0, 1.1], [5.74e-3, 3.74e-3], names=names)
+    assert (
+        "clash energy" in table.verdict
+        and charts(points_page(table))[0].key == "clash_energy-values"
+    )
+
+
+def test_a_label_of_many_values_is_shortened_to_its_line():
+    label = "a name that is much too long for the side of a figure"
+    text = LIST.format(
+        first=["7 mm", "8 mm"], second=[1.0, 1.1], names=("peak_spring_force", "preload")
+    )
+    plan = read_plan(StudyText(text.replace('"compression"', f'"{label}"'), "study", Path()))
+    inputs = plan.sampler.first(plan.varied, plan.options)
+    values = np.array([[1.0, 2.0, 9e-3], [2.0, 3.0, 9e-3]])
+    table = StudyTable(plan, inputs, plan.runs * 2, values, (COMPLETED,) * 2)
+    (panel,) = charts(points_page(table))[0].panels
+    assert [word for _, word in panel.y_tick_labels] == ["point 1: 7 mm, 1", "point 2: 8 mm, 1.1"]
+
+
 def test_on_a_narrow_page_every_line_of_a_list_bears_its_label():
     """The labels have no room beside the lines there, and without them no value has an owner."""
     (chart, *_) = charts(points_page(listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0])))

@@ -53,7 +53,7 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
     y = shown_output(table, name)[rows]
     if np.count_nonzero(np.isfinite(y)) < 2:
         return None
-    panels = []
+    panels, single = list[Panel](), False
     changing = [
         index
         for index in range(len(table.plan.varied))
@@ -79,20 +79,19 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
         ]
         means = None if mixed else _means(x[there], y[there])
         if means is not None:
-            layers.append(
-                Line(
-                    *means,
-                    "mean of the points there",
-                    theme.SERIES[1],
-                    2.0,
-                    in_legend=index == changing[0],
-                )
-            )
+            # where each value has one point alone, the line is no mean
+            single = len(means[0]) == len(there)
+            label, seen = "mean of the points there", index == changing[0]
+            layers.append(Line(*means, label, theme.SERIES[1], 2.0, in_legend=seen))
         panels.append(Panel(input_label(table, index), output_label(name), tuple(layers)))
     if not panels:
         return None
     columns = min(3, len(panels)) if len(panels) != 4 else 2
-    caption = "A line that rises or falls shows that the output follows this quantity; a cloud about a level line, that it does not."
+    caption = (
+        ""
+        if single and len(panels) == 1
+        else "A line that rises or falls shows that the output follows this quantity; a cloud about a level line, that it does not."
+    )
     title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over what is varied"
     return Chart(
         f"{key}-over",
@@ -101,6 +100,7 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
         tuple(panels),
         columns,
         ROW * -(-len(panels) // columns) + 60,
+        bool(caption),
     )
 
 

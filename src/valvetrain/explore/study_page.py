@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.explore.clearance import clearance_chart, over_clearance
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity
 from valvetrain.explore.space import Values, Varied
@@ -32,6 +33,7 @@ from valvetrain.explore.study_points import (
     point_table,
     values_chart,
 )
+from valvetrain.explore.study_verdict import judged_output
 from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.report.page import (
     Block,
@@ -62,15 +64,17 @@ def points_page(table: StudyTable) -> Page:
     """The whole page."""
     plan, named = table.plan, list[Section]()
     lines = _values_at_points(table)
+    calmed = over_clearance(table)
+    first = figure_or_gap("Over the clearance", clearance_chart, table, calmed) if calmed else ()
     if lines:
-        picture, rest = lines[:1], lines[1:]
+        picture, rest = first or lines[:1], lines if first else lines[1:]
         named += [Section("points", "Every point", rest)] if rest else []
     else:
         for place, run in enumerate(plan.runs[:MAX_RUNS]):
             blocks = _figures_of(table, run, f"run-{place}")
             if blocks:
                 named.append(Section(f"run-{place}", run_label(run) or "Points", tuple(blocks)))
-        picture, named = _opening(named)
+        picture, named = (first, named) if first else _opening(named)
     few = text(f"Figures of the first {MAX_RUNS} runs follow.", "note")
     answers = (*_answers(table), *([few] if len(plan.runs) > MAX_RUNS and not lines else []))
     sections = [Section("answers", "What comes out", answers), *named]
@@ -106,7 +110,7 @@ def _figures_of(table: StudyTable, run: Run, key: str) -> list[Block]:
     if plan.sampler.independent:
         blocks += figure_or_gap("scatter", histogram_chart, table, run, key)
     alone = changed_alone(table)
-    for name in table.outputs:
+    for name in _judged_first(table):
         if alone:
             blocks += figure_or_gap(name, changes_chart, table, name, run, f"{key}-{name}")
             continue
@@ -118,11 +122,17 @@ def _figures_of(table: StudyTable, run: Run, key: str) -> list[Block]:
     return blocks
 
 
+def _judged_first(table: StudyTable) -> tuple[str, ...]:
+    """The outputs, that of the sentence first, so that the picture shows it."""
+    judged = judged_output(table)
+    return tuple(sorted(table.outputs, key=lambda name: name != judged))
+
+
 def _values_at_points(table: StudyTable) -> tuple[Block, ...]:
     """Of a list every output at every point; nothing where one quantity at a time is changed."""
     if table.plan.sampler.word != "list" or changed_alone(table):
         return ()
-    charts = (figure_or_gap(name, values_chart, table, name, name) for name in table.outputs)
+    charts = (figure_or_gap(name, values_chart, table, name, name) for name in _judged_first(table))
     return tuple(block for blocks in charts for block in blocks)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.explore.clearance import clearance_clause, over_clearance
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity
 from valvetrain.explore.study_charts import PERCENTILES, shown_output
@@ -35,15 +36,26 @@ def study_verdict(table: StudyTable) -> str:
     known = [one for one in table.outputs if _known(table, one)]
     if not known:
         return f"{lead}{table.not_given[0]}"
-    # Chosen points are judged by what the motion gives: the best of what was put in is no finding.
-    name = next((one for one in known if not _installed(one)), known[0])
-    if not is_chosen(table):
+    name, calmed = judged_output(table), over_clearance(table)
+    if calmed:
+        said = clearance_clause(table, calmed)
+    elif not is_chosen(table):
         said = _scatter(table, known[0])
     elif changed_alone(table) and np.isfinite(_worst(table, name)[0]):
         said = _largest_change(table, name)
     else:
         said = _best(table, name)
     return f"{lead}{said}." if lead else f"{said[:1].upper()}{said[1:]}."
+
+
+def judged_output(table: StudyTable) -> str:
+    """The output that the sentence is about: of chosen points one that the motion gives, for the best
+    of what was put in is no finding; empty where none is known.
+    """
+    known = [one for one in table.outputs if _known(table, one)]
+    if not is_chosen(table):
+        return next(iter(known), "")
+    return next((one for one in known if not _installed(one)), next(iter(known), ""))
 
 
 def _known(table: StudyTable, name: str) -> bool:

@@ -7,7 +7,6 @@ both show the same data.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,18 +121,26 @@ def row_weights(chart: Chart, columns: int) -> list[float]:
     return [max(weights[first : first + columns]) for first in range(0, len(weights), columns)]
 
 
-def rule_levels(panel: Panel) -> list[int]:
-    """Line on which the label of each vertical rule is written, so that labels of close rules do
-    not overlap.
-    """
+#: Share of the width of a panel that a letter of a label takes, on a wide and on a narrow page.
+WIDE_LETTER, NARROW_LETTER = 0.0145, 0.023
+
+
+def rule_levels(panel: Panel, narrow: bool = False) -> list[int]:
+    """Line on which the label of each vertical rule is written, so that no two overlap."""
     (low, high), levels = visible_range(panel)[0], [0] * len(panel.rules)
+    letter = (NARROW_LETTER if narrow else WIDE_LETTER) * (high - low)
+    written: list[tuple[int, float, float]] = []
     upright = sorted(
         (rule.value, index)
         for index, rule in enumerate(panel.rules)
         if rule.axis == "x" and rule.label
     )
-    for (before, first), (after, second) in itertools.pairwise(upright):
-        levels[second] = levels[first] + 1 if after - before < 0.3 * (high - low) else 0
+    for value, index in upright:
+        wide = letter * (len(panel.rules[index].label) + 1)
+        left = value - wide if near_right_end(panel, panel.rules[index], narrow) else value
+        taken = {level for level, start, end in written if start < left + wide and left < end}
+        levels[index] = next(level for level in range(len(upright)) if level not in taken)
+        written.append((levels[index], left, left + wide))
     return levels
 
 
@@ -167,10 +174,6 @@ def label_heights(panel: Panel) -> dict[int, float]:
             heights[place] = sign * max(sign * heights[place], *bounds)
             done.append(place)
     return heights
-
-
-#: Share of the width of a panel on a narrow page that a letter of a label takes.
-NARROW_LETTER = 0.023
 
 
 def near_right_end(panel: Panel, rule: Rule, narrow: bool = False) -> bool:

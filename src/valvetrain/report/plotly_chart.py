@@ -309,7 +309,7 @@ def _add_furniture(
                     "text": plain(band.label),
                 }
             )
-    for level, rule in zip(rule_levels(panel), panel.rules, strict=True):
+    for level, rule in zip(rule_levels(panel, narrow), panel.rules, strict=True):
         thin_line = {
             "type": "line",
             "layer": "below",

@@ -243,8 +243,8 @@ def _clash_clauses(runs: Runs) -> Iterator[Clause]:
     text = counted(count, "coil clash", "coil clashes")
     if count and energy is not None and energy.value > 0:
         text += f" ({runs.text(energy)} in all)"
-    told = not _is_brief(runs) and (run is not None or len(runs.solutions) == 1)
-    events = (run or runs.solutions[0]).events if told else []
+    named = not _is_brief(runs) and (run is not None or len(runs.solutions) == 1)
+    events = (run or runs.solutions[0]).events if named else []
     if hardest := max(
         (one for one in events if one.kind == "clash"), key=lambda one: one.size, default=None
     ):

@@ -148,9 +148,11 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     speeds, known = study.engine_speeds, line_styles(study)
     names = [look.label for look in known.values()]
     mark = "; " if any("," in name for name in names) else ", "
-    listed = ", ".join(f"{rpm(speed):.10g}" for speed in speeds)
+    digits = 4 if study.command == "run-up" else 10  # a revolution of a run-up has a mean speed
+    listed = ", ".join(f"{rpm(speed):.{digits}g}" for speed in speeds)
     if len(speeds) > _MAX_SPEEDS:
-        listed = f"{len(speeds)} from {rpm(speeds[0]):.10g} to {rpm(speeds[-1]):.10g}"
+        ends = (f"{rpm(speeds[at]):.{digits}g}" for at in (0, -1))
+        listed = f"{len(speeds)} from {' to '.join(ends)}"
     ended = sum(run.status.completed for run in study.solutions)
     word = (
         "turns of a run-up"

@@ -12,6 +12,7 @@ from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.run_charts import MAX_LINES, Array, line_styles
 from valvetrain.report.sweep_verdict import (
     controlled_to,
+    first_losses,
     runs_over_speed,
     worst_label,
     worst_surge,
@@ -39,7 +40,7 @@ def regime_chart(study: Study) -> Chart | None:
     name = "minimum_cam_contact_force"
     train = any(name in run.quantities for run in study.solutions)
     label = worst_label(study)
-    marks = _marks(study, label)
+    marks = _marks(study, label, train)
     panels = [
         _curves(study, (name,) if train else ("peak_spring_force", "minimum_spring_force"), marks)
     ]
@@ -53,8 +54,8 @@ def regime_chart(study: Study) -> Chart | None:
         return None
     drawn = [panel for panel in panels if panel.layers]
     title = "Least cam force and control over engine speed" if train else "Forces over engine speed"
-    caption = "Dotted: the speeds of the verdict"
-    caption += f", those of {label}." if len(study.labels) > 1 else "."
+    whose = f", those of {label}" if len(study.labels) > 1 else ""
+    caption = f"Dotted: the speeds of the verdict{whose}." if marks else ""
     if found:
         caption += (
             " Bars: speeds at which contact is lost, the valve floats or bounces; thin: where that begins with another "
@@ -72,14 +73,20 @@ def regime_chart(study: Study) -> Chart | None:
     )
 
 
-def _marks(study: Study, label: str) -> tuple[Rule, ...]:
+def _marks(study: Study, label: str, train: bool) -> tuple[Rule, ...]:
     """The speeds of the verdict as lines across a panel."""
     rules = [
         Rule("x", rpm(one.engine_speed), f"{_MARKS[one.kind]} {rpm(one.engine_speed):.0f}")
         for one in study.critical_speeds
         if one.label == label and one.found
     ]
-    surge = worst_surge(runs_over_speed(study, label).solutions)
+    runs = runs_over_speed(study, label)
+    if train and not study.critical_speeds:
+        rules += [
+            Rule("x", rpm(run.engine_speed), f"{_MARKS[kind]} {rpm(run.engine_speed):.0f}")
+            for kind, run in first_losses(runs).items()
+        ]
+    surge = worst_surge(runs.solutions)
     if surge is not None:
         order = f", order {surge.order}" if surge.order else ""
         rules.append(Rule("x", rpm(surge.run.engine_speed), f"surge{order}"))

@@ -240,32 +240,35 @@ def _range(one: CriticalSpeed) -> str:
 
 def _control_of_runs(runs: Runs) -> str:
     """The same of a run-up or of a sweep without search: from the runs themselves."""
-    lost = [
-        (run, what)
-        for run in runs.solutions
-        for name, limit, what in (
-            ("loss_of_contact_duration", 0.0, "contact is lost"),
-            ("float_excess_lift", FLOAT_LIFT, "the valve floats"),
-        )
-        if run.quantities.get(name, 0.0) > limit
-    ]
-    speeds = [run.engine_speed for run in runs.solutions]
-    if not lost:
+    speeds, first = [run.engine_speed for run in runs.solutions], first_losses(runs)
+    if not first:
         reach = f"in contact from {rpm(min(speeds)):.0f} to {rpm(max(speeds)):.0f} rpm"
         return f"{reach}{_least_force(runs)}"
-    first: dict[str, Solution] = {}
-    for run, what in sorted(lost, key=lambda pair: pair[0].engine_speed):
-        first.setdefault(what, run)
     texts = [
-        f"{what} already at {_speed(run)}, the lowest speed run"
+        f"{LOST[kind][0]} already at {_speed(run)}, the lowest speed run"
         if run.engine_speed <= min(speeds)
-        else f"{what} first at {_speed(run)}"
-        for what, run in first.items()
+        else f"{LOST[kind][0]} first at {_speed(run)}"
+        for kind, run in first.items()
     ]
-    what, run = next(iter(first.items()))
-    kind, limit = ("float", FLOAT_LIFT) if "floats" in what else ("contact-loss", 0.0)
-    cause = _cause_in(run, kind, limit)
+    kind, run = next(iter(first.items()))
+    cause = _cause_in(run, kind, FLOAT_LIFT if kind == "float" else 0.0)
     return joined([f"{texts[0]} because {cause}" if cause else texts[0], *texts[1:]])
+
+
+def first_losses(runs: Runs) -> dict[str, Solution]:
+    """Kind of critical speed -> the first run of a sweep without search, or turn of a run-up, that
+    shows it, the slowest first.
+    """
+    first: dict[str, Solution] = {}
+    for run in sorted(runs.solutions, key=lambda one: one.engine_speed):
+        lost = run.quantities.get("loss_of_contact_duration", run.quantities.get("loft_gap", 0.0))
+        for kind, value, limit in (
+            ("contact-loss", lost, 0.0),
+            ("float", run.quantities.get("float_excess_lift", 0.0), FLOAT_LIFT),
+        ):
+            if value > limit:
+                first.setdefault(kind, run)
+    return first
 
 
 def limits_over_speed(runs: Runs) -> list[str]:

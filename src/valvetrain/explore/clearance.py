@@ -1,0 +1,126 @@
+"""A study over the clearance to coil bind: at which clearance clash, surge and peak force are least,
+and the figure of them over it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.explore.study_charts import output_label, shown_output
+from valvetrain.explore.study_points import changing, is_chosen
+from valvetrain.explore.table import StudyTable, run_label
+from valvetrain.report import theme
+from valvetrain.report.chart import Band, Chart, Line, Marks, Panel
+from valvetrain.report.clauses import joined
+from valvetrain.report.text import number, unit_text
+from valvetrain.solution.definition import definition_of, label_of
+
+Array = NDArray[np.float64]
+CLEARANCE = "coil_bind_clearance"
+#: What less clearance is hoped to calm, and what it costs.
+CALMED = ("clash_energy", "surge_amplitude_force", "peak_spring_force")
+#: Clearance (mm) that the trade runs on purpose, as docs/limits.md says.
+TRADE = (1.3, 1.8)
+#: Runs of each point that are drawn, and height (px) of a panel.
+MAX_RUNS, HEIGHT = 4, 215
+
+
+def over_clearance(table: StudyTable) -> tuple[str, ...]:
+    """The outputs of :data:`CALMED` of a study whose points differ in clearance by one quantity;
+    empty for any other.
+    """
+    if CLEARANCE not in table.outputs or not is_chosen(table) or len(changing(table)) != 1:
+        return ()
+    at = _per_point(table, CLEARANCE)
+    known = np.isfinite(at).all(axis=1)
+    if np.count_nonzero(known) < 3 or np.ptp(at[known].mean(axis=1)) <= 0:
+        return ()
+    names = [
+        name
+        for name in CALMED
+        if name in table.outputs and np.isfinite(_per_point(table, name)[known]).all()
+    ]
+    return tuple(names) if names != ["peak_spring_force"] else ()
+
+
+def clearance_clause(table: StudyTable, names: tuple[str, ...]) -> str:
+    """``clash energy is least at 3.74 mm of clearance to coil bind (1.61 mJ, 4.99 mJ at most)``, the
+    worst run of each point counted, and what the clearance of the trade gives.
+    """
+    at = _per_point(table, CLEARANCE).mean(axis=1)
+    worst = {name: _per_point(table, name).max(axis=1) for name in names}
+    parts = []
+    for place, (name, values) in enumerate(worst.items()):
+        least = int(np.nanargmin(values))
+        where = f"{number(float(at[least]), 3)} mm{'' if place else ' of clearance to coil bind'}"
+        most = _text(name, float(np.nanmax(values)))
+        is_least = " is least" if not place else ""
+        parts.append(
+            f"{label_of(name)}{is_least} at {where} ({_text(name, values[least])}, {most} at most)"
+        )
+    said = joined(parts)
+    inside = np.flatnonzero((at >= TRADE[0]) & (at <= TRADE[1]))
+    if len(inside):
+        said += f"; {_calms(worst, at, int(inside[0]), int(np.nanargmax(at)))}"
+    runs = len(table.plan.runs)
+    return f"{said}{f', each the worst of {runs} runs' if runs > 1 else ''}"
+
+
+def _calms(worst: dict[str, Array], at: Array, point: int, widest: int) -> str:
+    """What a clearance of the trade calms, next to the widest one, and what it does not."""
+    less = [label_of(name) for name, values in worst.items() if values[point] < values[widest]]
+    more = [label_of(name) for name, values in worst.items() if values[point] > values[widest]]
+    sizes = joined([_text(name, float(values[point])) for name, values in worst.items()])
+    said = [f"less {joined(less)}"] if less else []
+    said += [f"more {joined(more)}"] if more else []
+    close, wide = (number(float(at[one]), 3) for one in (point, widest))
+    what = " but ".join(said) or "nothing else"
+    return f"{close} mm, as the trade runs ({TRADE[0]} to {TRADE[1]}), gives {what} than {wide} mm ({sizes})"
+
+
+def clearance_chart(table: StudyTable, names: tuple[str, ...]) -> Chart:
+    """Each of ``names`` over the clearance, a line per run; shaded what the trade runs."""
+    at, panels = _per_point(table, CLEARANCE), list[Panel]()
+    for name in names:
+        values, layers = _per_point(table, name), list[Line | Marks]()
+        for place, run in enumerate(table.plan.runs[:MAX_RUNS]):
+            order = np.argsort(at[:, place])
+            x, y = at[order, place], values[order, place]
+            label, colour = run_label(run) or "points", theme.SERIES[place]
+            layers += [
+                Line(x, y, label, colour),
+                Marks(x, y, label, colour, filled=True, size=6.0, in_legend=False),
+            ]
+        low, high = float(np.nanmin(at)), float(np.nanmax(at))
+        seen = low < TRADE[1] and high > TRADE[0]
+        bands = (Band(max(TRADE[0], low), min(TRADE[1], high), ""),) if seen else ()
+        room = 0.03 * (high - low)
+        panels.append(
+            Panel(
+                f"{label_of(CLEARANCE)} (mm)",
+                output_label(name),
+                tuple(layers),
+                bands=bands,
+                x_range=(low - room, high + room),
+            )
+        )
+    titles = joined([label_of(name) for name in names])
+    return Chart(
+        "over-clearance",
+        f"{titles[:1].upper()}{titles[1:]} over the clearance to coil bind",
+        f"Shaded: {TRADE[0]} to {TRADE[1]} mm, which the trade runs on purpose.",
+        tuple(panels),
+        1,
+        HEIGHT * len(panels) + 40,
+        len(table.plan.runs) > 1,
+    )
+
+
+def _per_point(table: StudyTable, name: str) -> Array:
+    """An output (points, runs) in the unit of tables."""
+    return shown_output(table, name).reshape(-1, max(1, len(table.plan.runs)))
+
+
+def _text(name: str, value: float) -> str:
+    return f"{number(float(value), 3)} {unit_text(definition_of(name).shown_unit)}".strip()
