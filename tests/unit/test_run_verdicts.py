@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+import valvetrain as vt
 from synthetic_study import own_study, published_study, sweep_study, train_study
 from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import parse_case
@@ -329,7 +331,7 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     expected = (
         ("valve open, crank deg", "226 at 0.050 in, 234 at 1 mm"),
         ("cam power", "9.81 W"),
-        ("time step", "1.68 µs"),
+        ("stable time step", "1.68 µs"),
     )
     assert key_figures(one) == expected
     page = render(study_page(one))
@@ -402,3 +404,19 @@ def test_the_word_of_a_mark_near_the_right_end_stays_on_a_narrow_figure():
         for size in ("layout", "narrow")
     }
     assert sides == {"layout": "left", "narrow": "right"}
+
+
+def test_a_step_above_the_stable_one_is_told_with_the_stable_one():
+    """Contract: why a stiff helical model blows up, and which step is safe, stands in the sentence;
+    a run that takes the stable step says so, and at which preload it begins.
+    """
+    changes = {"spring.options.finite-element.time_step": "1 us"}
+    case = vt.load_case("job-c", changes)
+    failed = vt.simulate(case, "8000 rpm", spring_models=["finite-element"], workers=1)
+    said = re.search(r"a time step of 1 µs is above the stable ([0-9.]+) µs", failed.verdict)
+    assert said and "leave time_step out" in failed.solutions[0].status.remedy
+    whole = vt.simulate("job-c", "8000 rpm", spring_models=["finite-element"], workers=1)
+    figures = dict(key_figures(whole))
+    step = float(figures["stable time step"].split()[0])
+    assert 0.9 * float(said[1]) < step <= float(said[1])
+    assert figures["begins at rest, at a preload of"] == "236 N"

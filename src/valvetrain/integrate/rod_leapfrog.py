@@ -25,6 +25,8 @@ TURN = 2 * np.pi
 #: Samples per cam revolution; bounds of the revolutions of a run that shall be periodic, and what is
 #: left of the start's first surge mode after them.
 SAMPLES, PERIODIC_CYCLES, REST_OF_START = 720, (2, 8), 0.01
+#: What may help a run that diverges at a stable step.
+REMEDY = "give a smaller time_step or a softer coil contact, or check the lift law for jumps"
 
 
 def settling_revolutions(rod: FiniteElementRod, cam_speed: float) -> int:
@@ -136,13 +138,12 @@ class RodLeapfrog:
         if not made.completed:
             time = made.steps_done * made.time_step
             turns, part = divmod(cam_speed * time / TURN, 1.0)
-            status = Status(
-                "diverged",
-                f"the wire's velocity grew without bound at {360 * part:.1f} cam degrees of turn {int(turns) + 1}",
-                time,
-                "finite-element rod",
-                "give a smaller time_step or a softer coil contact, or check the lift law for jumps",
-            )
+            given, remedy = options.time_step or rod.time_step or 0.0, REMEDY
+            message = f"the wire's velocity grew without bound at {360 * part:.1f} cam degrees of turn {int(turns) + 1}"
+            if given > (stable := rod.stable_time_step()):
+                message += f": a time step of {1e6 * given:.3g} µs is above the stable {1e6 * stable:.3g} µs"
+                remedy = "leave time_step out and the stable one is taken"
+            status = Status("diverged", message, time, "finite-element rod", remedy)
         return Solution(channels, events, status, statistics, provenance)
 
 

@@ -1,5 +1,5 @@
-"""Key figures next to the verdict: of one spring set how long the valve is open, what the cam takes and
-the time step; of several, and over engine speed, power, stress, surge, clash and clearance of each.
+"""Key figures next to the verdict: of one spring set how long the valve is open, what the cam takes,
+the time step and where a spring begins; of several, and over engine speed, power, stress, surge, clash and clearance of each.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from valvetrain.report.text import rpm
 from valvetrain.solution.definition import NESTED
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
+from valvetrain.system.contract import TRAIN
 
 #: Heights of the valve at which a card gives its duration.
 CARD_LIFTS = ("50_thou", "1_mm")
@@ -109,5 +110,13 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
         yield "valve open, crank deg", worst, ", ".join(open_for)
     if (power := runs.worst("mean_cam_power", least=False)) is not None:
         yield "cam power", power.run or worst, runs.text(power)
-    if math.isfinite(step := runs.value(worst, "time_step_duration")):
-        yield "time step", worst, quantity_text("time_step_duration", step)
+    stepped = next(
+        (run for run in (worst, *runs.solutions) if "time_step_duration" in run.quantities), None
+    )
+    if stepped is None:
+        return
+    step = quantity_text("time_step_duration", stepped.quantities["time_step_duration"])
+    yield "stable time step", stepped, step
+    preload = runs.value(stepped, "preload")
+    if stepped.provenance.system != TRAIN and math.isfinite(preload):
+        yield "begins at rest, at a preload of", stepped, quantity_text("preload", preload)
