@@ -23,7 +23,8 @@ def first_point_runs(plan) -> None:
     draws = plan.sampler.first(plan.varied, plan.options)
     outcome = plan.experiment.evaluate(draws[0], plan.runs[0])
     assert outcome.status.completed, outcome.status.sentence()
-    assert set(outcome.values) == set(plan.outputs)
+    quantities = plan.experiment.outputs.quantities  # limit speeds take many runs
+    assert set(outcome.values) == set(quantities) or not quantities
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

@@ -11,7 +11,7 @@ from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cached import RememberedLift
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.outputs import Outcome
+from valvetrain.explore.outputs import DRIVE_FORCE, Outcome
 from valvetrain.explore.space import ENGINE_SPEED, Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -23,6 +23,7 @@ from valvetrain.quantities.statics import (
     rest_quantities,
     size_quantities,
 )
+from valvetrain.runs.critical_speeds import DRIVE
 from valvetrain.runs.notes import refuse_implausible, refuse_speeds
 from valvetrain.runs.prepared import (
     FAILURES,
@@ -217,6 +218,10 @@ def _train(
         plan = Plan("all", None, True, problem.cycles, problem.cycles_to_settle)
         solution: Solution = train_point((problem, ready, plan), (0, engine_speed))
         status, values = solution.status, dict(solution.quantities)
+        names = (f"minimum_{place}_contact_force" for place in DRIVE)
+        forces = [values[name] for name in names if name in values]
+        if DRIVE_FORCE in request.outputs and forces:
+            values[DRIVE_FORCE] = min(forces)
     if request.rigid or (request.rest and engine_speed is not None):
         values |= rigid_numbers(ready, speeds).get(member.spring_set, {})
     if request.rest and (request.rest_model or request.sizes_alone):

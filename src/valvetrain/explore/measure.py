@@ -12,6 +12,7 @@ import numpy as np
 from valvetrain.explore.engine import Engine, Evaluation, PointJob
 from valvetrain.explore.outputs import LimitSearch, Outcome, Run
 from valvetrain.solution.definition import definition_of, not_given, shown
+from valvetrain.solution.status import Status
 
 #: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
 #: met up to the highest one.
@@ -19,6 +20,8 @@ FOUND, BELOW, BEYOND = "found", "below", "beyond"
 #: A rise over its neighbours this many times what a parabola through the three tells is thought
 #: possible between them.
 CAUTION = 2.0
+#: Runs of the search for a limit speed beyond those of its grid, about as many as there are.
+CLOSER = 10
 Scan = Generator[list[float], list[float], "LimitFound"]
 
 
@@ -266,6 +269,9 @@ def _limit(
         found = yield [(LIMIT, (engine_speed, run[1], run[2])) for engine_speed in requested]
         if first and not found[0].status.completed:
             return LimitFound(BELOW, 0.0, requested[0]), found[0]
+        if first and one.quantity not in found[0].values:
+            missing = Status("incomplete", not_given(one.quantity))
+            return LimitFound(BELOW, 0.0, requested[0]), Outcome(missing)
         first = False
         reported = [
             outcome.values.get(one.quantity, np.nan) if outcome.status.completed else np.nan

@@ -23,11 +23,19 @@ from valvetrain.explore.measure import (
 from valvetrain.explore.optimum_file import (
     ConfirmModel,
     ConstraintModel,
+    LimitSpeedModel,
     MeasureModel,
     OptimumText,
     SearchModel,
 )
-from valvetrain.explore.outputs import Outputs, Run, limit_search, share_of_case
+from valvetrain.explore.outputs import (
+    LimitSearch,
+    Outputs,
+    Run,
+    limit_search,
+    refuse_limit_name,
+    share_of_case,
+)
 from valvetrain.explore.space import ENGINE_SPEED, Space
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.request import is_at_rest
@@ -245,6 +253,13 @@ def _confirmation(plan: OptimumPlan, one: ConfirmModel, text: OptimumText) -> Co
     return Confirmation(one.label or one.spring_model or "with its changes", made)
 
 
+def _limit(text: OptimumText, path: tuple[str | int, ...], table: LimitSpeedModel) -> LimitSearch:
+    found: LimitSearch = text.guarded(
+        (*path, "limit_speed"), lambda: limit_search(**table.model_dump())
+    )
+    return found
+
+
 def _measure(
     text: OptimumText,
     path: tuple[str | int, ...],
@@ -265,14 +280,19 @@ def _measure(
             raise text.located(path, "a function has no limit speed; give a quantity")
         label = one.label or one.quantity.replace("_", " ")
         return Measure(RUNS, one.quantity, ((None, "", ""),), label, largest_is_worst, one.over)
-    phrase = one.quantity or (one.limit_speed.quantity if one.limit_speed else "")
+    phrase, limit_table = one.quantity, one.limit_speed
+    if limit_table is not None:
+        phrase = limit_table.quantity
+        if limit_table.kind or not phrase:
+            phrase = _limit(text, path, limit_table).quantity
+    text.guarded((*path, "quantity"), lambda: refuse_limit_name(phrase))
     if not is_defined(phrase):
         key = (*path, "quantity") if one.quantity else (*path, "limit_speed", "quantity")
         raise text.located(key, no_quantity(phrase))
     kinds = itertools.product(
         dict.fromkeys(model.spring_models or ("",)), dict.fromkeys(model.spring_sets or ("",))
     )
-    if one.limit_speed is not None:
+    if limit_table is not None:
         if one.engine_speeds is not None:
             raise text.located(
                 (*path, "engine_speeds"),
@@ -283,9 +303,6 @@ def _measure(
                 (*path, "limit_speed"),
                 f"'{phrase}' belongs to springs at rest, so it has no limit speed",
             )
-        limit = text.guarded(
-            (*path, "limit_speed"), lambda: limit_search(**one.limit_speed.model_dump())
-        )
         runs: tuple[Run, ...] = tuple(
             (None, spring_model, spring_set) for spring_model, spring_set in kinds
         )
@@ -293,6 +310,7 @@ def _measure(
             one.label
             or f"speed up to which the {definition_of(phrase).label} stays within its bound"
         )
+        limit = _limit(text, path, limit_table)
         return Measure(LIMIT, phrase, runs, label, largest_is_worst, one.over, limit)
     label = one.label or definition_of(phrase).label
     if is_at_rest(phrase):

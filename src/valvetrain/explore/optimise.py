@@ -16,7 +16,15 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.executors import executor_for
-from valvetrain.explore.measure import LIMIT, Measure, Measured, Stop, Subject, measure_designs
+from valvetrain.explore.measure import (
+    CLOSER,
+    LIMIT,
+    Measure,
+    Measured,
+    Stop,
+    Subject,
+    measure_designs,
+)
 from valvetrain.explore.objective import OptimumPlan, read_optimum
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, chosen_designs, steps_of
 from valvetrain.explore.optimum_file import OptimumText, read_optimum_file
@@ -35,9 +43,8 @@ from valvetrain.units import renamed
 #: Trials of the first round or rounds, drawn evenly before the search learns; and for each varied
 #: quantity.
 FIRST, FIRST_EACH = 10, 2
-#: Points of the search for a limit speed beyond those of its grid; seconds that a trial takes
-#: besides its points; bytes of one.
-CLOSER, AROUND, TRIAL_BYTES = 10, 0.03, 2e4
+#: Seconds that a trial takes besides its points; bytes of one.
+AROUND, TRIAL_BYTES = 0.03, 2e4
 #: What makes a search large.
 FEWER = "trials, speeds or models"
 

@@ -50,11 +50,12 @@ Speeds = Annotated[str | list[Any], BeforeValidator(_speeds)]
 
 
 class LimitSpeedModel(StrictModel):
-    """``limit_speed``: the engine speed up to which a quantity stays within a bound, searched over
-    ``engine_speeds`` from below.
+    """``limit_speed``: the engine speed up to which a quantity stays within a bound, or control is kept
+    (``kind``), searched over ``engine_speeds`` from below.
     """
 
-    quantity: str
+    kind: str = ""
+    quantity: str = ""
     at_most: Amount | None = None
     at_least: Amount | None = None
     engine_speeds: Speeds

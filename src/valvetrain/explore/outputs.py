@@ -11,6 +11,7 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.request import PointRequest
+from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, KINDS
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.own_spring import model_names
@@ -41,7 +42,7 @@ class LimitSearch:
     ``engine_speeds`` (rad/s, rising).
 
     ``resolution`` (rad/s): width of the bracket at the end. ``share``: the bound is this share of
-    what the case has at the lowest speed.
+    what the case has at the lowest speed. ``kind``: a word of :data:`LIMITS`, or empty.
     """
 
     quantity: str
@@ -50,8 +51,24 @@ class LimitSearch:
     engine_speeds: tuple[float, ...]
     resolution: float
     share: float | None = None
+    kind: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the limit speed as an output."""
+        return LIMITS[self.kind][0] if self.kind else f"{self.quantity}_limit_speed"
 
 
+#: Least force (N) of all contacts of a drive while the valve is open, of a point alone.
+DRIVE_FORCE = "minimum_drive_contact_force"
+#: Word of a limit -> name of its engine speed, the quantity that tells it, whether the bound is the most
+#: that it may have, and the bound (SI): those of critical speeds, and the first clash.
+LIMITS = {
+    "contact-loss": (KINDS["contact-loss"], DRIVE_FORCE, False, 1e-9),
+    "float": (KINDS["float"], "float_excess_lift", True, FLOAT_LIFT),
+    "bounce": (KINDS["bounce"], "bounce_height", True, BOUNCE_HEIGHT),
+    "clash": ("clash_engine_speed", "clash_count", True, 0.0),
+}
 _OF_CASE = re.compile(r"\s*(?:(\d+(?:\.\d+)?)\s*(?:x|\*|times)\s*(?:the\s+)?)?case\s*\Z")
 
 
@@ -62,30 +79,51 @@ def share_of_case(raw: Any) -> float | None:
 
 
 def limit_search(
-    quantity: str,
-    engine_speeds: Any,
+    quantity: str = "",
+    engine_speeds: Any = None,
     at_most: Any = None,
     at_least: Any = None,
     resolution: Any = "10 rpm",
+    kind: str = "",
 ) -> LimitSearch:
-    """The search for a limit speed, from the keys of its table in a file."""
-    if (at_most is None) == (at_least is None):
-        raise InputError("has one bound: give at_most or at_least")
-    upper = at_most is not None
-    raw = at_most if upper else at_least
-    share = share_of_case(raw)
-    bound = (
-        float("nan")
-        if share is not None
-        else parse_quantity(raw, definition_of(quantity).dimension or "ratio")
-    )
+    """The search for a limit speed, from the keys of its table in a file: ``kind`` of
+    :data:`LIMITS`, or ``quantity`` and its bound.
+
+    >>> found = limit_search(kind="float", engine_speeds="4000:8000:500 rpm")
+    >>> found.name, found.quantity, found.bound
+    ('float_engine_speed', 'float_excess_lift', 5e-05)
+    """
+    if kind:
+        if kind not in LIMITS:
+            raise InputError(
+                f"'{kind[:40]}' is no kind of limit speed; use one of {', '.join(LIMITS)}"
+            )
+        if quantity or at_most is not None or at_least is not None:
+            raise InputError("has a kind, which tells quantity and bound; leave those out")
+        _, quantity, upper, bound = LIMITS[kind]
+        share = None
+    else:
+        if not quantity:
+            raise InputError(f"needs a kind ({', '.join(LIMITS)}), or a quantity and its bound")
+        if (at_most is None) == (at_least is None):
+            raise InputError("has one bound: give at_most or at_least")
+        upper = at_most is not None
+        raw = at_most if upper else at_least
+        share = share_of_case(raw)
+        bound = (
+            float("nan")
+            if share is not None
+            else parse_quantity(raw, definition_of(quantity).dimension or "ratio")
+        )
+    if engine_speeds is None:
+        raise InputError("is searched over engine speeds; give engine_speeds = '4000:9000:500 rpm'")
     speeds = tuple(sorted(si_speeds(engine_speeds)))
     if len(speeds) < 2:
         raise InputError("engine_speeds holds one speed; give a range such as '4000:9000:250 rpm'")
     width = parse_quantity(resolution, "angular speed")
     if not width > 0:
         raise InputError("the resolution is not positive; give such as '10 rpm'")
-    return LimitSearch(quantity, upper, bound, speeds, width, share)
+    return LimitSearch(quantity, upper, bound, speeds, width, share, kind)
 
 
 @dataclass(frozen=True, init=False)
@@ -95,8 +133,8 @@ class Outputs:
     ``quantities``: names (docs/quantities.md) or numbers that the function gives. ``engine_speeds``
     (text such as ``"4000, 6000 rpm"`` or rad/s; None: the case's own), ``spring_models`` and
     ``spring_set`` (``spring_sets`` as an attribute): a run of each combination. ``rest_model``: spring model of static quantities.
-    ``limit_speeds``: tables as in an optimisation file, such as
-    ``{"quantity": "clash_energy", "at_most": "1 mJ", "engine_speeds": "4000:9000:250 rpm"}``.
+    ``limit_speeds``: tables as in a file, such as ``{"kind": "float", "engine_speeds":
+    "4000:9000:500 rpm"}`` or ``{"quantity": "clash_energy", "at_most": "1 mJ", "engine_speeds": ...}``.
     ``function``: computed instead of a case: takes the varied quantities by name and returns a
     mapping of numbers by name, or a number where there is one output.
 
@@ -134,6 +172,7 @@ class Outputs:
         for name in names if function is None else ():
             if not is_defined(name):
                 raise InputError(no_quantity(name), "outputs")
+            refuse_limit_name(name)
         speeds = engine_speeds
         if speeds is not None and not (
             isinstance(speeds, tuple) and all(isinstance(one, float) for one in speeds)
@@ -179,6 +218,16 @@ class Outputs:
         return tuple(
             itertools.product(speeds, self.spring_models or ("",), self.spring_sets or ("",))
         )
+
+
+def refuse_limit_name(name: str) -> None:
+    """Raise :class:`InputError` for an output that is a limit speed, which no single run has."""
+    for kind, (own, *_) in LIMITS.items():
+        if name == own:
+            raise InputError(
+                f"'{name}' is searched over engine speeds; ask for a limit_speed with kind = '{kind}' and "
+                "engine_speeds = '4000:9000:500 rpm'"
+            )
 
 
 def refuse_sets(case: Case, sets: Iterable[str]) -> None:

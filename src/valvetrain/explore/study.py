@@ -25,10 +25,18 @@ from valvetrain.explore.files import (
     space_of_file,
     text_of_file,
 )
-from valvetrain.explore.outputs import LimitSearch, Outputs, Run
+from valvetrain.explore.measure import CLOSER
+from valvetrain.explore.optimum_file import LimitSpeedModel
+from valvetrain.explore.outputs import LimitSearch, Outputs, Run, limit_search, refuse_limit_name
 from valvetrain.explore.samplers import SamplerSpec, sampler
 from valvetrain.explore.sensitivity import sensitivity_of
 from valvetrain.explore.space import Space, Values
+from valvetrain.explore.study_limits import (
+    LimitColumns,
+    LimitColumnsSearch,
+    limit_runs,
+    refuse_limits,
+)
 from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
@@ -39,7 +47,7 @@ from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, available_cores
 from valvetrain.solution.definition import is_defined, no_quantity
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import renamed, si_speeds
 
 #: Seconds of one point below which :data:`TOGETHER` points form a job.
@@ -48,6 +56,8 @@ SHORT, TOGETHER = 0.15, 8
 AROUND = 0.012
 #: Bytes of a stored point, besides 8 for each of its numbers.
 STORED = 400.0
+#: Limit speeds of a file: more are taken for a mistake.
+MAX_LIMITS = 16
 INTERRUPTED = Status(
     "interrupted",
     "the study was stopped before this point was finished",
@@ -65,11 +75,21 @@ class PointsInterrupted(Stopped):
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Estimated cost of a study: points, time and memory of all, seconds of one."""
+    """Estimated cost of a study: runs, time and memory of all, seconds of one; ``searches`` for limit
+    speeds among them, whose runs are counted at most.
+    """
 
     points: int
     cost: Cost
     seconds_each: float
+    searches: int = 0
+
+    @property
+    def sentence(self) -> str:
+        """What will be computed."""
+        if not self.searches:
+            return f"{self.points} points"
+        return f"{self.points} runs at most, {self.searches} searches for limit speeds with them"
 
 
 @renamed()
@@ -195,10 +215,11 @@ def run_points(
 
     together = 1 if estimate.seconds_each > SHORT else TOGETHER
     with Engine((experiment,), executor, folder, together, finished) as engine:
-        stopped = False
-        limit_speeds: dict[str, Array] = {}
+        stopped, limits_found = False, None
         try:
-            new = draws
+            search = LimitColumnsSearch(engine, experiment)
+            search.probe()
+            new = draws if experiment.outputs.quantities else draws[:0]
             while len(new):
                 engine.compute(
                     (experiment, tuple(row.tolist()), run) for row, run in experiment.rows(new)
@@ -206,15 +227,11 @@ def run_points(
                 first = _column(engine, experiment, draws)
                 new = plan.sampler.more(plan.varied, plan.options, draws, first)
                 draws = np.concatenate([draws, new])
-            for limit in experiment.outputs.limit_speeds:
-                limit_speeds[limit.quantity] = _limit_speeds(engine, experiment, limit, draws)
+            limits_found = search.columns(draws)
         except KeyboardInterrupt:
             stopped = True
-        table = replace(
-            _table(plan, engine, draws),
-            limit_speeds=limit_speeds,
-            seconds=time.perf_counter() - begun,
-        )
+        table = _table(plan, engine, draws, limits_found)
+        table = replace(table, seconds=time.perf_counter() - begun)
     if stopped:
         raise PointsInterrupted(table)
     return table
@@ -229,44 +246,33 @@ def _column(engine: Engine, experiment: Evaluation, draws: Array) -> Array:
     return np.array([one.values.get(names[0], np.nan) for one in outcomes])
 
 
-def _table(plan: StudyPlan, engine: Engine, draws: Array) -> StudyTable:
-    names, experiment = plan.outputs, plan.experiment
-    size = len(draws) * len(plan.runs)
-    values, statuses = np.full((size, len(names)), np.nan), []
+def _table(
+    plan: StudyPlan, engine: Engine, draws: Array, limits: LimitColumns | None
+) -> StudyTable:
+    experiment, count = plan.experiment, len(plan.runs)
+    names = experiment.outputs.quantities
+    values = np.full((len(draws) * count, len(plan.outputs)), np.nan)
+    statuses: list[Status] = []
+    if limits is not None:
+        values[:, len(names) :] = limits.values.reshape(len(values), -1)
     for row, (draw, run) in enumerate(experiment.rows(draws)):
+        failure = None if limits is None else limits.failures.get(divmod(row, count))
+        if not names:
+            statuses.append(INTERRUPTED if limits is None else failure or COMPLETED)
+            continue
         key = experiment.digest(draw, run)
         if key not in engine.store:
             statuses.append(INTERRUPTED)
             continue
         outcome = engine.store.outcome(key)
-        values[row] = [outcome.values.get(name, np.nan) for name in names]
-        statuses.append(outcome.status)
+        values[row, : len(names)] = [outcome.values.get(name, np.nan) for name in names]
+        statuses.append(failure if failure and outcome.status.completed else outcome.status)
     inputs = np.repeat(draws, len(plan.runs), axis=0)
     runs = plan.runs * len(draws)
-    return StudyTable(plan, inputs, runs, values, tuple(statuses), computed=engine.computed)
-
-
-def _limit_speeds(
-    engine: Engine, experiment: Evaluation, limit: LimitSearch, draws: Array
-) -> Array:
-    """Limit speeds (draws, models times sets) in rad/s, nan where there is none."""
-    from valvetrain.explore.measure import LIMIT, Measure, measure_designs
-
-    if limit.share is not None:
-        raise InputError(
-            "a bound as a share of the case belongs to a search; give a number", "limit_speeds"
-        )
-    outputs = replace(experiment.outputs, quantities=(limit.quantity,), limit_speeds=())
-    own = Evaluation(experiment.case, experiment.space, outputs, experiment.runs)
-    engine.include(own)
-    kinds = dict.fromkeys(run[1:] for run in experiment.runs)
-    measures = [
-        Measure(LIMIT, limit.quantity, ((None, *kind),), "", True, "worst", limit) for kind in kinds
-    ]
-    measured = measure_designs(
-        engine, [({LIMIT: own}, tuple(row)) for row in draws.tolist()], measures
+    notes = () if limits is None else limits.notes
+    return StudyTable(
+        plan, inputs, runs, values, tuple(statuses), computed=engine.computed, limit_notes=notes
     )
-    return np.array([[one.values.get(key, np.nan) for key in measures] for one in measured])
 
 
 def analysed(table: StudyTable) -> StudyTable:
@@ -299,11 +305,31 @@ def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
     draws = len(plan.draws())
     if plan.sampler.more.__name__ != "no_more":
         draws = max(draws, int(getattr(plan.options, "count", draws)))
-    seconds = [seconds_of(plan.experiment, run) for run in plan.runs]
+    experiment = plan.experiment
+    refuse_limits(experiment)
+    runs = plan.runs if experiment.outputs.quantities else ()
+    seconds = [seconds_of(experiment, run) for run in runs]
     numbers = len(plan.varied) + len(plan.outputs)
-    memory = draws * len(plan.runs) * (STORED + 8.0 * numbers) + 3e7 * workers
+    searched = limit_runs(experiment)
+    seconds += [_seconds_of_limit(experiment, one) for one in experiment.outputs.limit_speeds]
+    points = draws * (len(runs) + searched)
+    memory = points * (STORED + 8.0 * numbers) + 3e7 * workers
     time_needed = draws * sum(seconds) / max(1, workers)
-    return Estimate(draws * len(plan.runs), Cost(time_needed, memory), sum(seconds) / len(seconds))
+    each = sum(seconds) / (len(runs) + searched)
+    searches = draws * len(experiment.outputs.limit_speeds)
+    return Estimate(points, Cost(time_needed, memory), each, searches)
+
+
+def _seconds_of_limit(experiment: Evaluation, limit: LimitSearch) -> float:
+    """Estimated seconds of one core for a limit speed of one draw, by every model, at most: its whole grid
+    and what lies between.
+    """
+    outputs = replace(experiment.outputs, quantities=(limit.quantity,), limit_speeds=())
+    own = Evaluation(experiment.case, experiment.space, outputs, experiment.runs)
+    speeds = limit.engine_speeds
+    kinds = dict.fromkeys(run[1:] for run in experiment.runs)
+    grid = sum(seconds_of(own, (speed, *kind)) for kind in kinds for speed in speeds)
+    return grid * (1 + CLOSER / len(speeds))
 
 
 def seconds_of(plan: Evaluation, run: Run) -> float:
@@ -366,7 +392,8 @@ class StudyModel(StrictModel):
     engine_speeds: str | list[Any] | None = None
     spring_models: Names = Field(default_factory=list)
     spring_sets: Names = Field(default_factory=list)
-    outputs: Names
+    outputs: Names = Field(default_factory=list)
+    limit_speed: list[LimitSpeedModel] = Field(default_factory=list, max_length=MAX_LIMITS)
     rest_model: str = ""
     points: PointsModel = PointsModel()
     vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
@@ -419,7 +446,8 @@ def read_plan(text: StudyText) -> StudyPlan:
     for index, name in enumerate(model.outputs):
         if not is_defined(name):
             raise text.located(("outputs", index), no_quantity(name))
-    if not model.outputs:
+        text.guarded(("outputs", index), lambda name=name: refuse_limit_name(name))
+    if not model.outputs and not model.limit_speed:
         raise text.located(
             ("outputs",), "names no quantity; name one or more of docs/quantities.md"
         )
@@ -429,6 +457,10 @@ def read_plan(text: StudyText) -> StudyPlan:
     ):
         if word:
             text.guarded((key,), lambda word=word: find("springs", word))
+    limits = [
+        text.guarded(("limit_speed", index), lambda one=one: limit_search(**one.model_dump()))
+        for index, one in enumerate(model.limit_speed)
+    ]
     speeds = model.engine_speeds
     experiment = text.guarded(
         ("engine_speeds",),
@@ -441,9 +473,11 @@ def read_plan(text: StudyText) -> StudyPlan:
                 spring_models=model.spring_models,
                 spring_set=model.spring_sets,
                 rest_model=model.rest_model,
+                limit_speeds=limits,
             ),
         ),
     )
+    text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
     title = model.title or f"{case.name}: {spec.shown_name}"
     plan = StudyPlan(experiment, spec, options, title, model.kind, model.description)
     if space.correlation is not None:

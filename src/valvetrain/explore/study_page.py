@@ -207,6 +207,7 @@ def sentences(table: StudyTable) -> tuple[str, ...]:
     left = f", and {rows} left out of the shares of variance" if dropped else ""
     return (
         *reported,
+        *table.limit_notes,
         *table.not_given,
         *((f"{failed} of {len(table)} points failed{left}.",) if failed else ()),
     )

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -70,8 +69,9 @@ class StudyPlan:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs."""
-        return self.experiment.outputs.quantities
+        """Names of the outputs: quantities of the runs, then limit speeds."""
+        outputs = self.experiment.outputs
+        return (*outputs.quantities, *(one.name for one in outputs.limit_speeds))
 
     def draws(self) -> Array:
         """The first points (n, d). Raises :class:`InputError` where there is none and for a design
@@ -96,8 +96,9 @@ class StudyTable(Reported):
     ``runs`` and ``statuses`` (n).
 
     ``sensitivities`` and ``surrogates``: those of its kind; ``computed``: points that this call
-    computed, the others were in the store; ``seconds``: wall time of this call. ``limit_speeds``:
-    (draws, models times sets) in rad/s by quantity. ``converged``: see :meth:`Experiment.converge`.
+    computed, the others were in the store; ``seconds``: wall time of this call. A limit speed is that
+    of the point by the model and set of a row, at any speed of it; ``limit_notes`` say how many points keep or
+    leave their bound over all speeds. ``converged``: see :meth:`Experiment.converge`.
 
     >>> import valvetrain as vt
     >>> table = vt.study('''
@@ -123,7 +124,7 @@ class StudyTable(Reported):
     surrogates: tuple[Surrogate, ...] = ()
     computed: int = 0
     seconds: float = 0.0
-    limit_speeds: Mapping[str, Array] = field(default_factory=dict)
+    limit_notes: tuple[str, ...] = ()
     converged: bool | None = None
 
     def __len__(self) -> int:
@@ -219,13 +220,13 @@ class StudyTable(Reported):
             status[:, at[0], at[1], at[2]] = codes[:, column]
         data: dict[str, Any] = {
             name: (dims, numbers[..., column], _attributes(name))
-            for column, name in enumerate(self.outputs)
+            for column, name in enumerate(self.plan.experiment.outputs.quantities)
         }
         data["status"] = (dims, status)
-        for name, found_speeds in self.limit_speeds.items():
-            attributes = {"units": "rad/s", "long_name": f"limit speed of {label_of(name)}"}
-            data[f"{name}_limit_speed"] = (
-                ("point", "model", "spring_set"), found_speeds.reshape(count, len(models), len(sets)), attributes,
+        for limit in self.plan.experiment.outputs.limit_speeds:
+            column = self.outputs.index(limit.name)
+            data[limit.name] = (
+                ("point", "model", "spring_set"), numbers[:, 0, :, :, column], _attributes(limit.name),
             )  # fmt: skip
         coordinates: dict[str, Any] = {
             "speed": np.array([np.nan if one is None else one for one in speeds]),
