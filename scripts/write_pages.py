@@ -159,28 +159,26 @@ def outcomes(case: Case) -> dict[tuple[str, str], str]:
     """(model word, command) -> empty where it ran, else the reason in a sentence."""
     words = registry.names("springs")
     found: dict[tuple[str, str], str] = {}
-    problem = build(case, spring_models=words)
-    still = [member.model.word for member in problem.members if member.model.no_motion]
+    long = [word for word in words if spring_model(word).alone]
     for command in COMMANDS:
-        moving = [word for word in words if word not in still]
+        moving = [word for word in words if word not in long]
         found |= {(word, command): reason for word, reason in _command(case, command, moving)}
-        found |= {(word, command): _without_motion(case, command, word, moving) for word in still}
+        found |= {(word, command): _without_running(case, command, word, moving) for word in long}
     return found
 
 
-def _without_motion(case: Case, command: str, word: str, moving: list[str]) -> str:
-    """Reason of a model of statics and modes. Solids take minutes: those of a spring alone under
-    compare are run by tests of their own.
-    """
-    if command == "compare" and case.train is None:
-        return ""
+def _without_running(case: Case, command: str, word: str, moving: list[str]) -> str:
+    """Reason of a model that takes minutes: it is built and not run; tests of their own run it."""
     try:
-        _study(
-            case, command, [ENGINE_SPEED], [*moving[:1], word] if command == "compare" else [word]
-        )
+        if case.train is not None:
+            words = [*moving[:1], word] if command == "compare" else [word]
+            _study(case, command, [ENGINE_SPEED], words)
+        else:
+            for member in build(case, spring_models=[word]).members:
+                member.system()
     except InputError as error:
         return str(error)
-    return ""
+    return NO_LIFT if case.lift_law is None and command != "compare" else ""
 
 
 def _command(case: Case, command: str, words: list[str]) -> Iterator[tuple[str, str]]:
@@ -246,9 +244,9 @@ def _plain(reason: str) -> str:
     if "holds no lift law" in reason or "does not move" in reason:
         return NO_LIFT
     if "is a train; leave solid out" in reason:
-        return "solids serve a spring alone: their statics and modes under `compare`"
-    if "statics and modes" in reason and "days" in reason:
-        return "solids give statics and modes under `compare`; a cam cycle would take them days"
+        return "solids move a spring alone"
+    if "move a spring alone" in reason:
+        return "solids move a spring alone"
     return reason.split("is known by its card only; ")[-1].removeprefix("--spring: ").rstrip(".")
 
 

@@ -144,6 +144,7 @@ BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded
     "harmonic": "valvetrain.integrate.harmonic:SPEC",
     "rod-leapfrog": "valvetrain.integrate.rod_leapfrog:SPEC",
+    "solid-leapfrog": "valvetrain.integrate.solid_leapfrog:SPEC",
     "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
     "hht": "valvetrain.integrate.hht:SPEC",  # asked for by name alone: what it serves, the leapfrog serves before
 }

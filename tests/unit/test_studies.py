@@ -23,7 +23,12 @@ from valvetrain.system.build import build
 
 RPM = np.pi / 30
 COARSE = {"spring.options.finite-element.elements_per_coil": 8}
-MOVING = tuple(word for word in registry.names("springs") if not spring_model(word).no_motion)
+#: Models that move in every system and within seconds.
+MOVING = tuple(
+    word
+    for word in registry.names("springs")
+    if not (spring_model(word).no_motion or spring_model(word).alone)
+)
 CARD_MODELS = tuple(word for word in MOVING if not spring_model(word).wire_only)
 
 LAW = """

@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from valvetrain.runs.solid import SolidMotion
 
 
+SOLID = "solid"
+#: Models that a run of the solid alone shows next to it.
+SOLID_AND_OTHERS = ("finite-element", SOLID, "modal-varied")
+
+
 def register_run(app: typer.Typer) -> None:
     """Add the command."""
     app.command("run")(run)
@@ -30,6 +35,9 @@ def run(request: StudyRequest) -> None:
     from valvetrain.cli.run_answer import refuse_beyond
     from valvetrain.runs.run import run_study
 
+    if request.spring_models == (SOLID,) and request.case.train is None:
+        request = replace(request, spring_models=SOLID_AND_OTHERS)
+        tell("the rod and the modal model run beside the solid")
     refuse_beyond(request)
     case = request.case
     if case.train is None and not (request.engine_speeds or case.operation.engine_speeds):
@@ -137,7 +145,6 @@ def sweep(
     )
 
 
-SOLID = "solid"
 SolidElementsOption = Annotated[
     int | None,
     typer.Option(
@@ -219,8 +226,8 @@ def compare(
             f"solid finite elements run for a spring alone, and case '{name}' is a train; leave solid out",
             "--spring",
         )
-    refuse_beyond(request)
     motion = read_motion(solid_motion, request)
+    refuse_beyond(request)
     if solid:
         _tell_cost(request, motion)
     announce_compilation(

@@ -2,8 +2,8 @@
 for :mod:`valvetrain.continuum.brick_kernels`.
 
 The stiffness of a brick in its undeformed shape is that of the element with incompatible modes
-(Taylor, Beresford and Wilson's QM6), which does not lock in bending. It splits exactly into V B:C:B
-of the mean gradient and G^T K G of the hourglass vectors gamma (Belytschko and others): so the
+(QM6, taylor1976), which does not lock in bending. It splits exactly into V B:C:B
+of the mean gradient and G^T K G of the hourglass vectors gamma (belytschko1984): so the
 elements pass the patch test and bend as QM6 does, at the cost of one point.
 """
 
@@ -200,7 +200,7 @@ class Bricks:
         return float(found[0])
 
     @cached_property
-    def _corner_unknowns(self) -> Integers:
+    def corner_unknowns(self) -> Integers:
         """Positions (quadrilaterals, spans, 24) of the corners' components in a flat position."""
         spans, axes = np.arange(self.spans), self.stations * np.arange(3)
         found = self.corners.astype(np.int64)[:, None, :, None] + axes[None, None, None]
@@ -212,7 +212,7 @@ class Bricks:
 
         Every brick is moved alone: the corners of a quadrilateral's bricks are laid out apart.
         """
-        places, flat = self._corner_unknowns, np.ascontiguousarray(position).ravel()
+        places, flat = self.corner_unknowns, np.ascontiguousarray(position).ravel()
         found = np.zeros((*places.shape, 24))
         apart = (np.arange(24, step=3, dtype=np.uint64) * np.uint64(self.spans))[None]
         shape = np.array([self.spans, 1, self.spans, self.width], dtype=np.uint64)

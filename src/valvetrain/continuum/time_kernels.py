@@ -3,7 +3,7 @@
 Order within a step: forces of the bricks -> section centres -> contact -> records -> accelerations
 -> velocities and positions. Positions live at whole steps, velocities at half steps. The rigid part
 of each section's motion keeps its true mass; what is left, the deformation of the section, whose
-high frequencies limit the step, has (1 + scaling) times the mass.
+high frequencies limit the step, has (1 + scaling) times the mass (as in olovsson2005).
 """
 
 from __future__ import annotations

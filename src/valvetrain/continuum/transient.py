@@ -128,7 +128,7 @@ class SolidTransient:
     up to the next sample: largest seat force, its time, least, its time, and the same of the retainer
     force; ``energy`` (ns, 8) by the columns of :mod:`time_kernels`; ``dense_*`` (nd,); ``pair_force``
     (N) and ``pair_energy`` (J) at ``pair_time``, (nc, np). ``steps_done`` < ``steps`` when the run
-    diverged or was stopped.
+    diverged or was ``stopped``.
     """
 
     time: Array
@@ -149,6 +149,7 @@ class SolidTransient:
     steps: int
     steps_done: int
     fastest: float
+    stopped: bool = False
 
     @property
     def completed(self) -> bool:
@@ -265,7 +266,7 @@ def simulate_solid(
         position=np.zeros((stored, x.size)), centre_rate=np.zeros((stored, 3 * stations)),
         impulse=np.zeros(pairs), peak=np.zeros(pairs), carried=np.zeros(6),
     )  # fmt: skip
-    done = 0
+    done, stopped = 0, False
     for begin in range(0, steps + 1, BLOCK):
         end = min(begin + BLOCK, steps + 1)
         times = np.maximum(step * np.arange(begin - 1.0, end + 1.0), 0.0)
@@ -273,7 +274,8 @@ def simulate_solid(
         done = time_kernels.integrate_solid(
             begin, end, travel, numbers, arrays, points, wire.seat_planes, clock, records
         )
-        if done < end or (watch is not None and not watch(end / (steps + 1))):
+        stopped = watch is not None and not watch(end / (steps + 1)) and end <= steps
+        if done < end or stopped:
             break
     reached = samples if done > steps else max(0, (done - 1) // (dense * substeps))
     keep = slice(min(discard, reached), reached + 1)
@@ -300,4 +302,5 @@ def simulate_solid(
         steps=steps,
         steps_done=done,
         fastest=float(records.carried[time_kernels.FASTEST]),
+        stopped=stopped and done <= steps,
     )

@@ -217,7 +217,7 @@ class SolidWire:
     @cached_property
     def contact_points(self) -> ContactPoints:
         """Contact points in the free shape; their feet are found."""
-        coil, spring, (first, last) = self.coil, self.spring, self.ends
+        coil, spring = self.coil, self.spring
         number = np.arange(self.stations, dtype=float)
         station = np.repeat(np.arange(1, self.stations - 1), len(CONTACT_PLACES))
         place = np.tile(CONTACT_PLACES, self.stations - 2)
@@ -225,9 +225,7 @@ class SolidWire:
         half = np.gradient(coil)[station] / (2 * len(CONTACT_PLACES))
         cell = np.minimum(here + half, spring.total_coils) - np.maximum(here - half, 1.0)
         foot = np.interp(here - 1, coil, number)
-        # wire bonded to one seat on both sides of a contact does not move
-        held = (station < first) | (foot > last) | ((station > last) & (foot > last - 1))
-        used = (cell > 0) & (here >= coil[1] + 1) & ~held
+        used = (cell > 0) & (here >= coil[0] + 1)
         if not (self.contact.stiffness > 0):
             used &= False
         station, place, here, cell, foot = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
@@ -87,7 +88,8 @@ class RunOptions:
     noted on every step (statistics ``least_..._force``, largest as ``open_..._force``). ``nose``:
     cam angle (rad) at which the force of the cam is taken to the angle itself. ``start``: motion at
     another speed that a train starts from instead of from rest. ``later``: channels inside a spring
-    may be made from its states when they are first read.
+    may be made from its states when they are first read. ``watch``: called with the share of a long
+    run that is done; False stops it.
     """
 
     samples: int | None = None
@@ -99,6 +101,7 @@ class RunOptions:
     nose: float | None = None
     start: Orbit | None = None
     later: bool = False
+    watch: Callable[[float], bool] | None = None
 
 
 @runtime_checkable

@@ -5,6 +5,7 @@ every section's motion and load.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from valvetrain.springs.finite_element_channels import end_channels, rod_channel
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
+if TYPE_CHECKING:
+    from valvetrain.springs.solid.model import SolidModel
+
 TURN = 2 * np.pi
 #: Samples per cam revolution; bounds of the revolutions of a run that shall be periodic, and what is
 #: left of the start's first surge mode after them.
@@ -29,9 +33,9 @@ SAMPLES, PERIODIC_CYCLES, REST_OF_START = 720, (2, 8), 0.01
 REMEDY = "give a smaller time_step or a softer coil contact, or check the lift law for jumps"
 
 
-def settling_revolutions(rod: FiniteElementRod, cam_speed: float) -> int:
+def settling_revolutions(rod: FiniteElementRod | SolidModel, cam_speed: float) -> int:
     """Cam revolutions after which the first surge mode has forgotten its start, by its damping; at a
-    ``cam_speed`` in rad/s. The state of a rod is too large to search its periodic motion.
+    ``cam_speed`` in rad/s. The state of a rod or a solid is too large to search its periodic motion.
     """
     frequency = EquivalentSpring.from_definition(rod.definition, rod.precompression).surge_frequency
     decay = 0.5 * (

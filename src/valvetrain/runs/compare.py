@@ -79,7 +79,12 @@ def compare_study(
     chosen = tuple(dict.fromkeys(spring_models)) or _default_models(
         case.springs, case.train is not None
     )
-    moving = tuple(word for word in chosen if not spring_model(word, "spring_models").no_motion)
+    in_motion = engine_speeds is not None and solid is None and case.train is None
+    moving = tuple(
+        word
+        for word in chosen
+        if not spring_model(word, "spring_models").no_motion and (word != SOLID or in_motion)
+    )
     problem = build(case, spring_models=moving or ("finite-element",), spring_set=spring_sets)
     if problem.kind == TRAIN and len(moving) < len(chosen):
         raise InputError(
@@ -91,7 +96,7 @@ def compare_study(
     )
     with_solid = SOLID in chosen
     if with_solid and engine_speeds is None and solid is None:
-        speeds = ()  # solids are compared at rest; motion is run on request
+        speeds = ()  # solids are compared at rest; their motion takes minutes and an engine speed
     study = run_problem(
         problem,
         speeds,

@@ -178,7 +178,9 @@ def fidelity_models(
 
     def refusal(name: str) -> str:
         reasons = (spring_model(name).why_not(spring) for spring in springs)
-        return spring_model(name).no_motion or next(filter(None, reasons), "")
+        spec = spring_model(name)
+        alone = "" if case.train is None else spec.alone
+        return spec.no_motion or alone or next(filter(None, reasons), "")
 
     kind = "card" if any(spring.wire is None for spring in springs) else "wire"
     if kind == "card" and any(spring.damping.stiffness_damping > 0 for spring in springs):
@@ -194,7 +196,9 @@ def fidelity_models(
     # The wire of a card is assumed, so its rod is not a default.
     assumed = "" if kind == "wire" else REFERENCES["wire"]
     chosen = tuple(dict.fromkeys(spring_models)) or tuple(
-        name for name in registered_names("springs") if not refusal(name) and name != assumed
+        name
+        for name in registered_names("springs")
+        if not (refusal(name) or spring_model(name).alone) and name != assumed
     )
     for name in chosen:
         spring_model(name, "spring_models")

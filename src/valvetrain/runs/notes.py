@@ -23,6 +23,8 @@ from valvetrain.units import believed
 
 #: Tensile strength (Pa) above that of any wire of a valve spring.
 MAX_STRENGTH = 2.5e9
+#: A raw peak over that below 10 kHz from which a spike is told with its band.
+SPIKE = 1.02
 #: What the note on springs without damping says of them.
 NO_DAMPING = "no damping, so that surge lives on from cycle to cycle"
 
@@ -181,19 +183,47 @@ def unknown_solid_notes(members: Iterable[Member]) -> tuple[str, ...]:
     )
 
 
-def pulling_end_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
-    """A sentence on the runs whose model cannot lift ends that would pull."""
-    runs = dict.fromkeys(
-        f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm"
-        for run in solutions
-        if any(event.kind == PULL for event in run.events)
-    )
-    if not runs:
+def spike_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
+    """The band of the clash spikes of solids, whose raw heights rest on mesh and contact constants."""
+    heights = []
+    for run in solutions:
+        bands = (
+            "peak_spring_force",
+            "below_20_khz_peak_spring_force",
+            "below_10_khz_peak_spring_force",
+        )
+        raw, below_20, below_10 = (run.quantities.get(name, 0.0) for name in bands)
+        if run.model == "solid" and raw > SPIKE * below_10 > 0:
+            rpm = run.engine_speed * 30 / np.pi
+            heights.append(
+                f"at {rpm:.6g} rpm {raw:.0f} N raw, {below_20:.0f} N below 20 kHz, {below_10:.0f} N below 10 kHz"
+            )
+    if not heights:
         return ()
     return (
-        f"The ends of the spring would pull: {', '.join(runs)}. Its modes are those of fixed ends, so it shows no force there "
-        "but does not lift, and what follows is not right: take multi-mass, wave-rod or finite-element.",
+        f"Peak spring force by the solid: {'; '.join(heights)}. The raw height of a clash spike rests on mesh, contact constants "
+        "and sampling; compare heights below 10 kHz.",
     )
+
+
+def pulling_end_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
+    """A sentence on the runs whose model cannot lift ends that would pull."""
+    pulling = [run for run in solutions if any(event.kind == PULL for event in run.events)]
+    modal, solid = (
+        dict.fromkeys(
+            f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm"
+            for run in pulling
+            if (run.model == "solid") == bonded
+        )
+        for bonded in (False, True)
+    )
+    notes = (
+        f"The ends of the spring would pull: {', '.join(modal)}. Its modes are those of fixed ends, so it shows no force there "
+        "but does not lift, and what follows is not right: take multi-mass, wave-rod or finite-element.",
+        f"The ends of the spring would lift: {', '.join(solid)}. The inactive turns of a solid are bonded to seat and retainer, so "
+        "it pulls there, and what follows is not right: take finite-element.",
+    )
+    return tuple(note for note, runs in zip(notes, (modal, solid), strict=True) if runs)
 
 
 def beyond_wire_notes(problem: Problem, solutions: Iterable[Solution]) -> tuple[str, ...]:

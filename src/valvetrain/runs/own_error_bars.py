@@ -54,7 +54,7 @@ OF_LOFT = ("lift_loss_displacement", "loft_gap", "peak_valve_lift")
 #: Models whose grid follows the time step: their further run takes a shorter step alone, as do
 #: modes of which no more oscillate.
 BY_STEP = ("wave-rod", "wave-rod-clash")
-ROD, MODES, REDUCED = "finite-element", "modal-uniform", "reduced-rod"
+ROD, MODES, REDUCED, SOLID = "finite-element", "modal-uniform", "reduced-rod", "solid"
 #: Numbers that differ by a constant from one whose scatter is known, or hold the same peak.
 SAME_SCATTER = {
     "lift_loss_displacement": "peak_valve_lift",
@@ -198,6 +198,8 @@ def _further(problem: Problem, member: Member, rest: Rest) -> list[_Further]:
         # a rod is not compared from cycle to cycle: one revolution less shows what it still remembers
         ways = [_way(problem, member, rest, (1 / RATIO, RATIO), None, ROD_ORDER)]
         ways += [_way(problem, member, rest, (1 / NEAR_RATIO,), None, ROD_ORDER, sooner=True)]
+    elif member.model.word == SOLID:  # one coarser mesh: a finer one takes longer than the run
+        ways = [_way(problem, member, rest, (1 / RATIO,), None, ROD_ORDER)]
     elif member.model.word in BY_STEP:
         ways = [_way(problem, member, rest, (one,), one) for one in (RATIO, NEAR_RATIO)]
     else:

@@ -4,7 +4,7 @@ once; its runs in time.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from operator import attrgetter
@@ -26,6 +26,7 @@ from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
 from valvetrain.runs.coil_bind import ENDED, bound
 from valvetrain.runs.cost import Limits, duration_text
+from valvetrain.runs.stopping import noted
 from valvetrain.solution.channels import empty_channels
 from valvetrain.solution.later import Later, LaterMapping
 from valvetrain.solution.partial_failures import PartialFailures, reason
@@ -59,7 +60,7 @@ class Plan:
     ``keep`` of its channels (``contacts`` for a sweep), ``samples`` per cam revolution (None: the
     default), ``whole``: the solution has channels at all, ``cycles`` of prescribed motion, most
     ``cycles_to_settle`` of a train, ``created_at`` (ISO 8601), ``max_seconds`` of one run;
-    ``implausible`` results pass; ``later``: as in :class:`RunOptions`.
+    ``implausible`` results pass; ``later``, ``watch``: as in :class:`RunOptions`.
     """
 
     keep: Keep = "all"
@@ -71,6 +72,7 @@ class Plan:
     max_seconds: float = Limits().seconds
     implausible: bool = False
     later: bool = False
+    watch: Callable[[float], bool] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,12 +244,18 @@ def integrate_from(
         nose=ready.nose,
         start=start,
         later=plan.later,
+        watch=plan.watch or _goes_on,
     )
     try:
         return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
     except FAILURES as error:
         status = Status("diverged", reason(error), remedy="look at this run alone")
         return without_channels(status, provenance), None
+
+
+def _goes_on(share: float) -> bool:
+    """Whether a long run, so far done, shall continue: until a signal has requested to stop."""
+    return not noted()
 
 
 def _without_end(member: Member) -> int | None:

@@ -46,7 +46,7 @@ SPRINGS, STEPS, SAMPLES = (1.5, 2.25), (0.5, 0.25), 720
 #: Values below this (SI) are rounding errors: the surge of a spring without mass.
 ROUNDING = 1e-9
 #: Options of spring models that set how finely a spring is divided.
-DIVISIONS = ("elements", "masses_per_coil", "modes", "elements_per_coil")
+DIVISIONS = ("elements", "masses_per_coil", "modes", "elements_per_coil", "bricks_per_coil")
 #: The variant that finite-element springs leave out: their elements and steps would both be 2.25
 #: times as many.
 TOO_FINE = "springs 3"

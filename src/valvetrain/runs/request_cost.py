@@ -48,6 +48,9 @@ SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 3.0
 #: Solid finite elements: name, unknowns per element, bytes per unknown, and solver runs of the
 #: statics (one for the error bar).
 SOLID, SOLID_UNKNOWNS, SOLID_BYTES, SOLID_RUNS = "solid", 15.0, 1e4, 2
+#: Solids in motion: time step (s) over the size of a brick (m) in the section, seconds per brick and
+#: step, and for the statics of a brick (s); the coarser mesh of the error bar adds two thirds.
+BRICK_STEP, BRICK_TIME, BRICK_REST, COARSER_BRICKS = 1.8e-4, 1e-7, 4e-3, 1 + 2 / 3
 #: Upper bounds to which runs of a run-up and steps of a static curve are counted; more are beyond
 #: every limit.
 MAX_RUNS, MAX_COUNTED = 1_000_000, 10**12
@@ -180,6 +183,11 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
             refinement = math.hypot(*ratios)  # each spring takes its own time
             own_time = 0.0 if train is None else TRAIN_TIME
             processor_time = spec.processor_time
+            if model == SOLID:
+                if request.command == "compare" and request.engine_speeds is None:
+                    continue  # at rest alone
+                total += _solid_motion(springs, simulated_time, samples, request.workers)
+                continue
             if model == REDUCED:
                 total += Cost(TABLES * sum(ratios))
             if train is None:
@@ -218,6 +226,26 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
                 chains.append(found.seconds)
     if chains:
         total += Cost(max(max(chains), sum(chains) / max(1, request.workers)))
+    return total
+
+
+def _solid_motion(
+    springs: Sequence[InstalledSpring], simulated_time: float, samples: float, workers: int
+) -> Cost:
+    """Cost of solids in motion over a simulated time (s), with a coarser mesh for their error bars:
+    bricks times steps, whose length follows the size of a brick in the section.
+    """
+    total = Cost()
+    for spring in springs:
+        options = spring_model(SOLID).read_options(spring.options_of(SOLID)).model_dump()
+        coils = spring.wire.total_coils if spring.wire is not None else TYPICAL_COILS
+        core, rings = options["brick_core"], options["brick_rings"]
+        bricks = coils * options["bricks_per_coil"] * (core**2 + 4 * core * rings)
+        wire = 4e-3 if spring.wire is None else float(spring.wire.wire_diameter.value(0.0))
+        steps = simulated_time / (BRICK_STEP * wire / (core + rings))
+        seconds = BRICK_TIME * bricks * steps * COARSER_BRICKS / min(workers, 2)
+        stored = 24.0 * 1.4 * bricks * samples
+        total += Cost(seconds + COARSER_BRICKS * BRICK_REST * bricks, 2.0 * stored)
     return total
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
+from dataclasses import replace
 from functools import partial
 from operator import attrgetter
 from typing import Any
@@ -29,6 +30,7 @@ from valvetrain.runs.notes import (
     refuse_implausible,
     refuse_speeds,
     ringing_note,
+    spike_notes,
     undamped_notes,
     unknown_solid_notes,
     with_notes,
@@ -44,7 +46,7 @@ from valvetrain.runs.prepared import (
     with_later_quantities,
     with_quantities,
 )
-from valvetrain.runs.stopping import PointsStopped, StudyStopped
+from valvetrain.runs.stopping import PointsStopped, StudyStopped, noted
 from valvetrain.runs.stored_error_bars import (
     has_stored_bars,
     load_uncertainty,
@@ -85,6 +87,8 @@ CARD_WIRE_NOTE = (
 )
 #: Engine speed (rad/s) below which the arrays of a run are large enough to be given back at once.
 SLOW = 125.0
+#: The model whose error bars ship with no case.
+SOLID = "solid"
 #: Share of a sweep's progress for its own speeds; the rest is the search for critical speeds.
 GRID_SHARE = 0.5
 
@@ -299,7 +303,8 @@ def run_problem(
         rest,
         still,
         notes=between_notes(solutions, between)
-        + failures.part("notes", (), pulling_end_notes, solutions),
+        + failures.part("notes", (), pulling_end_notes, solutions)
+        + failures.part("notes", (), spike_notes, solutions),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
@@ -315,10 +320,15 @@ def run_problem(
         study = replaced(study, **named) if later and not stopped else whole_study.value
     if stopped:
         raise StudyStopped(study)
+    barred = solutions
     if any(has_stored_bars(problem.record, run) for run in solutions):
-        return study
+        barred = tuple(run for run in solutions if run.model == SOLID)
+        if not barred:
+            return study
     known = at_rest or Later(_rest_of_trains, ready)
-    bars = Later(own_error_bars, problem, solutions, plan, known, count)
+    labels = {run.label for run in barred}
+    members = problem.only(lambda member: member.label in labels)
+    bars = Later(own_error_bars, replace(problem, members=members), barred, plan, known, count)
     study = replaced(study, error_bars=bars)
     if error_bars and progress is not None:
         progress(0.99, "error bars")
@@ -444,11 +454,22 @@ def _run_springs(
 
     def tell(text: str) -> None:
         if progress is not None:
-            progress(min(1.0, (1 + len(done)) / (1 + len(points))), text)
+            under_way = sum(share for share in list(shares.values()) if share < 1.0)
+            progress(min(1.0, (1 + len(done) + under_way) / (1 + len(points))), text)
+
+    shares: dict[tuple[Member, float], float] = {}
 
     def integrate(ready: PreparedRun, speed: float) -> Solution:
         provenance = provenance_of(problem, ready.member, speed, plan.created_at)
-        return integrate_point(ready, speed, plan, provenance)
+
+        def watch(share: float) -> bool:
+            """Show how far a long run is, until it is stopped."""
+            shares[ready.member, speed] = share
+            if progress is not None and not noted():
+                tell(f"{ready.member.label} at {speed * 30 / np.pi:.6g} rpm, {share:.0%}")
+            return not noted()
+
+        return integrate_point(ready, speed, replace(plan, watch=watch), provenance)
 
     def start(pool: Executor, members: Mapping[Member, PreparedRun]) -> dict[Future[Solution], int]:
         return {

@@ -109,11 +109,9 @@ def static_study(
             spec = spring_model(name, "spring_models")
             if reason := spec.why_not(spring):
                 raise InputError(reason, "spring_models")
-            if spec.no_motion:
+            if spec.no_statics:
                 remedy = f"its curve and modes are compared with the rod's by 'valvetrain compare CASE --spring {WIRE},{name}'"
-                raise InputError(
-                    f"{name} finite elements are run by compare: {remedy}", "spring_models"
-                )
+                raise InputError(f"{spec.no_statics}: {remedy}", "spring_models")
             if spec.needs_rest and rod_result is None:
                 rod_result = _by_rod(problem.model_of(WIRE, spring), end, None, max(modes, 8))
             if attached_mass is not None and name != WIRE:
@@ -174,7 +172,7 @@ def curve_by_model(
     end = _curve_end(spring, valve_lift, largest_compression, "largest_compression")
     if reason := spec.why_not(spring):
         raise InputError(reason, "spring_model")
-    if spec.no_motion:
+    if spec.no_statics:
         raise InputError(
             f"{name} is run by compare, or by SolidSpring.static_curve; choose another model",
             "spring_model",

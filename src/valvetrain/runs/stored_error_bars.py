@@ -127,17 +127,21 @@ def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
 
 
 def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
-    """Error bars of the runs, or stored rows whose numbers the study computed; none of a study over speeds, nor where only the
-    statics of its runs agree.
+    """Error bars of the runs, and stored rows of others whose numbers the study computed; none of a
+    study over speeds, nor where only the statics of its runs agree.
     """
     if study.over_speed:
         return ()
-    if study.error_bars.rows:
-        return study.error_bars.rows
+    own = study.error_bars.rows
+    barred = {row.label for row in own}
     rows = load_uncertainty(study.record)
+    if barred & {row.label or "finite-element" for row in rows}:
+        return own
     found = study.quantities if rows else {}
     fresh = tuple(row for row in rows if belongs(row, found))
-    return () if study.solutions and all(row.engine_speed is None for row in fresh) else fresh
+    if study.solutions and all(row.engine_speed is None for row in fresh):
+        return own
+    return (*fresh, *own)
 
 
 def rows_that_hold(

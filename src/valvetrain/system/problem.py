@@ -62,9 +62,14 @@ class Member:
         return PRESCRIBED if self.gear is None else TRAIN
 
     @property
+    def _no_motion(self) -> str:
+        """Why the model does not run in time here, empty where it does."""
+        return self.model.no_motion or ("" if self.gear is None else self.model.alone)
+
+    @property
     def refusal(self) -> str:
         """Why the model cannot run here, empty when it can."""
-        return self.model.no_motion or next(
+        return self._no_motion or next(
             (reason for spring in self.springs if (reason := self.model.why_not(spring))), ""
         )
 
@@ -76,8 +81,8 @@ class Member:
 
         Raises :class:`InputError` where the model cannot represent a spring.
         """
-        if self.model.no_motion:
-            raise InputError(self.model.no_motion)
+        if reason := self._no_motion:
+            raise InputError(reason)
         models: BuiltModels = {} if built is None else built
         springs: tuple[SpringModel, ...] = tuple(
             _reaching(models, self, spring, (rest or {}).get(spring)) for spring in self.springs

@@ -243,10 +243,13 @@ def uncertainty_blocks(study: Study) -> tuple[Block, ...]:
     if len(fresh) > ONE_SCREEN:
         grid = Details(f"All {len(fresh)} numbers with their error bars", (grid,))
     own = study.error_bars.sentences
+    computed = {row.label for row in study.error_bars.rows}
+    others = any(row.label not in computed for row in fresh)
+    shipped = (lead(meshes_of(study.record)),) if others else ()
     return (
         text(firmness(fresh)),
         grid,
-        text(own[0] if own else lead(meshes_of(study.record)), "quiet"),
+        *(text(one, "quiet") for one in (*shipped, *own[:1])),
         *notes,
     )
 

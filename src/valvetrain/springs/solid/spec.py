@@ -1,44 +1,74 @@
-"""The solid finite-element model in the registry: statics and modes of a wire; its transient takes
-hours and is run apart.
+"""The solid finite-element model in the registry: a wire of bricks in motion, and the same wire in
+CalculiX for statics and modes.
 """
 
 from __future__ import annotations
 
 from pydantic import Field
 
+from valvetrain.coil_contact.law import law_of
 from valvetrain.continuum.mesh import MeshOptions
+from valvetrain.continuum.transient import SolidDynamics
+from valvetrain.continuum.wire import SolidContactLaw, SolidMeshSize
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_types import PositiveTime
+from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.solid.deck import SolidContact
 from valvetrain.springs.solid.jobs import SolidSpring
+from valvetrain.springs.solid.model import ALONE, SolidModel
 from valvetrain.springs.spec import SpringModelSpec
-
-NO_MOTION = "solid finite elements serve statics and modes; a cam cycle would take them days (a short stretch: 'valvetrain compare --solid-motion')"
 
 
 class SolidOptions(SpringOptions):
-    """Options of solid finite elements."""
+    """Options of solid finite elements: those of the bricks in motion, and those of the statics and
+    modes by CalculiX, whose elements have twenty nodes.
+    """
 
+    bricks_per_coil: int = Field(
+        default=24, ge=8, le=400, description="slices of bricks along a turn of the wire, in motion"
+    )
+    brick_core: int = Field(
+        default=2, ge=2, le=16, description="bricks across the square core of the section"
+    )
+    brick_rings: int = Field(
+        default=1, ge=1, le=16, description="rings of bricks around the core of the section"
+    )
+    mass_scaling: float = Field(
+        default=5.0,
+        ge=0.0,
+        le=20.0,
+        description="mass that the deformation of a section has in excess, over its own",
+    )
     elements_per_coil: int = Field(
-        default=12, ge=4, le=1000, description="slices along one turn of the wire"
+        default=12, ge=4, le=1000, description="slices along one turn of the wire in CalculiX"
     )
     core: int = Field(
-        default=1, ge=1, le=40, description="cells across the square core of the section"
+        default=1, ge=1, le=40, description="cells across the core of the section in CalculiX"
     )
-    rings: int = Field(default=1, ge=1, le=40, description="rings of cells around the core")
+    rings: int = Field(
+        default=1, ge=1, le=40, description="rings of cells around the core in CalculiX"
+    )
     time_limit: PositiveTime = Field(
-        default=1800.0, description="longest time one solution may take"
+        default=1800.0, description="longest time one solution of CalculiX may take"
     )
 
 
 def solid_spring(spring: InstalledSpring, options: SolidOptions) -> SolidSpring:
-    """The solid model of an installed wire: inactive end turns fixed, coils in contact, seat planes
-    where the spring has them.
+    """The model of an installed wire in CalculiX: inactive end turns fixed, coils in contact, seat
+    planes where the spring has them.
     """
+    wire = _wire_of(spring)
+    contact = SolidContact(seats=spring.seats != "clamps")
+    mesh = MeshOptions(options.elements_per_coil, options.core, options.rings, ends="bonded")
+    return SolidSpring(wire, mesh, contact, options.time_limit)
+
+
+def _wire_of(spring: InstalledSpring) -> SpringDefinition:
+    """The wire. Raises :class:`InputError` for a spring that solids do not represent."""
     if spring.wire is None:
         raise InputError(
             f"spring '{spring.name}' is known by its card only; solid finite elements need its wire"
@@ -47,13 +77,22 @@ def solid_spring(spring: InstalledSpring, options: SolidOptions) -> SolidSpring:
         raise InputError(
             f"spring '{spring.name}' is in a guide, which solid finite elements do not support; remove it or use finite-element"
         )
-    contact = SolidContact(seats=spring.seats != "clamps")
-    mesh = MeshOptions(options.elements_per_coil, options.core, options.rings, ends="bonded")
-    return SolidSpring(spring.wire, mesh, contact, options.time_limit)
+    return spring.wire
 
 
 def _make(spring: InstalledSpring, options: SolidOptions, rest: SpringAtRest | None) -> SpringModel:
-    raise InputError(NO_MOTION)
+    contact, damping = spring.contact, spring.damping
+    return SolidModel(
+        _wire_of(spring),
+        spring.precompression,
+        SolidMeshSize(options.bricks_per_coil, options.brick_core, options.brick_rings),
+        SolidContactLaw(contact.stiffness, contact.damping_time, law_of(contact)),
+        SolidDynamics(
+            damping.mass_damping, damping.stiffness_damping, mass_scaling=options.mass_scaling
+        ),
+        str(spring.seats),
+        pulls=spring.pulls,
+    )
 
 
 SPEC = SpringModelSpec(
@@ -63,8 +102,10 @@ SPEC = SpringModelSpec(
     SolidOptions,
     _make,
     wire_only="solid finite elements need its wire",
-    no_motion=NO_MOTION,
-    processor_time=1e5,
-    knows="the wire as a body",
-    leaves_out="motion over a cam cycle (minutes for statics and modes)",
+    shows=("sections", "clash", "stress"),
+    alone=ALONE,
+    no_statics="solid finite elements are run by compare",
+    processor_time=500.0,
+    knows="the wire as a body, its sections deform, all coils in contact, seats",
+    leaves_out="trains, ends that lift, guides, friction, a retainer that deforms",
 )

@@ -39,7 +39,7 @@ def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
     default first one is ticked.
     """
     springs = springs_of(case)
-    fit = [spec for spec in map(spring_model, registry.names("springs")) if _fits(spec, springs)]
+    fit = [spec for spec in map(spring_model, registry.names("springs")) if _fits(spec, case)]
     names = [spec.word for spec in fit]
     first = FIRST_MODEL if case.train is None else case.train.model_of()
     ticked = [word for word in chosen if word in names] or [
@@ -56,10 +56,10 @@ def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
     ]
 
 
-def _fits(spec: SpringModelSpec, springs: tuple[InstalledSpring, ...]) -> bool:
-    return (
-        not spec.no_motion and bool(springs) and not any(spec.why_not(spring) for spring in springs)
-    )
+def _fits(spec: SpringModelSpec, case: Case) -> bool:
+    springs = springs_of(case)
+    moves = not spec.no_motion and not (case.train is not None and spec.alone)
+    return moves and bool(springs) and not any(spec.why_not(spring) for spring in springs)
 
 
 def sets_for(case: Case, remembered: str = "") -> list[dict[str, Any]]:
