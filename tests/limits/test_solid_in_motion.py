@@ -160,7 +160,7 @@ def test_springs_in_guides_are_refused():
 
 def test_ends_that_would_lift_are_told():
     """Contract: a solid is bonded; where its end pulls, a note says what else to take."""
-    text = SPRING.replace('"4 mm"\n[spring.lower', '"0.2 mm"\n[spring.lower').replace(
+    text = SPRING.replace('"4 mm"\n[spring.lower', '"0.01 mm"\n[spring.lower').replace(
         "7000 rpm", "9000 rpm"
     )
     study = run_study(parse_case(text, "loose"), spring_models=["solid"], workers=1)

@@ -23,8 +23,8 @@ END_KINDS = (LIFT_OFF, STRIKE, PULL)
 NOTHING = 1e-9
 #: A contact that opens for less than this (s) vibrates; the spring has not left it.
 SHORTEST = 2e-5
-#: Models of linear modes, which belong to fixed ends, and solids, whose inactive turns are bonded.
-FIXED_END_MODELS = ("modal-uniform", "modal-varied", "solid")
+#: Models of linear modes, which belong to fixed ends.
+FIXED_END_MODELS = ("modal-uniform", "modal-varied")
 
 
 def end_events(solution: Solution) -> tuple[Event, ...]:

@@ -183,6 +183,12 @@ def unknown_solid_notes(members: Iterable[Member]) -> tuple[str, ...]:
     )
 
 
+def _named(runs: Iterable[Solution]) -> str:
+    """Labels and speeds of runs, each once."""
+    names = (f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm" for run in runs)
+    return ", ".join(dict.fromkeys(names))
+
+
 def spike_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
     """The band of the clash spikes of solids, whose raw heights rest on mesh and contact constants."""
     heights = []
@@ -206,22 +212,20 @@ def spike_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
     )
 
 
-def pulling_end_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
+def pulling_end_notes(solutions: Sequence[Solution]) -> tuple[str, ...]:
     """A sentence on the runs whose model cannot lift ends that would pull."""
-    pulling = [run for run in solutions if any(event.kind == PULL for event in run.events)]
-    modal, solid = (
-        dict.fromkeys(
-            f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm"
-            for run in pulling
-            if (run.model == "solid") == bonded
-        )
-        for bonded in (False, True)
-    )
+    modal = [run for run in solutions if any(event.kind == PULL for event in run.events)]
+    forces = ("minimum_spring_force", "minimum_retainer_force")
+    solid = [
+        run
+        for run in solutions
+        if run.model == "solid" and any(run.quantities.get(name, 0.0) < 0 for name in forces)
+    ]
     notes = (
-        f"The ends of the spring would pull: {', '.join(modal)}. Its modes are those of fixed ends, so it shows no force there "
+        f"The ends of the spring would pull: {_named(modal)}. Its modes are those of fixed ends, so it shows no force there "
         "but does not lift, and what follows is not right: take multi-mass, wave-rod or finite-element.",
-        f"The ends of the spring would lift: {', '.join(solid)}. The inactive turns of a solid are bonded to seat and retainer, so "
-        "it pulls there, and what follows is not right: take finite-element.",
+        f"The ends of the spring would lift: {_named(solid)}. The inactive turns of a solid are bonded to seat and retainer, so "
+        "it pulls there; where the ends are not bonded in truth, take finite-element.",
     )
     return tuple(note for note, runs in zip(notes, (modal, solid), strict=True) if runs)
 
