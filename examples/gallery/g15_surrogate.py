@@ -2,8 +2,8 @@
 What lies between the points that were run?
 ===========================================
 
-A Gaussian process stands for the model after some runs of it. Its error is told on points that were
-kept out of the fit. Here: the
+A Gaussian process stands for the model after some runs of it. Its error is that of each point as the
+others predict it. Here: the
 largest force on the cam of a pushrod train over spring preload and valve mass.
 """
 

@@ -80,7 +80,7 @@ class Surrogate:
             raise InputError(
                 f"the surrogate takes {len(self.centre)} inputs a point; given are {points.shape[1]}"
             )
-        margin = (self.high - self.low) / max(self.fitted - 1, 1)
+        margin = (self.high - self.low) / (self.fitted - 2)  # what a stratum at an end may leave
         beyond = ~((points >= self.low - margin) & (points <= self.high + margin))
         if beyond.any():
             row, column = np.argwhere(beyond)[0]
