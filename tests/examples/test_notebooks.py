@@ -128,7 +128,7 @@ def test_internals_agree_with_the_events_of_the_run():
     ("number", "printed"),
     [
         (2, "335 N at 10 mm, first mode 422 Hz"),
-        (5, "200 designs, 480 to 682 N"),
+        (5, "200 designs, 481 to 682 N"),
         (6, "float from 7200 rpm on with a valve of 48 g"),
         (7, "damping 7.93 us, 4.9 N left over"),
         (8, "spring.wire diameter"),
