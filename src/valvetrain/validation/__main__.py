@@ -25,6 +25,7 @@ CHAPTERS = (
     "waves",
     "stresses",
     "models",
+    "solids",
     "reduced_rods",
     "laws",
     "followers",
