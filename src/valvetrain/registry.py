@@ -217,6 +217,7 @@ BUILT_IN["samplers"] = {
     "monte-carlo": "valvetrain.explore.samplers:MONTE_CARLO_SPEC",
     "saltelli": "valvetrain.explore.samplers:SALTELLI_SPEC",
     "adaptive": "valvetrain.explore.samplers:ADAPTIVE_SPEC",
+    "posterior": "valvetrain.explore.posterior_draws:POSTERIOR_SPEC",
 }
 BUILT_IN["sources"] = {
     key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")

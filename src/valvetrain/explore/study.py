@@ -437,7 +437,10 @@ def read_plan(text: StudyText) -> StudyPlan:
     space = space_of_file(text, model.vary, case, model.correlation)
     word = model.points.sampler or _default_sampler(text, space)
     spec = text.guarded(("points", "sampler"), lambda: sampler(word, ""))
-    options = text.guarded(("points",), lambda: spec.read_options(dict(text.sampler_options)))
+    given = dict(text.sampler_options)
+    if isinstance(file := given.get("file"), str):  # of draws, beside this file
+        given["file"] = str(text.folder / file)
+    options = text.guarded(("points",), lambda: spec.read_options(given))
     if model.kind == "tolerance" and spec.word != "saltelli":
         raise text.located(
             ("points", "sampler"),
@@ -480,6 +483,6 @@ def read_plan(text: StudyText) -> StudyPlan:
     text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
     title = model.title or f"{case.name}: {spec.shown_name}"
     plan = StudyPlan(experiment, spec, options, title, model.kind, model.description)
-    if space.correlation is not None:
-        text.guarded(("points", "sampler"), plan.draws)
+    if space.correlation is not None or spec.word == "posterior":
+        text.guarded(("points",), plan.draws)
     return plan
