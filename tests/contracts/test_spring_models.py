@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from functools import cache
 
 import numpy as np
@@ -22,7 +23,12 @@ from valvetrain.integrate.clash import steps_between
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.registry import places
 from valvetrain.runs.statics import rod_statics
-from valvetrain.springs.contract import SpringModel, contact_watch_of
+from valvetrain.springs.contract import (
+    SpringModel,
+    SpringOutputs,
+    contact_watch_of,
+    outputs_at,
+)
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 
@@ -126,6 +132,26 @@ def test_kernel_gives_the_forces_of_the_class_and_zero_step_keeps_the_state(name
         assert np.array_equal(state[: 2 * model.unknowns], before[: 2 * model.unknowns])
     shown = model.outputs(before, 1e-3, 0.4)
     assert (shown.retainer_force, shown.seat_force) == pytest.approx(tuple(expected), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_outputs_of_many_instants_are_those_of_each(name):
+    """Contract: what loops over all samples read is what the model answers at one."""
+    model, draws = MODELS[name], np.random.default_rng(3)
+    places, speeds = np.array([0.0, 1e-3, 4e-3]), np.array([0.0, 0.4, -0.7])
+    states = np.array([disturbed(model, float(place)) for place in places])
+    moved = slice(model.unknowns, 2 * model.unknowns)
+    if not isinstance(model, FiniteElementRod):
+        states[:, moved] = 0.3 * draws.standard_normal((3, model.unknowns))
+    together = outputs_at(model, states.copy(), places, speeds)
+    for shown, state, place, speed in zip(together, states, places, speeds, strict=True):
+        alone = model.outputs(state, float(place), float(speed))
+        for field in fields(SpringOutputs):
+            one, other = (getattr(found, field.name) for found in (shown, alone))
+            if isinstance(one, dict):
+                assert one.keys() == other.keys()
+            else:
+                np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", NAMES)

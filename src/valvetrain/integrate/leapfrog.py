@@ -18,7 +18,7 @@ from valvetrain.solution.later import Later
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Event, Status
-from valvetrain.springs.contract import SpringModel, contact_watch_of
+from valvetrain.springs.contract import SpringModel, contact_watch_of, outputs_at
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
@@ -321,7 +321,7 @@ def _with_inner(
     """The channels at the ``ends`` (time, cam angle, values by name) with those inside the spring."""
     at, angle, values = ends[0], ends[1], dict(ends[2])
     motion = list(zip(states, values["valve_lift"], values["retainer_velocity"], strict=True))
-    shown = [model.outputs(state, x, v) for state, x, v in motion]
+    shown = outputs_at(model, states, values["valve_lift"], values["retainer_velocity"])
     coil, pairs = None, None
     if whole:
         energy = np.array([tuple(model.energy(state, x, v, step)) for state, x, v in motion])

@@ -23,7 +23,7 @@ from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.mechanism.parts import Coordinate
 from valvetrain.mechanism.planar import crank_angle, piston_clearance
 from valvetrain.solution.channels import SPRING_CHANNELS, ChannelArrays, Variable
-from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs
+from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs, outputs_at
 from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
 
@@ -193,18 +193,20 @@ def spring_outputs(
     spring: SpringModel, record: CycleRecord, start: Array, place: int, retainer: int
 ) -> list[SpringOutputs]:
     """What one spring shows at every sample of a record, from its recorded states."""
-    states, found = record.spring_states[place], []
+    states, q, v = record.spring_states[place], record.q[:, retainer], record.v[:, retainer]
     whole = np.array(start, dtype=float)
     whole[: 2 * spring.unknowns] = 0.0  # velocities that a large model did not record count as zero
-    large = spring if isinstance(spring, LargeSpring) else None
-    for row in range(len(states)):
-        whole[: states.shape[1]] = states[row]
-        q, v = float(record.q[row, retainer]), float(record.v[row, retainer])
-        if large is not None:
-            # its positions belong to the retainer's place of the step before
-            step, a = record.time_step, float(record.a[row, retainer])
-            large.place_retainer(whole, q, step * (v - 0.5 * step * a))
-        found.append(spring.outputs(whole, q, v))
+    if not isinstance(spring, LargeSpring):
+        every = np.tile(whole, (len(states), 1))
+        every[:, : states.shape[1]] = states
+        return outputs_at(spring, every, q, v)
+    # its positions belong to the retainer's place of the step before
+    step, found = record.time_step, list[SpringOutputs]()
+    travels = step * (v - 0.5 * step * record.a[:, retainer])
+    for row, x, speed, travel in zip(states, q.tolist(), v.tolist(), travels.tolist(), strict=True):
+        whole[: states.shape[1]] = row
+        spring.place_retainer(whole, x, travel)
+        found.append(spring.outputs(whole, x, speed))
     return found
 
 

@@ -13,14 +13,13 @@ from valvetrain.springs.chain_layout import Array, ChainLayout
 
 def contact_depths(layout: ChainLayout, nodes: Array) -> Array:
     """Overlap (m, negative when open) of every contact for node positions (N + 1,), compressive
-    from the free state.
+    from the free state; of (N + 1, n) positions at n instants (p, n).
     """
     c = layout.contacts
-    depth = (
-        nodes[c.upper] - nodes[c.lower] * (1 - c.fraction) - nodes[c.lower + 1] * c.fraction - c.gap
-    )
+    upper, lower, next_one = nodes[c.upper].T, nodes[c.lower].T, nodes[c.lower + 1].T
+    depth: Array = (upper - lower * (1 - c.fraction) - next_one * c.fraction - c.gap).T
     if c.ends:
-        depth[-c.ends :] = c.end_rows @ nodes - c.gap[-c.ends :]
+        depth[-c.ends :] = ((c.end_rows @ nodes).T - c.gap[-c.ends :]).T
     return depth
 
 

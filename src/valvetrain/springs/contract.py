@@ -157,12 +157,35 @@ class LargeSpring(Protocol):
 
 
 @runtime_checkable
+class OutputsTogether(Protocol):
+    """A spring model that gives its outputs at many instants at once, for loops over all samples."""
+
+    def outputs_at(
+        self, states: Array, displacements: Array, velocities: Array
+    ) -> list[SpringOutputs]:
+        """:meth:`SpringModel.outputs` of every row of ``states`` (n, s) at the ``displacements`` (n,) m
+        and ``velocities`` (n,) m/s of the retainer.
+        """
+        ...
+
+
+@runtime_checkable
 class TabulatedSpring(Protocol):
     """A spring model made of tables over lift, which is told how far the retainer goes."""
 
     def reaching(self, largest_lift: float) -> SpringModel:
         """The model with tables up to a lift (m) and a little more."""
         ...
+
+
+def outputs_at(
+    spring: SpringModel, states: Array, displacements: Array, velocities: Array
+) -> list[SpringOutputs]:
+    """The outputs of a spring at many instants, at once where its model can."""
+    if isinstance(spring, OutputsTogether):
+        return spring.outputs_at(states, displacements, velocities)
+    motion = zip(states, displacements.tolist(), velocities.tolist(), strict=True)
+    return [spring.outputs(state, x, v) for state, x, v in motion]
 
 
 def contact_watch_of(spring: object) -> ContactWatch | None:

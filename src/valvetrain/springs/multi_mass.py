@@ -240,18 +240,23 @@ class MultiMassSpring:
         )
 
     def _node_forces(self, nodes: Array, velocities: Array) -> tuple[Array, Array]:
-        """Force on every node (N, towards the seat) and force of every contact."""
-        layout = self.layout
-        push = layout.stiffness * (np.diff(nodes) + self.stiffness_damping * np.diff(velocities))
+        """Force on every node (N, towards the seat) and force of every contact; of nodes at n instants
+        (N + 1, n) as many columns.
+        """
+        layout, stretch = self.layout, np.diff(nodes, axis=0)
+        rate = self.stiffness_damping * np.diff(velocities, axis=0)
+        push = (layout.stiffness * (stretch + rate).T).T
         rows, depth = self._contact_rows, chain_statics.contact_depths(layout, nodes)
         found = contact_response(
             layout.contacts.law, depth, rows @ velocities, self.contact_damping_time
         )
-        contact = layout.contacts.stiffness * found.force
+        contact = (layout.contacts.stiffness * found.force.T).T
         if not self.pulls:
             for end in (0, -1):
-                push[end] = max(push[end], 0.0) if np.diff(nodes)[end] > 0 else 0.0
-        return np.append(push, 0.0) - np.concatenate(([0.0], push)) - contact @ rows, contact
+                push[end] = np.where(stretch[end] > 0, np.maximum(push[end], 0.0), 0.0)
+        none = np.zeros_like(push[:1])
+        along = np.concatenate((push, none)) - np.concatenate((none, push))
+        return along - (contact.T @ rows).T, contact
 
     def energy(
         self,
@@ -318,6 +323,25 @@ class MultiMassSpring:
             self._velocities(state, retainer_velocity),
         )
         forces, contact = self._node_forces(nodes, velocities)
+        depths = chain_statics.contact_depths(self.layout, nodes)
+        return self._shown(nodes, velocities, forces, depths, contact)
+
+    def outputs_at(
+        self, states: Array, displacements: Array, velocities: Array
+    ) -> list[SpringOutputs]:
+        """See :class:`valvetrain.springs.contract.OutputsTogether`."""
+        seat, inner = np.zeros((1, len(states))), states[:, : 2 * self.unknowns].T
+        positions, speeds = inner[: self.unknowns], inner[self.unknowns :]
+        nodes = np.concatenate((seat, positions, [self.precompression + displacements]))
+        moving = np.concatenate((seat, speeds, [velocities]))
+        forces, contact = self._node_forces(nodes, moving)
+        depths = chain_statics.contact_depths(self.layout, nodes)
+        every = (np.ascontiguousarray(one.T) for one in (nodes, moving, forces, depths, contact))
+        return [self._shown(*rows) for rows in zip(*every, strict=True)]
+
+    def _shown(
+        self, nodes: Array, velocities: Array, forces: Array, depths: Array, contact: Array
+    ) -> SpringOutputs:
         return SpringOutputs(
             float(-forces[-1]),
             float(forces[0]),
@@ -325,7 +349,7 @@ class MultiMassSpring:
             self._installed - nodes,
             -velocities,
             self.layout.contacts.upper_coil,
-            -chain_statics.contact_depths(self.layout, nodes),
+            -depths,
             contact,
         )
 

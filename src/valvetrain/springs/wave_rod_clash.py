@@ -184,6 +184,12 @@ class WaveRodWithClash:
     ) -> SpringOutputs:
         return self.chain.outputs(state, retainer_displacement, retainer_velocity)
 
+    def outputs_at(
+        self, states: Array, displacements: Array, velocities: Array
+    ) -> list[SpringOutputs]:
+        """Those of the chain."""
+        return self.chain.outputs_at(states, displacements, velocities)
+
     def contact_watch(self) -> ContactWatch | None:
         """That of the chain."""
         return self.chain.contact_watch()
