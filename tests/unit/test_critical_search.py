@@ -199,3 +199,38 @@ def test_a_motion_is_carried_over_from_the_nearest_speed_far_enough_from_the_cha
     )
     search._lost = lambda kind, one: one >= 110.0
     assert search._away("float", speed, sign) == found
+
+
+def test_a_jump_says_nothing_of_slopes_elsewhere() -> None:
+    """Property: a margin that is whole up to a jump is sampled no finer than the narrowest range
+    that the search promises (50 of its resolution), beside the bracket of the jump itself.
+    """
+    asked: list[float] = []
+    speeds = grid(500)
+
+    def run_at(engine_speed: float, orbit: object) -> SpeedSample:
+        asked.append(engine_speed)
+        return SpeedSample(
+            {KIND: 300.0 if engine_speed < 8123 else -300.0}, {KIND: "valve"}, "motion"
+        )
+
+    limit = Limit(KIND, 300.0, 50.0)
+    found = Search(run_at, {one: run_at(one, None) for one in speeds}, (limit,), RESOLUTION)
+    onset = found.onset(KIND)
+    assert isinstance(onset, SpeedBracket)
+    assert onset.lower_engine_speed < 8123 <= onset.upper_engine_speed
+    assert found.runs_count <= math.log2(500 / RESOLUTION) + 1
+
+
+def test_no_motion_is_carried_over_a_long_way() -> None:
+    """Property: where the next sampled speed is far, one at the wanted distance is sampled, from which
+    the falling speed needs but a few steps.
+    """
+    found = search(lambda speed: max(0.0, 6904 - speed), grid(1000))
+    onset = found.onset(KIND)
+    assert isinstance(onset, SpeedBracket)
+    before = found.runs_count
+    crossing = found.crossing(KIND, onset)
+    assert crossing.falling is not None
+    assert crossing.falling.lower_engine_speed <= 6904 <= crossing.falling.upper_engine_speed
+    assert found.runs_count - before <= 14

@@ -161,3 +161,22 @@ def test_an_impacting_follower_stays_where_plain_revolutions_stay(power, engine_
     assert {plain.status.code, fast.status.code} <= {"completed", "not-converged"}
     largest = np.abs(plain.record.v).max()
     assert 1 < largest < 20 and np.abs(fast.record.v).max() < 3 * largest
+
+
+@pytest.mark.parametrize(("radius", "tested"), [(0.45, False), (0.8, True)])
+def test_an_orbit_is_disturbed_only_where_the_map_seen_leaves_doubt(radius, tested):
+    """Closed form: all multipliers of the map have one size, and 0.6 is where trust ends."""
+    turned = radius / 0.97 * ROTATION / np.repeat([1.0, 0.9, 0.8], 2)[:, None]
+    asked, plain = (
+        accelerate(
+            lambda x: TARGET + turned @ (x - TARGET),
+            np.zeros(6),
+            np.ones(6),
+            1e-9,
+            1000,
+            probed=one,
+        )
+        for one in (True, False)
+    )
+    assert asked.converged and np.array_equal(asked.state, plain.state)
+    assert asked.cycles - plain.cycles == (PROBE_CYCLES if tested else 0)

@@ -34,13 +34,15 @@ class Periodic:
     """Until the motion repeats. ``cycles``: maximum of cam revolutions (None: the default of the system);
     ``method``: ``anderson`` or ``repeat`` (the classical one); ``tolerance``: change per turn
     relative to lift and lift times cam speed (None: the default one); ``probed``: four revolutions
-    more test whether an orbit found by acceleration attracts, or a few whether a train of rods rattles.
+    more test whether an orbit found by acceleration attracts, where that is in doubt, or a few whether a train of
+    rods rattles. ``compared``: eight more tell the scatter of what does not settle.
     """
 
     cycles: int | None = None
     method: str = "anderson"
     tolerance: float | None = None
     probed: bool = True
+    compared: bool = True
 
 
 @dataclass(frozen=True, slots=True)

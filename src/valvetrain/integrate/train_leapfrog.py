@@ -151,7 +151,7 @@ class TrainLeapfrog:
                 tolerance,
                 most,
                 begun,
-                compared=not large,
+                compared=until.compared and not large,
                 least=min(least, most),
                 probed=until.probed,
                 rattling=FEW_RATTLING if large and until.probed else math.inf,

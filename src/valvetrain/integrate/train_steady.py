@@ -108,7 +108,7 @@ def steady_train(
     more cycle.
 
     ``method``: ``repeat`` (the classical one, of ``least`` cycles and more) or ``anderson``, with a test
-    whether the orbit attracts where ``probed``. The record of the last cycle of a
+    whether the orbit attracts where ``probed`` and in doubt. The record of the last cycle of a
     train that does not settle is given with its status saying so, and, where requested
     (``compared``), with the scatter of some more cycles; so is one that settled to no better than
     ``rattling``, unless the next two cycles have the same numbers.

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from valvetrain.cam.contract import LiftLaw
-from valvetrain.integrate.contract import Cycles
+from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run as integrate
 from valvetrain.integrate.train_channels import position_name
 from valvetrain.quantities.signal import fine_series, low_pass
@@ -112,7 +112,8 @@ def _forces(
     grid = np.arange(0.0, 2 * np.pi / cam_speed, 2e-6)
     total = {name: np.zeros(len(grid)) for name in ("seat_force", "retainer_force")}
     for spring in springs:
-        one = integrate(PrescribedSpring((spring,), law), cam_speed, Cycles(REVOLUTIONS))
+        alone = PrescribedSpring((spring,), law)
+        one = integrate(alone, cam_speed, Cycles(REVOLUTIONS), RunOptions(keep="ends"))
         if not one.status.completed:
             return None
         for name in total:

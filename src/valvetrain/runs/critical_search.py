@@ -8,6 +8,7 @@ import math
 from bisect import bisect_left, insort
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 from valvetrain.solution.critical import Crossing, SpeedBracket
@@ -154,9 +155,15 @@ class Search:
 
     def _away(self, kind: str, engine_speed: float, sign: int) -> float:
         """The nearest sampled speed :data:`AWAY` from the end of a bracket on the same side of the
-        change, or that end: just beyond a change the motion from rest may not have jumped yet.
+        change, or that end: just beyond a change the motion from rest may not have jumped yet. Where the
+        next is further than a few strides, one at that distance is sampled.
         """
         index, side = bisect_left(self._speeds, engine_speed), self._lost(kind, engine_speed)
+        there = engine_speed + sign * AWAY * self._resolution
+        beyond = [one for one in self._speeds if (one - there) * sign >= 0]
+        if beyond and min(abs(one - there) for one in beyond) > STRIDE * self._resolution:
+            self.sample(there)
+            index = bisect_left(self._speeds, engine_speed)
         while 0 <= index < len(self._speeds) and self._lost(kind, self._speeds[index]) == side:
             if abs(self._speeds[index] - engine_speed) >= AWAY * self._resolution:
                 return self._speeds[index]
@@ -218,16 +225,23 @@ class Search:
         return sum(margins) < steepness * (high - low)
 
     def _steepest(self, kind: str, engine_speed: float) -> float:
-        """Largest change of the margin per rad/s between neighbours near ``engine_speed``."""
+        """Largest change of the margin per rad/s between neighbours near ``engine_speed``; not across a jump,
+        where control is lost on one side alone or a motion does not repeat.
+        """
         near = self._speeds[
             max(0, bisect_left(self._speeds, (1 - NEAR) * engine_speed) - 1) : bisect_left(
                 self._speeds, (1 + NEAR) * engine_speed
             )
             + 1
         ]
-        values = [self._samples[one].margins[kind] for one in near]
-        slopes = [
-            abs(b - a) / (y - x)
-            for a, b, x, y in zip(values, values[1:], near, near[1:], strict=False)
-        ]
+        slopes = []
+        for low, high in pairwise(near):
+            ends = self._samples[low], self._samples[high]
+            if self._jumps(kind, *ends):
+                continue
+            slopes.append(abs(ends[1].margins[kind] - ends[0].margins[kind]) / (high - low))
         return max((slope for slope in slopes if slope == slope), default=0.0)
+
+    def _jumps(self, kind: str, low: SpeedSample, high: SpeedSample) -> bool:
+        """Whether the margin between two neighbours says nothing of its slope elsewhere."""
+        return low.lost(kind) != high.lost(kind) or not (low.repeats and high.repeats)

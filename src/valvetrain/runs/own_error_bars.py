@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from valvetrain.integrate.contract import STEP_FRACTION, Keep
+from valvetrain.integrate.contract import STEP_FRACTION, Keep, Periodic
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.clash import next_to_largest
 from valvetrain.quantities.train_events import marginal_duration
@@ -278,9 +278,9 @@ def _run_again(
     try:
         provenance = provenance_of(problem, ready.member, point.engine_speed, plan.created_at)
         # the rattle of a rod is known from the run itself
-        probed = ready.member.model.word != ROD
+        periodic = Periodic(probed=ready.member.model.word != ROD)
         found, _ = integrate_from(
-            ready, point.engine_speed, plan, provenance, time_step=step, probed=probed
+            ready, point.engine_speed, plan, provenance, time_step=step, periodic=periodic
         )
         found = with_quantities(ready, found, plan, {})
     except FAILURES:

@@ -218,12 +218,11 @@ def integrate_from(
     start: Orbit | None = None,
     *,
     time_step: float | None = None,
-    tolerance: float | None = None,
-    probed: bool = True,
+    periodic: Periodic = Periodic(),
 ) -> tuple[Solution, Orbit | None]:
     """As :func:`integrate_point`, of a train from the motion ``start`` of another speed, and the
-    final motion (None without one). ``time_step`` (s) and ``tolerance`` of its periodic state:
-    other than the default ones; ``probed``: whether that state attracts is tested.
+    final motion (None without one). ``time_step`` (s): other than the default one; ``periodic``: how its
+    periodic state is searched, in no more cycles than the plan allows.
     """
     if ready.system is None:
         remedy = "choose another model, or give more of the spring"
@@ -231,8 +230,10 @@ def integrate_from(
     prescribed = isinstance(ready.system, PrescribedSpring)
     if prescribed and (status := _too_many_steps(ready, engine_speed / 2, plan)) is not None:
         return without_channels(status, provenance), None
-    most = None if prescribed else plan.cycles_to_settle
-    until: Until = Periodic(most, tolerance=tolerance, probed=probed)
+    until: Until = periodic
+    if not prescribed and plan.cycles_to_settle is not None:
+        most = plan.cycles_to_settle
+        until = replace(periodic, cycles=min(most, periodic.cycles or most))
     if prescribed and (cycles := plan.cycles or _without_end(ready.member)):
         until = Cycles(cycles)
     options = RunOptions(
