@@ -200,7 +200,7 @@ def _search(
     one, reduced = ready[index], replace(plan, whole=False, keep="ends")
     assert isinstance(one.system, TrainSystem)
     large = one.system.has_large_springs
-    usual = (
+    until = (
         Periodic() if large else Periodic(SEARCH_CYCLES, tolerance=SEARCH_TOLERANCE, compared=False)
     )
 
@@ -208,7 +208,7 @@ def _search(
         engine_speed: float,
         orbit: Any = None,
         variant: Variant = Variant("nominal", one),
-        periodic: Periodic = usual,
+        periodic: Periodic = until,
     ) -> SpeedSample:
         step = variant.time_step(engine_speed, plan.samples)
         return _sample(
@@ -217,10 +217,10 @@ def _search(
 
     def sampler(variant: Variant) -> SampleAt:
         # its ranges are of what nobody knows: whether each of their orbits attracts is not tested
-        return cache(partial(run, variant=variant, periodic=replace(usual, probed=False)))
+        return cache(partial(run, variant=variant, periodic=replace(until, probed=False)))
 
     search = Search(run, samples, options.limits, options.resolution)
-    precise = cache(partial(run, periodic=replace(usual, tolerance=NOMINAL_TOLERANCE)))
+    precise = cache(partial(run, periodic=replace(until, tolerance=NOMINAL_TOLERANCE)))
     variants = variants_of(problem, one) if options.ranges else ()
     repeats = [(each.group, sampler(each)) for each in variants]
     ends = min(samples), max(samples)
