@@ -56,15 +56,16 @@ so that the rod is checked against them in every test run without the solver.
 From the command line
 
     valvetrain compare gu2021-beehive --spring finite-element,modal-varied,solid
-    valvetrain compare gu2021-beehive --spring finite-element,solid --solid-motion '85:100 deg' --engine-speed '8000 rpm'
 
 sets static curve and modes about the installed state side by side, in one page with its data files (`--json` for programs). The solid is
 the one the others are set against. What it will take is told before it begins; `--solid-elements-per-coil`, `--solid-core` and
-`--solid-rings` refine the mesh, `--solid-time-limit` bounds each run. Modes are paired by the agreement of their shapes. The motion begins
-where the lift law rests and takes minutes per millisecond; its first increments may carry a jolt, which fades: a spring of three
-turns shows it at rest too, more with longer increments (its cause was not found).
+`--solid-rings` refine the mesh, `--solid-time-limit` bounds each run. Modes are paired by the agreement of their shapes. With an
+`--engine-speed` the solid moves too, by bricks of our own ([theory](theory/solid-in-motion.md)), as in `valvetrain run --spring solid`.
 
-`valvetrain.runs.solid.solid_motion` moves the retainer by a lift law and gives a `Solution`. Each run happens in a temporary folder within
+`valvetrain.springs.solid.transient.run_transient` moves the retainer by a lift law in CalculiX, minutes per millisecond, and gives a
+`Solution` (an independent check of motion; its first increments may carry a jolt, whose cause was not found).
+
+Each run happens in a temporary folder within
 `time_limit` seconds; a solver that gives up leaves what it reached and its own words in the status. Without `ccx` the error names the
 command that installs it.
 

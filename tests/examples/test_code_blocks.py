@@ -68,7 +68,6 @@ SLOW = (
 HOURS = {
     "valvetrain optimise examples/optimise-beehive.toml", "valvetrain refine gu2021-beehive [--json]",
     "valvetrain refine tdi-pushrod [--json]", "valvetrain compare gu2021-beehive --spring finite-element,modal-varied,solid",
-    "valvetrain compare gu2021-beehive --spring finite-element,solid --solid-motion '85:100 deg' --engine-speed '8000 rpm'",
 }  # fmt: skip
 
 

@@ -17,7 +17,6 @@ from valvetrain.cam.closed_form import SinePower
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.quantities.cycle import Cycle, reported_cycle
 from valvetrain.report.files import UnfinishedRun
-from valvetrain.runs.solid import SolidMotion, check_motion
 from valvetrain.solution.channels import Variable, spring_channels
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, check_masses
@@ -38,12 +37,6 @@ CHAIN = {
     "seat_mass": 0.1,
     "retainer_mass": 0.1,
 }
-
-
-def motion(**change: float) -> SolidMotion:
-    return SolidMotion(
-        **{"engine_speed": 100.0, "first_cam_angle": 0.5, "last_cam_angle": 2.0} | change
-    )
 
 
 def channels(**change: Variable | None):
@@ -111,10 +104,6 @@ CALLS = {
     "rod, no way": (lambda: vt.springs.FiniteElementRod(SPRING, 5e-3, 6).static_curve(0.0), "positive compression"),
     "rod, no mode": (lambda: vt.springs.FiniteElementRod(SPRING, 5e-3, 6).modes(0), "one mode or more"),
     "rod, negative mass": (lambda: vt.springs.FiniteElementRod(SPRING, 5e-3, 6).modes(1, -0.1), "zero or more"),
-    "speed of a stretch": (lambda: check_motion(LAW, motion(engine_speed=0.0)), "needs one engine speed"),
-    "stretch backwards": (lambda: check_motion(LAW, motion(last_cam_angle=0.5)), "beyond the first"),
-    "stretch too long": (lambda: check_motion(LAW, motion(last_cam_angle=0.51 + 2 * math.pi)), "one revolution at most"),
-    "stretch begins open": (lambda: check_motion(LAW, motion(first_cam_angle=1.6)), "starts at rest.*start at 6[0-9] deg"),
     "one sample": (lambda: reported_cycle(RUN.reduced()), "fewer than two samples"),
     "one sample alone": (lambda: reported_cycle(replace(RUN, channels=cut(RUN, 1))), "fewer than two samples"),
     "no quantities": (lambda: replace(made.sweep_study(3), solutions=tuple(replace(run, quantities={})
@@ -141,8 +130,6 @@ def test_a_call_is_refused_in_words(name):
 
 
 def test_what_is_within_is_taken():
-    check_motion(LAW, motion())
-    check_motion(LAW, motion(last_cam_angle=0.5 + 2 * math.pi))
     check_masses("one", 0.0, 0.0, 0.0, 0.0)
     check_masses("one", 1.0, 0.1, 1.0, 0.1)
     assert VARIED.secant_stiffness(0.02) == pytest.approx(40e3) and channels().has("seat_force")

@@ -13,7 +13,6 @@ import pytest
 from scipy.optimize import brentq
 
 import valvetrain as vt
-from valvetrain.cam.closed_form import Harmonic
 from valvetrain.cli import guard
 from valvetrain.errors import InputError
 from valvetrain.explore import optimise, searchers
@@ -28,7 +27,6 @@ from valvetrain.rig.reader import RigChannel
 from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.runs import refine_trains
 from valvetrain.runs.refine import refine_springs
-from valvetrain.runs.solid import SolidMotion, check_motion
 from valvetrain.sources.multibody4b17 import _formula, closed_forms
 
 
@@ -56,34 +54,6 @@ def test_more_damping_of_a_restitution_is_the_restitution_of_more_damping(factor
     changed = refine_trains._with(contact, "damping", factor).values["restitution"]
     assert number(changed) == pytest.approx(factor * number(0.7), rel=1e-3)
     assert (changed < 0.7) is (factor > 1)
-
-
-@pytest.mark.parametrize(("velocity", "refused"), [(0.0, False), (2.0, True)])
-def test_a_stretch_of_motion_may_not_begin_where_the_valve_moves_though_it_is_shut(
-    velocity, refused
-):
-    """Lift zero at the first angle, and then at once a rate: per cam angle, so 100 rad/s of the
-    crank are 50 of the cam.
-    """
-
-    class Ramp(Harmonic):
-        def lift(self, cam_angle, derivative=0):
-            angle = np.asarray(cam_angle, dtype=float)
-            return (
-                np.where(angle >= 0.5, velocity / 50 * (angle - 0.5), 0.0)
-                if derivative == 0
-                else np.where(angle >= 0.5, velocity / 50, 0.0)
-            )
-
-    law = Ramp(
-        maximum_lift=9e-3, opening_start=1.0, opening_end=2.0, closing_start=2.0, closing_end=3.0
-    )
-    motion = SolidMotion(engine_speed=100.0, first_cam_angle=0.5, last_cam_angle=2.0)
-    if not refused:
-        check_motion(law, motion)
-        return
-    with pytest.raises(InputError, match="0 mm open and moves at 2 m/s"):
-        check_motion(law, motion)
 
 
 @pytest.mark.parametrize(

@@ -232,13 +232,13 @@ def test_error_exit_becomes_a_status_with_the_solvers_reason(stand_in, model):
 def test_a_motion_that_fails_is_a_solution_with_a_status(stand_in):
     from valvetrain.cam.build import build_lift_law
     from valvetrain.parameters.loading import load_case
-    from valvetrain.runs.solid import SolidMotion, solid_motion
+    from valvetrain.runs.solid import solid_of
+    from valvetrain.springs.solid.transient import run_transient
 
     work = stand_in("printf ' *ERROR in arpack: no room\n'\nexit 201\n")
     case = load_case("gu2021-beehive")
-    solution = solid_motion(
-        case.name, case.springs[0], build_lift_law(case.lift_law), SolidMotion(1.5, 2.0, 800.0)
-    )
+    job = TransientJob(build_lift_law(case.lift_law), 800.0, 7e-3, 1.5, 2.0)
+    solution = run_transient(solid_of(case.springs[0]), job, case.name)
     assert solution.status.code == "not-converged" and "no room" in solution.status.message
     assert solution.model == "solid" and solution.engine_speed == 800.0 and len(solution.time) == 0
     assert solution.statistics["elements"] > 0 and list(work.iterdir()) == []

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,10 +12,6 @@ from valvetrain.cli.outcome import tell
 from valvetrain.cli.run_answer import StudyRequest, answer_study, run_command
 from valvetrain.errors import InputError
 from valvetrain.runs.cost import duration_text
-
-if TYPE_CHECKING:
-    from valvetrain.runs.solid import SolidMotion
-
 
 SOLID = "solid"
 #: Models that a run of the solid alone shows next to it.
@@ -172,15 +167,6 @@ SolidRingsOption = Annotated[
         show_default=False,
     ),
 ]
-SolidMotionOption = Annotated[
-    str | None,
-    typer.Option(
-        "--solid-motion",
-        metavar="FIRST:LAST",
-        show_default=False,
-        help="Move the spring by the lift law with solid finite elements too, between two cam angles such as '85:105 deg'; takes minutes.",
-    ),
-]
 SolidTimeOption = Annotated[
     str | None,
     typer.Option(
@@ -203,7 +189,6 @@ def compare(
     solid_elements_per_coil: SolidElementsOption = None,
     solid_core: SolidCoreOption = None,
     solid_rings: SolidRingsOption = None,
-    solid_motion: SolidMotionOption = None,
     solid_time_limit: SolidTimeOption = None,
 ) -> None:
     """Run a case by several spring models, side by side; a spring alone by solid finite elements
@@ -214,7 +199,7 @@ def compare(
     from valvetrain.runs.compare import compare_study
 
     solid = SOLID in request.spring_models
-    given = (solid_elements_per_coil, solid_core, solid_rings, solid_motion, solid_time_limit)
+    given = (solid_elements_per_coil, solid_core, solid_rings, solid_time_limit)
     if any(value is not None for value in given) and not solid:
         raise InputError(
             "options of the solid model need the solid model; add --spring finite-element,solid",
@@ -226,10 +211,9 @@ def compare(
             f"solid finite elements run for a spring alone, and case '{name}' is a train; leave solid out",
             "--spring",
         )
-    motion = read_motion(solid_motion, request)
     refuse_beyond(request)
     if solid:
-        _tell_cost(request, motion)
+        _tell_cost(request)
     announce_compilation(
         *(("train",) if request.case.train is not None else ("statics", "transient"))
     )
@@ -240,7 +224,6 @@ def compare(
             engine_speeds=request.engine_speeds,
             spring_models=request.spring_models,
             spring_sets=request.spring_sets,
-            solid=motion,
             workers=request.workers,
             progress=report,
             finished=finished,
@@ -252,56 +235,20 @@ def compare(
     )
 
 
-def read_motion(sentence: str | None, request: StudyRequest) -> SolidMotion | None:
-    """The stretch of motion between two cam angles from ``'85:105 deg'``; None for None. Raises
-    :class:`InputError`.
+def _tell_cost(request: StudyRequest) -> None:
+    """Print the estimated cost of the statics of solids by CalculiX and refuse one beyond the limits;
+    a missing solver is an error too.
     """
-    if sentence is None:
-        return None
-    from valvetrain.runs.solid import SolidMotion
-    from valvetrain.units import parse_quantity
-
-    match = re.fullmatch(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s+(\S+)\s*", sentence)
-    if match is None:
-        raise InputError(
-            f"'{sentence[:40]}' is no stretch of motion; write two cam angles such as '85:105 deg'",
-            "--solid-motion",
-        )
-    engine_speeds = request.engine_speeds or request.case.operation.engine_speeds
-    if len(engine_speeds) != 1:
-        count = len(engine_speeds)
-        raise InputError(
-            f"a motion needs one engine speed, not {count}; add such as --engine-speed '4200 rpm'",
-            "--solid-motion",
-        )
-    first, last = (
-        parse_quantity(f"{match[place]} {match[3]}", "angle", "--solid-motion") for place in (1, 2)
-    )
-    return SolidMotion(first, last, engine_speeds[0])
-
-
-def _tell_cost(request: StudyRequest, motion: SolidMotion | None) -> None:
-    """Print the estimated cost of the solids and refuse one beyond the limits; a missing solver is
-    an error too.
-    """
-    from valvetrain.cam.build import build_lift_law
     from valvetrain.runs.cost import Cost, refuse_cost
-    from valvetrain.runs.solid import check_motion, solid_cost, solid_of
+    from valvetrain.runs.solid import solid_cost, solid_of
 
-    if motion is not None:
-        check_motion(build_lift_law(request.case.lift_law), motion)
     for spring in request.case.springs:
-        cost = solid_cost(spring, motion)
-        label = f"solid finite elements: {cost.elements} elements, {cost.unknowns} unknowns; statics and modes take about "
-        label += duration_text(cost.statics)
-        tell(
-            label
-            if motion is None
-            else f"{label}, the motion of {cost.increments} increments about {duration_text(cost.motion)}"
-        )
+        cost = solid_cost(spring)
         longest = solid_of(spring).time_limit
-        refuse_cost(
-            Cost(min(cost.motion, longest)), request.limits, fewer="solid elements or cam degrees"
+        refuse_cost(Cost(min(cost.statics, longest)), request.limits, fewer="solid elements")
+        tell(
+            f"solid finite elements: {cost.elements} elements, {cost.unknowns} unknowns; statics and modes take about "
+            f"{duration_text(cost.statics)}"
         )
 
 

@@ -15,24 +15,15 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.prepared import law_lift
 from valvetrain.runs.run import run_problem
-from valvetrain.runs.solid import (
-    Cancel,
-    SolidMotion,
-    check_motion,
-    rod_motion,
-    solid_motion,
-    solid_rest,
-)
+from valvetrain.runs.solid import Cancel, solid_rest
 from valvetrain.runs.statics import reach_of, statics_by_model
 from valvetrain.runs.stopping import StudyStopped
 from valvetrain.runs.train_runs import Finished
 from valvetrain.runs.workers import Progress, result_of
 from valvetrain.solution.later import replaced
 from valvetrain.solution.partial_failures import PartialFailures
-from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
-from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
@@ -60,7 +51,6 @@ def compare_study(
     engine_speeds: Sequence[float] | None = None,
     spring_models: Sequence[str] = (),
     spring_sets: Sequence[str] = (),
-    solid: SolidMotion | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
     created_at: str = "",
@@ -72,14 +62,14 @@ def compare_study(
     """The case by each of ``spring_models`` (:data:`SPRING_MODELS` or :data:`TRAIN_MODELS` by
     default): its runs, and every spring at rest by each model.
 
-    ``solid``: a short interval of motion by solids too. A model that cannot represent a spring is a
+    Solids move where ``engine_speeds`` are given. A model that cannot represent a spring is a
     status in its runs. Raises :class:`InputError` for what cannot be built and when no model can
     run, :class:`MissingExtraError` for solids without their solver.
     """
     chosen = tuple(dict.fromkeys(spring_models)) or _default_models(
         case.springs, case.train is not None
     )
-    in_motion = engine_speeds is not None and solid is None and case.train is None
+    in_motion = engine_speeds is not None and case.train is None
     moving = tuple(
         word
         for word in chosen
@@ -95,7 +85,7 @@ def compare_study(
         (problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)) if moving else ()
     )
     with_solid = SOLID in chosen
-    if with_solid and engine_speeds is None and solid is None:
+    if with_solid and engine_speeds is None:
         speeds = ()  # solids are compared at rest; their motion takes minutes and an engine speed
     study = run_problem(
         problem,
@@ -113,7 +103,6 @@ def compare_study(
         return study
     lift = law_lift(problem)
     rest: list[SpringAtRest] = []
-    motions: list[Solution] = []
     failures, stopped = PartialFailures(study.gaps), False
     try:
         for spring in problem.springs:
@@ -124,16 +113,14 @@ def compare_study(
                 chosen,
                 lift,
                 with_solid,
-                solid,
                 progress,
-                (rest, motions, failures),
+                (rest, failures),
             )
     except KeyboardInterrupt:
         stopped = True
     done = replaced(
         study,
         rest=tuple(rest) or study.rest,
-        solutions=(*study.solutions, *motions),
         gaps=failures.sentences,
     )
     if stopped:
@@ -168,14 +155,11 @@ def _by_each_model(
     chosen: tuple[str, ...],
     lift: float,
     with_solid: bool,
-    motion: SolidMotion | None,
     progress: Progress | None,
-    into: tuple[list[SpringAtRest], list[Solution], PartialFailures],
+    into: tuple[list[SpringAtRest], PartialFailures],
 ) -> None:
-    """One spring at rest by every model that can represent it, solid and rod first, and the
-    interval of motion by solids.
-    """
-    name, lift_law, (rest, motions, failures) = problem.record.name, problem.valve_lift, into
+    """One spring at rest by every model that can represent it, solid and rod first."""
+    rest, failures = into
     reach = (
         comparison_reach(spring)
         if with_solid
@@ -191,8 +175,6 @@ def _by_each_model(
         if progress is None
         else lambda reached: progress(min(1.0, max(0.0, reached) / 2), "solid finite elements")
     )
-    if motion is not None:
-        check_motion(lift_law, motion)
 
     def by(word: str) -> SpringAtRest:
         return statics_by_model(
@@ -204,35 +186,22 @@ def _by_each_model(
         )
 
     found: list[SpringAtRest] = []
-    moved: list[Solution] = []
-    jobs: dict[str, Future[SpringAtRest] | Future[Solution]] = {}
+    jobs: dict[str, Future[SpringAtRest]] = {}
     with ThreadPoolExecutor(2) as pool:
         try:
             if with_solid:
                 jobs["solid finite elements at rest"] = pool.submit(
                     solid_rest, spring, reach, cancel
                 )
-                if motion is not None:
-                    jobs["motion by solid finite elements"] = pool.submit(
-                        solid_motion, name, spring, lift_law, motion, cancel
-                    )
             for word in dict.fromkeys(order):
                 if not spring_model(word).why_not(spring):
                     one = failures.part(f"spring '{spring.name}' at rest by {word}", None, by, word)
                     found += [one] if one is not None else []
             for part, job in jobs.items():
                 result = failures.part(f"spring '{spring.name}', {part}", None, result_of, job)
-                found[:0] = [result] if isinstance(result, SpringAtRest) else []
-                moved += [result] if isinstance(result, Solution) else []
+                found[:0] = [result] if result is not None else []
         except BaseException:
             cancel.flag.set()  # the solver's own loop sees it and stops the solver
             raise
         finally:
             rest += found
-            motions += moved
-    if moved and "finite-element" in chosen and len(moved[0].time) > 2:
-        rod = problem.model_of("finite-element", spring)
-        assert isinstance(rod, FiniteElementRod)
-        part = "motion by the rod, as the solid"
-        by_rod = failures.part(part, None, rod_motion, name, rod, lift_law, moved[0])
-        motions += [by_rod] if by_rod is not None else []

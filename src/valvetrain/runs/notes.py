@@ -192,14 +192,16 @@ def _named(runs: Iterable[Solution]) -> str:
 def spike_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
     """The band of the clash spikes of solids, whose raw heights rest on mesh and contact constants."""
     heights = []
+    bands = (
+        "peak_spring_force",
+        "below_20_khz_peak_spring_force",
+        "below_10_khz_peak_spring_force",
+    )
     for run in solutions:
-        bands = (
-            "peak_spring_force",
-            "below_20_khz_peak_spring_force",
-            "below_10_khz_peak_spring_force",
-        )
+        if run.model != "solid":  # numbers of others may not be computed yet
+            continue
         raw, below_20, below_10 = (run.quantities.get(name, 0.0) for name in bands)
-        if run.model == "solid" and raw > SPIKE * below_10 > 0:
+        if raw > SPIKE * below_10 > 0:
             rpm = run.engine_speed * 30 / np.pi
             heights.append(
                 f"at {rpm:.6g} rpm {raw:.0f} N raw, {below_20:.0f} N below 20 kHz, {below_10:.0f} N below 10 kHz"

@@ -348,16 +348,21 @@ def with_later_quantities(
         ):  # how fast it comes down is inner motion
             events = moved.value.events
         known = {name: one for name, one in known.items() if name in LIGHT}
-        status, between = moved.then(attrgetter("status")), moved.then(attrgetter("quantities"))
+        status, between = moved.then(attrgetter("status")), moved.then(_quantities)
     return Solution(
         given if inner else found.arrays,
         events,
         status,
         found.statistics,
         found.provenance,
-        LaterMapping(known, every.then(attrgetter("quantities")), between),
+        LaterMapping(known, every.then(_quantities), between),
         every.then(attrgetter("gaps")),
     )
+
+
+def _quantities(solution: Solution) -> Mapping[str, float]:
+    """The named numbers of a run, as what can be sent to another process."""
+    return dict(solution.quantities)
 
 
 def unfinished(

@@ -10,11 +10,10 @@ from valvetrain.springs.solid import deck as steps
 from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.results import read_printed
 
-#: Wall time (s) of statics and modes on :data:`REFERENCE_UNKNOWNS` with coils in contact, of one
-#: increment of prescribed motion on them,
-#: and the power of the unknowns with which both grow: measured on one core
-#: (docs/solid-reference.md), good to a factor of two.
-STATICS_SECONDS, INCREMENT_SECONDS, REFERENCE_UNKNOWNS, GROWTH = 26.0, 2.7, 5400, 1.17
+#: Wall time (s) of statics and modes on :data:`REFERENCE_UNKNOWNS` with coils in contact, and the
+#: power of the unknowns with which it grows: measured on one core (docs/solid-reference.md), good to
+#: a factor of two.
+STATICS_SECONDS, REFERENCE_UNKNOWNS, GROWTH = 26.0, 5400, 1.17
 #: Time of statics and modes with the coarser mesh of the error bar (two thirds of the unknowns, no
 #: modes) over that without.
 COARSER_MESH = 1.4
@@ -65,8 +64,3 @@ def installed_statics(
 def statics_seconds(unknowns: int) -> float:
     """Wall time (s) to expect of :func:`installed_statics`."""
     return float(STATICS_SECONDS * (unknowns / REFERENCE_UNKNOWNS) ** GROWTH)
-
-
-def motion_seconds(unknowns: int, increments: int) -> float:
-    """Wall time (s) to expect of a stretch of prescribed motion of so many increments."""
-    return float(INCREMENT_SECONDS * increments * (unknowns / REFERENCE_UNKNOWNS) ** GROWTH)
