@@ -12,6 +12,7 @@ from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity
 from valvetrain.explore.study_charts import PERCENTILES, shown_output
 from valvetrain.explore.study_points import changed_alone, draws_of, is_chosen, point_label
+from valvetrain.explore.study_shape import conditions, shape_clause
 from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.quantities.request import BY_SIZE
 from valvetrain.report.text import number, unit_text
@@ -44,7 +45,10 @@ def study_verdict(table: StudyTable) -> str:
     elif changed_alone(table) and np.isfinite(_worst(table, name)[0]):
         said = _largest_change(table, name)
     else:
-        said = _best(table, name)
+        shape = shape_clause(table, name)
+        said = shape if shape and conditions(table) else _best(table, name)
+        if shape and not conditions(table):
+            said += f"; {shape}"
     return f"{lead}{said}." if lead else f"{said[:1].upper()}{said[1:]}."
 
 
