@@ -613,7 +613,7 @@ def test_quick_plots_of_studies_at_one_speed_and_over_several():
     np.testing.assert_array_equal(traces(one)[modal][1], last)
     study = STUDIES["sweep"]()
     several = study.plot()
-    assert axes(several)["yaxis"] == "spring force (N)"
+    assert axes(several)["yaxis"] == "spring force: peak, dashed the minimum (N)"
     runs = sorted(
         (run for run in study.solutions if run.label == "stock"), key=lambda run: run.engine_speed
     )

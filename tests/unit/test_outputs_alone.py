@@ -49,7 +49,7 @@ def counted(monkeypatch):
         monkeypatch.setattr(owner, name, counting)
 
     watch(statics, "spring_statics", "rest")
-    watch(MultiMassSpring, "outputs", "inner")
+    watch(MultiMassSpring, "outputs_at", "inner")
     return counts
 
 
