@@ -401,6 +401,13 @@ def test_what_a_case_holds_is_said_in_the_fields_units():
     assert numbers["maximum_lift"] == pytest.approx(9.7e-3, rel=1e-6) and numbers[
         "outer_free_length"
     ] == pytest.approx(0.05, rel=1e-4)
+    # the lift of a card is that of the lobe; the user asks for the valve's
+    from valvetrain.parameters.loading import parse_case
+    from valvetrain.parameters.templates import template_text
+
+    card = parse_case(template_text("pushrod", cards=True), "v8")
+    both = case_quantities(card, build(card))
+    assert both["rigid_maximum_valve_lift"] == pytest.approx(1.6 * both["maximum_lift"], rel=0.02)
     assert numbers["maximum_lift_cam_angle"] == pytest.approx(np.radians(78), abs=1e-3) and numbers[
         "inner_free_length"
     ] == pytest.approx(39.2e-3, rel=1e-4)

@@ -51,6 +51,17 @@ def test_a_card_gives_a_spring_that_a_case_takes(tmp_path, monkeypatch):
     assert forces_at(spring.wire, [46e-3, 34e-3]) == pytest.approx((350, 830), rel=1e-3)
 
 
+def test_two_cards_make_springs_of_two_names(tmp_path, monkeypatch):
+    """Compared in one engine both were "spring-card", the second with a (2)."""
+    monkeypatch.chdir(tmp_path)
+    names = []
+    for more in (("--output", "soft"), ("--output", "stiff", "--name", "PAC 1905"), ()):
+        data = json.loads(invoke(*CARD, *LOADS, *more, "--json").stdout)
+        (file,) = (path for path in data["files"] if path.endswith("spring.toml"))
+        names.append(load_case(file).name)
+    assert names == ["soft", "PAC 1905", "spring-card"]
+
+
 def test_the_terminal_tells_card_spring_and_what_was_left_open(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shown = invoke(*CARD, *LOADS)

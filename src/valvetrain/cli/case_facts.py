@@ -145,9 +145,10 @@ def _wire_facts(wire: SpringDefinition) -> list[tuple[str, str]]:
 
 def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     """Named quantities (SI) of the springs of a case, of a nested pair with ``outer_`` and
-    ``inner_`` in front, and of its lift.
+    ``inner_`` in front, and of its lift, of a train also at the valve.
     """
     from valvetrain.quantities.statics import design_quantities
+    from valvetrain.runs.prepared import largest_lift
 
     springs = case.springs or (case.train.spring_parts() if case.train is not None else ())
     places = ("",) if len(springs) == 1 else ("outer_", "inner_")
@@ -161,4 +162,7 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     angle = np.linspace(0.0, 2 * np.pi, 7201)
     lift = np.asarray(problem.valve_lift.lift(angle))
     top = int(np.argmax(lift))
-    return found | {"maximum_lift": float(lift[top]), "maximum_lift_cam_angle": float(angle[top])}
+    found |= {"maximum_lift": float(lift[top]), "maximum_lift_cam_angle": float(angle[top])}
+    return (
+        found if case.train is None else found | {"rigid_maximum_valve_lift": largest_lift(problem)}
+    )

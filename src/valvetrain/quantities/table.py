@@ -118,8 +118,8 @@ AT_REST: tuple[QuantityRow, ...] = (
     both("card_open_lift", "open lift of the card", "Lift at which the card's open force is given."),
     both("card_solid_height", "solid height of the card", "Solid height as the spring card has it."),
     both("card_surge_frequency", "surge frequency of the card", "0.5 sqrt(k / m) of the card's rate and mass, both ends fixed."),
-    both("maximum_lift", "largest lift", "Largest value of the lift law."),
-    both("maximum_lift_cam_angle", "largest lift, cam angle", "Cam angle of the largest value of the lift law."),
+    both("maximum_lift", "largest lift of the law", "Largest value of the lift law."),
+    both("maximum_lift_cam_angle", "largest lift of the law, cam angle", "Cam angle of the largest value of the lift law."),
     train("rigid_maximum_valve_lift", "largest rigid valve lift", "Largest valve lift of rigid parts with all contacts closed."),
 )  # fmt: skip
 

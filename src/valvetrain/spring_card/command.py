@@ -4,6 +4,7 @@ tester.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
     from valvetrain.spring_card.card import SpringLoad
     from valvetrain.spring_card.fit import SpringFit
     from valvetrain.spring_card.tester import TesterFit
+
+
+#: Name of a spring that is given none.
+SPRING = "spring"
 
 
 def register(app: typer.Typer) -> None:
@@ -94,7 +99,7 @@ def spring_card(
     force_unit: Annotated[str, asks("--force-unit", "UNIT", "With a table: unit of forces.")] = "",
     name: Annotated[
         str, typer.Option("--name", metavar="NAME", help="Name of the spring in the results.")
-    ] = "spring",
+    ] = SPRING,
     output: OutputOption = None,
     open_page: OpenOption = False,
     as_json: JsonOption = False,
@@ -180,6 +185,16 @@ class _Request:
     created_at: datetime
     open_page: bool
 
+    @property
+    def case_name(self) -> str:
+        """Name of the case that is written: that of the spring where one is given, else of its folder,
+        so that two springs are told apart when they are compared.
+        """
+        if self.name != SPRING:
+            return self.name
+        folder = "" if self.output is None else self.output.name
+        return folder if re.fullmatch(r"[\w-]+", folder) else "spring-card"
+
 
 def _load(text: str | None, flag: str) -> SpringLoad:
     """A load of text such as ``1.80 in, 130 lbf``."""
@@ -210,7 +225,7 @@ def _deliver(
     from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.atomic import write_text
 
-    text = spring_text("spring-card", fit.spring, source)
+    text = spring_text(request.case_name, fit.spring, source)
     pages: list[Path] = []
 
     def fill(folder: Path) -> list[Path]:
@@ -219,7 +234,7 @@ def _deliver(
 
     folder, files = keep_run(
         SavedRequest(
-            "spring-card", parse_case(text, "spring-card"), request.output, request.created_at
+            "spring-card", parse_case(text, request.case_name), request.output, request.created_at
         ),
         text,
         {"name": request.name},
