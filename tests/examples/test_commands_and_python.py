@@ -17,7 +17,7 @@ spring_models = "massless"
 engine_speeds = "3000 rpm"
 outputs = "peak_spring_force"
 [points]
-sampler = "latin-hypercube"
+sampler = "sobol"
 count = 3
 seed = 5
 [[vary]]
