@@ -617,7 +617,7 @@ def test_quick_plots_of_studies_at_one_speed_and_over_several():
     runs = sorted(
         (run for run in study.solutions if run.label == "stock"), key=lambda run: run.engine_speed
     )
-    x, y, _ = traces(several)["stock, peak spring force"]
+    x, y, _ = traces(several)["stock"]
     np.testing.assert_allclose(x, np.linspace(2000, 8000, 12))
     np.testing.assert_allclose(y, [run.quantities["peak_spring_force"] for run in runs])
     clash = tuple(
