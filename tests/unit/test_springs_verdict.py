@@ -113,6 +113,8 @@ def test_a_loss_names_its_place_and_a_flight_its_angles():
         in flight
     )
     assert "deg" not in lost("cam", "loft", loft_gap=1e-5)
+    for period, said in ((1, "306 deg in every cycle"), (2, "306 deg, again after 2 cycles"), (0, "306 deg, elsewhere in other cycles")):  # fmt: skip
+        assert said in lost("cam", "loft", loft_gap=1.2e-3, motion_period_count=float(period))
 
 
 def test_wide_error_bars_stand_in_the_sentence_and_hide_a_surge_below_them():

@@ -220,15 +220,25 @@ def cause_text(run: Solution, event: Event, size: bool = True, where: str = "") 
 
 
 def _flight(runs: Runs, loft: Worst | None) -> str:
-    """Where the follower leaves the cam and lands, in its largest loft."""
+    """Where the follower leaves the cam and lands in its largest loft, and whether it does so again."""
     if loft is None or loft.value < FLOAT_LIFT:
         return ""
     for event in _losses(runs, loft):
         landing = event.details.get("landing_cam_angle")
         if event.where == "cam" and landing is not None:
             begin, end = (math.degrees(float(one)) % 360 for one in (event.cam_angle, landing))
-            return f", leaves the cam at {begin:.0f} deg, lands at {end:.0f} deg"
+            again = _repeats(runs.value(loft.run or runs.solutions[0], "motion_period_count"))
+            return f", leaves the cam at {begin:.0f} deg, lands at {end:.0f} deg{again}"
     return ""
+
+
+def _repeats(period: float) -> str:
+    """Whether a motion of a period (cycles; 0: none found; NaN: not known) is that of every cycle."""
+    if not period >= 0:
+        return ""
+    cycles = round(period)
+    alike = {0: ", elsewhere in other cycles", 1: " in every cycle"}
+    return alike.get(cycles, f", again after {cycles} cycles")
 
 
 def _clash_clauses(runs: Runs) -> Iterator[Clause]:

@@ -116,9 +116,10 @@ def _closes_early(card: CatalogueCard, winding: Winding) -> InputError | None:
     left = card.open_load.height - solid
     if left > (card.installed_load.height - card.open_load.height) / 4:
         return None
+    side = "below" if left > 0 else "above"
     remedy = "give the solid height, or " if card.solid_height is None else ""
     return InputError(
-        f"{winding.total_coils:.3g} turns are solid at {solid * 1e3:.4g} mm, {left * 1e3:.2g} mm below the height of the second load: "
+        f"{winding.total_coils:.3g} turns are solid at {solid * 1e3:.4g} mm, {abs(left) * 1e3:.2g} mm {side} the height of the second load: "
         f"coils close before it, so that both loads cannot be met by {winding.total_coils - 2 * winding.inactive:.3g} active turns; "
         f"{remedy}check turns, heights and wire"
     )
