@@ -13,6 +13,8 @@ import pytest
 
 from spring_parts import CLOSED_ENDS, OPEN_SPRING, PRECOMPRESSION, curved_modal, straight_modal
 from train_parts import LAW, direct
+from valvetrain.continuum.transient import SolidDynamics
+from valvetrain.continuum.wire import SolidContactLaw, SolidMeshSize
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Integrator, Periodic, RunOptions, RunUp
@@ -23,6 +25,7 @@ from valvetrain.registry import find, places
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.springs.solid.model import SolidModel
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 from valvetrain.system.train_system import TrainSystem
@@ -35,6 +38,14 @@ ROD = FiniteElementRod(
     PRECOMPRESSION,
     elements_per_coil=6,
     dynamics=RodDynamics(mass_damping=20.0, contact_stiffness=0.0),
+)
+#: The same wire of a few bricks, without contact.
+SOLID = SolidModel(
+    OPEN_SPRING,
+    PRECOMPRESSION,
+    SolidMeshSize(8),
+    SolidContactLaw(0.0),
+    SolidDynamics(mass_damping=20.0),
 )
 TURN, ENDS = 2 * np.pi, ("seat_force", "retainer_force")
 
@@ -79,6 +90,7 @@ class Trial:
 TRIALS = {
     "harmonic": Trial(PrescribedSpring((curved_modal(),), LAW), 200.0, 512, (1, 2, 4)),
     "rod-leapfrog": Trial(PrescribedSpring((ROD,), LAW), 300.0, 360, (120, 240, 480)),
+    "solid-leapfrog": Trial(PrescribedSpring((SOLID,), LAW), 1200.0, 90, (300, 600, 1200)),
     "leapfrog": Trial(PrescribedSpring((CHAIN,), LAW), 200.0, 360, (8, 16, 32)),
     "hht": Trial(PrescribedSpring((CHAIN,), LAW), 200.0, 360, (1, 2, 4)),
     "train-leapfrog": Trial(driven(CHAIN, 1e7), 200.0, 360, (20, 40, 80)),

@@ -63,7 +63,10 @@ class SolidLeapfrog:
             cycles = settling_revolutions(model, cam_speed)
         angles = np.linspace(0.0, TURN, 4 * samples + 1)
         key = run_key(
-            model, system.valve_lift.lift(angles), cam_speed, cycles, samples, options.keep
+            model,
+            system.valve_lift.lift(angles),
+            (cam_speed, cycles, samples, options.time_step or 0.0),
+            options.keep,
         )
         if (stored := read_run(key, provenance)) is not None:
             return stored
