@@ -234,7 +234,7 @@ class Case:
             self.parameters, *(getattr(part, "parameters", part) for part in (one, other))
         )
         models = models_of(case, tuple(model_names(model)))
-        return compared(sweep(case, engine_speeds, models, **options))
+        return compared(lambda: sweep(case, engine_speeds, models, **options))
 
     @renamed(spring_models="model")
     def critical_speeds(

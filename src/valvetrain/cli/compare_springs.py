@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
 from typing import Annotated
 
 import typer
@@ -83,7 +84,8 @@ def compare_springs(
     shared = shared_options(
         engine, engine_speed, spring, settings=settings, output=output, workers=workers, limit=limit, implausible=implausible, open_page=open_page
     )  # fmt: skip
-    case = with_two_springs(shared["case"], *pair)
+    stems = (PurePath(first).stem, PurePath(second).stem)
+    case = with_two_springs(shared["case"], *pair, stems)
     shared |= {"case": case, "spring_models": models_of(case, shared["spring_models"])}
     request = StudyRequest(command="compare-springs", **shared)
     refuse_beyond(request, whole=False, searches=True)
@@ -92,7 +94,7 @@ def compare_springs(
     answer_study(
         request,
         lambda report, finished: compared(
-            sweep_study(
+            lambda: sweep_study(
                 case,
                 request.engine_speeds or (),
                 spring_models=request.spring_models,

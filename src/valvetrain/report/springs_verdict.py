@@ -1,13 +1,24 @@
-"""Verdict of two springs in one engine: which floats later, surges, clashes and is stressed less."""
+"""Verdict of two springs in one engine: which is stressed more and why, which keeps contact and floats
+later, surges and clashes less.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
-from valvetrain.report.clauses import Runs, Worst, ended_clauses, joined, sentence
+from valvetrain.report.clauses import (
+    Runs,
+    Worst,
+    ended_clauses,
+    joined,
+    sentence,
+)
 from valvetrain.report.run_clauses import bind_clause, condition_of
+from valvetrain.report.springs_stress import stress_clause
 from valvetrain.report.sweep_verdict import runs_over_speed
 from valvetrain.report.text import rpm
+from valvetrain.solution.critical import CriticalSpeed
 from valvetrain.solution.study import Study
 
 #: Quantities of the sentence: what is said of the better spring, its noun, and the value (SI) below
@@ -15,7 +26,12 @@ from valvetrain.solution.study import Study
 SAID = {
     "surge_amplitude_force": ("surges less", "surge", 1.0),
     "clash_energy": ("clashes less", "clash energy", 1e-5),
-    "nominal_peak_shear_stress": ("is stressed less", "stress", 1e6),
+}
+STRESS = "nominal_peak_shear_stress"
+#: Kind of critical speed -> what the better spring does, what both do.
+LATER = {
+    "contact-loss": ("keeps contact longer", "both lose contact", "neither loses contact"),
+    "float": ("floats later", "both float", "neither floats"),
 }
 #: Share below which two numbers are not told apart.
 ALIKE = 0.01
@@ -24,10 +40,12 @@ ALIKE = 0.01
 def springs_verdict(study: Study) -> str:
     """Which of two springs is better in what, over the speeds of the sweep and those between them."""
     names = [study.runs(label)[0].spring_set or label for label in study.labels[:2]]
-    pair = [runs_over_speed(study, label) for label in study.labels[:2]]
+    pair = _alike_speeds([runs_over_speed(study, label) for label in study.labels[:2]])
     found = ended_clauses([run for run in study.solutions if run.status.code != "not-converged"])
+    found.append(_named(study.interruption, study, names))
+    found.append(stress_clause(names, pair))
     if len(study.critical_speeds):
-        found.append(_float_text(study, names))
+        found += [_later_text(kind, study, names) for kind in LATER]
     found += _near_bind(names, pair)
     for quantity in SAID:
         found.append(_better(quantity, names, pair))
@@ -50,15 +68,11 @@ def _better(quantity: str, names: list[str], pair: list[Runs]) -> str:
     if not abs(one.value - other.value) > max(ALIKE * max(one.value, other.value), least):
         return ""
     place = 0 if one.value < other.value else 1
-    both = [_numbers(runs, found) for runs, found in zip(pair, (one, other), strict=True)]
-    (better, bound), (worse, other_bound) = (
-        text.partition(", permitted ")[::2] for text, _ in (both[place], both[1 - place])
+    (better, known), (worse, other_known) = (
+        _numbers(pair[at], (one, other)[at]) for at in (place, 1 - place)
     )
-    if bound and bound == other_bound:  # the bound of both once
-        against = f"({better} against {worse}, permitted {bound})"
-    else:
-        against = f"({both[place][0]} against {both[1 - place][0]})"
-    if not all(known for _, known in both):
+    against = f"({better} against {worse})"
+    if not (known and other_known):
         return f"{noun} not resolved {against}"
     return f"{names[place]} {word} {against}"
 
@@ -68,7 +82,7 @@ def _unknown(names: list[str], pair: list[Runs]) -> str:
     for name, runs, other in zip(names, pair, pair[::-1], strict=True):
         nouns = [
             noun
-            for quantity, (_, noun, _) in SAID.items()
+            for quantity, noun in ((STRESS, "stress"), *((one, SAID[one][1]) for one in SAID))
             if runs.worst(quantity, False) is None and other.worst(quantity, False) is not None
         ]
         if nouns:
@@ -77,7 +91,7 @@ def _unknown(names: list[str], pair: list[Runs]) -> str:
 
 
 def _numbers(runs: Runs, found: Worst) -> tuple[str, bool]:
-    return runs.bounded(found), runs.bar(found) <= abs(found.value)
+    return runs.text(found), runs.bar(found) <= abs(found.value)
 
 
 def _near_bind(names: list[str], pair: list[Runs]) -> list[str]:
@@ -91,16 +105,53 @@ def _near_bind(names: list[str], pair: list[Runs]) -> list[str]:
     return [f"{name} {text}" for name, text in zip(names, texts, strict=True) if text]
 
 
-def _float_text(study: Study, names: list[str]) -> str:
-    speeds = []
-    for label in study.labels[:2]:
-        one = study.critical_speeds.of("float", label)
-        speeds.append(math.inf if one is None or not one.found else one.engine_speed)
+def _later_text(kind: str, study: Study, names: list[str]) -> str:
+    """Which spring keeps control longer, of one kind of loss; none where one was not computed."""
+    later, both, neither = LATER[kind]
+    rows = [study.critical_speeds.of(kind, label) for label in study.labels[:2]]
+    known = [one for one in rows if one is not None]
+    if len(known) < 2:
+        missing = [name for name, one in zip(names, rows, strict=True) if one is None]
+        noun = "contact loss" if kind == "contact-loss" else kind
+        return f"{noun} of {joined(missing)} not computed" if known else ""
+    speeds = [one.engine_speed if one.found else math.inf for one in known]
     if all(map(math.isinf, speeds)):
-        return f"neither floats up to {rpm(max(study.engine_speeds)):.5g} rpm"
-    never = f"never up to {rpm(max(study.engine_speeds)):.5g} rpm"
-    texts = [never if math.isinf(one) else f"{rpm(one):.0f} rpm" for one in speeds]
+        return f"{neither} up to {rpm(known[0].last_engine_speed):.5g} rpm"
+    texts = [_speed_text(one) for one in known]
     if abs(speeds[0] - speeds[1]) <= ALIKE * min(speeds):
-        return f"both float from {texts[0]}"
+        return f"{both} from {texts[0]}" if texts[0][0].isdigit() else f"{both} {texts[0]}"
     place = 0 if speeds[0] > speeds[1] else 1
-    return f"{names[place]} floats later ({texts[place]} against {texts[1 - place]})"
+    return f"{names[place]} {later} ({texts[place]} against {texts[1 - place]})"
+
+
+def _speed_text(one: CriticalSpeed) -> str:
+    """``7843 rpm``, ``below 4000 rpm`` or ``never up to 8000 rpm``."""
+    if not one.found:
+        return f"never up to {rpm(one.last_engine_speed):.5g} rpm"
+    below = one.begins is None and not math.isfinite(one.nominal_engine_speed)
+    return f"{'below ' if below else ''}{rpm(one.engine_speed):.0f} rpm"
+
+
+def _alike_speeds(pair: list[Runs]) -> list[Runs]:
+    """Both over the same speeds, where a run of one did not complete: nothing is judged by what the
+    other has alone.
+    """
+    swept = [{rpm(run.engine_speed) for run in runs.solutions} for runs in pair]
+    common = swept[0] & swept[1]
+    if not common:
+        return [replace(runs, solutions=()) for runs in pair]
+    low, high = min(common), max(common)
+    return [
+        replace(
+            runs,
+            solutions=tuple(run for run in runs.solutions if low <= rpm(run.engine_speed) <= high),
+        )
+        for runs in pair
+    ]
+
+
+def _named(text: str, study: Study, names: list[str]) -> str:
+    """A sentence with the names of the springs in place of their labels."""
+    for name, label in zip(names, study.labels[:2], strict=True):
+        text = text.replace(label, name)
+    return text

@@ -40,7 +40,12 @@ def regime_chart(study: Study) -> Chart | None:
     name = "minimum_cam_contact_force"
     train = any(name in run.quantities for run in study.solutions)
     label = worst_label(study)
-    marks = _marks(study, label, train)
+    several = study.command == "compare-springs"
+    marks = tuple(
+        mark
+        for one in (study.labels if several else (label,))
+        for mark in _marks(study, one, train)
+    )
     panels = [
         _curves(study, (name,) if train else ("peak_spring_force", "minimum_spring_force"), marks)
     ]
@@ -54,7 +59,7 @@ def regime_chart(study: Study) -> Chart | None:
         return None
     drawn = [panel for panel in panels if panel.layers]
     title = "Least cam force and control over engine speed" if train else "Forces over engine speed"
-    whose = f", those of {label}" if len(study.labels) > 1 else ""
+    whose = f", those of {label}" if len(study.labels) > 1 and not several else ""
     caption = f"Dotted: the speeds of the verdict{whose}." if marks else ""
     if found:
         caption += (
@@ -74,22 +79,23 @@ def regime_chart(study: Study) -> Chart | None:
 
 
 def _marks(study: Study, label: str, train: bool) -> tuple[Rule, ...]:
-    """The speeds of the verdict as lines across a panel."""
+    """The speeds of the verdict as lines across a panel, of two springs with the name of theirs."""
+    name = f"{study.runs(label)[0].spring_set} " if study.command == "compare-springs" else ""
     rules = [
-        Rule("x", rpm(one.engine_speed), f"{_MARKS[one.kind]} {rpm(one.engine_speed):.0f}")
+        Rule("x", rpm(one.engine_speed), f"{name}{_MARKS[one.kind]} {rpm(one.engine_speed):.0f}")
         for one in study.critical_speeds
         if one.label == label and one.found
     ]
     runs = runs_over_speed(study, label)
     if train and not study.critical_speeds:
         rules += [
-            Rule("x", rpm(run.engine_speed), f"{_MARKS[kind]} {rpm(run.engine_speed):.0f}")
+            Rule("x", rpm(run.engine_speed), f"{name}{_MARKS[kind]} {rpm(run.engine_speed):.0f}")
             for kind, run in first_losses(runs).items()
         ]
     surge = worst_surge(runs.solutions)
     if surge is not None:
         order = f", order {surge.order}" if surge.order else ""
-        rules.append(Rule("x", rpm(surge.run.engine_speed), f"surge{order}"))
+        rules.append(Rule("x", rpm(surge.run.engine_speed), f"{name}surge{order}"))
     return tuple(rules)
 
 

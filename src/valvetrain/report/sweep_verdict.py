@@ -57,6 +57,7 @@ def sweep_clauses(study: Study) -> list[str]:
     """Parts of the verdict over engine speed, of the worst label."""
     counts = [run for run in study.solutions if run.status.code in ("completed", "not-converged")]
     stopped = [one for one in ended_clauses(study.solutions) if ENDED["not-converged"] not in one]
+    stopped += [study.interruption] if study.interruption else []
     if not counts:
         return stopped
     label = worst_label(study)
@@ -75,7 +76,7 @@ def sweep_clauses(study: Study) -> list[str]:
     parts += _surge(study, label, runs)
     parts += unsettled(study.runs(label))
     if several:
-        parts[0] = f"worst ({label}): {parts[0]}"
+        parts[0] = f"{label if study.interruption else f'worst ({label})'}: {parts[0]}"
     return [*stopped, *parts]
 
 
@@ -140,7 +141,9 @@ def worst_label(study: Study) -> str:
             if train
             else max((run.quantities.get("clash_energy", 0.0) for run in runs), default=0.0)
         )
-        return controlled_to(study, label), -clash, -(surge.amplitude if surge else 0.0)
+        # what a stopped search has not computed ranks nothing
+        control = 0.0 if study.interruption else controlled_to(study, label)
+        return control, -clash, -(surge.amplitude if surge else 0.0)
 
     return min(study.labels, key=key)
 

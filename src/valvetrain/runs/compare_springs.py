@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of, case_of_tree, parse_toml
+from valvetrain.runs.stopping import StudyStopped
 from valvetrain.solution.later import replaced
 from valvetrain.solution.study import Study
 
 #: Key paths of a train that belong to its own springs.
 _OWN = ("springs", "spring_set", "variants", "rubbing")
+#: Names that a spring or a case has where nobody named it.
+_UNNAMED = ("", "spring", "spring card", "spring-card", "valve spring")
 #: Spring model of both where one is a card and one a wire: a chain of a card is coarser than one of a wire.
 MIXED_MODEL = "modal-uniform"
 
 
-def with_two_springs(train: AnyCase, first: AnyCase, second: AnyCase) -> Case:
+def with_two_springs(
+    train: AnyCase, first: AnyCase, second: AnyCase, files: tuple[str, str] = ("", "")
+) -> Case:
     """The case of a ``train`` whose two spring sets are the springs of ``first`` and ``second``.
 
     Parameters
     ----------
     train : case with a [train]
     first, second : cases with a [spring], as ``valvetrain spring-card`` writes them, or trains, of
-        which the spring set in use is taken; named after the case. A spring without damping has that of the
-        train's own
+        which the spring set in use is taken. Each goes by the name of its spring, else by that of its
+        case. A spring without damping has that of the train's own
+    files : stems of their files, by which springs without a name or with one name go
 
     Returns
     -------
@@ -52,10 +58,8 @@ def with_two_springs(train: AnyCase, first: AnyCase, second: AnyCase) -> Case:
         )
     tree = parse_toml(engine.text, engine.name)
     own = _blocks(engine)
-    sets: dict[str, Any] = {}
-    for case in pair:
-        name = next(n for n in (case.name, f"{case.name} (2)") if n not in sets)
-        sets[name] = [_damped(block, own) for block in _blocks(case)]
+    both = [[_damped(block, own) for block in _blocks(case)] for case in pair]
+    sets: dict[str, Any] = dict(zip(_names(pair, both, files), both, strict=True))
     other = {key: value for key, value in tree["train"].items() if key not in _OWN}
     parts = {key: value for key, value in tree.items() if key in ("lift_law", "operation")}
     title = " against ".join(sets)
@@ -63,6 +67,21 @@ def with_two_springs(train: AnyCase, first: AnyCase, second: AnyCase) -> Case:
         {"title": f"{title} in {engine.name}", **parts, "train": {**other, "springs": sets}},
         f"{engine.name}-springs",
     )
+
+
+def _names(
+    cases: tuple[Case, Case], blocks: list[list[dict[str, Any]]], files: tuple[str, str]
+) -> tuple[str, str]:
+    """Two names: of the springs, else of their cases or files; alike ones are told apart by those."""
+    found = []
+    for case, springs, file in zip(cases, blocks, files, strict=True):
+        own = str(springs[0].get("name", "")) if case.train is None and len(springs) == 1 else ""
+        names = (own, case.name, file)
+        found.append(next((one for one in names if one not in _UNNAMED), file or case.name))
+    for first, second in (found, files, [case.name for case in cases]):
+        if first != second and first and second:
+            return first, second
+    return found[0], f"{found[0]} (2)"
 
 
 def _blocks(case: Case) -> list[Mapping[str, Any]]:
@@ -93,6 +112,9 @@ def models_of(case: Case, spring_models: tuple[str, ...]) -> tuple[str, ...]:
     return spring_models or ((MIXED_MODEL,) if len(models) > 1 else ())
 
 
-def compared(study: Study) -> Study:
-    """The sweep of such a case as the comparison that it is, which tells its verdict and page."""
-    return replaced(study, command="compare-springs")
+def compared(sweep: Callable[[], Study]) -> Study:
+    """The sweep of such a case as the comparison that it is, also where it is stopped."""
+    try:
+        return replaced(sweep(), command="compare-springs")
+    except StudyStopped as stop:
+        raise StudyStopped(replaced(stop.study, command="compare-springs")) from None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 
@@ -238,12 +237,16 @@ def beyond_wire_notes(problem: Problem, solutions: Iterable[Solution]) -> tuple[
     """
     beyond: dict[str, list[str]] = {}
     broken: list[str] = []
-    springs = {one.name: one for member in problem.members for one in member.springs}
-    for run, (name, spring) in product(solutions, springs.items()):
+    pairs = (
+        (run, spring)
+        for run in solutions
+        for spring in _springs_of(problem, run)
+        if spring.name in run.springs or len(run.springs) == 1
+    )
+    for run, spring in pairs:
+        name = spring.name
         numbers, label = run.quantities, f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm"
         first = f"{name}_" if len(run.springs) > 1 else ""
-        if name not in run.springs and len(run.springs) > 1:
-            continue
         most, force = most_force_of_wire(spring), numbers.get(f"{first}peak_spring_force", 0.0)
         if force > most:
             own = numbers.get(f"{first}peak_shear_stress")
@@ -267,6 +270,14 @@ def beyond_wire_notes(problem: Problem, solutions: Iterable[Solution]) -> tuple[
         if broken
         else ()
     )
+
+
+def _springs_of(problem: Problem, run: Solution) -> tuple[InstalledSpring, ...]:
+    """The springs that moved in a run: those of its member, of two sets its own alone."""
+    own = next((one for one in problem.members if one.label == run.label), None)
+    if own is not None:
+        return own.springs
+    return tuple({one.name: one for member in problem.members for one in member.springs}.values())
 
 
 #: Parts of a train with friction.

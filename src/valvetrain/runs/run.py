@@ -73,7 +73,7 @@ from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
-from valvetrain.solution.study import Study
+from valvetrain.solution.study import INTERRUPTED, Study
 from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.sources.contract import against_source
 from valvetrain.system.build import build
@@ -195,6 +195,13 @@ def sweep_study(
         raise StudyStopped(_with_critical(stop.study)) from None
 
 
+def _unsearched(problem: Problem, found: CriticalSpeeds, begun: bool) -> str:
+    """Which critical speeds a stopped sweep has not computed."""
+    labels = [one.label for one in problem.members if one.label not in found.labels]
+    whose = "" if not begun or len(problem.members) == 1 else f" of {' and '.join(labels)}"
+    return f"{INTERRUPTED}: critical speeds{whose} not computed"
+
+
 def _with_critical(study: Study) -> Study:
     """The study with its critical speeds among the numbers of no single run."""
     if not study.critical_speeds.labels:
@@ -272,6 +279,7 @@ def run_problem(
         if command == "sweep" and not stopped:
             name = "runs between the swept speeds"
             between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)
+        searched = critical is not None and not stopped
         if critical is not None and not stopped:
             if tell is not None:
                 tell(0, 1)
@@ -283,6 +291,8 @@ def run_problem(
                 found, stopped = CriticalSpeeds(rows), True
             except RunFailedError as error:
                 failures.add(f"critical speeds: {reason(error)}")
+        if stopped and critical is not None:
+            failures.add(_unsearched(problem, found, searched))
     else:
         solutions, at_rest, stopped = _run_springs(
             problem, speeds, plan, count, progress, finished, later

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     import pandas
 
 Array = NDArray[np.float64]
+#: What a gap of a study that was stopped begins with.
+INTERRUPTED = "interrupted"
 #: Commands whose study is a sweep over engine speed.
 SWEEPS = ("sweep", "compare-springs")
 
@@ -91,6 +93,11 @@ class Study(Reported):
     fidelity: FidelityMap = field(default_factory=FidelityMap)
     error_bars: LaterField[ErrorBars] = LaterField(ErrorBars)
     between: tuple[Solution, ...] = ()
+
+    @property
+    def interruption(self) -> str:
+        """What was not computed because the study was stopped; empty of a whole one."""
+        return next((one for one in self.gaps if one.startswith(INTERRUPTED)), "")
 
     @property
     def all_notes(self) -> tuple[str, ...]:

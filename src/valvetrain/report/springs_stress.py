@@ -1,0 +1,166 @@
+"""Which of two springs is stressed more, by stress amplitude and peak against what its wire is
+permitted, and why: stress per force, swing of the force, surge and clash.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from valvetrain.report.clauses import Runs, Worst, joined, quantity_text
+from valvetrain.solution.result import Solution
+
+#: Share below which two numbers are not told apart.
+ALIKE = 0.01
+#: Least surge (N) and clash energy (J) that are a reason.
+LEAST_SURGE, LEAST_CLASH = 1.0, 1e-5
+PEAK, MINIMUM = "nominal_peak_shear_stress", "nominal_minimum_shear_stress"
+PERMITTED = "permitted_shear_stress"
+
+
+@dataclass(frozen=True)
+class WireStress:
+    """Stress of the wire of a spring (SI) where it is worst: ``amplitude``, half of largest less least
+    of a ``run``, ``peak``, ``permitted``; ``swing`` of the force (N) in that run and ``per_force``
+    (Pa/N); NaN for unknown.
+    """
+
+    amplitude: float
+    peak: float
+    permitted: float
+    swing: float
+    per_force: float
+    run: Solution
+
+    @property
+    def use(self) -> float:
+        """Peak over what is permitted; the peak itself where that is unknown."""
+        return self.peak / self.permitted if math.isfinite(self.permitted) else self.peak
+
+
+def wire_stress(runs: Runs) -> WireStress | None:
+    """The stress of the wire over the runs, by EN 13906-1; of a pair of springs that of the one with the
+    larger amplitude, None without a wire.
+    """
+    found = [
+        one for name in ("", "outer_", "inner_") if (one := _of_spring(runs, name)) is not None
+    ]
+    return max(found, key=lambda one: one.amplitude, default=None)
+
+
+def _of_spring(runs: Runs, name: str) -> WireStress | None:
+    peak = runs.worst(f"{name}{PEAK}", False)
+    if peak is None:
+        return None
+
+    def amplitude(run: Solution) -> float:
+        found = [runs.value(run, name + one) for one in (PEAK, MINIMUM)]
+        return (found[0] - found[1]) / 2
+
+    known = [run for run in runs.solutions if math.isfinite(amplitude(run))]
+    worst = max(known, key=amplitude, default=peak.run or runs.solutions[0])
+    force, least = (
+        runs.value(worst, f"{name}{one}") for one in ("peak_spring_force", "minimum_spring_force")
+    )
+    per_force = runs.value(worst, name + MINIMUM) / least if least else math.nan
+    permitted = runs.value(peak.run or runs.solutions[0], name + PERMITTED)
+    return WireStress(amplitude(worst), peak.value, permitted, force - least, per_force, worst)
+
+
+def stress_clause(names: list[str], pair: list[Runs]) -> str:
+    """Which spring is stressed more, and why; empty where a wire is unknown.
+
+    Two springs of one wire break by amplitude and peak; where these name different springs, the one
+    that alone passes what its wire is permitted is named, else both are.
+    """
+    first, second = (wire_stress(runs) for runs in pair)
+    if first is None or second is None:
+        return ""
+    both = (first, second)
+    swing = _larger(first.amplitude, second.amplitude)
+    comparable = math.isfinite(first.permitted) == math.isfinite(second.permitted)
+    peak = _larger(*((one.use if comparable else one.peak) for one in both))
+    passed = [one.peak > one.permitted for one in both]
+    if swing is None and peak is None:
+        return f"both springs are stressed alike ({_amplitude(*both)}{_peak(*both)})"
+    place = peak if swing is None else swing
+    assert place is not None
+    more, less = both[place], both[1 - place]
+    if swing is not None and peak not in (None, swing):
+        ends = f"{names[swing]} has the larger stress amplitude ({_amplitude(more, less)[10:]})"
+        other = f"{names[1 - swing]} the larger peak stress ({_peak(less, more)[7:]})"
+        if sum(passed) == 1:
+            return f"{names[passed.index(True)]} alone is stressed beyond what its wire is permitted: {ends}, {other}"
+        return f"{ends}, {other}: the fatigue chart of the wire decides which breaks first"
+    numbers = ", ".join(filter(None, (_amplitude(more, less), _peak(more, less)[2:])))
+    why = _reasons((more, less), (pair[place], pair[1 - place]))
+    return f"{names[place]} is stressed more, so of equal wires it breaks first ({numbers}){why}"
+
+
+def _larger(first: float, second: float) -> int | None:
+    """Which of two is larger; None where they are alike or one is unknown."""
+    if not abs(first - second) > ALIKE * max(abs(first), abs(second)):
+        return None
+    return 0 if first > second else 1
+
+
+def _amplitude(one: WireStress, other: WireStress) -> str:
+    if not (math.isfinite(one.amplitude) and math.isfinite(other.amplitude)):
+        return ""
+    return f"amplitude {_against(one.amplitude, other.amplitude)}"
+
+
+def _peak(one: WireStress, other: WireStress) -> str:
+    """``, peak 858 MPa against 821 MPa, permitted 1042 MPa``; two bounds each with its own."""
+    bounds = [
+        f", permitted {quantity_text(PEAK, part.permitted)}"
+        if math.isfinite(part.permitted)
+        else ""
+        for part in (one, other)
+    ]
+    if bounds[0] == bounds[1]:
+        return f", peak {_against(one.peak, other.peak)}{bounds[0]}"
+    values = [quantity_text(PEAK, part.peak) for part in (one, other)]
+    return f", peak {values[0]}{bounds[0]} against {values[1]}{bounds[1]}"
+
+
+def _against(first: float, second: float, name: str = PEAK) -> str:
+    return f"{quantity_text(name, first)} against {quantity_text(name, second)}"
+
+
+def _reasons(stress: tuple[WireStress, WireStress], pair: tuple[Runs, Runs]) -> str:
+    """``, because its force swings more (497 N against 460 N) with more surge (76 N against 59 N)``."""
+    more, less = stress
+    found = []
+    if _larger(more.per_force, less.per_force) == 0:
+        values = [f"{1e-6 * one.per_force:.3g}" for one in stress]
+        found.append(
+            f"its wire bears more stress per force ({values[0]} against {values[1]} MPa/N)"
+        )
+    if _larger(more.swing, less.swing) == 0:
+        force = _against(more.swing, less.swing, "peak_spring_force")
+        found.append(f"its force swings more ({force}{_waves(stress, pair)})")
+    return f", because {joined(found)}" if found else ""
+
+
+def _waves(stress: tuple[WireStress, WireStress], pair: tuple[Runs, Runs]) -> str:
+    """Surge and clash of the runs of both swings, where they are more in the larger."""
+    text = ""
+    for name, noun, least in (
+        ("surge_amplitude_force", "surge", LEAST_SURGE),
+        ("clash_energy", "clash energy", LEAST_CLASH),
+    ):
+        ours, theirs = (
+            Worst(name, runs.value(one.run, name), one.run)
+            for runs, one in zip(pair, stress, strict=True)
+        )
+        larger = _larger(ours.value, theirs.value) == 0 and ours.value - theirs.value > least
+        if larger and _resolved(pair, (ours, theirs)):
+            texts = [runs.text(one) for runs, one in zip(pair, (ours, theirs), strict=True)]
+            text += f", {noun} there {texts[0]} against {texts[1]}"
+    return text
+
+
+def _resolved(pair: tuple[Runs, Runs], found: tuple[Worst, Worst]) -> bool:
+    """Whether both are above their error bars."""
+    return all(runs.bar(one) <= abs(one.value) for runs, one in zip(pair, found, strict=True))

@@ -1,0 +1,163 @@
+"""Unit: two springs compared in one engine: each judged by its own numbers, under its own name, nothing by
+what a stopped search has not computed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from unit.cli_parts import call
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import template_text
+from valvetrain.quantities.stress import most_force_of_wire
+from valvetrain.report.run_clauses import judged_runs
+from valvetrain.report.springs_stress import wire_stress
+from valvetrain.report.study import study_page
+from valvetrain.report.sweep_chart import regime_chart
+from valvetrain.runs import run as run_module
+from valvetrain.runs.compare_springs import compared, with_two_springs
+from valvetrain.runs.notes import beyond_wire_notes
+from valvetrain.runs.run import build, sweep_study
+from valvetrain.runs.stopping import PointsStopped, StudyStopped
+
+RPM = np.pi / 30
+CARD = ("spring-card", "--outer-diameter", "29 mm", "--wire-diameter", "3.8 mm", "--installed", "36 mm, 250 N")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def cards(tmp_path_factory):
+    """Files of two springs as spring-card writes them: soft is solid at less force than stiff."""
+    folder = tmp_path_factory.mktemp("springs")
+    for name, load in (("soft", "480 N"), ("stiff", "552 N")):
+        made = call(*CARD, "--open-load", f"28 mm, {load}", "--name", name, "--output", str(folder / name))  # fmt: skip
+        assert made.exit_code == 0, made.stderr
+        (folder / f"{name}.toml").write_text((folder / name / "spring.toml").read_text())
+    return folder
+
+
+@pytest.fixture(scope="module")
+def both(cards):
+    return with_two_springs(parse_case(template_text("direct")), *(vt.load_case(cards / f"{one}.toml") for one in ("soft", "stiff")))  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def study(both):
+    return compared(
+        lambda: sweep_study(both, (6000 * RPM, 7000 * RPM), spring_models=("massless",), workers=1)
+    )
+
+
+def test_a_card_goes_by_the_name_that_was_given(cards, both):
+    """Contract: --name is the name in the file and that of its spring set."""
+    assert (cards / "soft.toml").read_text().startswith('name = "soft"\n')
+    assert list(both.train.springs) == ["soft", "stiff"]
+
+
+@pytest.mark.parametrize(
+    ("names", "files", "found"),
+    [
+        (("a", "a"), ("one", "two"), ["one", "two"]),
+        (("a", "a"), ("", ""), ["a", "a (2)"]),
+        (("spring", "spring"), ("one", "two"), ["one", "two"]),
+        (("spring", "b"), ("one", "two"), ["one", "b"]),
+    ],
+)
+def test_springs_of_one_name_go_by_their_files(names, files, found):
+    """Contract: the name of the spring, else the stem of its file."""
+    text = 'name = "spring-card"\n[spring]\nname = "{}"\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'
+    pair = [parse_case(text.format(name)) for name in names]
+    both = with_two_springs(parse_case(template_text("direct")), *pair, files)
+    if files[0]:
+        assert list(both.train.springs) == found
+    else:
+        assert len(both.train.springs) == 2
+
+
+def test_the_force_at_solid_of_a_spring_is_compared_with_its_own_runs(both, study):
+    """Closed form: with a peak between both forces at solid only the runs of the softer strike."""
+    problem = build(both, spring_models=("massless",), spring_set=("soft", "stiff"))
+    solid = {one.spring_set: most_force_of_wire(one.springs[0]) for one in problem.members}
+    low, high = sorted(solid, key=lambda name: solid[name])
+    middle = (solid[low] + solid[high]) / 2
+    runs = [
+        replace(one, quantities={"peak_spring_force": middle, "peak_shear_stress": 9e8})
+        for one in study.solutions
+    ]
+    (note,) = beyond_wire_notes(problem, runs)
+    assert f"'{low}', all closed" in note and f"{low}, massless at" in note
+    assert f"{high}, massless at" not in note and f"'{high}'" not in note
+
+
+def test_the_first_sentence_says_which_is_stressed_more(study):
+    """Closed form: the amplitude is half of peak less minimum of the run where that is largest."""
+    assert study.verdict.startswith(("soft is stressed more", "stiff is stressed more"))
+    for name in ("soft", "stiff"):
+        runs = replace(judged_runs(study), solutions=tuple(run for run in study.solutions if run.spring_set == name))  # fmt: skip
+        found = wire_stress(runs)
+        halves = [
+            (one.quantities["nominal_peak_shear_stress"] - one.quantities["nominal_minimum_shear_stress"]) / 2
+            for one in runs.solutions
+        ]  # fmt: skip
+        assert found is not None and found.amplitude == pytest.approx(max(halves))
+        # stress per force times the swing, for nothing is above the force at solid
+        assert found.per_force * found.swing / 2 == pytest.approx(found.amplitude, rel=1e-6)
+
+
+def test_the_marks_of_its_picture_say_which_spring(study):
+    """Contract: every critical speed found is marked with the name of its spring."""
+    chart = regime_chart(study)
+    marks = {rule.label for rule in chart.panels[0].rules}
+    for row in study.critical_speeds:
+        if row.found:
+            word = "contact" if row.kind == "contact-loss" else row.kind
+            name = row.label.partition(",")[0]
+            assert f"{name} {word} {row.engine_speed / RPM:.0f}" in marks
+    assert {row.label for row in study.critical_speeds if row.found}
+
+
+def test_both_contact_losses_are_in_the_sentence(study):
+    """Contract: as of float, of loss of contact."""
+    speeds = [study.critical_speeds.of("contact-loss", label) for label in study.labels]
+    assert all(one is not None for one in speeds) and "contact" in study.verdict
+
+
+def test_a_stopped_search_is_said_first_and_ranks_nothing(both, monkeypatch):
+    """Contract: the verdict of the page begins with it; no spring is worst by what is unknown."""
+
+    def stop(*given, **options):
+        raise PointsStopped({})
+
+    monkeypatch.setattr(run_module, "find_critical_speeds", stop)
+    with pytest.raises(StudyStopped) as caught:
+        compared(
+            lambda: sweep_study(
+                both, (6000 * RPM, 7000 * RPM), spring_models=("massless",), workers=1
+            )
+        )
+    study = caught.value.study
+    assert study.command == "compare-springs"
+    assert study.verdict.startswith("Interrupted: critical speeds of soft and stiff not computed; s")  # fmt: skip
+    assert "orst" not in study.verdict and "float" not in study.verdict
+    assert study_page(study).verdict == study.verdict
+    swept = replace(study, command="sweep")
+    assert swept.verdict.startswith("Interrupted") and "orst (" not in swept.verdict
+
+
+def test_half_a_search_says_which_is_missing(study):
+    """Contract: a float that was not computed loses to none."""
+    rows = tuple(row for row in study.critical_speeds if row.label == study.labels[0])
+    half = replace(study, critical_speeds=replace(study.critical_speeds, rows=rows))
+    assert "float of stiff not computed" in half.verdict and "floats later" not in half.verdict
+
+
+def test_a_speed_that_one_of_both_has_alone_ranks_nothing(study):
+    """Property: leaving out the last run of one spring leaves its comparison at the other speed."""
+    lost = study.solutions[-1]
+    rest = tuple(one for one in study.solutions if one is not lost)
+    common = tuple(one for one in rest if one.engine_speed != lost.engine_speed)
+    some = [replace(study, solutions=one, between=()).verdict for one in (rest, common)]
+    assert some[0] == some[1]
