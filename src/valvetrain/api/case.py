@@ -231,7 +231,9 @@ class Case:
             for source in (first, second)
         )
         case = with_two_springs(
-            self.parameters, *(getattr(part, "parameters", part) for part in (one, other))
+            self.parameters,
+            getattr(one, "parameters", one),
+            getattr(other, "parameters", other),
         )
         models = models_of(case, tuple(model_names(model)))
         return compared(lambda: sweep(case, engine_speeds, models, **options))

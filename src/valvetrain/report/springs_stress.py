@@ -92,7 +92,10 @@ def stress_clause(names: list[str], pair: list[Runs]) -> str:
         if sum(passed) == 1:
             return f"{names[passed.index(True)]} alone is stressed beyond what its wire is permitted: {ends}, {other}"
         return f"{ends}, {other}: the fatigue chart of the wire decides which breaks first"
-    numbers = ", ".join(filter(None, (_amplitude(more, less), _peak(more, less)[2:])))
+    parts = [_amplitude(more, less), _peak(more, less)[2:]]
+    if swing is None and parts[0]:  # alike, so that it is no reason
+        parts = [parts[1], f"amplitude of both {quantity_text(PEAK, more.amplitude)}"]
+    numbers = ", ".join(filter(None, parts))
     why = _reasons((more, less), (pair[place], pair[1 - place]))
     return f"{names[place]} is stressed more, so of equal wires it breaks first ({numbers}){why}"
 
