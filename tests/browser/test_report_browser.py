@@ -41,6 +41,8 @@ window.addEventListener("load", () => setTimeout(() => {
   const parts = Array.from(document.querySelectorAll("details.part"));
   seen.folded = parts.map((part) => !part.open);
   seen.height = document.querySelector("main") ? document.querySelector("main").scrollHeight : 0;
+  const picture = document.querySelector("#opening figure");
+  seen.picture = picture ? picture.getBoundingClientRect().top + window.scrollY : -1;
   const aim = document.querySelector("details.part figure");
   if (aim) { location.hash = aim.id; }
 }, 300));
@@ -171,6 +173,12 @@ def test_a_narrow_page_folds_its_sections_and_a_link_opens_its_own(visit, reques
     assert len(seen["folded"]) == len([one for one in page.sections if not one.folded])
     assert seen["folded"] == [width < 900] * len(seen["folded"]) and seen["led"]
     assert width > 900 or seen["height"] < 844 * SCREENS[name]
+
+
+def test_the_picture_begins_on_the_first_screen(visit):
+    """Contract: whatever the sentence and its figures say, a third of a screen is left to the picture."""
+    _, _, seen, _ = visit
+    assert 0 < seen["picture"] < 844 * 2 / 3
 
 
 def test_the_first_screen_answers_in_order(visit):
