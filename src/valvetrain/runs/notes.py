@@ -191,11 +191,7 @@ def _named(runs: Iterable[Solution]) -> str:
 def spike_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
     """The band of the clash spikes of solids, whose raw heights rest on mesh and contact constants."""
     heights = []
-    bands = (
-        "peak_spring_force",
-        "below_20_khz_peak_spring_force",
-        "below_10_khz_peak_spring_force",
-    )
+    bands = tuple(f"main_clash_{band}peak_force" for band in ("", "below_20_khz_", "below_10_khz_"))
     for run in solutions:
         if run.model != "solid":  # numbers of others may not be computed yet
             continue
@@ -208,7 +204,7 @@ def spike_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
     if not heights:
         return ()
     return (
-        f"Peak spring force by the solid: {'; '.join(heights)}. The raw height of a clash spike rests on mesh, contact constants "
+        f"Largest clash spike by the solid: {'; '.join(heights)}. The raw height of a clash spike rests on mesh, contact constants "
         "and sampling; compare heights below 10 kHz.",
     )
 
