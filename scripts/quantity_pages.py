@@ -82,7 +82,7 @@ object from the names above to such numbers.
 | `holds`, `facts` | of `check`: tables of the case; what it says, in words |
 | `cases` | of `cases`: per case `name`, `title`, `holds`, `sources`; with a name, `text` of the file instead |
 | `uncertainties` | of `refine`, and of a run whose case ships with its error bars: per number `quantity`, `label` of a variant of a train, `engine_speed`, `value`, `numerical_uncertainty`, `observed_order` (null: not monotonic), `extrapolated`, `step_part`, and `contact_stiffness`, `contact_damping` each with `least` and `largest` |
-| `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference` |
+| `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference`; `verdict` on the headline quantities |
 | `runs` | of the command `runs`: per saved run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `headline`, `folder` |
 | `error` | in place of all of these: `message`, `where`, `code` (the exit code) |
 """  # noqa: E501  a row of a table is one line

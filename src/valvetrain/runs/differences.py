@@ -65,7 +65,7 @@ def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference
     """Every number that differs between the runs: those that both have first, by falling relative
     difference.
     """
-    first, second = dict(_numbers(one.answer)), dict(_numbers(other.answer))
+    first, second = dict(answer_numbers(one.answer)), dict(answer_numbers(other.answer))
     rows = []
     for key in dict.fromkeys((*first, *second)):
         (a, unit), (b, other_unit) = first.get(key, (None, "")), second.get(key, (None, ""))
@@ -101,7 +101,9 @@ def _leaves(item: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         yield path, item
 
 
-def _numbers(answer: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
+def answer_numbers(
+    answer: Mapping[str, Any],
+) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
     """(quantity, run) -> value and unit, of every named number of a ``run.json``."""
     for label, values in {
         "": answer.get("quantities", {}),
