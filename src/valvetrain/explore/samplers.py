@@ -128,6 +128,14 @@ def _first(varied: Sequence[Varied], options: SamplerOptions) -> Array:
 GRID_SPEC = SamplerSpec("grid", "every combination of levels", GridOptions, _first)
 
 
+class ListOptions(SamplerOptions):
+    """Options of a list."""
+
+    names: list[str] = Field(
+        default=[], max_length=1000, description="names of the points, by which results call them"
+    )
+
+
 def _first_listed(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     columns = []
     for one in varied:
@@ -144,10 +152,16 @@ def _first_listed(varied: Sequence[Varied], options: SamplerOptions) -> Array:
         raise InputError(
             f"in a list of points every quantity has as many values; here are {lengths}", "points"
         )
+    names = getattr(options, "names", [])
+    if names and (len(names) != len(columns[0]) or len(set(names)) < len(names)):
+        raise InputError(
+            f"a name for each of the {len(columns[0])} points is needed, no two alike; here are {len(names)}",
+            "points.names",
+        )
     return np.array(columns, dtype=float).T
 
 
-LISTED_SPEC = SamplerSpec("list", "your list", SamplerOptions, _first_listed)
+LISTED_SPEC = SamplerSpec("list", "your list", ListOptions, _first_listed)
 
 
 def listed(points: Array) -> SamplerSpec:

@@ -58,8 +58,17 @@ def changed_alone(table: StudyTable) -> dict[int, int]:
     return {1 + row: int(np.argmax(one)) for row, one in enumerate(differs)}
 
 
+def point_names(table: StudyTable) -> tuple[str, ...]:
+    """The names that the points of a list have in their file; empty where they have none."""
+    return tuple(getattr(table.plan.options, "names", ()))
+
+
 def point_label(table: StudyTable, point: int) -> str:
-    """What tells a point (from 0) from the others: the quantities that change, with their values."""
+    """What tells a point (from 0) from the others: its name, else the quantities that change, with
+    their values.
+    """
+    if names := point_names(table):
+        return names[point]
     alone = changed_alone(table)
     if alone and point == 0:
         return "first point"
@@ -106,7 +115,12 @@ def point_table(
                 label = f"{row.label[:1].upper()}{row.label[1:]}"
                 head = (label, *([run_label(run)] * several))
                 rows.append((*head, *texts, unit_text(row.shown_unit)))
-        heads = ("", *(["run"] * several), *(f"point {k + 1}" for k in range(count)), "")
+        heads = (
+            "",
+            *(["run"] * several),
+            *(point_names(table) or (f"point {k + 1}" for k in range(count))),
+            "",
+        )
         return heads, rows, tuple(range(1 + several, 1 + several + count))
     for point in range(count):
         own = [number(float(values[point]), 5) for values in inputs]

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 MAX_COSTS = 2
 #: Share within which values are no better than each other, and points of that kind that are named.
 ALIKE, MAX_ALIKE = 0.01, 2
+#: Outputs by which springs are judged before all others, for by them they break.
+STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "nominal_peak_shear_stress")
 #: Names of what a spring is installed with begin so.
 INSTALLED = ("preload", "installed_")
 
@@ -46,7 +48,9 @@ def study_verdict(table: StudyTable) -> str:
         said = _largest_change(table, name)
     else:
         shape = shape_clause(table, name)
-        said = shape if shape and conditions(table) else _best(table, name)
+        single = table.plan.sampler.word == "list" and _bare(name) in STRESSES
+        best = _stressed if single else _best
+        said = shape if shape and conditions(table) else best(table, name)
         if shape and not conditions(table):
             said += f"; {shape}"
     return f"{lead}{said}." if lead else f"{said[:1].upper()}{said[1:]}."
@@ -59,16 +63,23 @@ def judged_output(table: StudyTable) -> str:
     known = [one for one in table.outputs if _known(table, one)]
     if not is_chosen(table):
         return next(iter(known), "")
-    return next((one for one in known if not _installed(one)), next(iter(known), ""))
+    stress = (one for bare in STRESSES for one in known if _bare(one) == bare)
+    moved = (one for one in known if not _installed(one))
+    return next(stress, next(moved, next(iter(known), "")))
 
 
 def _known(table: StudyTable, name: str) -> bool:
     return bool(np.isfinite(shown_output(table, name)).any())
 
 
+def _bare(name: str) -> str:
+    """A quantity without the spring of a pair that it is of."""
+    return name.removeprefix("outer_").removeprefix("inner_")
+
+
 def _installed(name: str) -> bool:
     """Whether a quantity follows from the dimensions of a spring, its installing and the lift alone."""
-    bare = name.removeprefix("outer_").removeprefix("inner_")
+    bare = _bare(name)
     return bare in BY_SIZE or bare.startswith(INSTALLED) or bare == "coil_bind_clearance"
 
 
@@ -131,6 +142,32 @@ def _best(table: StudyTable, name: str) -> str:
     if costs:
         said += f"; it costs {' and '.join(costs[:MAX_COSTS])}"
     return f"{said}{runs}"
+
+
+def _stressed(table: StudyTable, name: str) -> str:
+    """The point of a list that is stressed most, the one that is least, and what else is worse there."""
+    values, runs = _worst(table, name), _runs_text(table, name)
+    if np.count_nonzero(np.isfinite(values)) < 2 or np.nanmin(values) == np.nanmax(values):
+        return _best(table, name)
+    most, least = int(np.nanargmax(values)), int(np.nanargmin(values))
+    if values[most] - values[least] <= ALIKE * values[most]:
+        return f"all are stressed alike: {_label(name)} {_shown(name, values[least])} to {_shown(name, values[most])}{runs}"
+    worse: list[str] = []
+    for one in table.outputs:
+        sense = definition_of(one).sense
+        if one == name or not sense or not _known(table, one) or _installed(one):
+            continue
+        ours, theirs = (_worst(table, one)[at] for at in (most, least))
+        if (ours < theirs) == (sense == "larger is better") and abs(ours - theirs) > ALIKE * abs(
+            ours
+        ):
+            worse.append(f"{_label(one)} {_shown(one, ours)} against {_shown(one, theirs)}")
+    said = (
+        f"{point_label(table, most)} is stressed most, so of equal wires it breaks first: {_label(name)} "
+        f"{_shown(name, values[most])} against {_shown(name, values[least])} with {point_label(table, least)}"
+    )
+    more = f"; with {' and '.join(worse[:MAX_COSTS])}" if worse else ""
+    return f"{said}{more}{runs}"
 
 
 def _alike(table: StudyTable, values: Array, best: int) -> str:
