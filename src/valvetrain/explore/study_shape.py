@@ -16,7 +16,7 @@ from valvetrain.solution.definition import definition_of
 Array = NDArray[np.float64]
 #: Varied quantities that are conditions of the engine, nobody's choice.
 CONDITIONS = ("engine_speed", "cam_speed")
-#: Fewest values along which a shape is told; share of the whole change that one step makes where the
+#: Fewest values along which a shape is found; share of the whole change that one step makes where the
 #: output jumps; share of the gain after which little is left.
 FEWEST, JUMP, MOST = 4, 0.5, 0.9
 
@@ -24,8 +24,8 @@ FEWEST, JUMP, MOST = 4, 0.5, 0.9
 def conditions(table: StudyTable) -> list[int]:
     """Varied quantities that are conditions, beside which others are chosen."""
     keys = [table.plan.varied[index].key in CONDITIONS for index in changing(table)]
-    told = [index for index, is_one in zip(changing(table), keys, strict=True) if is_one]
-    return told if not all(keys) else []
+    found = [index for index, is_one in zip(changing(table), keys, strict=True) if is_one]
+    return found if not all(keys) else []
 
 
 def shape_clause(table: StudyTable, name: str) -> str:
