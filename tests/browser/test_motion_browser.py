@@ -19,7 +19,7 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.motion.project import motion_json
 from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.opening import motion_blocks as blocks
-from valvetrain.report.page import Page, Section, motion_script, render
+from valvetrain.report.page import Page, Section, motion_script, render, text
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = pytest.mark.chromium
@@ -272,7 +272,8 @@ def test_the_picture_turns_by_keys_and_colours_change(visit):
 
 @pytest.fixture(scope="module")
 def report(study):
-    return render(Page("t", "", "", (), (Section("in-motion", "In motion", blocks(study)),)))
+    words = Section("answers", "Answers", (text("What a narrow page folds."),))
+    return render(Page("t", "", "", (), (words,), picture=blocks(study)))
 
 
 @pytest.mark.parametrize("width", [1400, 390])
