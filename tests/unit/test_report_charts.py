@@ -18,6 +18,7 @@ from valvetrain.report.chart import (
     Marks,
     Panel,
     Rule,
+    near_right_end,
     rule_levels,
     stems,
     thin,
@@ -191,6 +192,7 @@ def test_words_of_near_rules_stand_on_different_lines():
         "x", "y", (line,), rules=(Rule("x", 5.5, "contact 6970"), Rule("x", 9.0, "float 8539"))
     )
     assert rule_levels(facing) == [0, 0] and rule_levels(facing, narrow=True) == [0, 1]
+    assert near_right_end(facing, Rule("x", 8.7, "spring (2) contact 5892"))  # else it is cut off
 
 
 def test_tables_write_units_and_quote():

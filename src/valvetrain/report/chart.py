@@ -121,8 +121,9 @@ def row_weights(chart: Chart, columns: int) -> list[float]:
     return [max(weights[first : first + columns]) for first in range(0, len(weights), columns)]
 
 
-#: Share of the width of a panel that a letter of a label takes, on a wide and on a narrow page.
-WIDE_LETTER, NARROW_LETTER = 0.0145, 0.023
+#: Share of the width of a panel that a letter of a label takes: of one of two columns and of one
+#: column of a wide page, and of a narrow page.
+WIDE_LETTER, ALONE_LETTER, NARROW_LETTER = 0.0145, 0.009, 0.023
 
 
 def rule_levels(panel: Panel, narrow: bool = False) -> list[int]:
@@ -179,7 +180,7 @@ def label_heights(panel: Panel) -> dict[int, float]:
 def near_right_end(panel: Panel, rule: Rule, narrow: bool = False) -> bool:
     """Whether a vertical rule is so far right that its label is written left of it."""
     low, high = visible_range(panel)[0]
-    room = max(0.1, NARROW_LETTER * len(rule.label) if narrow else 0.0)
+    room = max(0.1, (NARROW_LETTER if narrow else ALONE_LETTER) * len(rule.label))
     return rule.value > high - room * (high - low)
 
 
