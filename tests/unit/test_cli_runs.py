@@ -29,7 +29,7 @@ def small(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_template_runs_as_it_stands_and_answers_within_40_lines(tmp_path, monkeypatch, kind):
+def test_every_template_runs_as_it_stands_and_answers_on_a_screen(tmp_path, monkeypatch, kind):
     monkeypatch.chdir(tmp_path)
     made = call("new", "mine", "--kind", kind)
     assert made.exit_code == 0 and made.stdout.startswith(f"mine.toml: {KINDS[kind]}")
@@ -40,7 +40,7 @@ def test_every_template_runs_as_it_stands_and_answers_within_40_lines(tmp_path, 
     result = call("run", "mine.toml", *models, *QUICK)
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
-    assert len(lines) < 40 and max(map(len, lines)) <= 100
+    assert len(lines) < 45 and max(map(len, lines)) <= 100
     assert not [word for word in PAPERS if word in result.stdout]
     order = [
         "Peak spring force",
@@ -342,7 +342,7 @@ def test_a_run_that_diverges_writes_what_it_has_and_ends_with_1(small):
     result = call(*words, "--json")
     assert result.exit_code == 1, result.stderr
     (line,) = [line for line in result.stderr.splitlines() if line.startswith("failed: ")]
-    assert "finite-element at 9000 rpm: diverged" in line and "give a smaller time_step" in line
+    assert "finite-element at 9000 rpm: diverged" in line and "leave time_step out" in line
     found = json.loads(result.stdout)
     assert found["completed"] is False and [run["status"]["code"] for run in found["runs"]] == [
         "diverged",
