@@ -21,6 +21,7 @@ from valvetrain.report.chart import (
     Line,
     Marks,
     legend_entries,
+    row_weights,
     shares_axis,
     visible_range,
 )
@@ -116,7 +117,7 @@ def test_a_picture_read_by_its_ticks_gives_the_numbers_back(name):
     for chart in drawn(name):
         tree = ElementTree.fromstring(svg(chart))
         for panel, (box, group) in zip(chart.panels, panels_of(tree), strict=True):
-            x_scale, y_scale = scales(tree, box, bool(panel.y_tick_labels))
+            x_scale, y_scale = scales(tree, box, bool(panel.y_tick_labels or panel.row_labels))
             (low, high), (least, most) = visible_range(panel)
             assert np.polyval(x_scale, [box.left, box.left + box.wide]) == pytest.approx(
                 [low, high], abs=0.004 * (high - low)
@@ -231,7 +232,7 @@ def test_rules_and_bands_stand_at_their_numbers(name):
         tree = ElementTree.fromstring(svg(chart))
         shapes = figure(chart)["layout"]["shapes"]
         for index, (panel, (box, _)) in enumerate(zip(chart.panels, panels_of(tree), strict=True)):
-            x_scale, y_scale = scales(tree, box, bool(panel.y_tick_labels))
+            x_scale, y_scale = scales(tree, box, bool(panel.y_tick_labels or panel.row_labels))
             axis = "" if index == 0 else str(index + 1)
             mine = [
                 one
@@ -355,22 +356,23 @@ def test_the_figure_of_a_page_holds_its_layers_in_their_panels(name):
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_panels_lie_within_the_picture_and_apart_from_each_other(name):
-    """Of as many rows and columns as the chart has: those of a row are alike high, those of a
-    column alike wide.
+    """Of as many rows and columns as the chart has: all alike wide, and high by the weights of their
+    rows.
     """
     for chart in drawn(name):
         tree = ElementTree.fromstring(svg(chart))
         wide, high = (float(tree.get(key)) for key in ("width", "height"))
         boxes = [box for box, _ in panels_of(tree)]
         assert len(boxes) == len(chart.panels)
-        for box in boxes:
+        weights = row_weights(chart, chart.columns)
+        for place, box in enumerate(boxes):
             assert (
                 0 < box.left < box.left + box.wide < wide
                 and 0 < box.top < box.top + box.high < high
             ), chart.key
-            assert (box.wide, box.high) == (boxes[0].wide, boxes[0].high) and min(
-                box.wide, box.high
-            ) > 40, chart.key
+            share = weights[place // chart.columns] / weights[0]
+            assert box.wide == boxes[0].wide and min(box.wide, box.high) > 40, chart.key
+            assert box.high == pytest.approx(share * boxes[0].high, abs=0.2), chart.key
         for place, box in enumerate(boxes):
             row, column = divmod(place, chart.columns)
             for other in boxes[:place]:

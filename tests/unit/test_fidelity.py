@@ -408,7 +408,10 @@ def test_the_command_gives_page_table_and_answer(tmp_path, monkeypatch):
         (("job-t", "--tolerance", "5"), "write '5 %'"),
         (("job-t", "--tolerance", "5 mm"), "is a length, but a plain number is needed"),
         (("job-t", "--spring-set", "stock"), "is a spring alone and has no spring sets"),
-        (("job-t", "--reference", "solid"), "the reference cannot run"),
+        (
+            ("tdi-pushrod", "--spring-set", "stock", "--reference", "solid"),
+            "the reference cannot run",
+        ),
         (("job-t", "--reference", "sold"), "did you mean solid"),
         (("job-t", "--spring", "wave-rod", "--reference", "wave-rod"), "no model but"),
         (("tdi-pushrod", "--spring-set", "stock,performance"), "one spring set"),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions, Until
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -362,7 +362,7 @@ def with_later_quantities(
 
 def _quantities(solution: Solution) -> Mapping[str, float]:
     """The named numbers of a run, as what can be sent to another process."""
-    return dict(solution.quantities)
+    return NamedNumbers(solution.quantities)
 
 
 def unfinished(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Iterator, Mapping
 from threading import RLock
-from types import MappingProxyType
 from typing import Any, Generic, TypeVar, overload
 
 T = TypeVar("T")
@@ -39,10 +38,7 @@ class Later(Generic[T]):
 
     def __getstate__(self) -> dict[str, Any]:
         with self._lock:
-            state = {name: one for name, one in self.__dict__.items() if name != "_lock"}
-        if isinstance(state.get("_value"), MappingProxyType):  # which does not pickle
-            state["_value"] = dict(state["_value"])
-        return state
+            return {name: one for name, one in self.__dict__.items() if name != "_lock"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state, _lock=RLock())

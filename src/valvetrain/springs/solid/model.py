@@ -36,7 +36,7 @@ class SolidModel:
     >>> import valvetrain as vt
     >>> wire = vt.parameters.cylindrical("4 mm", "24 mm", total_coils=6, free_length="44 mm")
     >>> round(SolidModel(wire, 3e-3, SolidMeshSize(12)).installed.retainer_force)
-    131
+    140
     """
 
     definition: SpringDefinition
