@@ -1,5 +1,5 @@
-"""How the output of a grid goes along one quantity, the worst over engine speeds: where it jumps, or
-from where on there is little more to gain.
+"""How the output of a grid goes along one quantity, the worst over engine speeds: how far it stays
+near its best.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from valvetrain.solution.definition import definition_of
 Array = NDArray[np.float64]
 #: Varied quantities that are conditions of the engine, nobody's choice.
 CONDITIONS = ("engine_speed", "cam_speed")
-#: Fewest values along which a shape is found; share of the whole change that one step makes where the
-#: output jumps; share of the gain after which little is left.
-FEWEST, JUMP, MOST = 4, 0.5, 0.9
+#: Fewest values along which a shape is told; share of the output's range within which it is flat, and
+#: share of the varied range that a flat part has: more than twice that of a straight line.
+FEWEST, FLAT, WIDE = 4, 0.2, 0.45
 
 
 def conditions(table: StudyTable) -> list[int]:
@@ -30,9 +30,8 @@ def conditions(table: StudyTable) -> list[int]:
 
 def shape_clause(table: StudyTable, name: str) -> str:
     """``at every engine speed seating velocity stays within 0.162 m/s up to lash 0.2 mm, but 0.479 m/s
-    at 0.25 mm``, or
-    ``nine tenths of the gain are there from normal force 40 N on``; empty for points without such a
-    shape or along several quantities.
+    at 0.25 mm``: the flat part at the better end of a grid along one quantity; empty for points
+    without one, or along several quantities.
     """
     held = conditions(table)
     along = [index for index in changing(table) if index not in held]
@@ -42,20 +41,23 @@ def shape_clause(table: StudyTable, name: str) -> str:
     place, values = _worst_along(table, name, along[0], sense)
     if len(place) < FEWEST or not np.isfinite(values).all() or np.ptp(values) <= 0:
         return ""
-    steps = np.abs(np.diff(values))
-    jump, best = int(np.argmax(steps)), _best(values, sense)
-    if held and steps[jump] >= JUMP * np.ptp(values):
-        return _jump_text(table, name, along[0], place, values, jump, sense)
-    gain = np.abs(values - values[0 if best > len(values) / 2 else -1])
-    reached = np.flatnonzero(gain >= MOST * gain[best])
-    first = int(reached[0] if best > len(values) / 2 else reached[-1])
-    if first == best or abs(best - first) < 2:
+    less = values - values.min() if sense != "larger is better" else values.max() - values
+    flat = less <= FLAT * np.ptp(values)
+    upward = bool(flat[0])
+    if upward == bool(flat[-1]):  # both ends are good, or the best lies between
         return ""
-    return f"nine tenths of the gain are there {'from' if best > first else 'up to'} {_at(table, along[0], place[first])}"
-
-
-def _best(values: Array, sense: str) -> int:
-    return int(np.argmax(values) if sense == "larger is better" else np.argmin(values))
+    count = int(np.argmin(flat if upward else flat[::-1]))
+    edge, beyond = (count - 1, count) if upward else (len(flat) - count, len(flat) - count - 1)
+    if abs(place[edge] - place[0 if upward else -1]) < WIDE * np.ptp(place):
+        return ""
+    row, good = definition_of(name), values[flat]
+    unit, larger = unit_text(row.shown_unit), sense == "larger is better"
+    bound = f"{'stays at' if larger else 'stays within'} {number(float(good.min() if larger else good.max()), 3)} {unit}"
+    where = f"{'up to' if upward else 'from'} {_at(table, along[0], place[edge])}{'' if upward else ' on'}"
+    return (
+        f"{'at every engine speed ' if held else ''}{row.label} {bound}{' or more' if larger else ''} {where}, "
+        f"but {number(float(values[beyond]), 3)} {unit} at {_value(table, along[0], place[beyond])}"
+    )
 
 
 def _worst_along(table: StudyTable, name: str, index: int, sense: str) -> tuple[Array, Array]:
@@ -65,24 +67,6 @@ def _worst_along(table: StudyTable, name: str, index: int, sense: str) -> tuple[
     worst = np.min if sense == "larger is better" else np.max
     place = np.unique(draws)
     return place, np.array([worst(found[draws == one]) for one in place])
-
-
-def _jump_text(
-    table: StudyTable, name: str, index: int, place: Array, values: Array, jump: int, sense: str
-) -> str:
-    row = definition_of(name)
-    below = _best(values, sense) <= jump
-    good = values[: jump + 1] if below else values[jump + 1 :]
-    held = float(np.min(good) if sense == "larger is better" else np.max(good))
-    edge, beyond = (jump, jump + 1) if below else (jump + 1, jump)
-    unit = unit_text(row.shown_unit)
-    bound = "stays at" if sense == "larger is better" else "stays within"
-    more = " or more" if sense == "larger is better" else ""
-    return (
-        f"at every engine speed {row.label} {bound} {number(held, 3)} {unit}{more} "
-        f"{'up to' if below else 'from'} {_at(table, index, place[edge])}{'' if below else ' on'}, "
-        f"but {number(float(values[beyond]), 3)} {unit} at {_value(table, index, place[beyond])}"
-    )
 
 
 def _at(table: StudyTable, index: int, value: float) -> str:

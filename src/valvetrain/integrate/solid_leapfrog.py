@@ -5,14 +5,13 @@ that a request that was stopped continues with the speed it was at.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from valvetrain.continuum.transient import SolidTransient, simulate_solid
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions, RunUp, Until
-from valvetrain.integrate.rod_leapfrog import SAMPLES, settling_revolutions
+from valvetrain.integrate.rod_leapfrog import REMEDY, SAMPLES, settling_revolutions
 from valvetrain.integrate.solid_store import read_run, run_key, write_run
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
@@ -23,12 +22,6 @@ from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
 TURN = 2 * np.pi
-
-
-class Watch(Protocol):
-    """Called with the share of a run that is done; False stops it."""
-
-    def __call__(self, share: float) -> bool: ...
 
 
 @dataclass(frozen=True)
@@ -134,7 +127,7 @@ def _solution(
             f"the wire's velocity grew without bound at {360 * part:.1f} cam degrees of turn {int(turns) + 1}",
             time,
             "solid finite elements",
-            "give a smaller time_step or a softer coil contact, or check the lift law for jumps",
+            REMEDY,
         )
     return Solution(channels, events, status, statistics, provenance)
 
