@@ -80,23 +80,22 @@ def test_a_slider_to_and_fro_keeps_what_is_built_and_no_more(monkeypatch):
     assert len(case._built) == live_worker.MAX_BUILT
 
 
-def test_a_chain_curve_of_the_beehive_takes_some_tenth_of_a_second():
-    """Processor time of reading, building and integrating at its highest speed, the best of five:
-    0.08 s alone, up to 0.12 s beside other work, which shares the memory; on a slower machine as
-    many times longer as two million additions take over 24 ms.
+def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
+    """Processor time of reading, building and integrating at its highest speed, the best of twenty;
+    on a slower or busier machine as many times longer as two million additions take over 24 ms.
     """
     text = (LIBRARY / "gu2021-beehive.toml").read_text("utf-8")
     case = LiveCase(text, LIBRARY, live_worker.CHAIN)
     case.answer({}, "")
     times, additions = [], []
-    for place in range(5):
+    for place in range(20):
         begun = time.process_time()
         sum(range(2_000_000))
         additions.append(time.process_time() - begun)
         begun = time.process_time()
-        assert not case.answer({"spring.precompression": f"{6.5 + place / 10} mm"}, "")["sentence"]
+        assert not case.answer({"spring.precompression": f"{6.5 + place / 40} mm"}, "")["sentence"]
         times.append(time.process_time() - begun)
-    assert min(times) < 0.2 * max(1.0, min(additions) / 24e-3)
+    assert min(times) < 0.1 * max(1.0, min(additions) / 24e-3)
 
 
 def test_of_questions_that_wait_the_last_is_answered_and_nothing_lives_on(monkeypatch):
