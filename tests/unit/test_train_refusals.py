@@ -62,7 +62,7 @@ def vaz_with_contact_stiffness(value: str):
             lambda: build_mechanism(direct(follower=FollowerParameters("flat")), LAW),
             "needs a positive mass",
         ),
-        (lambda: direct(kind="desmodromic"), "use direct, finger, rocker or pushrod"),
+        (lambda: direct(kind="desmodromic"), "use direct (a bucket tappet), finger"),
         (lambda: direct(model="solid"), "planar, lumped or single-mass"),
         (
             lambda: build_mechanism(finger(lever=None), LAW),
@@ -160,7 +160,7 @@ def vaz_with_contact_stiffness(value: str):
             lambda: build(
                 load_case("vaz-ohc", {"train.springs.nested.0.installed_height": "26 mm"})
             ),
-            "spring 'outer' reaches coil bind: 26 mm",
+            "spring 'outer' of set 'nested' reaches coil bind: 26 mm",
         ),
         (
             lambda: build(

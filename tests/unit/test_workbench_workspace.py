@@ -287,10 +287,10 @@ def test_a_solid_height_above_what_the_lift_needs_is_refused_as_by_the_command(t
     case = workspace.new_case("own", "pushrod")
     key, before = "train.springs.card.0.solid_height", workspace.text("own")
     with pytest.raises(InputError, match="reaches coil bind"):
-        workspace.set_value(case, key, "1.6 in")
+        workspace.set_value(case, key, "1.245 in")
     assert workspace.text(case) == before
     workspace.set_value(case, key, "1.0 in")
     assert '"1.0 in"' in workspace.text(case)
-    workspace.replace_text(case, workspace.text(case).replace('"1.0 in"', '"1.6 in"'))
-    workspace.set_value(case, key, "1.5 in")
-    assert '"1.5 in"' in workspace.text(case)
+    workspace.replace_text(case, workspace.text(case).replace('"1.0 in"', '"1.245 in"'))
+    workspace.set_value(case, key, "1.24 in")
+    assert '"1.24 in"' in workspace.text(case)

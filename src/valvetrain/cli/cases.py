@@ -18,7 +18,7 @@ from valvetrain.cli.options import (
     read_models,
 )
 from valvetrain.errors import InputError
-from valvetrain.parameters.templates import KINDS, template_text
+from valvetrain.parameters.templates import KINDS, template_kind, template_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -208,6 +208,7 @@ def new(
     """Write NAME.toml, a commented case with plausible values that runs as it stands."""
     from valvetrain.cli.outcome import Outcome, deliver
 
+    kind = template_kind(kind)
     path = write_template(name, kind, cards)
     data = {"command": "new", "kind": kind, "files": [str(path)]}
     typed = f'"{path}"' if " " in str(path) else path

@@ -373,13 +373,18 @@ class Rubbing:
     normal_force: float = 0.0
 
 
-def binding_lift(springs: tuple[InstalledSpring, ...], maximum_lift: float) -> str:
-    """Sentence on the first spring that a lift (m) would press solid; empty when all have room."""
+def binding_lift(
+    springs: tuple[InstalledSpring, ...], maximum_lift: float, group: str = ""
+) -> str:
+    """Sentence on the first spring (of the set ``group``) that a lift (m) would press solid; empty when
+    all have room.
+    """
+    of_set = f" of set '{group}'" if group else ""
     for spring in springs:
         if spring.room is not None and maximum_lift >= spring.room:
             assert spring.installed_height is not None and spring.solid_height is not None
             return (
-                f"spring '{spring.name}' reaches coil bind: {spring.installed_height * 1e3:.4g} mm installed less "
+                f"spring '{spring.name}'{of_set} reaches coil bind: {spring.installed_height * 1e3:.4g} mm installed less "
                 f"{maximum_lift * 1e3:.4g} mm of lift leave {(spring.installed_height - maximum_lift) * 1e3:.4g} mm, but it is solid at "
                 f"{spring.solid_height * 1e3:.4g} mm; install it higher, lift less or take out coils"
             )

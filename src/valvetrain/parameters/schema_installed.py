@@ -191,8 +191,8 @@ class WireBlock(SpringModel):
     )
     options: Options = Field(default_factory=dict)
 
-    def installed(self, name: str) -> InstalledSpring:
-        """The installed spring; refuses one that would be stretched or solid."""
+    def installed(self, name: str, group: str = "") -> InstalledSpring:
+        """The installed spring; refuses one that would be stretched or solid. ``group`` is not used."""
         wire = self.build(name)
         if self.precompression is not None and self.installed_height is not None:
             raise problem(
@@ -240,13 +240,13 @@ class CardBlock(SpringCardModel):
     end_contact: EndContact | None = END_CONTACT
     options: Options = Field(default_factory=dict)
 
-    def installed(self, name: str) -> InstalledSpring:
-        """The installed spring of the card, called ``name`` where it has no name of its own."""
-        card = self.build()
-        return _assembled(
-            self,
-            card=card if not name or "name" in self.model_fields_set else replace(card, name=name),
-        )
+    def installed(self, name: str, group: str = "") -> InstalledSpring:
+        """The installed spring of the card, called ``name`` where it has no name of its own; ``group``:
+        the spring set that a warning names.
+        """
+        called = self.name if not name or "name" in self.model_fields_set else name
+        card = self.build(f"'{called}'" + (f" of set '{group}'" if group else ""))
+        return _assembled(self, card=replace(card, name=called))
 
 
 def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
@@ -276,15 +276,15 @@ class SpringBlocks:
     blocks: tuple[WireBlock | CardBlock, ...]
     listed: bool
 
-    def build(self, name: str) -> tuple[InstalledSpring, ...]:
-        """The installed springs; ``name`` for those without one of their own. Raises a located
-        problem.
+    def build(self, name: str, group: str = "") -> tuple[InstalledSpring, ...]:
+        """The installed springs; ``name`` for those without one of their own, ``group`` the set that
+        warnings name. Raises a located problem.
         """
         if not self.listed:
-            return (self.blocks[0].installed(name),)
+            return (self.blocks[0].installed(name, group),)
         names = (name,) if len(self.blocks) == 1 else ("outer", "inner")
         springs = tuple(
-            placed(place, block.installed, names[place]) for place, block in enumerate(self.blocks)
+            placed(place, block.installed, names[place], group) for place, block in enumerate(self.blocks)
         )
         if len({spring.name for spring in springs}) < len(springs):
             raise problem(

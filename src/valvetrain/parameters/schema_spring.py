@@ -244,8 +244,10 @@ class SpringCardModel(StrictModel):
         default=None, description="for the mass; without it EN 10270-2 VDSiCr"
     )
 
-    def build(self) -> SpringCard:
-        """The card as installed; refuses a rate that contradicts the loads."""
+    def build(self, label: str = "") -> SpringCard:
+        """The card as installed; refuses a rate that contradicts the loads. ``label``: how a warning
+        calls it.
+        """
         if self.preload < 0:
             raise problem("a preload is a compressive force, zero or more", ("preload",))
         preload_height, installed = self._heights()
@@ -263,6 +265,7 @@ class SpringCardModel(StrictModel):
         if lift is not None and preload_height is not None and installed is not None:
             lift -= preload_height - installed
         load = None if lift is None else preload + rate * lift
+        self._refuse_open_solid(lift, installed)
         if (
             self.solid_height is not None
             and installed is not None
@@ -274,7 +277,7 @@ class SpringCardModel(StrictModel):
         return SpringCard(
             rate=rate,
             preload=preload,
-            mass=self._mass(rate),
+            mass=self._mass(rate, label or f"'{self.name}'"),
             installed_height=installed,
             open_load=load
             if self.open_load is None or preload_height != installed
@@ -283,6 +286,19 @@ class SpringCardModel(StrictModel):
             solid_height=self.solid_height,
             name=self.name,
         )
+
+    def _refuse_open_solid(self, lift: float | None, installed: float | None) -> None:
+        """Refuse an open load at a height where the coils are closed already."""
+        if lift is None or installed is None or self.solid_height is None:
+            return
+        if (height := installed - lift) < self.solid_height * (1 - 1e-9):
+            key = "open_lift" if self.open_height is None else "open_height"
+            made = "" if self.open_height is not None else " (by open_lift)"
+            raise problem(
+                f"the open load is given at {height * 1e3:.4g} mm{made}, but the spring is solid at {self.solid_height * 1e3:.4g} mm "
+                f"(solid_height), where it cannot be pressed further; check both heights",
+                (key,),
+            )
 
     def _heights(self) -> tuple[float | None, float | None]:
         """Heights (m) at which the preload is stated and at which the spring is installed."""
@@ -328,9 +344,9 @@ class SpringCardModel(StrictModel):
             )
         return (rate if rate is not None else from_loads or 0.0), lift
 
-    def _mass(self, rate: float) -> float | None:
+    def _mass(self, rate: float, label: str) -> float | None:
         """Mass (kg) that vibrates: as specified, or of the active turns, rho pi^2 d^2 D n / 4; None
-        where neither is specified.
+        where neither is specified. ``label``: the spring's, for a warning.
         """
         if self.mass is not None or self.wire_diameter is None:
             if self.wire_diameter is None and (
@@ -359,7 +375,7 @@ class SpringCardModel(StrictModel):
         if self.active_coils is None and (
             doubt := doubtful_turns(by_rate, wire, self.solid_height, None)
         ):
-            warnings.warn(f"spring '{self.name}': {doubt}", UnusualValueWarning, stacklevel=2)
+            warnings.warn(f"spring {label}: {doubt}", UnusualValueWarning, stacklevel=2)
         if not 0.7 < coils / by_rate < 1.4:
             raise problem(
                 f"wire and coils make a rate of {rate * by_rate / coils / 1e3:.3g} N/mm, but the card has {rate / 1e3:.3g} N/mm, which "

@@ -5,15 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.train_names import TITLES, answer, meant_kind
 
 TEMPLATES = Path(__file__).parent.parent / "templates"
 
 
 #: Kind -> what it is, in the order of the help.
-KINDS = {
-    "spring": "a spring alone", "direct": "a bucket tappet", "finger": "a finger follower", "rocker": "a rocker over the cam",
-    "pushrod": "a pushrod and rocker",
-}  # fmt: skip
+KINDS = {"spring": "a spring alone"} | TITLES
 
 
 #: Kind -> whose lift its cam card gives.
@@ -27,22 +25,31 @@ others = "steel"
 """
 
 
+def template_kind(name: str) -> str:
+    """The kind of template that ``name`` means, a word of :data:`KINDS` or what users call it.
+
+    Raises :class:`InputError` for an unknown one.
+
+    >>> template_kind("bucket")
+    'direct'
+    """
+    if (kind := meant_kind(name, tuple(KINDS))) is None:
+        raise InputError(
+            f"there is no template of the kind '{name[:40]}'; {answer(name, tuple(KINDS))}", "--kind"
+        )
+    return kind
+
+
 def template_text(kind: str, cards: bool = False) -> str:
     """The commented case of ``kind`` (a word of :data:`KINDS`), ``NAME.toml`` standing for its
-    file; with ``cards`` its cam and springs by their cards, a dual spring among them.
+    file; a name in use such as "bucket" is understood; with ``cards`` its cam and springs by their cards, a dual spring among them.
 
     Raises :class:`InputError` for an unknown kind, and for the card of a spring alone.
 
     >>> "[spring]" in template_text("spring")
     True
     """
-    if kind not in KINDS:
-        from valvetrain.parameters.changes import nearest
-
-        raise InputError(
-            f"there is no template of the kind '{kind[:40]}'; {nearest(kind, tuple(KINDS))}",
-            "--kind",
-        )
+    kind = template_kind(kind)
     text = _text(kind)
     if not cards:
         return text

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing
 from valvetrain.parameters.lift_law import FrozenMapping
+from valvetrain.parameters.train_names import answer
 from valvetrain.registry import names as registered_names
 from valvetrain.units import keep_si, si_each, warn_unusual
 
@@ -420,9 +421,7 @@ def check_kind(kind: str) -> None:
     """
     known = registered_names("mechanisms")
     if kind not in known:
-        raise InputError(
-            f"train kind '{kind}' is unknown; use {', '.join(known[:-1])} or {known[-1]}"
-        )
+        raise InputError(f"train kind '{kind[:40]}' is unknown; {answer(kind, tuple(known))}")
 
 
 def _positive(item: Any, noun: str, *names: str) -> None:

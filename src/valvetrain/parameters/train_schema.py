@@ -304,7 +304,7 @@ class TrainModel(StrictModel):
                 ("rubbing",),
             )
         springs = {
-            name: placed(("springs", name), blocks.build, "spring")
+            name: placed(("springs", name), blocks.build, "spring", name)
             for name, blocks in self.springs.items()
         }
         variants = tuple(variant.build() for variant in self.variants)

@@ -220,7 +220,7 @@ def _train_members(
             gears[bare] = Gear(mechanism, bare, gas)
         gear = gears[bare]
         _warn_of_valve(own.valve.mass, gear.mechanism.kinematics.maximum_lift)
-        if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift):
+        if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift, chosen):
             raise InputError(f"case '{case.name}': {sentence}")
         model = spring_model(own.model_of(chosen), "train.spring_model")
         label = _free_label(variant.label, [member.label for member in members])

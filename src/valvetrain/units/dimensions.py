@@ -11,34 +11,47 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Dimension:
-    """A kind of quantity: its SI unit, the unit suggested to users and how it is spoken of."""
+    """A kind of quantity: its SI unit, the unit suggested to users, how it is spoken of and the unit
+    suggested to users of inches and pounds, where theirs is another one.
+    """
 
     si_unit: str
     default_unit: str
     phrase: str
+    inch_unit: str = ""
+
+    def written(self, number: str = "1", inches_first: bool = False) -> str:
+        """``number`` with its unit as a remedy shows it, in both systems where they differ.
+
+        >>> DIMENSIONS["stiffness"].written(), DIMENSIONS["angle"].written("3")
+        ("'1 N/mm' or '1 lbf/in'", "'3 deg'")
+        """
+        units = [unit for unit in (self.default_unit, self.inch_unit) if unit]
+        units = units[::-1] if inches_first else units
+        return " or ".join(f"'{number} {unit}'" for unit in units) or f"'{number}'"
 
 
 DIMENSIONS: dict[str, Dimension] = {
-    "length": Dimension("m", "mm", "a length"),
-    "area": Dimension("m^2", "mm^2", "an area"),
-    "force": Dimension("N", "N", "a force"),
-    "moment": Dimension("N*m", "N m", "a moment"),
-    "stiffness": Dimension("N/m", "N/mm", "a stiffness"),
-    "line stiffness": Dimension("N/m^2", "N/mm^2", "a stiffness per length"),
+    "length": Dimension("m", "mm", "a length", "in"),
+    "area": Dimension("m^2", "mm^2", "an area", "in^2"),
+    "force": Dimension("N", "N", "a force", "lbf"),
+    "moment": Dimension("N*m", "N m", "a moment", "lbf in"),
+    "stiffness": Dimension("N/m", "N/mm", "a stiffness", "lbf/in"),
+    "line stiffness": Dimension("N/m^2", "N/mm^2", "a stiffness per length", "lbf/in^2"),
     "rotational stiffness": Dimension("N*m/rad", "N m/rad", "a rotational stiffness"),
-    "pressure": Dimension("Pa", "MPa", "a pressure or stress"),
-    "modulus": Dimension("Pa", "GPa", "an elastic modulus"),
-    "mass": Dimension("kg", "g", "a mass"),
-    "moment of inertia": Dimension("kg*m^2", "kg mm^2", "a moment of inertia"),
-    "density": Dimension("kg/m^3", "kg/m^3", "a density"),
+    "pressure": Dimension("Pa", "MPa", "a pressure or stress", "ksi"),
+    "modulus": Dimension("Pa", "GPa", "an elastic modulus", "ksi"),
+    "mass": Dimension("kg", "g", "a mass", "lb"),
+    "moment of inertia": Dimension("kg*m^2", "kg mm^2", "a moment of inertia", "lb in^2"),
+    "density": Dimension("kg/m^3", "kg/m^3", "a density", "lb/in^3"),
     "angle": Dimension("rad", "deg", "an angle"),
     "angular speed": Dimension("rad/s", "rpm", "a rotational speed"),
     "time": Dimension("s", "s", "a time"),
     "frequency": Dimension("1/s", "Hz", "a frequency"),
     "damping rate": Dimension("1/s", "1/s", "a damping rate"),
-    "damping": Dimension("N*s/m", "N s/mm", "a damping constant"),
-    "velocity": Dimension("m/s", "mm/s", "a velocity"),
-    "acceleration": Dimension("m/s^2", "mm/s^2", "an acceleration"),
+    "damping": Dimension("N*s/m", "N s/mm", "a damping constant", "lbf s/in"),
+    "velocity": Dimension("m/s", "mm/s", "a velocity", "in/s"),
+    "acceleration": Dimension("m/s^2", "mm/s^2", "an acceleration", "in/s^2"),
     "impulse": Dimension("N*s", "N s", "an impulse"),
     "energy": Dimension("J", "J", "an energy"),
     "power": Dimension("W", "W", "a power"),

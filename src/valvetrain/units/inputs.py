@@ -298,7 +298,7 @@ def _plain(value: SupportsFloat, dimension: str, where: str) -> float:
         or getattr(value, "shape", ()) != ()
     ):
         raise InputError(
-            f"{clipped(repr(value))} is no single number; {due.phrase} is needed here, such as '1 {due.default_unit}'".rstrip(),
+            f"{clipped(repr(value))} is no single number; {due.phrase} is needed here, such as {due.written()}",
             where,
         )
     try:

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Number = TypeVar("Number", float, "NDArray[np.float64]")
+#: Bare lengths below this are more likely inches: wires, lifts and heights of springs are, but for
+#: lashes and thin wires in mm.
+MAX_INCHES = 2.6
 _SHOWN_UNITS = (
     "m mm cm um µm in inch thou mil ft N kN lbf kgf N/mm N/m lbf/in kg g lb oz Pa kPa MPa GPa bar psi ksi rad deg "
     "rpm rad/s s ms us min Hz kHz 1/s kg/m^3 g/cm^3 N/mm^2 mm/s m/s mm/s^2 m/s^2 N*s/m N*s/mm J mJ W %"
@@ -183,11 +186,10 @@ def numbers_of(*values: Any, dimension: str | None = None) -> tuple[tuple[float,
 def split_quantity(text: object, dimension: str | None, where: str) -> tuple[float, str]:
     """Number and unit in ``text``; arguments and errors as :func:`parse_quantity`."""
     due = DIMENSIONS.get(dimension or "ratio", None)
-    example_unit = due.default_unit if due else str(dimension)
     phrase = due.phrase if due else f"a quantity in {dimension}"
     if isinstance(text, bool) or not isinstance(text, (int, float, str)):
         raise InputError(
-            f"{clipped(repr(text))} is not a number with a unit; {phrase} is needed here, such as '1 {example_unit}'".rstrip(),
+            f"{clipped(repr(text))} is not a number with a unit; {phrase} is needed here, such as {_written('1', dimension)}",
             where,
         )
     if isinstance(text, (PlainNumber, PlainInteger)) and dimension is not None:
@@ -199,22 +201,39 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
         remedy = (
             "write it with its unit"
             if dimension is None
-            else f"{phrase} is needed here: write '{clipped(repr(text))} {example_unit}'"
+            else f"{phrase} is needed here: write {_written(clipped(repr(text)), dimension)}"
         )
         raise InputError(f"{clipped(repr(text))} has no unit; {remedy}", where)
     match = _QUANTITY.match(text.strip())
     if match is None:
         raise InputError(
-            f"'{clipped(text)}' is not a number with a unit; {phrase} is needed here, such as '1 {example_unit}'".rstrip(),
+            f"'{clipped(text)}' is not a number with a unit; {phrase} is needed here, such as {_written('1', dimension)}",
             where,
         )
     number, unit = match.groups()
     if unit == "" and dimension not in ("ratio", None, ""):
         raise InputError(
-            f"'{clipped(text)}' has no unit; {phrase} is needed here: write '{number} {example_unit}'",
+            f"'{clipped(text)}' has no unit; {phrase} is needed here: write {_written(number, dimension)}",
             where,
         )
     return finite(float(number), text, where), unit
+
+
+def _written(number: str, dimension: str | None) -> str:
+    """``number`` with the units of ``dimension`` that a remedy offers, inches first where the number
+    is one of valve gear in inches.
+    """
+    due = DIMENSIONS.get(dimension or "ratio")
+    if due is None:
+        return f"'{number} {dimension}'"
+    return due.written(number, inches_first=_like_inches(number, dimension))
+
+
+def _like_inches(number: str, dimension: str | None) -> bool:
+    try:
+        return dimension == "length" and number != "1" and abs(float(number)) < MAX_INCHES
+    except ValueError:
+        return False
 
 
 def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str) -> float:
@@ -229,10 +248,10 @@ def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str
         due = DIMENSIONS.get(dimension)
         if _resolve(due.si_unit if due else dimension)[1] != powers:
             is_what = DIMENSIONS[name].phrase if (name := dimension_of(unit)) else "something else"
-            phrase, example_unit = (
-                (due.phrase, due.default_unit) if due else (f"a quantity in {dimension}", dimension)
+            phrase = due.phrase if due else f"a quantity in {dimension}"
+            example = (
+                "without a unit" if dimension == "ratio" else f"such as {_written('1', dimension)}"
             )
-            example = f"such as '1 {example_unit}'" if example_unit else "without a unit"
             if re.search(r"\blb\b", unit):
                 example += " (lb is a mass, lbf the force)"
             raise InputError(f"{shown} is {is_what}, but {phrase} is needed here, {example}", where)
