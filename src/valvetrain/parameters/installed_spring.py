@@ -373,9 +373,7 @@ class Rubbing:
     normal_force: float = 0.0
 
 
-def binding_lift(
-    springs: tuple[InstalledSpring, ...], maximum_lift: float, group: str = ""
-) -> str:
+def binding_lift(springs: tuple[InstalledSpring, ...], maximum_lift: float, group: str = "") -> str:
     """Sentence on the first spring (of the set ``group``) that a lift (m) would press solid; empty when
     all have room.
     """

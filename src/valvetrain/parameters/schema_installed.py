@@ -284,7 +284,8 @@ class SpringBlocks:
             return (self.blocks[0].installed(name, group),)
         names = (name,) if len(self.blocks) == 1 else ("outer", "inner")
         springs = tuple(
-            placed(place, block.installed, names[place], group) for place, block in enumerate(self.blocks)
+            placed(place, block.installed, names[place], group)
+            for place, block in enumerate(self.blocks)
         )
         if len({spring.name for spring in springs}) < len(springs):
             raise problem(

@@ -35,7 +35,8 @@ def template_kind(name: str) -> str:
     """
     if (kind := meant_kind(name, tuple(KINDS))) is None:
         raise InputError(
-            f"there is no template of the kind '{name[:40]}'; {answer(name, tuple(KINDS))}", "--kind"
+            f"there is no template of the kind '{name[:40]}'; {answer(name, tuple(KINDS))}",
+            "--kind",
         )
     return kind
 

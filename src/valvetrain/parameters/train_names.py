@@ -22,7 +22,9 @@ SYNONYMS = {
 }  # fmt: skip
 
 #: Names of engines whose train may be one of several.
-_SEVERAL = {name: ("direct", "finger", "rocker") for name in ("ohc", "sohc", "dohc", "overhead-cam")}
+_SEVERAL = {
+    name: ("direct", "finger", "rocker") for name in ("ohc", "sohc", "dohc", "overhead-cam")
+}
 #: Names that belong at another key.
 _SHAPES = ("roller", "flat", "domed", "knife", "flat-tappet", "mushroom", "solid-roller")
 

@@ -11,6 +11,7 @@ import numpy as np
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
 from valvetrain.report.model_charts import fidelity_chart
+from valvetrain.report.motion.parts import Variant
 from valvetrain.report.motion.project import motion_json, still_svg
 from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.page import Block, Motion, figure_or_gap, gap
@@ -183,16 +184,7 @@ def motion_blocks(study: Study) -> tuple[Block, ...]:
         moving = moving_picture(study)
         if moving is None:
             return ()
-        worst = worst_run(judged_runs(study))
-        first = next(
-            (
-                one
-                for one in moving.variants
-                if worst is not None
-                and (one.label, one.engine_speed) == (worst.label, worst.engine_speed)
-            ),
-            moving.variants[0],
-        )
+        first = _first_shown(study, moving.variants)
         others = tuple(one for one in moving.variants if one is not first)
         moving = replace(moving, variants=(first, *others))
         caption = (
@@ -203,3 +195,27 @@ def motion_blocks(study: Study) -> tuple[Block, ...]:
         return (Motion("in-motion", moving.title, caption, motion_json(moving), still_svg(first)),)
     except Exception as error:  # one picture must not cost the page
         return (gap(f"The moving picture could not be drawn: {reason(error)}"),)
+
+
+def _first_shown(study: Study, variants: tuple[Variant, ...]) -> Variant:
+    """The variant that shows most of its wire among those at the speed and of the spring set of the
+    worst run; the worst run itself where others show no more.
+    """
+    worst = worst_run(judged_runs(study))
+    if worst is None:
+        return variants[0]
+    alike = {
+        run.label
+        for run in runs_at(study, worst.engine_speed)
+        if run.spring_set == worst.spring_set
+    }
+    known = [
+        one for one in variants if one.engine_speed == worst.engine_speed and one.label in alike
+    ]
+    return max(
+        known or variants,
+        key=lambda one: (
+            sum(len(spring.colourings) for spring in one.springs),
+            one.label == worst.label,
+        ),
+    )

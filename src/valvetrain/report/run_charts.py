@@ -47,8 +47,8 @@ def covered_by_source(study: Study) -> bool:
 
 
 def line_styles(study: Study) -> dict[str, LineStyle]:
-    """Label -> line style: colour by model (by label where several share a model), dash by spring
-    set.
+    """Label -> line style: colour by model where each label has a colour of its own, else by label;
+    dash by spring set.
     """
     first = {
         label: next(run for run in study.solutions if run.label == label) for label in study.labels
@@ -65,12 +65,17 @@ def line_styles(study: Study) -> dict[str, LineStyle]:
     }
     if (
         study.command != "compare-springs"
-        and len({(look.colour, look.dash) for look in found.values()}) == len(found)
+        and len({look.colour for look in found.values()}) == len(found)
         and (len(found) > 1 or (all((label == run.model for label, run in first.items()))))
     ):
         return found
+    plain = study.command == "compare-springs"
     return {
-        label: LineStyle(theme.SERIES[n % len(theme.SERIES)], "solid", _label(label, run))
+        label: LineStyle(
+            theme.SERIES[n % len(theme.SERIES)],
+            "solid" if plain else found[label].dash,
+            _label(label, run),
+        )
         for n, (label, run) in enumerate(first.items())
     }
 
