@@ -41,6 +41,16 @@ def test_a_guide_prints_what_its_command_gives(path, tmp_path, monkeypatch):
         if not holds(answer, row)
     ]
     assert not missed and len(guide.rows) >= 3
+    assert answer.get("verdict", guide.said).startswith(guide.said)
+
+
+def test_the_headline_on_loss_of_control_names_the_cause_that_the_command_gives():
+    """It said surge where the command, by the speeds swept, said inertia or vibration."""
+    guide = Guide(FOLDER / "02-power-drops.md")
+    headline = guide.text.split("\n\n")[1]
+    cause, speed = "surge lowers the spring force", "Controlled to 6863 rpm"
+    assert headline.startswith("**Surge: it lowers the spring force") and cause in guide.said
+    assert guide.said.startswith(speed) and "6862.5 and 6868.8" in headline
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)

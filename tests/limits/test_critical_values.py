@@ -1,6 +1,6 @@
 """Critical speeds as numbers: smooth in the inputs (property), found again by an optimiser
-(property), independent of grid, model and division within what is printed (limit between models),
-and what a sweep says between its speeds (property). On the pushrod template, of no source.
+(property), independent of grid, model and division within what is printed (limit between models), with a
+cause that no grid moves (property), and what a sweep says between its speeds (property). On the pushrod template, of no source.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 
 import valvetrain as vt
 from valvetrain.parameters.loading import parse_case
+from valvetrain.quantities.train_events import CAUSE_SURGE
 from valvetrain.runs.critical_speeds import standing_force
 from valvetrain.runs.prepared import prepare
 from valvetrain.solution.critical import RPM
@@ -144,3 +145,31 @@ def test_other_grids_models_and_divisions_lie_inside_what_is_printed(spring_set:
             if not low <= (one.engine_speed if one.found else np.inf) <= high:
                 missed.append(f"{row.kind} {row.text}: {one.text}")
     assert not missed
+
+
+def test_the_cause_of_a_loss_of_contact_is_the_same_on_every_grid() -> None:
+    """By the next speed swept it was surge, inertia or vibration."""
+    found = [
+        vt.sweep("tdi-pushrod", speeds, spring_models=["multi-mass"], spring_set="stock", workers=1)
+        for speeds in ("6800:7000:200 rpm", "6820:6970:50 rpm")
+    ]  # fmt: skip
+    coarse, fine = (one.critical_speeds.of("contact-loss") for one in found)
+    assert coarse.cause == fine.cause == CAUSE_SURGE
+    assert coarse.spring_force_loss == pytest.approx(fine.spring_force_loss, rel=0.02)
+    assert coarse.surge_order == fine.surge_order
+    why = " because surge lowers the spring force by 54.6 N (order 6);"
+    lost = "Controlled to 6863 rpm, where contact is lost at the cam"
+    assert all(one.verdict.startswith(lost) and why in one.verdict for one in found)
+
+
+def test_the_curve_of_a_sweep_reaches_zero_where_contact_is_marked_as_lost() -> None:
+    row = vt.critical_speeds(
+        "tdi-pushrod", "6800:7000:200 rpm", spring_models=["multi-mass"], spring_set="stock", ranges=False, workers=1
+    ).of("contact-loss")  # fmt: skip
+    above = [
+        force for speed, force in row.curve if speed >= row.begins.from_rest.upper_engine_speed
+    ]
+    below = [
+        force for speed, force in row.curve if speed <= row.begins.from_rest.lower_engine_speed
+    ]
+    assert above[0] == 0 and 0 < below[-1] < 5

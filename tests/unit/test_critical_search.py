@@ -85,6 +85,16 @@ def test_the_lowest_of_several_stretches_is_the_answer_and_the_others_are_named(
     ]
 
 
+@pytest.mark.parametrize("step", [100, 130])
+def test_where_a_further_range_begins_does_not_hang_on_the_grid(step: float) -> None:
+    """It began at the next speed that was sampled."""
+    low, high = dip(7000, 60), dip(8400, 200)
+    found = search(lambda speed: min(low(speed), high(speed)), grid(step, 6050.0, 8910.0))
+    one = critical_speed(found, KIND, "own", 6050.0, 8910.0, CriticalOptions())
+    (again,) = one.again
+    assert 0 <= again.lower_engine_speed - 8200 <= RESOLUTION
+
+
 def test_what_is_lost_from_the_first_speed_on_has_no_onset() -> None:
     one = critical_speed(
         search(lambda speed: speed - 6500, grid(500)),

@@ -261,7 +261,13 @@ def test_critical_speeds_are_told_bracket_by_bracket():
         "searched": bracket(2000 * RPM, 8000 * RPM),
         "resolution": known(10, "rpm"),
     }
-    unknown = {"numerical": None, "damping": None, "onset": ""}
+    unknown = {
+        "numerical": None,
+        "damping": None,
+        "onset": "",
+        "cause": "",
+        "spring_force_loss": known(0, "N"),
+    }
     assert contact == each | unknown | {
         "text": "6207–6217, at the cam",
         "kind": "contact-loss",

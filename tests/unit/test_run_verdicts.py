@@ -231,7 +231,8 @@ def test_error_bars_are_named_once_known_and_never_computed_for_it():
 def test_a_sweep_says_up_to_where_it_is_controlled():
     said = sweep_study().verdict
     assert said.startswith(
-        "Worst (stock): controlled to 6217 rpm, where contact is lost at the cam; floats from 6688 rpm; "
+        "Worst (stock): controlled to 6217 rpm, where contact is lost at the cam, until 6494 and again from 6589 rpm; "
+        "floats from 6688 rpm; "
     )
     assert "; worst surge 65 N at 7455 rpm, beyond control, below that 64.7 N at 4182 rpm; " in said
     assert said.endswith("one of 12 speeds did not settle, at 8000 rpm.")
@@ -344,6 +345,8 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     ]
     apart = key_figures(train(numbers | {"mean_cam_power": 12.0}, numbers))
     assert apart[1] == ("cam power at 6000 rpm", "12 W")
+    flies = dict(key_figures(train(numbers | {"minimum_cam_contact_force": 0.0})))
+    assert flies["cam power"] == "9.81 W, beyond control: with impacts"
     swept = dict(key_figures(sweep_study()))
     assert set(swept) >= {"surge, 0 to peak"} and "(stock)" in swept["surge, 0 to peak"]
 

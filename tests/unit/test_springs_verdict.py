@@ -14,8 +14,10 @@ from synthetic_study import train_study
 from valvetrain.cli.main import app
 from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE
 from valvetrain.report.headlines import headline_rows
+from valvetrain.report.key_figures import key_figures
 from valvetrain.report.run_charts import line_styles
 from valvetrain.report.study import study_page
+from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.runs.notes import NO_DAMPING
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
 from valvetrain.solution.netcdf import load_result
@@ -218,3 +220,54 @@ def test_a_sweep_says_why_control_is_lost():
     )
     none = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds()).verdict
     assert none.startswith("Contact is lost first at 6250 rpm because surge lowers the spring force by 215 N at 6250 rpm (order 8)")  # fmt: skip
+
+
+def test_the_power_of_a_sweep_is_that_of_its_controlled_speeds():
+    """The tile gave the power at 7000 rpm, where the valve flies and parts meet again on the cam."""
+    runs = (
+        run("a", 6000, mean_cam_power=20.0, minimum_cam_contact_force=90.0),
+        run("a", 6500, mean_cam_power=31.0, minimum_cam_contact_force=8.0),
+        run("a", 7000, mean_cam_power=900.0, minimum_cam_contact_force=0.0),
+    )
+    assert dict(key_figures(Study(CaseRecord("own"), "sweep", runs)))["cam power"] == "31 W at 6500 rpm"  # fmt: skip
+    flying = dict(key_figures(Study(CaseRecord("own"), "sweep", runs[2:])))
+    assert flying["cam power"] == "900 W, beyond control: with impacts"
+
+
+def test_a_cause_at_the_critical_speed_goes_before_those_of_swept_speeds():
+    """The cause was that of the next speed swept, and so of the grid."""
+    lost = Event("loft", 4.0, 0.01, 1e-3, 1e-4, "m", "cam", {"cause": CAUSE_INERTIA})
+    runs = (run("a", 6000), replace(run("a", 6250), events=(lost,)))
+    row = CriticalSpeed("a, modal-uniform", "contact-loss", 0.0, 6000 * RPM, 6250 * RPM, RPM, True, "cam",
+                        Crossing(SpeedBracket(6140 * RPM, 6141 * RPM)), nominal_engine_speed=6140 * RPM,
+                        cause=CAUSE_SURGE, spring_force_loss=54.6, surge_order=6)  # fmt: skip
+    said = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds((row,))).verdict
+    assert "because surge lowers the spring force by 54.6 N (order 6)" in said
+    assert "inertia" not in said
+
+
+def test_a_sweep_says_where_float_ends_and_returns():
+    again = (SpeedBracket(7600 * RPM, 7700 * RPM), SpeedBracket(7900 * RPM, 8000 * RPM))
+    row = CriticalSpeed("a, modal-uniform", "float", 5e-5, 6000 * RPM, 8000 * RPM, RPM, True, "valve",
+                        Crossing(SpeedBracket(7093 * RPM, 7094 * RPM)), Crossing(SpeedBracket(7300 * RPM, 7306 * RPM)),
+                        nominal_engine_speed=7094 * RPM)  # fmt: skip
+    for ranges, text in (
+        ((), "until 7300 rpm"),
+        (again[:1], "until 7300 and again from 7600 rpm"),
+        (again, "until 7300 and again in 2 ranges from 7600 rpm"),
+    ):
+        found = CriticalSpeeds((replace(row, again=ranges),))
+        said = Study(CaseRecord("own"), "sweep", (run("a", 6000),), critical_speeds=found).verdict
+        assert f"controlled to 7094 rpm, where the valve floats, {text};" in said.lower()
+
+
+def test_the_curve_of_a_sweep_passes_through_the_runs_of_its_search():
+    """The curve stood above zero at the speed at which it was marked that contact is lost."""
+    runs = tuple(run("a", speed, minimum_cam_contact_force=force) for speed, force in ((6000, 90.0), (7000, 40.0)))  # fmt: skip
+    row = CriticalSpeed("a, modal-uniform", "contact-loss", 0.0, 6000 * RPM, 7000 * RPM, RPM, True, "cam",
+                        Crossing(SpeedBracket(6499 * RPM, 6500 * RPM)), nominal_engine_speed=6500 * RPM,
+                        curve=((6000 * RPM, 90.0), (6500 * RPM, 0.0), (6750 * RPM, 3.0)))  # fmt: skip
+    chart = regime_chart(Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds((row,))))  # fmt: skip
+    (curve,) = chart.panels[0].layers
+    assert curve.x == pytest.approx([6000, 6500, 6750, 7000])
+    assert curve.y == pytest.approx([90, 0, 3, 40])

@@ -312,10 +312,10 @@ def _time_at(solution: Solution, angle: float) -> float:
 
 
 def _cause_within(solution: Solution, rigid: RigidCycle, part: Span) -> dict[str, Detail]:
-    return _cause(solution, rigid, _between(solution, part[0], part[1] - part[0]))
+    return cause_in(solution, rigid, _between(solution, part[0], part[1] - part[0]))
 
 
-def _cause(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -> dict[str, Detail]:
+def cause_in(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -> dict[str, Detail]:
     """The cause; of surge also what it takes off the spring force (N) as the stretch begins."""
     first = window[: max(1, len(window) // 4)]
     if np.min(rigid.contact_force[window]) <= 0:

@@ -286,6 +286,8 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
         "numerical": reach(one.numerical),
         "damping": reach(one.damping),
         "onset": one.onset,
+        "cause": one.cause,
+        "spring_force_loss": measured(one.spring_force_loss, "N"),
         "text": one.text,
         "begins": crossing(one.begins),
         "ends": crossing(one.ends),

@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from valvetrain.quantities.table import EVENT_LIFTS
 from valvetrain.report.clauses import Runs, Worst, figure, quantity_text
 from valvetrain.report.run_clauses import judged_runs, worst_run
-from valvetrain.report.sweep_verdict import NO_SURGE, runs_over_speed
+from valvetrain.report.sweep_verdict import NO_SURGE, controlled_to, runs_over_speed
 from valvetrain.report.text import rpm
+from valvetrain.solution.critical import FLOAT_LIFT
 from valvetrain.solution.definition import NESTED
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -19,9 +21,12 @@ from valvetrain.system.contract import TRAIN
 
 #: Heights of the valve at which a card gives its duration.
 CARD_LIFTS = ("50_thou", "1_mm")
+POWER = "mean_cam_power"
+#: What is said of a power at a speed at which control is lost.
+IMPACTS = ", beyond control: with impacts"
 #: What is listed of each label: quantity -> its name there, and whether the least counts.
 EACH = {
-    "mean_cam_power": ("cam power", False),
+    POWER: ("cam power", False),
     "nominal_peak_shear_stress": ("peak shear stress", False),
     "surge_amplitude_force": ("surge, 0 to peak", False),
     "clash_energy": ("clash energy", False),
@@ -56,10 +61,12 @@ def _of_each(study: Study) -> Iterator[tuple[str, str]]:
     known = {label: runs_over_speed(study, label) for label in study.labels}
     every = Runs(study.solutions)
     names = {run.label: every.name(run) for run in study.solutions}
+    # what parts take as they meet again is no cost of a valvetrain: power counts as far as control goes
+    held = {label: _controlled(study, label, runs) for label, runs in known.items()}
     for quantity, (name, least) in EACH.items():
         found = {
             label: one
-            for label, runs in known.items()
+            for label, runs in (held if quantity == POWER else known).items()
             if (one := _worst(runs, quantity, least)) is not None
         }
         places = {label: _place(known[label], one) for label, one in found.items()}
@@ -72,6 +79,21 @@ def _of_each(study: Study) -> Iterator[tuple[str, str]]:
         ]
         if texts:
             yield name, ", ".join(texts) + (next(iter(places.values())) if alike else "")
+
+
+def _controlled(study: Study, label: str, runs: Runs) -> Runs:
+    """The runs of a label that keep control; all of them where none does."""
+    limit = controlled_to(study, label)
+    some = [run for run in runs.solutions if run.engine_speed < limit and not beyond_control(run)]
+    return replace(runs, solutions=tuple(some)) if some else runs
+
+
+def beyond_control(run: Solution) -> bool:
+    """Whether the cam is left while the valve is open, or the valve floats: what meets again then is an
+    impact on the cam, which a bounce on the seat is not.
+    """
+    left = run.quantities.get("minimum_cam_contact_force", math.inf) <= 0
+    return left or run.quantities.get("float_excess_lift", 0.0) > FLOAT_LIFT
 
 
 def _worst(runs: Runs, quantity: str, least: bool) -> Worst | None:
@@ -97,7 +119,13 @@ def _value(runs: Runs, one: Worst) -> str:
     """The value; of a stress with what the wire is permitted, where that is known."""
     if one.name == "clash_energy" and one.value <= 0:
         return "none"
-    return runs.bounded(one)
+    return f"{runs.bounded(one)}{_impacts(runs, one)}"
+
+
+def _impacts(runs: Runs, one: Worst) -> str:
+    """What is said of a power beyond control; empty of other values."""
+    run = one.run or runs.solutions[0]
+    return IMPACTS if one.name == POWER and beyond_control(run) else ""
 
 
 def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]:
@@ -108,8 +136,8 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
     ]
     if open_for:
         yield "valve open, crank deg", worst, ", ".join(open_for)
-    if (power := runs.worst("mean_cam_power", least=False)) is not None:
-        yield "cam power", power.run or worst, runs.text(power)
+    if (power := runs.worst(POWER, least=False)) is not None:
+        yield "cam power", power.run or worst, f"{runs.text(power)}{_impacts(runs, power)}"
     stepped = next(
         (run for run in (worst, *runs.solutions) if "time_step_duration" in run.quantities), None
     )

@@ -211,12 +211,20 @@ def cause_text(run: Solution, event: Event, size: bool = True, where: str = "") 
     """The cause of an event, with what surge takes off the spring force ``where``, and its cam order;
     empty where none is known.
     """
-    cause = CAUSES.get(str(event.details.get("cause", "")), "")
-    if cause != CAUSES[CAUSE_SURGE] or not size:
-        return cause
-    loss, order = event.details.get("spring_force_loss"), run.quantities.get(SURGE_ORDER, 0.0)
-    force = "" if loss is None else f" by {figure(float(loss))} N{where}"
-    return f"{cause}{force}{f' (order {order:.0f})' if order else ''}"
+    loss = float(event.details.get("spring_force_loss", 0.0))
+    order = round(run.quantities.get(SURGE_ORDER, 0.0)) if size else 0
+    return cause_phrase(str(event.details.get("cause", "")), loss if size else 0.0, order, where)
+
+
+def cause_phrase(cause: str, loss: float, order: int, where: str = "") -> str:
+    """A cause in words, of surge with the spring force (N) that it takes ``where``, and its cam order, each
+    left out at 0.
+    """
+    phrase = CAUSES.get(cause, "")
+    if phrase != CAUSES[CAUSE_SURGE]:
+        return phrase
+    force = f" by {figure(loss)} N{where}" if loss else ""
+    return f"{phrase}{force}{f' (order {order})' if order else ''}"
 
 
 def _flight(runs: Runs, loft: Worst | None) -> str:

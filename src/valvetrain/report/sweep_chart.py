@@ -64,7 +64,7 @@ def regime_chart(study: Study) -> Chart | None:
     if found:
         caption += (
             " Bars: speeds at which contact is lost, the valve floats or bounces; thin: where that begins with another "
-            "damping of the springs or a finer division. Open marks: the motion did not settle."
+            "damping of the springs or a finer division. The curve holds the runs of that search too. Open marks: the motion did not settle."
         )
     rows = sum(panel.weight for panel in drawn)
     return Chart(
@@ -104,7 +104,7 @@ def _curves(study: Study, names: tuple[str, ...], rules: tuple[Rule, ...]) -> Pa
     known, layers, unit = line_styles(study), list[Layer](), ""
     for label in study.labels[:MAX_LINES]:
         for place, name in enumerate(names):
-            speeds, found = study.series(label, name)
+            speeds, found = _with_searched(study, label, name)
             values, unit = shown(name, found)
             if not np.any(np.isfinite(values)):
                 continue
@@ -123,11 +123,25 @@ def _curves(study: Study, names: tuple[str, ...], rules: tuple[Rule, ...]) -> Pa
     )
 
 
+def _with_searched(study: Study, label: str, name: str) -> tuple[Array, Array]:
+    """A quantity over engine speed (rad/s), of the cam force with the runs of the search: where control is lost
+    the curve has to show it.
+    """
+    speeds, values = study.series(label, name)
+    row = study.critical_speeds.of("contact-loss", label)
+    if row is None or not name.startswith("minimum_cam"):
+        return speeds, values
+    known = dict(row.curve) | dict(zip(speeds.tolist(), values.tolist(), strict=True))
+    ordered = sorted(known)
+    return np.array(ordered), np.array([known[one] for one in ordered])
+
+
 def _restless(
     study: Study, label: str, x: Array, values: Array, name: str, colour: str
 ) -> list[Layer]:
-    """Open marks where the motion did not settle."""
-    some = np.array([not run.status.completed for run in study.runs(label)]) & np.isfinite(values)
+    """Open marks where the motion of a swept speed did not settle."""
+    restless = [rpm(run.engine_speed) for run in study.runs(label) if not run.status.completed]
+    some = np.isin(x, restless) & np.isfinite(values)
     return (
         [Marks(x[some], values[some], name, colour, size=6, in_legend=False)] if some.any() else []
     )

@@ -19,7 +19,7 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
-from valvetrain.report.run_clauses import bind_clause, cause_text, is_judged
+from valvetrain.report.run_clauses import bind_clause, cause_phrase, cause_text, is_judged
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import FLOAT_LIFT, CriticalSpeed
@@ -172,6 +172,8 @@ def _control(study: Study, label: str, runs: Runs) -> list[str]:
     )
     cause = _cause(rows[0], runs)
     begun += f" because {cause}" if cause else ""
+    if later := _returns(rows[0]).removeprefix(" to "):
+        begun += f", until {later} rpm"
     others = [_loses(one, runs, cause) for one in rows[1:]]
     unit = " rpm" if others and not others[-1].endswith(")") else ""
     return [begun, *([f"{joined(others)}{unit}"] if others else [])]
@@ -187,7 +189,12 @@ def _least_force(runs: Runs) -> str:
 
 
 def _cause(one: CriticalSpeed, runs: Runs, size: bool = True) -> str:
-    """Why control is lost, in the first run from there on that shows it; empty where none tells."""
+    """Why control is lost: at the critical speed itself where that was looked at, else in the first run
+    from there on that shows it; empty where none tells.
+    """
+    if one.cause:
+        known = (one.spring_force_loss, one.surge_order) if size else (0.0, 0)
+        return cause_phrase(one.cause, *known)
     for run in runs.solutions:
         if run.engine_speed >= _lost_from(one) and (
             cause := _cause_in(run, one.kind, one.limit, one.place, size)
@@ -222,11 +229,22 @@ def _loses(one: CriticalSpeed, runs: Runs, first: str) -> str:
     """``floats from 7302``, with its cause where that is not the ``first``."""
     verb = LOST[one.kind][1]
     cause = _cause(one, runs, size=False)
+    speed, later = one.engine_speed, _returns(one)
     why = f" rpm ({cause})" if cause and not first.startswith(cause) else ""
-    speed = one.engine_speed
     if one.begins is None and not math.isfinite(one.nominal_engine_speed):
-        return f"{verb} below {rpm(one.first_engine_speed):.6g}{why}"
-    return f"{verb} {rpm(speed):.0f}{why}"
+        return f"{verb} below {rpm(one.first_engine_speed):.6g}{later}{why}"
+    return f"{verb} {rpm(speed):.0f}{later}{why}"
+
+
+def _returns(one: CriticalSpeed) -> str:
+    """`` to 7419 and again from 7800`` of a loss that ends within the speeds searched; empty of others."""
+    if not one.found or one.ends is None:
+        return ""
+    text = f" to {rpm(one.ends.from_rest.lower_engine_speed):.0f}"
+    if one.again:
+        ranges = f" in {len(one.again)} ranges" if len(one.again) > 1 else ""
+        text += f" and again{ranges} from {rpm(one.again[0].lower_engine_speed):.0f}"
+    return text
 
 
 def _range(one: CriticalSpeed) -> str:

@@ -25,7 +25,8 @@ class SpeedSample:
     """The train at one engine speed: ``margins`` by kind (control is lost where not positive),
     ``locations`` of the loss, and the ``orbit`` on which the run ended (None where it cannot be
     continued). ``measures``: the margin of a kind continued below zero, where it ends there;
-    ``repeats``: whether the motion repeats every cycle.
+    ``repeats``: whether the motion repeats every cycle. ``cam_force``: the least one (N) while open, NaN where
+    there is none.
     """
 
     margins: Mapping[str, float]
@@ -33,6 +34,7 @@ class SpeedSample:
     orbit: Any = None
     measures: Mapping[str, float] = field(default_factory=dict)
     repeats: bool = True
+    cam_force: float = math.nan
 
     def measure(self, kind: str) -> float:
         """What passes zero where control is lost, with a sign on either side."""
@@ -130,6 +132,20 @@ class Search:
             if high - low <= self._resolution:
                 return SpeedBracket(low, high)
             self.sample((low + high) / 2)
+
+    def narrowed(self, kind: str, engine_speed: float) -> float:
+        """The lowest sampled speed of the range of loss that holds a sampled ``engine_speed``, after its begin
+        was narrowed to the resolution.
+        """
+        high = engine_speed
+        while (place := bisect_left(self._speeds, high)) and (
+            self._lost(kind, low := self._speeds[place - 1]) or high - low > self._resolution
+        ):
+            if self._lost(kind, low):
+                high = low
+            elif self.sample(middle := (low + high) / 2).lost(kind):
+                high = middle
+        return high
 
     def stretches(self, kind: str) -> list[SpeedBracket]:
         """All ranges of speeds that lose control, by their lowest and highest sampled speed."""

@@ -12,6 +12,7 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Periodic
+from valvetrain.runs.critical_causes import with_cause
 from valvetrain.runs.critical_repeats import (
     NOMINAL_TOLERANCE,
     SampleAt,
@@ -24,6 +25,7 @@ from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
     integrate_from,
+    integrate_point,
     provenance_of,
     with_quantities,
 )
@@ -135,7 +137,8 @@ def sample_of(
     locations = {contact: opened or "run failed", floats: "valve", bounces: "seat"}
     measures = {contact: margins[contact] or -missing}
     repeats = solution.status.completed and solution.statistics.get("motion_period_count") == 1
-    return SpeedSample(margins, locations, orbit, measures, repeats)
+    force = float(solution.quantities.get("minimum_cam_contact_force", math.nan))
+    return SpeedSample(margins, locations, orbit, measures, repeats, force)
 
 
 def missing_force(ready: PreparedRun, solution: Solution) -> float:
@@ -226,7 +229,22 @@ def _search(
     ends = min(samples), max(samples)
     rows = [critical_speed(search, kind, one.member.label, *ends, options) for kind in KINDS]
     whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
-    return tuple(repeated(row, search, precise, repeats, whole[row.kind]) for row in rows)
+    rows = [repeated(row, search, precise, repeats, whole[row.kind]) for row in rows]
+    runs = sorted(search.samples.items())
+    curve = tuple((at, run.cam_force) for at, run in runs if math.isfinite(run.cam_force))
+    rows = [replace(row, curve=curve if row.kind == "contact-loss" else ()) for row in rows]
+    if not options.ranges:
+        return tuple(rows)
+
+    @cache
+    def run_there(engine_speed: float) -> Solution:
+        all_channels = replace(plan, whole=True, keep="ends")
+        origin = provenance_of(problem, one.member, engine_speed, plan.created_at)
+        return with_quantities(
+            one, integrate_point(one, engine_speed, all_channels, origin), all_channels, {}
+        )
+
+    return tuple(with_cause(row, one, run_there) for row in rows)
 
 
 def _sample(
@@ -302,7 +320,10 @@ def critical_speed(
     end = search.end(kind, from_speed)
     begins = None if isinstance(onset, float) else search.crossing(kind, onset)
     ends = None if end is None else Crossing(end)
-    again = tuple(one for one in search.stretches(kind) if one.lower_engine_speed > from_speed)
+    again = _further(search, kind, from_speed)
+    if again:  # the speeds of a sweep do not say where it begins
+        search.narrowed(kind, again[0].lower_engine_speed)
+        again = _further(search, kind, from_speed)
     return replace(
         none,
         found=True,
@@ -312,3 +333,8 @@ def critical_speed(
         again=again,
         runs_count=search.runs_count - before,
     )
+
+
+def _further(search: Search, kind: str, engine_speed: float) -> tuple[SpeedBracket, ...]:
+    """The ranges of loss above a speed (rad/s), by their lowest and highest sampled speeds."""
+    return tuple(one for one in search.stretches(kind) if one.lower_engine_speed > engine_speed)

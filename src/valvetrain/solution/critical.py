@@ -101,6 +101,9 @@ class CriticalSpeed:
     the speed, for a force that just reaches zero (``numerical`` then holds that range too);
     ``non-repeating`` where the motion does not repeat from cycle to cycle (``numerical`` then
     reaches from the motion below that repeats and keeps control to that above that loses it).
+    ``cause``: why control is lost there, as the events of a run have it, with what surge takes off the
+    ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not asked for.
+    ``curve``, of a loss of contact: engine speed and least cam force (N) of the runs from rest, those of the sweep among them.
     """
 
     label: str
@@ -119,6 +122,10 @@ class CriticalSpeed:
     numerical: SpeedBracket | None = None
     damping: SpeedBracket | None = None
     onset: str = ""
+    cause: str = ""
+    spring_force_loss: float = 0.0
+    surge_order: int = 0
+    curve: tuple[tuple[float, float], ...] = ()
 
     @property
     def engine_speed(self) -> float:

@@ -1,0 +1,76 @@
+"""Why a train loses control at an engine speed at which it just does: the cause of the largest event,
+or of the moment at which a contact is about to open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from valvetrain.quantities.train_events import (
+    CAUSE_INERTIA,
+    CAUSE_SURGE,
+    CAUSE_VIBRATION,
+    PLACES,
+    TURN,
+    RigidCycle,
+    cause_in,
+)
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Detail, Event
+
+
+def loss_cause(
+    solution: Solution,
+    rigid: RigidCycle,
+    kind: str,
+    places: Sequence[str],
+    window: tuple[float, float],
+) -> Mapping[str, Detail]:
+    """The cause (``cause``, of surge ``spring_force_loss`` in N) in a run with channels and events.
+
+    A float has its own cause or that of the loss of contact in which it begins, whichever is not the
+    remainder (vibration). A loss of contact at one of the
+    ``places`` (``cam``, ``valve tip``) that has no gap yet has that of the moment at which the force there
+    is least in the ``window`` (begin, end in cam rad) of the open valve. Empty where none is known.
+    """
+    losses = [one for one in solution.events if one.kind in PLACES.values()]
+    if kind == "float":
+        floats = [one for one in solution.events if one.kind == "float"]
+        largest = max(floats, key=lambda one: one.size, default=None)
+        if largest is None:
+            return {}
+        turn = len(solution.time) * float(solution.time[1] - solution.time[0])
+        around = [one for one in losses if _holds(one, largest.cam_angle, turn)]
+        # vibration is what is left where neither inertia nor surge shows, so either of both goes before it
+        return max((largest, *around), key=_evidence).details
+    if kind != "contact-loss":
+        return {}
+    begin, end = window
+    here = [
+        one
+        for one in losses
+        if one.where in places and (one.cam_angle - begin) % TURN <= end - begin
+    ]
+    if here:
+        return max(here, key=lambda one: one.size).details
+    names = [f"{place.replace(' ', '_')}_contact_force" for place in places]
+    forces = [solution.channel(name) for name in names if solution.has(name)]
+    inside = np.flatnonzero((solution.cam_angle - begin) % TURN <= end - begin)
+    if not forces or not len(inside):
+        return {}
+    least = np.min(np.stack(forces), axis=0)[inside]
+    return cause_in(solution, rigid, inside[[int(np.argmin(least))]])
+
+
+def _holds(loss: Event, cam_angle: float, turn: float) -> bool:
+    """Whether a contact lost in an event, of a ``turn`` in s, is open at a cam angle (rad)."""
+    return (cam_angle - loss.cam_angle) % TURN <= loss.duration / turn * TURN
+
+
+def _evidence(event: Event) -> tuple[int, float]:
+    """Rank of the cause of an event, of surge with the force (N) that it takes."""
+    known = (CAUSE_VIBRATION, CAUSE_SURGE, CAUSE_INERTIA)
+    cause, loss = event.details.get("cause"), event.details.get("spring_force_loss", 0.0)
+    return (known.index(cause) if cause in known else -1), float(loss)

@@ -1,0 +1,42 @@
+"""Causes of critical speeds, each from one run at the critical speed itself: the speeds of a sweep,
+which are chosen by its user, decide nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from valvetrain.quantities.loss_cause import loss_cause
+from valvetrain.quantities.train_events import rigid_cycle
+from valvetrain.runs.prepared import PreparedRun
+from valvetrain.solution.critical import CriticalSpeed
+from valvetrain.solution.result import Solution
+
+#: Kinds whose events have a cause; a bounce has none.
+CAUSED = ("contact-loss", "float")
+#: Quantity of the cam order of the largest surge.
+SURGE_ORDER = "surge_amplitude_cam_order"
+
+
+def with_cause(
+    row: CriticalSpeed, ready: PreparedRun, run: Callable[[float], Solution]
+) -> CriticalSpeed:
+    """The critical speed with its cause. ``run``: the train with channels and events at an engine
+    speed (rad/s).
+    """
+    if row.kind not in CAUSED or not row.found or ready.motion is None or ready.window is None:
+        return row
+    solution = run(row.engine_speed)
+    if not len(solution.time):
+        return row
+    rigid = rigid_cycle(solution, ready.motion.table(row.engine_speed / 2))
+    found = loss_cause(solution, rigid, row.kind, row.place.split(", "), ready.window)
+    order = solution.quantities.get(SURGE_ORDER, math.nan)
+    return replace(
+        row,
+        cause=str(found.get("cause", "")),
+        spring_force_loss=float(found.get("spring_force_loss", 0.0)),
+        surge_order=round(order) if math.isfinite(order) else 0,
+    )

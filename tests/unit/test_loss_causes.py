@@ -1,0 +1,73 @@
+"""Unit: the cause of a loss of control at a critical speed, from a run there with a known answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from synthetic_train import ANGLE, COUNT, degrees, rigid, train
+from valvetrain.quantities.loss_cause import loss_cause
+from valvetrain.quantities.train_events import (
+    CAUSE_INERTIA,
+    CAUSE_SURGE,
+    CAUSE_VIBRATION,
+    rigid_cycle,
+)
+from valvetrain.solution.status import Event
+
+WINDOW = (np.pi / 2, 1.5 * np.pi)
+
+
+def cause(kind: str, *events: Event, spring: float = 500.0, pressed: float = 400.0) -> dict:
+    """Of a run whose cam force is least at 180 degrees, ``spring`` of 500 N left there and the cam
+    ``pressed`` (N) by rigid parts.
+    """
+    near = degrees(170, 190)
+    run = train(
+        events,
+        cam_contact_force=np.abs(ANGLE - np.pi),
+        retainer_force=np.where(near, spring, 500.0),
+        static_retainer_force=np.full(COUNT, 500.0),
+    )
+    still = rigid_cycle(run, rigid(contact_force=np.where(near, pressed, 400.0)))
+    return dict(loss_cause(run, still, kind, ["cam"], WINDOW))
+
+
+def event(kind: str, size: float, why: str, loss: float = 0.0, first: float = 170.0) -> Event:
+    details = {"cause": why} | ({"spring_force_loss": loss} if loss else {})
+    return Event(kind, np.radians(first), 0.0, 1e-3, size, "m", "cam", details)
+
+
+def test_a_contact_without_a_gap_has_the_cause_of_the_moment_of_least_force():
+    assert cause("contact-loss", spring=420.0) == {"cause": CAUSE_SURGE, "spring_force_loss": 80.0}
+    assert cause("contact-loss") == {"cause": CAUSE_VIBRATION}
+    assert cause("contact-loss", pressed=-1.0) == {"cause": CAUSE_INERTIA}
+
+
+def test_a_gap_in_the_open_valve_tells_its_own_cause_and_none_elsewhere_does():
+    inside = event("loft", 1e-5, CAUSE_INERTIA)
+    ramp = event("loft", 1e-4, CAUSE_INERTIA, first=300.0)
+    assert cause("contact-loss", inside, ramp, spring=420.0) == {"cause": CAUSE_INERTIA}
+    assert cause("contact-loss", ramp, spring=420.0)["cause"] == CAUSE_SURGE
+
+
+@pytest.mark.parametrize(
+    ("own", "loss", "expected"),
+    [
+        ((CAUSE_VIBRATION, 0.0), (CAUSE_SURGE, 57.0), CAUSE_SURGE),
+        ((CAUSE_SURGE, 184.0), (CAUSE_VIBRATION, 0.0), CAUSE_SURGE),
+        ((CAUSE_SURGE, 184.0), (CAUSE_INERTIA, 0.0), CAUSE_INERTIA),
+        ((CAUSE_VIBRATION, 0.0), (CAUSE_VIBRATION, 0.0), CAUSE_VIBRATION),
+    ],
+)
+def test_vibration_is_what_is_left_of_a_float_and_its_loss(own, loss, expected):
+    lost = event("loft", 6e-5, *loss, first=165.0)
+    assert cause("float", event("float", 5e-5, *own), lost)["cause"] == expected
+
+
+def test_a_loss_that_is_over_before_a_float_begins_is_none_of_its_causes():
+    early = event("loft", 6e-5, CAUSE_SURGE, 99.0, first=100.0)
+    assert cause("float", event("float", 5e-5, CAUSE_VIBRATION), early) == {
+        "cause": CAUSE_VIBRATION
+    }
+    assert cause("float") == cause("bounce") == {}
