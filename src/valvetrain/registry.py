@@ -145,6 +145,7 @@ BUILT_IN["integrators"] = {
     "harmonic": "valvetrain.integrate.harmonic:SPEC",
     "rod-leapfrog": "valvetrain.integrate.rod_leapfrog:SPEC",
     "solid-leapfrog": "valvetrain.integrate.solid_leapfrog:SPEC",
+    "solid-in-train": "valvetrain.integrate.solid_in_train:SPEC",
     "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
     "hht": "valvetrain.integrate.hht:SPEC",  # asked for by name alone: what it serves, the leapfrog serves before
 }

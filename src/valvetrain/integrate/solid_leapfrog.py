@@ -65,7 +65,7 @@ class SolidLeapfrog:
             return stored
         made = simulate_solid(
             model.statics,
-            model.installed,
+            model.equilibrium(float(system.displacement(0.0, cam_speed))),
             lambda time: model.precompression + system.displacement(time, cam_speed),
             TURN / samples / cam_speed,
             cycles * samples,

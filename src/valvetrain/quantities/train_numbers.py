@@ -39,7 +39,7 @@ COUNTED = (
     "cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy", "contact_friction_dissipated_energy",
     "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
     "steps_per_cycle_count", "minimum_spring_force", "minimum_retainer_force", "peak_spring_force_cam_angle",
-    "minimum_spring_force_cam_angle",
+    "minimum_spring_force_cam_angle", "driver_difference_force",
     "peak_cam_torque", "minimum_cam_torque", "peak_valve_lift", "peak_valve_acceleration", "peak_lever_speed",
 )  # fmt: skip
 #: Share of peak force times lift below which a spring loses nothing: its sum over the steps has that

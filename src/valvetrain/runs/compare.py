@@ -78,7 +78,7 @@ def compare_study(
     problem = build(case, spring_models=moving or ("finite-element",), spring_set=spring_sets)
     if problem.kind == TRAIN and len(moving) < len(chosen):
         raise InputError(
-            f"solid finite elements serve a spring alone, and case '{case.name}' is a train; leave solid out",
+            f"solid finite elements are compared as a spring alone, and case '{case.name}' is a train; leave solid out, or run it by them",
             "spring_models",
         )
     speeds = (

@@ -127,6 +127,7 @@ def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...
                 *buckling_notes(alone),
                 *unknown_solid_notes((member,)),
                 *pulling_end_notes((run,)),
+                *driven_notes((run,)),
             ),
         )
     )
@@ -225,6 +226,23 @@ def pulling_end_notes(solutions: Sequence[Solution]) -> tuple[str, ...]:
         "it pulls there; where the ends are not bonded in truth, take finite-element.",
     )
     return tuple(note for note, runs in zip(notes, (modal, solid), strict=True) if runs)
+
+
+def driven_notes(solutions: Sequence[Solution]) -> tuple[str, ...]:
+    """A sentence per run of solids in a train: whose motion they follow and what that leaves out."""
+    found = []
+    for run in solutions:
+        difference = run.quantities.get("driver_difference_force")
+        if difference is None:
+            continue
+        driver = run.statistics.get("driver", "")
+        repeats = run.statistics.get("motion_period_count") == 1.0
+        turns = "" if repeats else ", one of its turns over and over, which are not alike"
+        found.append(
+            f"{run.label} at {run.engine_speed * 30 / np.pi:.6g} rpm, one way: train and valve move as with {driver}{turns}; the solid's "
+            f"force on the retainer differs from that one's by {difference:.3g} N root mean square, which is what the train does not feel."
+        )
+    return tuple(found)
 
 
 def beyond_wire_notes(problem: Problem, solutions: Iterable[Solution]) -> tuple[str, ...]:

@@ -37,6 +37,7 @@ from valvetrain.solution.status import Status
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import spring_model
+from valvetrain.system.driven import DrivenSprings
 from valvetrain.system.prescribed import PrescribedSpring, names_of
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_rest import TrainRest, rest_of
@@ -83,7 +84,7 @@ class PreparedRun:
 
     member: Member
     frame: Frame
-    system: PrescribedSpring | TrainSystem | None = None
+    system: PrescribedSpring | TrainSystem | DrivenSprings | None = None
     rest: TrainRest | None = None
     motion: RigidMotion | None = None
     refusal: str = ""
@@ -134,14 +135,15 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
                     spring.prepare()
             return PreparedRun(member, frame, system)
         assert member.gear is not None
-        equilibrium = rest_of(system)
+        train = system.train if isinstance(system, DrivenSprings) else system
+        equilibrium = rest_of(train)
         # Rigid theory has no surge: springs count with the Rayleigh share of their mass, whatever model runs.
         massless = replace(member, model=spring_model("massless"), rubbing=None)
         own = member.model.word == massless.model.word or bool(massless.refusal)
-        plain = system if own else massless.system({}, problem.built)
+        plain = train if own else massless.system({}, problem.built)
         assert isinstance(plain, TrainSystem)
         motion = rigid_motion(plain, member.gear.parameters)
-        frame = replace(frame, valve_lift=system.mechanism.kinematics.valve_lift)
+        frame = replace(frame, valve_lift=train.mechanism.kinematics.valve_lift)
         return PreparedRun(member, frame, system, equilibrium, motion)
     except FAILURES as error:
         return PreparedRun(member, frame, refusal=reason(error))

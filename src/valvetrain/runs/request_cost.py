@@ -186,8 +186,19 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
             if model == SOLID:
                 if request.command == "compare" and request.engine_speeds is None:
                     continue  # at rest alone
-                total += _solid_motion(springs, simulated_time, samples, request.workers)
-                continue
+                alone = sum(
+                    turn * min(SETTLING_CYCLES, 1 + math.ceil(FORGOTTEN / turn)) for turn in turns
+                )
+                total += _solid_motion(
+                    springs,
+                    alone if train is not None else simulated_time,
+                    samples,
+                    request.workers,
+                )
+                if train is None:
+                    continue
+                spec = spring_model(spec.driver)
+                processor_time = spec.processor_time
             if model == REDUCED:
                 total += Cost(TABLES * sum(ratios))
             if train is None:
@@ -214,7 +225,7 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
                 workers=request.workers,
                 whole=whole,
             )
-            if searches and train is not None:
+            if searches and train is not None and model != SOLID:
                 # One member is one chain of runs, most of them at the upper speeds.
                 found = estimate(
                     runs=SEARCH_RUNS,

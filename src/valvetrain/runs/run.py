@@ -26,6 +26,7 @@ from valvetrain.runs.notes import (
     beyond_wire_notes,
     buckling_notes,
     chain_notes,
+    driven_notes,
     pulling_end_notes,
     refuse_implausible,
     refuse_speeds,
@@ -280,12 +281,15 @@ def run_problem(
             name = "runs between the swept speeds"
             between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)
         searched = critical is not None and not stopped
-        if critical is not None and not stopped:
+        own = tuple(
+            one for one in ready if not one.member.driven
+        )  # the train of others is that of these
+        if critical is not None and not stopped and own:
             if tell is not None:
                 tell(0, 1)
             runs = (*solutions, *between)
             try:
-                found = find_critical_speeds(problem, ready, plan, runs, critical, count, tell)
+                found = find_critical_speeds(problem, own, plan, runs, critical, count, tell)
             except PointsStopped as stop:
                 rows = tuple(row for rows in stop.results.values() for row in rows)
                 found, stopped = CriticalSpeeds(rows), True
@@ -314,6 +318,7 @@ def run_problem(
         still,
         notes=between_notes(solutions, between)
         + failures.part("notes", (), pulling_end_notes, solutions)
+        + failures.part("notes", (), driven_notes, solutions)
         + failures.part("notes", (), spike_notes, solutions),
         lift_event=problem.lift_event,
         provenance=provenance,

@@ -149,6 +149,11 @@ def run_up_study(
             f"case '{problem.record.name}' holds no train, and a run-up is of a train; sweep a spring instead"
         )
     problem.must_run()
+    if any(member.driven for member in problem.members):
+        raise InputError(
+            "solid finite elements follow a train whose motion repeats, and that of a run-up does not; use finite-element",
+            "spring_models",
+        )
     if not implausible:
         refuse_implausible(problem, (max(first, last),))
     ready = tuple(

@@ -32,6 +32,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
 from valvetrain.system.build import build
+from valvetrain.system.driven import DrivenSprings
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_modes import modes_of_train
 from valvetrain.system.train_system import TrainSystem
@@ -225,6 +226,8 @@ def problem_modes(problem: Problem) -> tuple[TrainModes, ...]:
         if key in found:
             continue
         system = member.system(member_statics(problem, member), problem.built)
+        if isinstance(system, DrivenSprings):
+            system = system.train
         assert isinstance(system, TrainSystem)
         full_lift = float(angle[np.argmax(system.mechanism.kinematics.valve_lift(angle))])
         found[key] = [

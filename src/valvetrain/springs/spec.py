@@ -32,7 +32,8 @@ class SpringModelSpec:
     the finite-element rod, given where ``needs_rest``. ``wire_only``: why a card does not serve,
     empty where it does. ``needs_mass``:
     whether a card must tell its mass. ``no_motion``: why the model does not run in time, empty
-    where it does; ``alone``: why not in a train; ``no_statics``: why it gives no curve by itself.
+    where it does; ``alone``: why not in the steps of a train, ``driver``: the model that a train runs with
+    before this one follows its motion; ``no_statics``: why it gives no curve by itself.
     ``shows``: what beyond
     the end forces (``sections``, ``clash``, ``stress``). ``damped``: whether the damping of the
     spring has an effect.
@@ -52,6 +53,7 @@ class SpringModelSpec:
     needs_rest: bool = False
     no_motion: str = ""
     alone: str = ""
+    driver: str = ""
     no_statics: str = ""
     damped: bool = True
     processor_time: float = 0.5

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,9 +19,15 @@ from valvetrain.springs.contract import Array, SpringModel, TabulatedSpring
 from valvetrain.springs.nested import NestedSprings, RadialRubbing
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.contract import PRESCRIBED, TRAIN
+from valvetrain.system.driven import DrivenSprings
 from valvetrain.system.prescribed import PrescribedSpring
 from valvetrain.system.train_system import TrainSystem
 
+#: Why solids of a pair that rub do not run.
+RUBBING = (
+    "solid finite elements move each spring of a pair by itself, and these two rub on one another; leave rubbing out, "
+    "or use finite-element"
+)
 #: Springs at rest by the installed spring they represent.
 Rest = Mapping[InstalledSpring, SpringAtRest]
 #: Models by word, installed spring (its options included) and, for models that need it, the spring
@@ -64,7 +70,13 @@ class Member:
     @property
     def _no_motion(self) -> str:
         """Why the model does not run in time here, empty where it does."""
-        return self.model.no_motion or ("" if self.gear is None else self.model.alone)
+        apart = self.gear is None or self.model.driver
+        return self.model.no_motion or ("" if apart else self.model.alone)
+
+    @property
+    def driven(self) -> bool:
+        """Whether the springs follow a train that runs with another model of them."""
+        return self.gear is not None and bool(self.model.driver)
 
     @property
     def refusal(self) -> str:
@@ -75,7 +87,7 @@ class Member:
 
     def system(
         self, rest: Rest | None = None, built: BuiltModels | None = None
-    ) -> PrescribedSpring | TrainSystem:
+    ) -> PrescribedSpring | TrainSystem | DrivenSprings:
         """The member assembled; ``rest`` holds the springs at rest where the model needs them
         (``model.needs_rest``), ``built`` the models that stand already (new ones are added).
 
@@ -88,9 +100,15 @@ class Member:
             _reaching(models, self, spring, (rest or {}).get(spring)) for spring in self.springs
         )
         if self.rubbing is not None and len(springs) == 2:
+            if self.model.driver:
+                raise InputError(RUBBING)
             springs = (NestedSprings(springs[0], springs[1], self.rubbing, name=self.model.word),)
         if self.gear is None:
             return PrescribedSpring(springs, self.valve_lift, self.name)
+        if self.driven:
+            train = replace(self, model=spring_model(self.model.driver)).system(rest, models)
+            assert isinstance(train, TrainSystem)
+            return DrivenSprings(train, springs, self.model.driver)
         return TrainSystem(
             self.gear.mechanism, springs, self.gear.gas, self.name, self.gear.parameters.crank
         )

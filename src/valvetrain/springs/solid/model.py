@@ -16,10 +16,10 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 
-#: Why a solid has no place in a train.
+#: Why a solid has no place in the steps of a train.
 ALONE = (
-    "solid finite elements move a spring alone, by a prescribed lift, and this case is a train; "
-    "use finite-element here, or run the spring alone with the valve's lift as its lift law"
+    "solid finite elements follow the motion of a train by run and sweep, one way, and take no part in its steps; "
+    "use finite-element here"
 )
 #: Compressions (m) between equilibria on the way to the installed one.
 INCREMENT = 1e-3
@@ -31,7 +31,8 @@ class SolidModel:
     turns bonded to seat and retainer.
 
     ``size`` of the mesh, law of ``contact``, ``dynamics``: damping and mass scaling, ``seats``:
-    planes that press, or clamps. It runs alone: a train's step is a thousand of its own.
+    planes that press, or clamps. A train's step is a thousand of its own: it
+    follows a train's motion one way.
 
     >>> import valvetrain as vt
     >>> wire = vt.parameters.cylindrical("4 mm", "24 mm", total_coils=6, free_length="44 mm")

@@ -104,8 +104,9 @@ SPEC = SpringModelSpec(
     wire_only="solid finite elements need its wire",
     shows=("sections", "clash", "stress"),
     alone=ALONE,
+    driver="finite-element",
     no_statics="solid finite elements are run by compare",
     processor_time=500.0,
     knows="the wire as a body, its sections deform, all coils in contact, seats",
-    leaves_out="trains, ends that lift, guides, friction, a retainer that deforms",
+    leaves_out="its own effect on a train, ends that lift, guides, friction, a retainer that deforms",
 )

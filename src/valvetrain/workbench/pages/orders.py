@@ -58,7 +58,7 @@ def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
 
 def _fits(spec: SpringModelSpec, case: Case) -> bool:
     springs = springs_of(case)
-    moves = not spec.no_motion and not (case.train is not None and spec.alone)
+    moves = not spec.no_motion and not (case.train is not None and spec.alone and not spec.driver)
     return moves and bool(springs) and not any(spec.why_not(spring) for spring in springs)
 
 
