@@ -1,21 +1,29 @@
-"""A study on a real local Dask cluster: the bits of one process, a worker killed on the way, the
-client killed and gone on.
+"""Runs on real Dask clusters: the bits of one process for every command, a worker killed on the way,
+the client killed and gone on, a scheduler that ends, the job script of docs/clusters.md.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, wait_until
-from valvetrain.explore.executors import DaskExecutor
+from valvetrain.errors import RunFailedError
+from valvetrain.explore.study import StudyText, estimate_study, read_plan
+from valvetrain.runs.cluster import Cluster
+from valvetrain.runs.workers import map_points
 from valvetrain.solution.status import COMPLETED
 
 pytest.importorskip("distributed")
@@ -148,20 +156,69 @@ def test_no_batch_of_many_loses_what_all_of_them_share():
     """A search asks for batch after batch; the release of the last one's shared part took away that
     of the next, of the same content.
     """
+    shared = (3, "x" * 100_000)
+    with threads_of_this_process(2) as address, vt.runs.on_cluster(address) as count:
+        assert count == 2
+        for first in range(12):
+            found = map_points(tripled, shared, range(first, first + 3), processes=True)
+            assert found == tuple(3 * (first + place) for place in range(3))
+        assert map_points(tripled, (5, ""), range(2)) == (0, 5)
+
+
+@contextmanager
+def threads_of_this_process(count: int) -> Iterator[str]:
+    """Address of a cluster for which nothing is started."""
     import distributed
 
-    shared = (3, "x" * 100_000)
     with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None, silence_logs=50
+        n_workers=1,
+        threads_per_worker=count,
+        processes=False,
+        dashboard_address=None,
+        silence_logs=50,
     ) as cluster:
-        executor = DaskExecutor(cluster.scheduler_address, 2)
-        try:
-            for first in range(12):
-                found = dict(executor.run(tripled, shared, range(first, first + 3)))
-                assert found == {place: 3 * (first + place) for place in range(3)}
-            assert dict(executor.run(tripled, (5, ""), range(2))) == {0: 0, 1: 5}
-        finally:
-            executor.close()
+        yield cluster.scheduler_address
+
+
+@pytest.mark.parametrize(
+    "compute",
+    [
+        lambda: vt.sweep("job-t", "1000:3000:1000 rpm", ["massless", "multi-mass"]),
+        lambda: vt.sweep("tdi-pushrod", "6000, 7000 rpm", ["massless"], spring_set="stock"),
+        pytest.param(
+            lambda: vt.refine("job-t", "2000 rpm"),
+            marks=pytest.mark.skipif(not os.environ.get(LONG), reason=f"make faults sets {LONG}"),
+        ),
+        lambda: vt.fidelity(
+            "job-t", "2000 rpm", ["massless", "multi-mass"], reference="multi-mass"
+        ),
+    ],
+    ids=["springs", "trains", "refine", "fidelity"],
+)
+def test_what_runs_side_by_side_has_the_bits_of_one_process_on_a_cluster(compute, monkeypatch):
+    """Contract: sweeps, refinements and comparisons of models go to the cluster in use."""
+    submitted = []
+    for name in ("stream", "call"):
+        own = getattr(Cluster, name)
+
+        def noted(self, *arguments, own=own):
+            submitted.append(arguments)
+            return own(self, *arguments)
+
+        monkeypatch.setattr(Cluster, name, noted)
+    with threads_of_this_process(2) as address, vt.runs.on_cluster(address):
+        found = compute()
+    assert submitted
+    assert numbers_of(found) == numbers_of(compute())
+
+
+def numbers_of(found) -> list[object]:
+    if hasattr(found, "solutions"):
+        critical = getattr(found, "critical_speeds", ())
+        return [(run.label, run.engine_speed, dict(run.quantities)) for run in found.solutions] + [
+            critical
+        ]
+    return [(one.quantity, one.engine_speed, one.value, one.numerical) for one in found.rows]
 
 
 def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
@@ -172,6 +229,103 @@ def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
     assert (
         answer.exit_code == 2 and "--dask" in answer.stderr and len(answer.stderr.splitlines()) == 1
     )
+
+
+def test_estimates_are_made_by_the_workers_of_the_cluster(monkeypatch):
+    """Closed form: four workers take a quarter of one's time, and no memory of this machine."""
+    monkeypatch.setattr(Cluster, "_its_workers", lambda self: 40)
+    plan = read_plan(StudyText(TEXT.format(count=64), "study", Path()))
+    alone, two = estimate_study(plan, 1).cost, estimate_study(plan, 2).cost
+    with threads_of_this_process(1) as address, vt.runs.on_cluster(address, workers=1) as count:
+        there = estimate_study(plan, count).cost
+    assert there.seconds == pytest.approx(alone.seconds / 40)
+    assert there.bytes == pytest.approx(2 * alone.bytes - two.bytes)
+
+
+def test_a_scheduler_without_workers_is_one_sentence(monkeypatch):
+    import distributed
+
+    monkeypatch.setattr("valvetrain.runs.cluster.PATIENCE", 2.0)
+    with distributed.LocalCluster(
+        n_workers=0, processes=False, dashboard_address=None, silence_logs=50
+    ) as cluster:
+        with pytest.raises(vt.InputError, match="has no workers; start some"):
+            vt.study(TEXT.format(count=2), dask=cluster.scheduler_address)
+
+
+def test_a_scheduler_that_ends_is_told_as_such_and_not_as_a_killed_worker(tmp_path):
+    """Contract: what was finished before arrives, then one sentence that names the scheduler."""
+
+    def slow(shared: None, number: int) -> int:
+        time.sleep(0.2)
+        return number
+
+    file = tmp_path / "scheduler.json"
+    options = {"cwd": tmp_path, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    options["env"] = process_environment()
+    dask = [sys.executable, "-m", "dask"]
+    scheduler = subprocess.Popen(
+        [*dask, "scheduler", "--scheduler-file", str(file), "--port", "0", "--no-dashboard"],
+        **options,
+    )
+    worker = subprocess.Popen(
+        [
+            *dask,
+            "worker",
+            "--scheduler-file",
+            str(file),
+            "--nthreads",
+            "1",
+            "--no-nanny",
+            "--no-dashboard",
+        ],
+        **options,
+    )
+    try:
+        wait_until(file.is_file, "the scheduler's file")
+        finished: list[int] = []
+
+        def end_of_the_scheduler(index: int, _: int) -> None:
+            finished.append(index)
+            if len(finished) == 2:
+                scheduler.kill()
+
+        with (
+            vt.runs.on_cluster(str(file)),
+            pytest.raises(RunFailedError, match=r"scheduler .* ended"),
+        ):
+            map_points(slow, None, range(200), finished=end_of_the_scheduler)
+        assert len(finished) >= 2
+    finally:
+        scheduler.kill()
+        worker.kill()
+        scheduler.wait()
+        worker.wait()
+
+
+def test_the_job_script_of_the_page_computes_a_study(tmp_path):
+    """Example: docs/clusters.md, with srun that starts each step here."""
+    page = (Path(__file__).parents[2] / "docs" / "clusters.md").read_text()
+    script = re.search(r"```sh\n(#!/bin/bash\n#SBATCH.*?)```", page, re.DOTALL)[1]
+    srun = tmp_path / "srun"
+    srun.write_text('#!/bin/bash\nwhile [[ $1 == --* ]]; do shift; done\nexec "$@"\n')
+    srun.chmod(0o755)
+    (tmp_path / "study.toml").write_text(TEXT.format(count=4).replace("multi-mass", "massless"))
+    done = subprocess.run(
+        ["bash", "-c", script],
+        cwd=tmp_path,
+        env={
+            **process_environment(),
+            "SLURM_JOB_ID": "7",
+            "PATH": f"{tmp_path}:{Path(sys.executable).parent}:{os.environ['PATH']}",
+        },
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert "4 points computed" in done.stdout
 
 
 def test_without_dask_the_command_that_installs_it_is_told(tmp_path, monkeypatch):

@@ -250,14 +250,21 @@ def read_count(value: int, low: int, high: int, where: str) -> int:
     return value
 
 
-def read_workers(value: int | None) -> int:
-    """Number of runs at a time: as requested, else the cores this process may use, at most 4."""
+def read_workers(value: int | None, dask: str = "") -> int:
+    """Number of runs at a time: as requested, else the cores this process may use, at most 4. With
+    ``dask`` that of the cluster, which the command uses to its end.
+    """
     if value is not None:
-        return read_count(value, 1, 256, "--workers")
+        read_count(value, 1, 256, "--workers")
     cores = (
         len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     )
-    return min(4, cores)
+    count = min(4, cores) if value is None else value
+    if not dask:
+        return count
+    from valvetrain.runs.cluster import on_cluster
+
+    return _HELD[-1].enter_context(on_cluster(dask, count))
 
 
 def read_names(texts: Sequence[str] | None) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ import typer
 
 from valvetrain.cli.options import (
     CaseArgument,
+    DaskOption,
     ElementsOption,
     ImplausibleOption,
     JsonOption,
@@ -68,6 +69,7 @@ def refine(
     engine_speed: SpeedOption = None,
     elements_per_coil: ElementsOption = None,
     settings: SetOption = None,
+    dask: DaskOption = "",
     workers: WorkersOption = None,
     limit: LimitOption = None,
     implausible: ImplausibleOption = False,
@@ -91,7 +93,7 @@ def refine(
         output,
         datetime.now(UTC).replace(microsecond=0),
         read_engine_speeds(engine_speed),
-        read_workers(workers),
+        read_workers(workers, dask),
         read_limits(limit),
         implausible,
     )

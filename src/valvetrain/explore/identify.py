@@ -18,7 +18,7 @@ from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.draws import Report, silent
 from valvetrain.explore.engine import Engine, Evaluation
-from valvetrain.explore.executors import executor_for
+from valvetrain.explore.executors import LocalExecutor
 from valvetrain.explore.identification_file import Request, Search, read_request
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.observe import CaseEvaluator, Observed, numbers_at, observe
@@ -30,9 +30,10 @@ from valvetrain.explore.store import Store, versions_digest
 from valvetrain.explore.study import seconds_of
 from valvetrain.parameters.changes import nearest
 from valvetrain.registry import find
+from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.watch import shows_progress
-from valvetrain.runs.workers import LOST, LOST_REMEDY, StandingPool, available_cores
+from valvetrain.runs.workers import LOST, LOST_REMEDY, StandingPool, worker_count
 
 Array = NDArray[np.float64]
 #: Points of the priors that are tried until one can be computed; bytes of a stored point and
@@ -149,38 +150,42 @@ def calibrate(
                 f"no output is called '{one.key[:80]}'; {nearest(one.key, tuple(known))}"
             )
     unknowns = tuple(Unknown(one.name, _prior_of(one), one.unit) for one in space)
-    count = available_cores() if workers is None else workers
     points = search.evaluations_of(len(unknowns), len(profiles))
     seconds = points * sum(seconds_of(experiment, run) for run in runs)
-    cost = Cost(seconds / max(count, 1), points * (POINT_BYTES + NUMBER_BYTES * len(known)))
-    refuse_cost(cost, limits_of(limit), "limit=")
-    folder = None if output is None else Path(output)
-    with Engine((experiment,), executor_for(count, dask), folder) as engine, Store(None) as seen:
+    with on_cluster(dask, workers) as count:
+        cost = Cost(seconds / count, points * (POINT_BYTES + NUMBER_BYTES * len(known)))
+        refuse_cost(cost, limits_of(limit), "limit=")
+        folder = None if output is None else Path(output)
+        with Engine((experiment,), LocalExecutor(count), folder) as engine, Store(None) as seen:
 
-        def evaluate(points: Array) -> list[Outcome]:
-            request = [
-                (experiment, tuple(row), run) for row in np.asarray(points).tolist() for run in runs
-            ]
-            outcomes = engine.outcomes(request)
-            if any(one.status.code == "worker-lost" for one in outcomes):
-                raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")
-            return [
-                _together(experiment, outcomes[first : first + len(runs)])
-                for first in range(0, len(outcomes), len(runs))
-            ]
+            def evaluate(points: Array) -> list[Outcome]:
+                request = [
+                    (experiment, tuple(row), run)
+                    for row in np.asarray(points).tolist()
+                    for run in runs
+                ]
+                outcomes = engine.outcomes(request)
+                if any(one.status.code == "worker-lost" for one in outcomes):
+                    raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")
+                return [
+                    _together(experiment, outcomes[first : first + len(runs)])
+                    for first in range(0, len(outcomes), len(runs))
+                ]
 
-        correlation = None if space.correlation is None else np.array(space.correlation)
-        posterior = Posterior(unknowns, measurements, seen.through(evaluate), correlation)
-        before = engine.store.before
-        try:
-            found = solve(posterior, search, seen, profiles=profiles, report=progress or silent)
-        except InputError as error:
-            point = posterior.values(posterior.centre[None, :])[0].tolist()
-            (middle,) = engine.outcomes([(experiment, tuple(point), runs[0])])
-            if middle.status.completed:
-                raise
-            raise InputError(f"{error.reason}; at their middle: {middle.status.message}") from error
-        return replace(found, evaluations=engine.computed, reused=before)
+            correlation = None if space.correlation is None else np.array(space.correlation)
+            posterior = Posterior(unknowns, measurements, seen.through(evaluate), correlation)
+            before = engine.store.before
+            try:
+                found = solve(posterior, search, seen, profiles=profiles, report=progress or silent)
+            except InputError as error:
+                point = posterior.values(posterior.centre[None, :])[0].tolist()
+                (middle,) = engine.outcomes([(experiment, tuple(point), runs[0])])
+                if middle.status.completed:
+                    raise
+                raise InputError(
+                    f"{error.reason}; at their middle: {middle.status.message}"
+                ) from error
+            return replace(found, evaluations=engine.computed, reused=before)
 
 
 def _prior_of(one: Varied) -> Prior:
@@ -216,9 +221,7 @@ def identify_request(
     Raises :class:`InputError` where the estimate is beyond ``limits`` (the message names
     ``option``) and where nothing can be computed.
     """
-    count = available_cores() if workers is None else workers
-    if count < 1:
-        raise InputError(f"workers must be 1 or more; it is {count}", "workers")
+    count = worker_count(workers)
     with (
         Store(folder, f"{request.identity} {versions_digest()}") as journal,
         evaluators_of(request, count) as (evaluate, compare),

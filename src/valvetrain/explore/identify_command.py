@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from valvetrain.cli.options import (
+    DaskOption,
     JsonOption,
     LimitOption,
     OpenOption,
@@ -58,6 +59,7 @@ def identify(
         asks("--profile", "QUANTITIES", "Quantities whose profile is computed; repeatable."),
     ] = None,
     output: OutputOption = None,
+    dask: DaskOption = "",
     workers: WorkersOption = None,
     limit: LimitOption = None,
     open_page: OpenOption = False,
@@ -89,7 +91,7 @@ def identify(
     retained = SavedRequest(
         "identify", request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent
     )
-    _answer(request, retained, points, read_workers(workers), read_limits(limit), open_page)
+    _answer(request, retained, points, read_workers(workers, dask), read_limits(limit), open_page)
 
 
 def _answer(

@@ -15,7 +15,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.engine import Engine, Evaluation
-from valvetrain.explore.executors import executor_for
+from valvetrain.explore.executors import LocalExecutor
 from valvetrain.explore.measure import (
     CLOSER,
     LIMIT,
@@ -34,10 +34,11 @@ from valvetrain.explore.space import Space
 from valvetrain.explore.study import seconds_of
 from valvetrain.explore.trial import CASE_SEED, Array, Trial, best_of
 from valvetrain.explore.valley import valley_of
+from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
-from valvetrain.runs.workers import Progress, available_cores
+from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.units import renamed
 
 #: Trials of the first round or rounds, drawn evenly before the search learns; and for each varied
@@ -81,7 +82,10 @@ def estimate_search(plan: OptimumPlan, workers: int) -> SearchEstimate:
         1, workers
     )
     return SearchEstimate(
-        trials, Cost(seconds, trials * (TRIAL_BYTES + 500.0 * points) + 1.2e8 * (workers + 1))
+        trials,
+        Cost(
+            seconds, trials * (TRIAL_BYTES + 500.0 * points) + 1.2e8 * (workers_here(workers) + 1)
+        ),
     )
 
 
@@ -106,7 +110,6 @@ def _seconds(plan: OptimumPlan) -> float:
 def run_search(
     plan: OptimumPlan,
     workers: int,
-    dask: str = "",
     folder: Path | None = None,
     limits: Limits = Limits(),
     progress: Progress | None = None,
@@ -116,14 +119,12 @@ def run_search(
     Raises :class:`InputError` for a request beyond ``limits``, and :class:`SearchInterrupted` with
     what was finished when it is stopped.
     """
-    if workers < 1:
-        raise InputError(f"workers must be 1 or more; it is {workers}", "workers")
     refuse_cost(estimate_search(plan, workers).cost, limits, fewer=FEWER)
     for seed in _seeds(plan):
         searcher_of(
             plan.search, len(plan.varied), _signs(plan), seed
         )  # a library that is not installed is said before the first run
-    return _Search(plan, progress).run(workers, dask, folder)
+    return _Search(plan, progress).run(workers, folder)
 
 
 def _seeds(plan: OptimumPlan) -> tuple[int, ...]:
@@ -155,13 +156,13 @@ class _Search:
         self.seeds = _seeds(plan)
         self.computed = 0
 
-    def run(self, workers: int, dask: str, folder: Path | None) -> Optimum:
+    def run(self, workers: int, folder: Path | None) -> Optimum:
         own = case_of_plan(self.plan)
         others = [(one.plan, case_of_plan(one.plan)) for one in self.plan.confirmations]
         every = [own[0], self.plan.plans]
         every += [part for varied, still in others for part in (still[0], varied.plans)]
         experiments = [one for part in every for one in part.values()]
-        with Engine(experiments, executor_for(workers, dask), folder) as points:
+        with Engine(experiments, LocalExecutor(workers), folder) as points:
             try:
                 self.case = self._case(points, self.plan, own)
                 self.plan = self.case.plan
@@ -453,6 +454,6 @@ def search_plan(
     progress: Progress | None = None,
 ) -> Optimum:
     """The search of a plan, with the arguments of :func:`optimise`."""
-    count = available_cores() if workers is None else workers
     folder = None if output is None else Path(output)
-    return run_search(plan, count, dask, folder, limits_of(limit), progress)
+    with on_cluster(dask, workers) as count:
+        return run_search(plan, count, folder, limits_of(limit), progress)

@@ -56,7 +56,6 @@ class _Request:
     plan: Any
     folder: Path
     workers: int
-    dask: str
     open_page: bool
 
 
@@ -82,13 +81,13 @@ def study(
     from valvetrain.runs.cost import read_limits
     from valvetrain.runs.run_folders import safe_name
 
-    limits, count = read_limits(limit), read_workers(workers)
+    limits, count = read_limits(limit), read_workers(workers, dask)
     plan = read_plan(read_study_file(file))
     folder = output or STUDIES / safe_name(file.stem)
     estimate = estimate_study(plan, count)
     _announce(estimate.cost, limits, folder, f"{estimate.sentence}, {{}}; finished ones")
     _compile("statics", "transient", *(["train"] if plan.case and plan.case.train else []))
-    request = _Request(plan, folder, count, dask, open_page)
+    request = _Request(plan, folder, count, open_page)
     _answer(request, partial(run_plan, limits=limits), _study_written)
 
 
@@ -117,7 +116,7 @@ def optimise(
     from valvetrain.runs.cost import read_limits
     from valvetrain.runs.run_folders import safe_name
 
-    limits, count = read_limits(limit), read_workers(workers)
+    limits, count = read_limits(limit), read_workers(workers, dask)
     plan = read_optimum(read_optimum_file(file))
     folder = output or SEARCHES / safe_name(file.stem)
     estimate = search.estimate_search(plan, count)
@@ -128,7 +127,7 @@ def optimise(
     if moves or not all(one.sizes_alone for one in requests):
         train = ["train"] if plan.case and plan.case.train else []
         _compile("statics", *(["transient"] if moves else []), *train)
-    request = _Request(plan, folder, count, dask, open_page)
+    request = _Request(plan, folder, count, open_page)
     _answer(request, partial(search.run_search, limits=limits), _optimum_written)
 
 
@@ -160,7 +159,7 @@ def _answer(
     points = request.folder / POINTS
     try:
         with progress_bar(request.plan.title) as report:
-            found = compute(request.plan, request.workers, request.dask, points, progress=report)
+            found = compute(request.plan, request.workers, folder=points, progress=report)
     except PointsInterrupted as cut:
         done = sum(one.code != "interrupted" for one in cut.table.statuses)
         text = f"{done} of {len(cut.table)} points are stored in '{points}'"

@@ -12,9 +12,8 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from valvetrain.errors import InputError
 from valvetrain.explore.engine import Array, Engine, Evaluation
-from valvetrain.explore.executors import Executor, executor_for
+from valvetrain.explore.executors import Executor, LocalExecutor
 from valvetrain.explore.files import (
     MAX_VARIED,
     CorrelationModel,
@@ -41,11 +40,12 @@ from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
 from valvetrain.registry import find
+from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.request_cost import REST, RunRequest, request_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
-from valvetrain.runs.workers import Progress, available_cores
+from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.definition import is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import renamed, si_speeds
@@ -178,11 +178,9 @@ def run_plan(
     progress: Progress | None = None,
 ) -> StudyTable:
     """The table of a plan with what its kind adds: Sobol indices, surrogates."""
-    count = available_cores() if workers is None else workers
-    if count < 1:
-        raise InputError(f"workers must be 1 or more; it is {count}", "workers")
     place = None if folder is None else Path(folder)
-    return analysed(run_points(plan, executor_for(count, dask), place, limits, progress))
+    with on_cluster(dask, workers) as count:
+        return analysed(run_points(plan, LocalExecutor(count), place, limits, progress))
 
 
 def run_points(
@@ -313,7 +311,7 @@ def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
     searched = limit_runs(experiment)
     seconds += [_seconds_of_limit(experiment, one) for one in experiment.outputs.limit_speeds]
     points = draws * (len(runs) + searched)
-    memory = points * (STORED + 8.0 * numbers) + 3e7 * workers
+    memory = points * (STORED + 8.0 * numbers) + 3e7 * workers_here(workers)
     time_needed = draws * sum(seconds) / max(1, workers)
     each = sum(seconds) / (len(runs) + searched)
     searches = draws * len(experiment.outputs.limit_speeds)

@@ -15,6 +15,7 @@ damping pumped energy into chains of contacts.
 
 from __future__ import annotations
 
+import threading
 import warnings
 from typing import Any
 
@@ -504,11 +505,15 @@ def advance_train(spring_a, spring_b, train, slot_a, slot_b, motion, records):
     return _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch)
 
 
+_READY = threading.Lock()
+
+
 def ready_train_kernel() -> Any:
     """:func:`advance_train` compiled (or read from its cache) for spring kernels as first-class
     functions, and for nothing else.
     """
-    if not advance_train.signatures:
-        advance_train.compile(_SIGNATURE)
-        advance_train.disable_compile()
+    with _READY:  # a thread that came second would compile what the first has closed
+        if not advance_train.signatures:
+            advance_train.compile(_SIGNATURE)
+            advance_train.disable_compile()
     return advance_train

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.runs.run import run_study
+from valvetrain.runs.workers import on_this_machine
 from valvetrain.solution.result import Solution
 
 #: Search for critical speeds and their ranges over a run that settles: 55 (rigid parts) to 225 (a reduced rod) measured.
@@ -42,15 +43,16 @@ def sweep_seconds(
         for speed in (middle, middle, top):  # the first builds and loads what later runs share
             begun = time.process_time()  # of this process: what else runs here does not last
             try:
-                study = run_study(
-                    case,
-                    engine_speeds=(speed,),
-                    spring_models=spring_models,
-                    spring_sets=(chosen,),
-                    workers=1,
-                    whole=False,
-                    later=True,
-                )
+                with on_this_machine():
+                    study = run_study(
+                        case,
+                        engine_speeds=(speed,),
+                        spring_models=spring_models,
+                        spring_sets=(chosen,),
+                        workers=1,
+                        whole=False,
+                        later=True,
+                    )
             except InputError:
                 return None
             each[speed] = time.process_time() - begun

@@ -56,12 +56,15 @@ from valvetrain.runs.stored_error_bars import (
 )
 from valvetrain.runs.train_runs import (
     STOPPED,
+    WORKER_LOST,
     Finished,
     prepare_trains,
     rigid_numbers,
     run_trains,
 )
 from valvetrain.runs.workers import (
+    CLUSTER,
+    Lost,
     Progress,
     as_they_come,
     return_memory,
@@ -473,9 +476,14 @@ def _run_springs(
             progress(min(1.0, (1 + len(done) + under_way) / (1 + len(points))), text)
 
     shares: dict[tuple[Member, float], float] = {}
+    cluster = CLUSTER.get()
 
     def integrate(ready: PreparedRun, speed: float) -> Solution:
         provenance = provenance_of(problem, ready.member, speed, plan.created_at)
+        if cluster is not None:
+            found = cluster.call(integrate_point, ready, speed, plan, provenance)
+            lost = isinstance(found, Lost)
+            return unfinished(problem, ready.member, speed, plan, WORKER_LOST) if lost else found
 
         def watch(share: float) -> bool:
             """Show how far a long run is, until it is stopped."""

@@ -24,8 +24,9 @@ from concurrent.futures import (
 )
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from contextvars import ContextVar
 from numbers import Integral
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.runs.stopping import POLL_INTERVAL, PointsStopped, check_stop
@@ -39,6 +40,26 @@ Progress = Callable[[float, str], None]
 #: Message of a run whose worker was killed, and its remedy.
 LOST = "the worker process that ran it was killed, and so was the one that tried it again"
 LOST_REMEDY = "take fewer workers if the memory was not enough"
+
+
+class RemoteWorkers(Protocol):
+    """Workers elsewhere, such as :class:`valvetrain.runs.cluster.Cluster`: ``workers`` runs at a time."""
+
+    workers: int
+
+    def stream(
+        self, function: Callable[[Any, Any], Any], shared: Any, points: Sequence[Any]
+    ) -> Iterator[tuple[int, Any]]:
+        """(index, ``function(shared, point)``) of every point as it is finished."""
+        ...
+
+    def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """``function(*arguments)``."""
+        ...
+
+
+#: Where runs go (:func:`valvetrain.runs.cluster.on_cluster`), None for this machine.
+CLUSTER: ContextVar[RemoteWorkers | None] = ContextVar("cluster", default=None)
 
 _LOCK, _LIMIT = threading.Lock(), ExitStack()
 _inside = 0
@@ -218,8 +239,8 @@ def _end_with_parent() -> None:
 
 
 class StandingPool:
-    """Worker processes for many batches of ``function(shared, point)``; ``count`` 1: this process.
-    A context manager.
+    """Worker processes for many batches of ``function(shared, point)``; ``count`` 1: this process;
+    the cluster where one is in use. A context manager.
 
     A run whose worker is killed is tried again by :func:`in_processes`; what cannot be computed
     comes back as :class:`Lost`.
@@ -240,7 +261,7 @@ class StandingPool:
         return self
 
     def _start(self) -> None:
-        if self.count > 1:
+        if self.count > 1 and CLUSTER.get() is None:
             context = multiprocessing.get_context(start_method())
             self._pool = ProcessPoolExecutor(
                 self.count,
@@ -262,6 +283,9 @@ class StandingPool:
 
     def stream(self, points: Sequence[Any]) -> Iterator[tuple[int, Any]]:
         """(index, result) of every point of one batch as it is finished."""
+        if (cluster := CLUSTER.get()) is not None:
+            yield from cluster.stream(self.function, self.shared, points)
+            return
         if self._pool is None:
             for index, point in enumerate(points):
                 check_stop()
@@ -319,7 +343,9 @@ def map_cases(
     items: Sequence[Case] = tuple(cases)
     count = min(worker_count(workers), max(len(items), 1))
     numbered: Iterator[tuple[int, Any]]
-    if count == 1:
+    if (cluster := CLUSTER.get()) is not None:
+        numbered = cluster.stream(_of_one, function, items)
+    elif count == 1:
         numbered = enumerate(map(function, items))
     else:
         numbered = in_processes(_of_one, function, items, count)
@@ -385,7 +411,9 @@ def _results(
     count: int,
     processes: bool,
 ) -> Iterator[tuple[int, Any]]:
-    if count == 1:
+    if (cluster := CLUSTER.get()) is not None:
+        yield from cluster.stream(function, shared, points)
+    elif count == 1:
         for index, point in enumerate(points):
             check_stop()
             yield index, function(shared, point)
@@ -399,16 +427,32 @@ def _results(
 
 
 def worker_count(workers: int | None) -> int:
-    """``workers``, None for the cores there are. Raises :class:`InputError` for what is no whole
-    number of 1 or more.
+    """``workers``, None for the cores there are, or for what the cluster in use takes at a time.
+    Raises :class:`InputError` for what is no whole number of 1 or more.
     """
     if workers is None:
-        return available_cores()
+        cluster = CLUSTER.get()
+        return available_cores() if cluster is None else cluster.workers
     if not (isinstance(workers, Integral) and workers >= 1):
         raise InputError(
             f"workers must be 1 or more, a whole number; it is {str(workers)[:40]}", "workers"
         )
     return int(workers)
+
+
+@contextmanager
+def on_this_machine() -> Iterator[None]:
+    """What is computed in the block stays here, also where a cluster is in use."""
+    token = CLUSTER.set(None)
+    try:
+        yield
+    finally:
+        CLUSTER.reset(token)
+
+
+def workers_here(workers: int) -> int:
+    """Those of ``workers`` that take memory of this machine: none where a cluster is in use."""
+    return workers if CLUSTER.get() is None else 0
 
 
 def available_cores() -> int:

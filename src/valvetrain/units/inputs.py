@@ -234,8 +234,8 @@ def si_speeds(
     ``"1000:9000:100 rpm"`` with both ends. Raises :class:`InputError` as :func:`si`, and for none,
     for speeds that are not positive and ranges that lead nowhere.
 
-    >>> len(si_speeds("1000:9000:100 rpm"))
-    81
+    >>> len(si_speeds("1000:9000:100 rpm")), len(si_speeds("1000:9000:100rpm"))
+    (81, 81)
     """
     if isinstance(values, str):
         speeds = _speeds_of_text(values, quantity, where)
@@ -259,9 +259,11 @@ def si_speeds(
 
 def _speeds_of_text(text: str, quantity: str, where: str) -> tuple[float, ...]:
     if match := _RANGE.match(text):
-        unit = match[4] or ""
+        *parts, unit = match.groups(default="")
+        if not unit and parts[0][-1].isdigit():  # "1000:9000:500rpm"
+            parts[2], unit = re.fullmatch(r"(.*?)([A-Za-z/]*)", parts[2]).groups()  # type: ignore[union-attr]
         first, last, step = (
-            parse_quantity(f"{part}{unit}", "angular speed", where) for part in match.groups()[:3]
+            parse_quantity(f"{part}{unit}", "angular speed", where) for part in parts
         )
         if not (first > 0 and last >= first and step > 0):
             why = (
