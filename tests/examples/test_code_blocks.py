@@ -30,7 +30,7 @@ FENCED = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 #: Page or folder of pages -> the module of tests that runs what stands there.
 RUN_BY_ITS_OWN_TEST = {
     "README.md": "test_readme", "docs/public-names.md": "test_readme", "docs/python.md": "test_readme",
-    "docs/tutorial.md": "test_tutorial", "docs/how-to/": "test_how_to", "docs/extend/": "test_add_pages",
+    "docs/tutorial.md": "test_tutorial", "docs/clusters.md": "test_clusters_page", "docs/how-to/": "test_how_to", "docs/extend/": "test_add_pages",
     "docs/film.md": "test_film_page", "docs/identification.md": "test_identification_page", "docs/case-files.md": "test_case_file_guide",
     "docs/case-files-trains.md": "test_train_case_guide", "docs/model-against-test.md": "test_model_against_test_page",
     "docs/rig-data.md": "test_rig_data_page", "docs/springs-from-cards.md": "test_springs_from_cards_page",
