@@ -109,7 +109,7 @@ class Cluster:
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
-                dashboard_address=None,
+                dashboard_address=":0",  # any free port
                 protocol="tcp",
                 silence_logs=50,
             )
