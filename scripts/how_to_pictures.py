@@ -274,14 +274,17 @@ def lift_lost() -> tuple[str, tuple[Panel, ...]]:
 
 
 def flight() -> tuple[str, tuple[Panel, ...]]:
-    run = vt.simulate(template("pushrod"), "9000 rpm").solutions[0]
+    case = vt.load_case("tdi-pushrod")
+    run = vt.simulate(case, "8500 rpm", spring_models=["wave-rod"], spring_set=["stock"]).solutions[
+        0
+    ]
     angle, moved = over_angle(run, "valve_lift", 1e3)
     rigid = line(angle, over_angle(run, "rigid_valve_lift", 1e3)[1], "rigid parts", GREY, "dash")
     gaps = [
         line(*over_angle(run, f"{place}_gap", 1e3), words, colour)
         for place, words, colour in (("cam", "cam", ORANGE), ("valve_tip", "valve tip", GREEN))
     ]
-    return "Template pushrod train at 9000 rpm", (
+    return "tdi-pushrod, stock springs, at 8500 rpm", (
         turn("valve lift (mm)", rigid, line(angle, moved, "valve", BLUE)),
         Panel(
             ANGLE,
@@ -289,7 +292,7 @@ def flight() -> tuple[str, tuple[Panel, ...]]:
             tuple(gaps),
             x_range=(0, 360),
             x_step=30,
-            y_range=(0.0, 1.9),
+            y_range=(0.0, 0.8),
         ),
     )
 

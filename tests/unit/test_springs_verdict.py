@@ -271,3 +271,15 @@ def test_the_curve_of_a_sweep_passes_through_the_runs_of_its_search():
     (curve,) = chart.panels[0].layers
     assert curve.x == pytest.approx([6000, 6500, 6750, 7000])
     assert curve.y == pytest.approx([90, 0, 3, 40])
+
+
+def test_a_verdict_says_where_the_ends_of_the_spring_would_lift():
+    """A note alone said so, and the sentence gave the flight on a spring that pulls as if it were right."""
+    pull = Event("end-pull", 4.0, 0.01, 1e-3, 0.0, "N", "retainer")
+    fast = replace(run("a", 7000), events=(pull,))
+    said = "the ends of the spring would lift, which modal-uniform does not show (take multi-mass)"
+    model = replace(fast, provenance=replace(fast.provenance, model="modal-uniform"))
+    assert said in Study(CaseRecord("own"), "run", (model,)).verdict.lower()
+    swept = Study(CaseRecord("own"), "sweep", (run("a", 6000), model)).verdict
+    assert f"; from 7000 rpm {said};" in swept
+    assert "would lift" not in Study(CaseRecord("own"), "sweep", (run("a", 6000),)).verdict

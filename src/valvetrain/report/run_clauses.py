@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.limits import PassedLimit, passed_limits
 from valvetrain.quantities.train_events import (
     CAUSE_INERTIA,
@@ -36,6 +37,8 @@ SURGE_ORDER = "surge_amplitude_cam_order"
 FLEX_ANGLE = math.radians(1.0)
 #: Room to coil bind (m) below which it is called close (docs/limits.md), that to the piston too.
 NEAR = 1e-3
+#: What is said of a model whose springs would pull.
+ENDS_PULL = "the ends of the spring would lift, which {} does not show (take multi-mass)"
 #: Labels of which everything is said.
 MAX_LABELS = 2
 
@@ -64,6 +67,8 @@ def run_clauses(runs: Runs) -> Iterator[Clause]:
     if not runs.solutions:
         return
     yield from limit_clauses(runs)
+    if pulling := ends_that_pull(runs):
+        yield Clause(ENDS_PULL.format(pulling[0].model), pulling[0])
     if (bind := bind_clause(runs)) is not None:
         yield bind
     if any(run.provenance.system == TRAIN for run in runs.solutions):
@@ -98,6 +103,11 @@ def limit_clauses(runs: Runs) -> Iterator[Clause]:
         text = runs.text(Worst(name, one.value, run))
         bound = quantity_text(name, one.limit)
         yield Clause(f"{label_of(name)} {text}, above its limit of {bound}", run)
+
+
+def ends_that_pull(runs: Runs) -> list[Solution]:
+    """The runs in which ends of a spring would lift that its model holds, so that what follows is not right."""
+    return [run for run in runs.solutions if any(one.kind == PULL for one in run.events)]
 
 
 def bind_clause(runs: Runs) -> Clause | None:

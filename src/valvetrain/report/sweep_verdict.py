@@ -19,7 +19,14 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
-from valvetrain.report.run_clauses import bind_clause, cause_phrase, cause_text, is_judged
+from valvetrain.report.run_clauses import (
+    ENDS_PULL,
+    bind_clause,
+    cause_phrase,
+    cause_text,
+    ends_that_pull,
+    is_judged,
+)
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import FLOAT_LIFT, CriticalSpeed
@@ -70,6 +77,8 @@ def sweep_clauses(study: Study) -> list[str]:
     bind = bind_clause(runs)
     if bind is not None and (not train or "clear of coil bind by" not in bind.text):
         parts.insert(0 if "solid" in bind.text else len(parts), bind.text)
+    if pulling := ends_that_pull(runs):
+        parts.append(f"from {_speed(pulling[0])} {ENDS_PULL.format(pulling[0].model)}")
     parts += limits_over_speed(runs)
     if not train:
         parts += _spring_forces(runs)
