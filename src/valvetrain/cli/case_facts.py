@@ -46,10 +46,11 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
         )
         if said := default_contacts(train.contacts):
             facts.append(("", said))
-        facts += [
-            (f"springs '{name}'", "; ".join(map(_spring_fact, springs)))
-            for name, springs in train.springs.items()
-        ]
+        for name, springs in train.springs.items():
+            facts.append((f"springs '{name}'", "; ".join(map(_spring_fact, springs))))
+            facts += [
+                ("", spring.card.remark) for spring in springs if spring.card and spring.card.remark
+            ]
     if case.operation.engine_speeds:
         facts.append(
             (
@@ -111,6 +112,8 @@ def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
                 else "inactive ends only",
             )
         )
+    if spring.card is not None and spring.card.remark:
+        facts.append(("", spring.card.remark))
     if spring.guide is not None:
         facts.append(("guide", f"{spring.guide.summary()}, without friction"))
     damping = spring.damping

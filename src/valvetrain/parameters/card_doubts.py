@@ -40,5 +40,5 @@ def doubtful_turns(
         found += f", fewer than the {MIN_ACTIVE:g} that a spring has"
     return (
         f"{found}: are these the loads of a dual spring with the wire of its outer one? Then enter outer and inner as two springs "
-        "of one set, each with its own wire, diameter and loads; else check loads, heights and diameters"
+        "of one set, each with its own wire and diameter, and loads of its own or loads_of = 'pair'; else check loads, heights and diameters"
     )

@@ -301,6 +301,15 @@ def _read_blocks(raw: Any) -> SpringBlocks:
     if not 1 <= len(entries) <= 2:
         raise problem("there are one or two springs, outer first")
     listed = isinstance(raw, list)
+    if any(isinstance(entry, dict) and "loads_of" in entry for entry in entries):
+        from valvetrain.parameters.schema_pair import read_pair  # which has the cards from here
+
+        if len(entries) < 2:
+            raise problem(
+                "loads_of = 'pair' is said of two springs; add the inner one",
+                (*((0,) if listed else ()), "loads_of"),
+            )
+        return SpringBlocks(read_pair(entries), listed)
     return SpringBlocks(
         tuple(
             _read_block(
@@ -324,7 +333,11 @@ def _read_block(entry: Any, path: tuple[int, ...], which: str) -> WireBlock | Ca
     if entry.keys() <= known and not (_LOADS | _WIRE_KEYS) & entry.keys():
         raise problem(
             f"the loads of the {which}spring are missing; give preload (seat load) and rate, or preload, open_load and open_height "
-            "(of a spring known by its wire: total_coils, pitch, ends)",
+            + (
+                "(where those of the other are of both together: loads_of = 'pair' there)"
+                if which
+                else "(of a spring known by its wire: total_coils, pitch, ends)"
+            ),
             path,
         )
     return (
@@ -340,6 +353,8 @@ def is_card(entry: Mapping[str, Any]) -> bool:
     >>> is_card({"preload": "250 N", "rate": "32 N/mm"}), is_card({"wire_diameter": "4 mm", "total_coils": 6})
     (True, False)
     """
+    if "loads_of" in entry:
+        return True
     return any(key in _CARD_KEYS for key in entry) and not (
         "wire_diameter" in entry and any(key in _WIRE_KEYS for key in entry)
     )

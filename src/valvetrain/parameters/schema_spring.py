@@ -265,7 +265,6 @@ class SpringCardModel(StrictModel):
         if lift is not None and preload_height is not None and installed is not None:
             lift -= preload_height - installed
         load = None if lift is None else preload + rate * lift
-        self._refuse_open_solid(lift, installed)
         if (
             self.solid_height is not None
             and installed is not None
@@ -274,6 +273,7 @@ class SpringCardModel(StrictModel):
             raise problem(
                 "solid_height is not below installed_height; check both", ("solid_height",)
             )
+        self._refuse_open_solid(lift, installed)
         return SpringCard(
             rate=rate,
             preload=preload,

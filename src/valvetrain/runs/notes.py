@@ -121,6 +121,7 @@ def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...
         filter(
             None,
             (
+                *parting_notes((member,)),
                 ringing_note((member,)),
                 *undamped_notes((member,)),
                 *chain_notes((member,)),
@@ -131,6 +132,17 @@ def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...
             ),
         )
     )
+
+
+def parting_notes(members: Iterable[Member]) -> tuple[str, ...]:
+    """How the total loads of dual springs were parted, a sentence each."""
+    said = (
+        spring.card.remark
+        for member in members
+        for spring in member.springs
+        if spring.card is not None and spring.card.remark
+    )
+    return tuple(dict.fromkeys(said))
 
 
 def with_notes(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solution, ...]:

@@ -27,6 +27,7 @@ from valvetrain.runs.notes import (
     buckling_notes,
     chain_notes,
     driven_notes,
+    parting_notes,
     pulling_end_notes,
     refuse_implausible,
     refuse_speeds,
@@ -414,6 +415,7 @@ def _notes(problem: Problem) -> tuple[str, ...]:
         ringing_note(members),
     )
     named = (
+        *parting_notes(members),
         *undamped_notes(members),
         *chain_notes(members),
         *buckling_notes(problem),
