@@ -115,11 +115,15 @@ def _layers(trace, colour: str) -> list[Layer]:
     texts = (
         tuple(str(one) for one in trace.text) if trace.text is not None and "text" in mode else ()
     )
+    own = {}
+    if trace.marker.symbol is not None:
+        own = {"symbol": trace.marker.symbol, "size": trace.marker.size or 8.0, "filled": True}
     marks = Marks(
         x,
         y,
         name,
         trace.marker.color or trace.line.color or colour,
+        **own,
         labels=texts,
         in_legend=shown and "lines" not in mode,
     )

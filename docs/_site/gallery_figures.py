@@ -18,13 +18,15 @@ from valvetrain.report.page import plotly_script
 
 
 def scrape(block, block_vars, gallery_conf) -> str:
-    """What a block leaves on the page: nothing, or its figure once."""
+    """What a block leaves on the page: nothing, or its figure once, when it has its title (a figure drawn in
+    one block and labelled in a later one stood without labels).
+    """
     scope = block_vars["example_globals"]
     figure = scope.get("figure")
     if figure is None:
         keep_picture(scope.get("___"), block_vars)
         return ""
-    if scope.get("_shown") is figure:
+    if scope.get("_shown") is figure or not figure.layout.title.text:
         return ""
     scope["_shown"] = figure
     path = Path(next(block_vars["image_path_iterator"])).with_suffix(".svg")

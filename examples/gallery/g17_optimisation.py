@@ -45,7 +45,11 @@ print(
 inputs = np.array([trial.values for trial in found.trials])
 figure = go.Figure(go.Scatter(x=inputs[:, 0], y=inputs[:, 1], mode="markers", name="trials"))
 figure.add_scatter(
-    x=[best.values[0]], y=[best.values[1]], mode="markers", name="best", marker={"color": "#a33b53"}
+    x=[best.values[0]],
+    y=[best.values[1]],
+    mode="markers",
+    name="best",
+    marker={"color": "#a33b53", "symbol": "diamond", "size": 12},
 )
 figure.update_layout(title="Trials of the search")
 figure.update_xaxes(title="preload (N)")

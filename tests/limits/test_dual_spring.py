@@ -141,6 +141,4 @@ def test_a_run_says_how_the_loads_were_parted():
     )
     springs = springs.replace("PRELOAD", "800.0").replace("RATE", "66000.0")
     study = vt.simulate(parse_case(law + springs, "own"), "3000 rpm")
-    assert any(
-        note.startswith("Total loads parted by the rates") for note in study.notes
-    )
+    assert any(note.startswith("Total loads parted by the rates") for note in study.notes)

@@ -12,6 +12,7 @@ from unit.cli_parts import call
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_kind, template_text
+from valvetrain.system.build import build
 from valvetrain.units import parse_quantity
 from valvetrain.workbench.workspace import Workspace
 
@@ -100,3 +101,47 @@ def test_a_bare_number_is_offered_the_units_of_both_systems(text, dimension, off
 def test_the_command_offers_inches_for_a_wire_in_inches():
     result = call("spring-card", "--wire-diameter", "0.187", "--outer-diameter", "1.30 in")
     assert result.exit_code == 2 and "write '0.187 in' or '0.187 mm'" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('preload = "130 lbf"', 'preload = "130 lb"', "'130 lb' is a mass, but a force is needed here, write '130 lbf'"),
+        ('preload = "130 lbf"', 'preload = "130#"', "pounds of force are written 'lbf'"),
+        ('open_load = "350 lbf"\nopen_height = "1.25 in"', 'rate = "400 lb/in"', "write '400 lbf/in'"),
+        ('installed_height = "1.80 in"', "installed_height = '1.80\"'", "inches are written 'in'"),
+        ("rocker_ratio = 1.6", 'rocker_ratio = "1.6:1"', "write a ratio as a plain number"),
+        ("rocker_ratio = 1.6", "rocker_ratio = 16", "give a value of at most 5"),
+        ('preload = "130 lbf"', 'seat_load = "130 lbf"', "that is preload here"),
+        ('solid_height = "1.15 in"', 'coil_bind = "1.15 in"', "that is solid_height here"),
+        ('outer_diameter = "1.44 in"', 'OD = "1.44 in"', "that is outer_diameter here"),
+        ('outer_diameter = "1.03 in"', 'outer_diameter = "1.50 in"', "38.1 mm wide and does not fit into the outer one, which is 26.82 mm"),
+        ('wire_diameter = "0.192 in"', 'wire_diameter = "0.192 mm"', "active turns, which no spring has"),
+        ('advertised_duration = "288 deg"', 'advertised_duration = "250 deg"', "count at 0.020 in: advertised_lift"),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("ignore::valvetrain.errors.UnusualValueWarning")
+def test_a_slip_on_a_card_is_answered_with_what_is_meant(old, new, says):
+    text = PUSHROD
+    assert old in text
+    with pytest.raises(InputError) as refused:
+        build(parse_case(text.replace(old, new, 1), "own"))
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('angle_of = "crank"', 'angle_of = "cam"', "472 crank deg .* longer than that of any engine"),
+        ('mass = "145 g"', 'mass = "0.145 g"', "a valve of 0.145 g is light for a lift of 14.35 mm"),
+        ('wire_diameter = "0.130 in"', 'wire_diameter = "0.160 in"', "active turns, but the solid height leaves"),
+    ],
+)  # fmt: skip
+def test_what_hardly_any_engine_has_is_warned_of(old, new, says):
+    assert old in PUSHROD
+    with pytest.warns(UnusualValueWarning, match=says):
+        build(parse_case(PUSHROD.replace(old, new, 1), "own"), spring_set=("card",))
+
+
+def test_inches_are_read_in_every_spelling():
+    assert parse_quantity("1.8 inches", "length") == parse_quantity("1.8 in", "length")

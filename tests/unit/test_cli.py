@@ -547,6 +547,6 @@ def test_check_refuses_the_card_without_mass_that_run_refuses(tmp_path, command)
     result = call(command, str(path))
     assert result.exit_code == 2
     assert (
-        "'stock' has no mass on its card, which a multi-mass spring needs; add its mass or use massless"
+        "'stock' has no mass on its card, which a multi-mass spring needs; add its mass, or wire_diameter and outer_diameter to compute it"
         in sentence(result)
     )

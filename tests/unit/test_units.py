@@ -79,7 +79,7 @@ REFUSED = [
     ("5 N", "length", "is a force, but a length is needed"),
     ("35 Hz", "angular speed", "is a frequency, but a rotational speed"),
     ("2100 rpm", "frequency", "is a rotational speed, but a frequency"),
-    ("3 lb/in", "stiffness", "lb is a mass, lbf the force"),
+    ("3 lb/in", "stiffness", "write '3 lbf/in' (lb and kg are masses, lbf and kgf forces)"),
     ("5 mmm", "length", "did you mean"),
     ("5 (mm)", "length", "cannot be read"),
     ("6000-8000 rpm", "angular speed", "a range is written first:last:step"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,7 +17,7 @@ from pydantic import Field
 from valvetrain.cam.contract import Array, LiftSpec
 from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces, solve
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_types import (
     Angle,
@@ -35,6 +36,9 @@ DURATION_LIFT, ADVERTISED_LIFT, UPPER_LIFT = (
 RAMP_ABOVE_LASH = 1e-4
 #: 0.0005 in per cam degree.
 RAMP_VELOCITY = 0.0005 * 25.4e-3 / math.radians(1.0)
+
+#: Crank angle (rad) beyond which no engine holds a valve open by half a millimetre of lobe lift.
+MAX_DURATION = math.radians(360.0)
 
 RockerRatio = Annotated[float, quantity("ratio", low=0.2, high=5.0)]
 PositiveAngle = Annotated[float, quantity("angle", low=0.0, open_low=True)]
@@ -105,6 +109,13 @@ class CamCardModel(LiftModel):
         disagrees, or none.
         """
         turn = 0.5 if self.angle_of == "crank" else 1.0
+        if 2 * self.duration * turn > MAX_DURATION and self.duration_lift >= 5e-4:
+            warnings.warn(
+                f"a duration of {math.degrees(2 * self.duration * turn):.4g} crank deg at {_mm(self.duration_lift)} is longer than that of any "
+                "engine; are these crank degrees (angle_of)?",
+                UnusualValueWarning,
+                stacklevel=2,
+            )
         away = (
             None
             if self.lobe_centre is None
@@ -302,9 +313,12 @@ class CamCard:
         if value is not None:
             return made(value)
         possible = sorted(2 * angle_before_nose(made(bound), lift) for bound in bounds)
+        whole = possible[1] > math.pi  # more than half a revolution of the cam is no bound
+        reach = f"{_deg(possible[0])} or more" if whole else f"{_deg(possible[0])} to {_deg(possible[1])}"  # fmt: skip
+        where = " (cards of solid tappets often count at 0.020 in: advertised_lift)" if name == "advertised_duration" else ""  # fmt: skip
         raise InputError(
-            f"{name} {_deg(duration)} at {_mm(lift)} does not go with the other values of the cam card: they leave {_deg(possible[0])} to "
-            f"{_deg(possible[1])}; check lifts, durations, ramps and whether angle_of is crank or cam"
+            f"{name} {_deg(duration)} at {_mm(lift)} does not go with the other values of the cam card: they leave {reach}; check lifts"
+            f"{where}, durations, ramps and whether angle_of is crank or cam"
         )
 
     @cached_property
@@ -336,7 +350,7 @@ def _deg(angle: float) -> str:
 
 
 def _mm(lift: float) -> str:
-    return f"{lift * 1e3:.4g} mm"
+    return f"{lift * 1e3:.4g} mm ({lift / 0.0254:.3g} in)"
 
 
 SPEC = LiftSpec(CamCard, CamCardModel)

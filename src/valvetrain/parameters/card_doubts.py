@@ -29,6 +29,12 @@ def doubtful_turns(
     total = total_coils
     if total is None and solid_height is not None:
         total = solid_height / wire_diameter
+    if total is not None and active > total:
+        source = "the solid height leaves" if total_coils is None else "there are"
+        return (
+            f"rate, wire and coil diameter make {active:.3g} active turns, but {source} {total:.3g} in all; check wire_diameter, coil diameter, "
+            "loads and heights"
+        )
     if active >= MIN_ACTIVE and (total is None or total - active <= 2 * MAX_INACTIVE):
         return ""
     digits = 2 if float(f"{active:.2g}") < MIN_ACTIVE else 3

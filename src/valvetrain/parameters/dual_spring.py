@@ -10,7 +10,7 @@ from valvetrain.errors import InputError
 #: Loads of one are parted where both together agree with wires and coils within these factors.
 LOW, HIGH = 0.7, 1.4
 #: Active turns of a spring whose rate is what the other one leaves.
-FEWEST, MOST = 2.0, 14.0
+MIN_TURNS, MAX_TURNS = 2.0, 14.0
 NAMES = ("outer", "inner")
 
 
@@ -109,7 +109,7 @@ def _rates(rate: float, outer: Half, inner: Half) -> tuple[tuple[float, float], 
     left = rate - mine
     other = (inner, outer)[known]
     turns = other.rate_of_one_coil / left if left > 0 else 0.0
-    if not FEWEST <= turns <= MOST:
+    if not MIN_TURNS <= turns <= MAX_TURNS:
         leaves = f"leaves {left / 1e3:.3g} N/mm to the {NAMES[1 - known]} one" + (
             f", which takes {turns:.3g} active turns" if left > 0 else ""
         )

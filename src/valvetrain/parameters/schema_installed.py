@@ -48,6 +48,9 @@ _CARD_KEYS = (
 _LOADS = {"preload", "rate", "open_load"}
 _WIRE_KEYS = set(SpringModel.model_fields) - set(SpringCardModel.model_fields)
 
+#: An inner spring may be this many times as wide as the outer one is inside: damped pairs rub.
+INTERFERENCE = 1.03
+
 EndContact = Literal["lifting", "bonded"]
 END_CONTACT = Field(
     default=None,
@@ -283,6 +286,7 @@ class SpringBlocks:
         if not self.listed:
             return (self.blocks[0].installed(name, group),)
         names = (name,) if len(self.blocks) == 1 else ("outer", "inner")
+        self._refuse_too_wide()
         springs = tuple(
             placed(place, block.installed, names[place], group)
             for place, block in enumerate(self.blocks)
@@ -293,6 +297,27 @@ class SpringBlocks:
                 (1, "name"),
             )
         return springs
+
+    def _refuse_too_wide(self) -> None:
+        """Refuse an inner card whose coils are wider than the room within the outer one's; the
+        interference of damped pairs passes.
+        """
+        sizes = []
+        for block in self.blocks:
+            wire = block.wire_diameter if isinstance(block, CardBlock) else None
+            if not isinstance(block, CardBlock) or wire is None:
+                return
+            mean, outer = block.mean_diameter, block.outer_diameter
+            if outer is None and mean is None:
+                return
+            sizes.append((outer if outer is not None else (mean or 0.0) + wire, wire))
+        inside = sizes[0][0] - 2 * sizes[0][1]
+        if len(sizes) == 2 and inside > 0 and sizes[1][0] > INTERFERENCE * inside:
+            raise problem(
+                f"the inner spring is {sizes[1][0] * 1e3:.4g} mm wide and does not fit into the outer one, which is {inside * 1e3:.4g} mm wide "
+                "inside; check diameters and wires, and that the outer spring comes first",
+                (1, "outer_diameter"),
+            )
 
 
 def _read_blocks(raw: Any) -> SpringBlocks:

@@ -33,6 +33,8 @@ from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition
 
 #: A spring of more turns than this is taken for a mistake, and would cost minutes to check.
 MAX_COILS = 200.0
+#: A card of fewer active turns is a slip of units, and a chain of its mass could not be damped.
+MIN_TURNS = 0.3
 
 EndTurns = Annotated[float, quantity("ratio", low=0.0, high=3.0)]
 PoissonRatio = Annotated[float, quantity("ratio", low=-1.0, high=0.5)]
@@ -371,6 +373,12 @@ class SpringCardModel(StrictModel):
             )
         material = self.material or DEFAULT_MATERIAL
         by_rate = material.shear_modulus * wire**4 / (8 * mean**3 * rate)
+        if by_rate < MIN_TURNS:
+            raise problem(
+                f"rate, wire and coil diameter make {by_rate:.2g} active turns, which no spring has; check wire_diameter, coil diameter, "
+                "loads and their units",
+                ("wire_diameter",),
+            )
         coils = self.active_coils or by_rate
         if self.active_coils is None and (
             doubt := doubtful_turns(by_rate, wire, self.solid_height, None)

@@ -22,7 +22,16 @@ from pydantic_core import PydanticCustomError
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import nearest
-from valvetrain.units import PlainInteger, PlainNumber, doubt, parse_quantities, parse_quantity
+from valvetrain.parameters.key_names import meant_key
+from valvetrain.units import (
+    DIMENSIONS,
+    PlainInteger,
+    PlainNumber,
+    doubt,
+    format_quantity,
+    parse_quantities,
+    parse_quantity,
+)
 from valvetrain.units.text import clipped
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -42,8 +51,10 @@ class StrictModel(BaseModel):
             raise problem(f"a table of {', '.join(cls.model_fields)} is needed here")
         for key in raw:
             if key not in cls.model_fields:
+                known = tuple(cls.model_fields)
                 raise problem(
-                    f"key '{key[:60]}' is unknown; {nearest(key, tuple(cls.model_fields))}", (key,)
+                    f"key '{key[:60]}' is unknown; {meant_key(key, known) or nearest(key, known)}",
+                    (key,),
                 )
         return raw
 
@@ -146,6 +157,13 @@ def _doubted(raw: Any, value: float, info: ValidationInfo) -> None:
         guarded(doubt, value, name, shown, bare)
 
 
+def _bound(value: float, dimension: str | None) -> str:
+    """A bound in the unit that is suggested for its dimension."""
+    due = DIMENSIONS.get(dimension or "ratio")
+    unit = str(dimension) if due is None else due.default_unit
+    return format_quantity(value, unit) if value else "zero"
+
+
 def quantity(
     dimension: str | None,
     *,
@@ -162,11 +180,11 @@ def quantity(
         _doubted(raw, value, info)
         if low is not None and (value < low or (open_low and value == low)):
             raise problem(
-                f"'{clipped(str(raw))}' is too small; give a value {'above' if open_low else 'of at least'} {low:g} (SI)"
+                f"'{clipped(str(raw))}' is too small; give a value {'above' if open_low else 'of at least'} {_bound(low, dimension)}"
             )
         if high is not None and value > high:
             raise problem(
-                f"'{clipped(str(raw))}' is too large; give a value of at most {high:g} (SI)"
+                f"'{clipped(str(raw))}' is too large; give a value of at most {_bound(high, dimension)}"
             )
         return value
 

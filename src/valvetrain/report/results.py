@@ -223,9 +223,15 @@ def _panel(
     colour: str = "",
     rules: tuple[Rule, ...] = (),
 ) -> Panel:
-    """Lines of (name, x, y) in the colours of a series."""
+    """Lines of (name, x, y) in the colours of a series; a single one is named by its axis."""
     layers = tuple(
-        Line(_floats(x), _floats(y), name, colour or theme.SERIES[place % len(theme.SERIES)])
+        Line(
+            _floats(x),
+            _floats(y),
+            name,
+            colour or theme.SERIES[place % len(theme.SERIES)],
+            in_legend=len(lines) > 1,
+        )
         for place, (name, x, y) in enumerate(lines[:MAX_LINES])
     )
     panel = Panel(x_label, y_label, layers, rules=rules)

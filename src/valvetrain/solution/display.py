@@ -52,7 +52,8 @@ def span(values: Sequence[float] | ArrayLike, unit: str) -> str:
     if not array.size or np.all(np.isnan(array)):
         return "none"
     name, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    return f"{np.nanmin(array) * factor:.5g} to {np.nanmax(array) * factor:.5g} {name}".strip()
+    low, high = np.nanmin(array) * factor + 0.0, np.nanmax(array) * factor + 0.0  # no "-0"
+    return f"{low:.5g} to {high:.5g} {name}".strip()
 
 
 def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -66,7 +66,10 @@ class SpringModelSpec:
         if self.wire_only:
             return f"spring '{spring.name}' is known by its card only; {self.wire_only}"
         if self.needs_mass and spring.card.mass is None:
-            return f"spring '{spring.name}' has no mass on its card, which a {self.word} spring needs; add its mass or use massless"
+            return (
+                f"spring '{spring.name}' has no mass on its card, which a {self.word} spring needs; add its mass, or wire_diameter and "
+                "outer_diameter to compute it, or use massless"
+            )
         return ""
 
     def build(self, spring: InstalledSpring, rest: SpringAtRest | None = None) -> SpringModel:

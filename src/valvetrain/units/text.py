@@ -47,6 +47,12 @@ def _better(unit: str) -> str:
         return "a range is written first:last:step, as in '1000:9000:500 rpm'"
     if re.match(r",\d", unit):
         return "write the number with a point, as in '0.5 mm'"
+    if unit in ('"', "''", "\u2033"):
+        return "inches are written 'in'"
+    if unit == "#":
+        return "pounds of force are written 'lbf'"
+    if re.match(r":\s*1\Z", unit):
+        return "write a ratio as a plain number"
     return "write it as in 'N/mm' or 'kg/m^3'"
 
 
@@ -219,6 +225,19 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
     return finite(float(number), text, where), unit
 
 
+def _as_force(unit: str, due: str) -> str:
+    """``unit`` with its pounds or kilograms as forces, where that has the dimension of ``due``, else
+    empty.
+    """
+    force = re.sub(r"\bkg\b", "kgf", re.sub(r"\b(?:lbs?|pounds?)\b", "lbf", unit))
+    if force == unit:
+        return ""
+    try:
+        return force if _resolve(force)[1] == _resolve(due)[1] else ""
+    except InputError:
+        return ""
+
+
 def _written(number: str, dimension: str | None) -> str:
     """``number`` with the units of ``dimension`` that a remedy offers, inches first where the number
     is one of valve gear in inches.
@@ -252,8 +271,11 @@ def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str
             example = (
                 "without a unit" if dimension == "ratio" else f"such as {_written('1', dimension)}"
             )
-            if re.search(r"\blb\b", unit):
-                example += " (lb is a mass, lbf the force)"
+            force = _as_force(unit, due.si_unit if due else str(dimension))
+            if force:
+                example = f"write '{value:.12g} {force}' (lb and kg are masses, lbf and kgf forces)"
+            if force and is_what == "something else":
+                is_what = "by pounds or kilograms of mass"
             raise InputError(f"{shown} is {is_what}, but {phrase} is needed here, {example}", where)
     return finite(value * factor, shown, where)
 
