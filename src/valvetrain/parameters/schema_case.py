@@ -17,7 +17,8 @@ from valvetrain.parameters.bounded_file import bounded_bytes, named_file
 from valvetrain.parameters.case import Case, Note, Operation, point_problem
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.lift_law import LiftLawParameters
-from valvetrain.parameters.schema_installed import RubbingModel, SpringField
+from valvetrain.parameters.schema_blocks import SpringField
+from valvetrain.parameters.schema_installed import RubbingModel
 from valvetrain.parameters.schema_lift import LiftField, LiftModel
 from valvetrain.parameters.schema_types import (
     AngularSpeed,

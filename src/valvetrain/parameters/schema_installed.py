@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, ValidatorFunctionWrapHandler, WrapValidator
@@ -39,18 +38,6 @@ from valvetrain.parameters.schema_types import (
 from valvetrain.parameters.spring_options import options_problem, options_table
 
 _CONTACT, _RUBBING = CoilContact(), Rubbing()
-#: Keys that a card alone has, and a wire alone; a wire_diameter says nothing, for a card may have
-#: one for its mass.
-_CARD_KEYS = (
-    set(SpringCardModel.model_fields) - set(SpringModel.model_fields) - {"installed_height"}
-)
-#: Keys of which a card has one or more.
-_LOADS = {"preload", "rate", "open_load"}
-_WIRE_KEYS = set(SpringModel.model_fields) - set(SpringCardModel.model_fields)
-
-#: An inner spring may be this many times as wide as the outer one is inside: damped pairs rub.
-INTERFERENCE = 1.03
-
 EndContact = Literal["lifting", "bonded"]
 END_CONTACT = Field(
     default=None,
@@ -270,119 +257,3 @@ def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
         )
     )
     return built
-
-
-@dataclass(frozen=True)
-class SpringBlocks:
-    """The validated blocks of one place in the file; ``listed`` where they stand as a list."""
-
-    blocks: tuple[WireBlock | CardBlock, ...]
-    listed: bool
-
-    def build(self, name: str, group: str = "") -> tuple[InstalledSpring, ...]:
-        """The installed springs; ``name`` for those without one of their own, ``group`` the set that
-        warnings name. Raises a located problem.
-        """
-        if not self.listed:
-            return (self.blocks[0].installed(name, group),)
-        names = (name,) if len(self.blocks) == 1 else ("outer", "inner")
-        self._refuse_too_wide()
-        springs = tuple(
-            placed(place, block.installed, names[place], group)
-            for place, block in enumerate(self.blocks)
-        )
-        if len({spring.name for spring in springs}) < len(springs):
-            raise problem(
-                f"both springs are named '{springs[0].name}'; give each a name of its own",
-                (1, "name"),
-            )
-        return springs
-
-    def _refuse_too_wide(self) -> None:
-        """Refuse an inner card whose coils are wider than the room within the outer one's; the
-        interference of damped pairs passes.
-        """
-        sizes = []
-        for block in self.blocks:
-            wire = block.wire_diameter if isinstance(block, CardBlock) else None
-            if not isinstance(block, CardBlock) or wire is None:
-                return
-            mean, outer = block.mean_diameter, block.outer_diameter
-            if outer is None and mean is None:
-                return
-            sizes.append((outer if outer is not None else (mean or 0.0) + wire, wire))
-        inside = sizes[0][0] - 2 * sizes[0][1]
-        if len(sizes) == 2 and inside > 0 and sizes[1][0] > INTERFERENCE * inside:
-            raise problem(
-                f"the inner spring is {sizes[1][0] * 1e3:.4g} mm wide and does not fit into the outer one, which is {inside * 1e3:.4g} mm wide "
-                "inside; check diameters and wires, and that the outer spring comes first",
-                (1, "outer_diameter"),
-            )
-
-
-def _read_blocks(raw: Any) -> SpringBlocks:
-    """One spring, or a list of one or two (outer first)."""
-    entries = raw if isinstance(raw, list) else [raw]
-    if not 1 <= len(entries) <= 2:
-        raise problem("there are one or two springs, outer first")
-    listed = isinstance(raw, list)
-    if any(isinstance(entry, dict) and "loads_of" in entry for entry in entries):
-        from valvetrain.parameters.schema_pair import read_pair  # which has the cards from here
-
-        if len(entries) < 2:
-            raise problem(
-                "loads_of = 'pair' is said of two springs; add the inner one",
-                (*((0,) if listed else ()), "loads_of"),
-            )
-        return SpringBlocks(read_pair(entries), listed)
-    return SpringBlocks(
-        tuple(
-            _read_block(
-                entry,
-                (place,) if listed else (),
-                ("outer ", "inner ")[place] if len(entries) == 2 else "",
-            )
-            for place, entry in enumerate(entries)
-        ),
-        listed,
-    )
-
-
-def _read_block(entry: Any, path: tuple[int, ...], which: str) -> WireBlock | CardBlock:
-    if not isinstance(entry, dict):
-        raise problem(
-            "a spring is a table: its wire (wire_diameter and so on) or its card (preload, rate)",
-            path,
-        )
-    known = WireBlock.model_fields.keys() | CardBlock.model_fields.keys()
-    if entry.keys() <= known and not (_LOADS | _WIRE_KEYS) & entry.keys():
-        raise problem(
-            f"the loads of the {which}spring are missing; give preload (seat load) and rate, or preload, open_load and open_height "
-            + (
-                "(where those of the other are of both together: loads_of = 'pair' there)"
-                if which
-                else "(of a spring known by its wire: total_coils, pitch, ends)"
-            ),
-            path,
-        )
-    return (
-        validate_as(CardBlock, entry, path)
-        if is_card(entry)
-        else validate_as(WireBlock, entry, path)
-    )
-
-
-def is_card(entry: Mapping[str, Any]) -> bool:
-    """Whether the table of a spring is read as its card, else as its wire.
-
-    >>> is_card({"preload": "250 N", "rate": "32 N/mm"}), is_card({"wire_diameter": "4 mm", "total_coils": 6})
-    (True, False)
-    """
-    if "loads_of" in entry:
-        return True
-    return any(key in _CARD_KEYS for key in entry) and not (
-        "wire_diameter" in entry and any(key in _WIRE_KEYS for key in entry)
-    )
-
-
-SpringField = Annotated[SpringBlocks, PlainValidator(_read_blocks)]

@@ -9,8 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from valvetrain.parameters.schema_blocks import SpringField
 from valvetrain.parameters.schema_contact import ContactsField
-from valvetrain.parameters.schema_installed import RubbingModel, SpringField
+from valvetrain.parameters.schema_installed import RubbingModel
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_types import (
     MAX_MASS,

@@ -16,6 +16,7 @@ from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case, Note
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.overrides import REMOVED, read_assignment
+from valvetrain.parameters.schema_blocks import is_card
 from valvetrain.parameters.schema_case import CaseModel, OperationModel
 from valvetrain.parameters.schema_contact import STEEL
 from valvetrain.parameters.schema_installed import (
@@ -25,8 +26,8 @@ from valvetrain.parameters.schema_installed import (
     GuideModel,
     RubbingModel,
     WireBlock,
-    is_card,
 )
+from valvetrain.parameters.schema_pair import PairedCard
 from valvetrain.parameters.schema_types import StrictModel
 from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.train_schema import PARTS, TrainModel
@@ -258,7 +259,8 @@ class _Form:
     def spring(self, key: str, raw: Mapping[str, Any], title: str) -> Iterator[FieldGroup]:
         """The block of a spring, its damping, contact, guide and options."""
         by_card = is_card(raw)
-        yield self.group(key, title, CardBlock if by_card else WireBlock, raw)
+        card = PairedCard if "loads_of" in raw else CardBlock
+        yield self.group(key, title, card if by_card else WireBlock, raw)
         yield self.group(
             f"{key}.damping", f"{title}: damping", DampingModel, raw.get("damping", {})
         )
