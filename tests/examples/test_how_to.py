@@ -7,9 +7,11 @@ from __future__ import annotations
 import os
 import re
 
+import numpy as np
 import pytest
 
 from how_to_parts import FOLDER, PAGES, ROOT, Guide, holds, number_of, rows_of_study
+from valvetrain import study
 
 #: Guides whose command takes seconds: asked by make test-long.
 LONG = ("01", "02", "03", "05", "06", "15", "16")
@@ -51,6 +53,22 @@ def test_the_headline_on_loss_of_control_names_the_cause_that_the_command_gives(
     cause, speed = "surge lowers the spring force", "Controlled to 6863 rpm"
     assert headline.startswith("**Surge: it lowers the spring force") and cause in guide.said
     assert guide.said.startswith(speed) and "6862.5 and 6868.8" in headline
+
+
+def test_the_guide_on_nested_springs_prints_what_the_study_of_detuning_gives():
+    """Each row of the page within its digits, and the sentence that the page quotes."""
+    text = (FOLDER / "06-nested-springs.md").read_text(encoding="utf-8")
+    table = study(ROOT / "examples" / "how-to" / "detuning.toml", workers=1)
+    mass = 1e3 * table.column("train.springs.nested-cards.1.mass")
+    names = ("inner_surge_frequency", "surge_amplitude_force", "minimum_spring_force")
+    rows = re.findall(r"^\| ([\d.]+) g[^|]*\| (\d+) Hz \|[^|]*\| (\d+) N \| (\d+) N \|$", text, re.MULTILINE)  # fmt: skip
+    assert len(rows) == 5
+    for given, *printed in rows:
+        place = int(np.argmin(np.abs(mass - float(given))))
+        found = [table.column(name)[place] for name in names]
+        assert [f"{value:.0f}" for value in found] == printed
+    _, shape, _ = re.split(r"Its sentence: (.*)\.$", text, flags=re.MULTILINE)
+    assert shape in table.verdict
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
