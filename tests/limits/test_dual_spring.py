@@ -118,6 +118,12 @@ def test_two_heights_are_as_good_as_a_rate():
         ("", 'preload = "90 N"', {}, "are those of both; leave preload out here"),
         ('free_length = "45 mm"', "", {}, "the free length of the outer spring makes"),
         ("", "", {"rate": 3 * RATE}, "check wires, diameters, turns and loads"),
+        (
+            'solid_height = "40 mm"\nopen_height = "37 mm"',
+            "",
+            {},
+            r"spring\.0\.open_height: the open load is given at 37 mm",
+        ),
         ("", "", {"preload": 0.0}, "the total preload of the pair is missing"),
     ],
 )

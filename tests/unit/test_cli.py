@@ -530,7 +530,10 @@ def test_check_puts_a_train_together():
     result = call("check", "vaz-ohc", "--set", "train.lash=12 mm")
     assert result.exit_code == 2 and "not smaller than the valve lift" in result.stderr
     result = call("check", "vaz-ohc", "--set", "train.springs.nested.1.installed_height=21 mm")
-    assert result.exit_code == 2 and "spring 'inner' reaches coil bind" in result.stderr
+    assert (
+        result.exit_code == 2
+        and "spring 'inner' of set 'nested' reaches coil bind" in result.stderr
+    )
 
 
 @pytest.mark.parametrize("command", ["check", "run"])

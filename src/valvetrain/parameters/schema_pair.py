@@ -104,6 +104,7 @@ def read_pair(entries: list[Any]) -> tuple[PairedCard, PairedCard]:
         raise problem("total loads are parted at installed_height; add it", (0, "installed_height"))
     height = outer.installed_height
     rate, lift = placed(0, outer._rate, height)
+    placed(0, outer.refuse_open_solid, lift, height)
     halves = [placed(place, one.half, height) for place, one in enumerate((outer, inner))]
     found = guarded(part, rate, outer.preload, *halves)
     parted = []
