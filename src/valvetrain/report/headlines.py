@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from valvetrain.quantities.limits import MARK, PassedLimit, passed_limits
 from valvetrain.report.run_summary import critical_rows, searched
-from valvetrain.report.text import number, quantity_label, speed_text
+from valvetrain.report.text import number, quantity_label, rpm, speed_text
 from valvetrain.solution.definition import definition_of, names_for, shown, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -132,7 +132,7 @@ def limit_sentences(study: Study, reasons: bool = True) -> tuple[str, ...]:
                     worst[name] = one, run
         for one, run in worst.values():
             reason = f": {one.reason}." if reasons else ""
-            found.append(f"{label}, {speed_text(run.engine_speed)}: {one.comparison}{reason}")
+            found.append(f"{label}, {rpm(run.engine_speed):.6g} rpm: {one.comparison}{reason}")
     return tuple(found)
 
 
