@@ -179,6 +179,7 @@ def _object(modes: TrainModes, count: int) -> dict[str, Any]:
             "natural_frequency": {"value": float(frequency), "unit": "Hz"},
             "shape": dict(zip(modes.bodies, modes.shape[place].tolist(), strict=True)),
             "energy_share": dict(zip(modes.parts, modes.energy_share[place].tolist(), strict=True)),
+            **_followed(modes, place),
         }
         for place, frequency in enumerate(modes.natural_frequency[:count])
     ]
@@ -193,20 +194,39 @@ def _object(modes: TrainModes, count: int) -> dict[str, Any]:
     )
 
 
+def _followed(modes: TrainModes, place: int) -> dict[str, Any]:
+    """The mode of the closed valve (from 1) that one goes on from, and their overlap."""
+    if not modes.closed_mode:
+        return {}
+    overlap = {"value": modes.overlap[place], "unit": "1"}
+    return {"closed_mode": modes.closed_mode[place] + 1, "overlap": overlap}
+
+
 def _show_train(console: Console, modes: TrainModes, count: int) -> None:
     from valvetrain.cli.outcome import plain_table
     from valvetrain.parameters.summary import number
     from valvetrain.runs.train_runs import STATES
 
+    followed = bool(modes.closed_mode)
     names = [
-        (str(place + 1), number(float(one), 5), modes.moving(place))
+        (
+            str(place + 1),
+            number(float(one), 5),
+            *(
+                (str(modes.closed_mode[place] + 1), f"{100 * modes.overlap[place]:.0f} %")
+                if followed
+                else ()
+            ),
+            modes.moving(place),
+        )
         for place, one in enumerate(modes.natural_frequency[:count])
     ]
+    heads = ("mode", "frequency (Hz)", *(("closed mode", "overlap") if followed else ()))
     title = f"Whole train, {modes.label}, {STATES.get(modes.state, modes.state)}"
     console.print()
     console.print(
         plain_table(
-            ("mode", "frequency (Hz)", "moving (kinetic energy)"), names, title, right=(0, 1)
+            (*heads, "moving (kinetic energy)"), names, title, right=tuple(range(len(heads)))
         )
     )
     if modes.open:

@@ -33,8 +33,8 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
 from valvetrain.system.build import build
 from valvetrain.system.driven import DrivenSprings
+from valvetrain.system.mode_tracking import modes_to_full_lift
 from valvetrain.system.problem import Member, Problem, Rest
-from valvetrain.system.train_modes import modes_of_train
 from valvetrain.system.train_system import TrainSystem
 from valvetrain.units import renamed
 
@@ -195,7 +195,7 @@ def train_modes(
     Returns
     -------
     tuple of TrainModes, two per variant: ``state`` closed and full_lift, frequencies (Hz), shapes
-    and shares of kinetic energy
+    and shares of kinetic energy; at full lift which mode of the closed valve each goes on from
 
     Raises
     ------
@@ -216,7 +216,7 @@ def problem_modes(problem: Problem) -> tuple[TrainModes, ...]:
     """Modes of every distinct train of a problem; see :func:`train_modes`."""
     angle = np.linspace(0.0, 2 * np.pi, 1441)
     closed = float(angle[np.argmin(problem.valve_lift.lift(angle))])
-    found: dict[Hashable, list[TrainModes]] = {}
+    found: dict[Hashable, tuple[TrainModes, TrainModes]] = {}
     for member in problem.members:
         if member.gear is None:
             raise InputError(
@@ -230,8 +230,5 @@ def problem_modes(problem: Problem) -> tuple[TrainModes, ...]:
             system = system.train
         assert isinstance(system, TrainSystem)
         full_lift = float(angle[np.argmax(system.mechanism.kinematics.valve_lift(angle))])
-        found[key] = [
-            modes_of_train(system, member.springs, cam_angle, state, member.label)
-            for state, cam_angle in (("closed", closed), ("full_lift", full_lift))
-        ]
+        found[key] = modes_to_full_lift(system, member.springs, closed, full_lift, member.label)
     return tuple(one for pair in found.values() for one in pair)

@@ -181,7 +181,9 @@ class TrainModes(Saveable):
     rotation (rad) of every body, the largest travel 1 where a rotation counts by its radius of
     gyration; zero in a mode in which only a spring moves. ``energy_share`` (mode, part): share of
     each part in the kinetic energy. ``closed``, ``open``: contacts under load, and those without,
-    which have no stiffness.
+    which have no stiffness. ``closed_mode``, at full lift: the mode (from 0) of the closed valve that each goes on
+    from, followed by its shape; ``overlap``: squared cosine between the shapes where it is least on the way. A low one
+    is a mode that changes as contacts open.
 
     >>> import valvetrain as vt
     >>> found = vt.runs.train_modes("tdi-pushrod", "massless", spring_set="stock")[0]
@@ -200,6 +202,8 @@ class TrainModes(Saveable):
     energy_share: Array
     closed: tuple[str, ...] = ()
     open: tuple[str, ...] = ()
+    closed_mode: tuple[int, ...] = ()
+    overlap: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         modes = len(self.natural_frequency)

@@ -9,6 +9,7 @@ does not press has no stiffness.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,41 @@ ROUND_OFF = 1e-9
 UNBALANCED = 1e-3
 
 
+class Eigen(NamedTuple):
+    """Eigenvalues (rad2/s2, ascending) about rest at a cam angle, ``vectors`` (unknown, mode) of unit length
+    in displacement times root of mass, positions ``q`` (N,), ``masses`` of the unknowns and matrices of the springs.
+    """
+
+    values: Array
+    vectors: Array
+    q: Array
+    masses: Array
+    springs: tuple[SpringMatrices, ...]
+
+
+def eigen_at(system: TrainSystem, installed: Sequence[InstalledSpring], cam_angle: float) -> Eigen:
+    """The eigenvalue problem about rest; arguments and errors as of :func:`modes_of_train`."""
+    lift = float(system.mechanism.kinematics.valve_lift(cam_angle))
+    start = rigid_poses(system).positions(np.array([lift]))[0] if lift > 0 else None
+    q = static_equilibrium(system, cam_angle, start)
+    left = float(np.max(np.abs(generalised_forces(system, q, cam_angle, system.spring_force))))
+    if left > UNBALANCED * max(system.spring_force(float(q[system.arrays.retainer])), 1.0):
+        raise InputError(
+            f"train '{system.name}' comes to no rest ({left:.3g} N or N m are left), so it has no modes; soften its contacts"
+        )
+    models = _models(system.springs)
+    behind = [*installed, *[None] * (len(models) - len(installed))]
+    springs = tuple(
+        spring_matrices(model, spring, float(q[system.arrays.retainer]))
+        for model, spring in zip(models, behind, strict=True)
+    )
+    masses, stiffness = assembled(system, q, cam_angle, springs)
+    root = 1 / np.sqrt(masses)
+    values, vectors = np.linalg.eigh(root[:, None] * stiffness * root)
+    values[np.abs(values) < ROUND_OFF * values[-1]] = 0.0
+    return Eigen(values, vectors, q, masses, springs)
+
+
 def modes_of_train(
     system: TrainSystem,
     installed: Sequence[InstalledSpring] = (),
@@ -47,25 +83,14 @@ def modes_of_train(
 
     Raises :class:`InputError` for a train that comes to no rest.
     """
-    lift = float(system.mechanism.kinematics.valve_lift(cam_angle))
-    start = rigid_poses(system).positions(np.array([lift]))[0] if lift > 0 else None
-    q = static_equilibrium(system, cam_angle, start)
-    left = float(np.max(np.abs(generalised_forces(system, q, cam_angle, system.spring_force))))
-    if left > UNBALANCED * max(system.spring_force(float(q[system.arrays.retainer])), 1.0):
-        raise InputError(
-            f"train '{system.name}' comes to no rest ({left:.3g} N or N m are left), so it has no modes; soften its contacts"
-        )
-    retainer = system.arrays.retainer
-    models = _models(system.springs)
-    behind = [*installed, *[None] * (len(models) - len(installed))]
-    springs = [
-        spring_matrices(model, spring, float(q[retainer]))
-        for model, spring in zip(models, behind, strict=True)
-    ]
-    masses, stiffness = assembled(system, q, cam_angle, springs)
-    root = 1 / np.sqrt(masses)
-    values, vectors = np.linalg.eigh(root[:, None] * stiffness * root)
-    values[np.abs(values) < ROUND_OFF * values[-1]] = 0.0
+    return modes_from(system, eigen_at(system, installed, cam_angle), cam_angle, state, label)
+
+
+def modes_from(
+    system: TrainSystem, eigen: Eigen, cam_angle: float, state: str, label: str = ""
+) -> TrainModes:
+    """The modes of a solved eigenvalue problem; arguments as of :func:`modes_of_train`."""
+    q, springs = eigen.q, eigen.springs
     count = len(q)
     pens = gap_state(system, q, cam_angle)[0]
     contacts = [
@@ -78,13 +103,14 @@ def modes_of_train(
         if len(springs) == 1
         else [f"{word} spring" for word in ("outer", "inner")[: len(springs)]]
     )
-    shape, share = _shapes(system, vectors * root[:, None], masses, springs)
+    vectors = eigen.vectors / np.sqrt(eigen.masses)[:, None]
+    shape, share = _shapes(system, vectors, eigen.masses, springs)
     return TrainModes(
         label or system.name,
         state,
         cam_angle,
         float(q[system.mechanism.index(system.mechanism.valve)]),
-        np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi),
+        np.sqrt(np.maximum(eigen.values, 0.0)) / (2 * np.pi),
         system.coordinate_names[:count],
         (*system.coordinate_names, *names),
         shape,
