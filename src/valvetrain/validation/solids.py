@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.coil_contact.line_contact import line_contact
 from valvetrain.continuum.statics import SolidStatics
 from valvetrain.continuum.wire import SolidContactLaw, SolidWire
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
 from valvetrain.runs.run import run_study
+from valvetrain.springs.finite_element import FiniteElementRod
+from valvetrain.springs.solid.model import SolidModel
+from valvetrain.springs.spec import spring_model
 from valvetrain.validation.models import SOLID, SOLID_BEEHIVE, solid_beehive
 from valvetrain.validation.row import Kind, Row, book_case
 from valvetrain.validation.springs import STEEL
+from valvetrain.validation.squeezed_section import squeezed_section
 
 KIND: Kind = "independent computation"
 
@@ -52,6 +57,84 @@ def bricks_in_contact_against_calculix() -> list[Row]:
         Row("solids", f"bricks in contact, force at {1e3 * at:.1f} mm", "", what, due, one.retainer_force, "N", 0.003 * due, why, KIND)
         for (at, due), one in zip(SOLID_BEEHIVE.items(), found, strict=True)
     ]  # fmt: skip
+
+
+def love_excess(
+    wire_diameter: float = 3e-3, diameter: float = 30e-3, pitch: float = 34e-3
+) -> tuple[float, float]:
+    """By how much a clamped helix of bricks is stiffer than Love's, over its stiffness, for many turns;
+    and what the curvature of its section adds by Goehner's series.
+
+    Clamps that hold their sections add a part that falls with the square of the turns: it follows from
+    6 and 10 turns.
+    """
+    angle = np.arctan(pitch / (np.pi * diameter))
+    sine, cosine, radius = np.sin(angle), np.cos(angle), diameter / 2
+    bending = STEEL.youngs_modulus * np.pi * wire_diameter**4 / 64
+    torsion = STEEL.shear_modulus * np.pi * wire_diameter**4 / 32
+    # travel and rotation of the end under force and torque about the axis, per length of wire
+    travel = radius**2 * (cosine**2 / torsion + sine**2 / bending)
+    mixed = radius * sine * cosine * (1 / torsion - 1 / bending)
+    rotation = sine**2 / torsion + cosine**2 / bending
+    turns, excess = np.array([6.0, 10.0]), list[float]()
+    for count in turns:
+        length = np.pi * diameter * count / cosine
+        rate = rotation / (travel * rotation - mixed**2) / length
+        spring = SpringDefinition(
+            Constant(wire_diameter), Constant(diameter), Constant(pitch), float(count), STEEL, OPEN_END, OPEN_END
+        )  # fmt: skip
+        statics = SolidStatics(SolidWire(spring, contact=SolidContactLaw(0.0)))
+        excess.append(statics.compress([1e-5])[0].retainer_force / 1e-5 / rate - 1)
+    square = turns**2
+    many = (square[1] * excess[1] - square[0] * excess[0]) / (square[1] - square[0])
+    index = diameter / cosine**2 / wire_diameter
+    return float(many), 3 / (16 * (index**2 - 1))
+
+
+@book_case()
+def bricks_as_loves_helix() -> list[Row]:
+    """Stiffness of a helix of 20 degrees, ends that do not turn, extrapolated to many turns."""
+    found, curvature = love_excess()
+    what = "wire 3, D 30, pitch 34 mm, 6 and 10 turns clamped, 24 slices per coil"
+    name, why = "bricks, stiffness over Love's helix", "24 slices per coil; series of the section"
+    return [
+        Row("solids", name, "love1927", what, 1 + curvature, 1 + found, "1", 1e-3, why)
+    ]  # fmt: skip
+
+
+@book_case()
+def curvature_in_job_c() -> list[Row]:
+    """Static force of job C, which is posed without the correction of the section for curvature: the body
+    has it.
+    """
+    spring = load_case("job-c").springs[0]
+    corrected = spring.with_options("finite-element", curvature_correction=True)
+    rod = spring_model("finite-element").build(corrected)
+    body = spring_model("solid").build(spring)
+    assert isinstance(rod, FiniteElementRod) and isinstance(body, SolidModel)
+    at = spring.precompression
+    due, found = rod.static_point(at).force, body.installed.retainer_force
+    name, what = (
+        "bricks beside rod with curvature, force at 7 mm",
+        "job-c, 24 slices and elements per coil",
+    )
+    why = "straight slices: 0.1 % at 24 per coil"
+    return [Row("solids", name, "", what, due, found, "N", 2e-3 * due, why, KIND)]
+
+
+@book_case()
+def section_squeezed() -> list[Row]:
+    """A slice of wire under Hertz pressure from two sides: what stiffness between coils is by elasticity."""
+    rows = []
+    for force in (1e3, 1e4, 1e5):
+        due = 1e6 * line_contact(4e-3, STEEL, force).approach
+        found = 1e6 * squeezed_section(4e-3, STEEL, force, across=16)
+        name = f"bricks, section squeezed by {force / 1e3:g} N/mm"
+        why = "mesh of the section"
+        rows.append(
+            Row("solids", name, "johnson1985", "wire 4 mm, plane strain", due, found, "um", 0.01 * due, why)
+        )  # fmt: skip
+    return rows
 
 
 @book_case(slow=True)
