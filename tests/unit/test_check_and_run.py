@@ -148,11 +148,11 @@ def test_check_and_run_up_refuse_the_nonsense_that_run_refuses(tmp_path):
 
 @pytest.mark.parametrize("model", ["solid", "nosuch"])
 def test_what_a_spring_model_that_is_asked_for_refuses_is_told(model):
-    """Solids run in no train, and what is no model is none, whatever the case's own models are."""
-    case = load_case("vaz-ohc" if model == "solid" else "job-t")
+    """Solids need a wire, and what is no model is none, whatever the case's own models are."""
+    case = load_case("tdi-pushrod" if model == "solid" else "job-t")
     assert put_together(case, ()) is not None and put_together(case, ("massless",)) is not None
     with pytest.raises(
-        InputError, match="move a spring alone" if model == "solid" else "'nosuch' is unknown"
+        InputError, match="need its wire" if model == "solid" else "'nosuch' is unknown"
     ) as refused:
         put_together(case, (model,))
     assert refused.value.where == "spring_models"
