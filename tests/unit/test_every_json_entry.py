@@ -205,6 +205,7 @@ def test_a_study_is_told_entry_by_entry():
             "source": "table 3",
             "used_for": "",
             "doubt": "",
+            "reading": "",
         },
         {
             "quantity": "coil_1_2_installed_gap",
@@ -220,6 +221,7 @@ def test_a_study_is_told_entry_by_entry():
             "source": "",
             "used_for": "the pitch",
             "doubt": "",
+            "reading": "",
         },
     ]
     assert told.pop("critical_speeds") == []

@@ -30,6 +30,7 @@ def given(
         "relation": "equal",
         "used_for": "",
         "doubt": "",
+        "reading": "",
     }
     return SimpleNamespace(quantity=quantity, value=value, unit=unit, **(known | more))
 

@@ -44,7 +44,7 @@ def test_a_number_in_doubt_is_told_apart():
 
 def test_a_number_that_is_not_in_doubt_counts():
     assert "doubt" not in published_summary(rows(""))
-    assert "most 400.0 % in peak lever rotation speed" in published_clause(rows(""))
+    assert "furthest peak lever rotation speed" in published_clause(rows(""))
 
 
 def test_the_verdict_names_the_doubt_and_the_row_keeps_its_use():

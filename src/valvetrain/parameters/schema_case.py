@@ -59,6 +59,7 @@ class ValueModel(StrictModel):
     role: Role | None = None
     used_for: Prose = ""
     doubt: Prose = ""
+    reading: Prose = ""
 
     def read(self, quantity: str) -> tuple[float, str, float | None]:
         """SI value, the unit it was written in and the SI tolerance (given in percent or in the
@@ -97,6 +98,7 @@ class PublishedModel(StrictModel):
     source: Line
     origin: Line = ""
     engine_speed: AngularSpeed | None = None
+    reading: Prose = ""
     quantities: dict[str, Annotated[ValueModel, PlainValidator(_read_value)]]
 
     def build(self) -> tuple[PublishedValue, ...]:
@@ -118,6 +120,7 @@ class PublishedModel(StrictModel):
                     relation=entry.relation,
                     used_for=entry.used_for,
                     doubt=entry.doubt,
+                    reading=entry.reading or self.reading,
                 )
             )
         return tuple(values)

@@ -71,6 +71,7 @@ def compare(
                 source=value.source,
                 used_for=value.used_for,
                 doubt=value.doubt,
+                reading=value.reading,
             )
         )
     return tuple(rows)

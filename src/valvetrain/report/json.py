@@ -80,6 +80,7 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
         "source": row.source,
         "used_for": row.used_for,
         "doubt": row.doubt,
+        "reading": row.reading,
     }
 
 

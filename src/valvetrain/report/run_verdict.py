@@ -5,8 +5,6 @@ contact, bounce or clash, and the figure that matters most.
 from __future__ import annotations
 
 import math
-import statistics
-from collections.abc import Sequence
 
 from valvetrain.report.clauses import (
     ENDED,
@@ -19,12 +17,12 @@ from valvetrain.report.clauses import (
     sentence,
 )
 from valvetrain.report.model_verdict import fidelity_verdict
+from valvetrain.report.published_verdict import published_clause, share
 from valvetrain.report.run_clauses import condition_of, is_judged, judged_runs, run_clauses
 from valvetrain.report.springs_verdict import springs_verdict
 from valvetrain.report.sweep_verdict import runs_over_speed, sweep_clauses, worst_label
-from valvetrain.report.text import percent, speed_text
-from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.definition import NESTED, label_of
+from valvetrain.report.text import speed_text
+from valvetrain.solution.definition import NESTED
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -95,7 +93,7 @@ def _spread(study: Study) -> str:
         return ""
     apart, speed, inside = worst
     where = f" at {speed_text(speed)}" if len(study.engine_speeds) > 1 else ""
-    return f"models differ by {_share(apart)} in peak force{where}{inside}"
+    return f"models differ by {share(apart)} in peak force{where}{inside}"
 
 
 def rest_failures(study: Study) -> list[str]:
@@ -134,7 +132,7 @@ def rest_clauses(study: Study) -> list[str]:
     whose = f"{first.spring}: " if len({one.spring for one in study.rest}) > 1 else ""
     text = f"{whose}{joined(parts)} by {first.model}"
     if others:
-        text += f", other models within {_share(max(map(abs, others)))} in that mode"
+        text += f", other models within {share(max(map(abs, others)))} in that mode"
     return [*pair_clause(study), text]
 
 
@@ -156,27 +154,3 @@ def pair_clause(study: Study) -> list[str]:
     force = sum(float(curve.force_at(compression)) for curve, compression in at)
     rate = sum(float(curve.stiffness_at(compression)) for curve, compression in at)
     return [f"together preload {figure(force)} N and rate {figure(rate * 1e-3)} N/mm"]
-
-
-def _share(value: float) -> str:
-    """A positive share in per cent."""
-    return "less than 0.1 %" if 0 <= value < 5e-4 else percent(value).lstrip("+")
-
-
-def published_clause(rows: Sequence[Comparison]) -> str:
-    """How the published values of a case compare, in one clause; empty without any."""
-    known = [
-        (abs(row.relative_difference), row)
-        for row in rows
-        if row.relative_difference is not None and row.unit != "deg" and not row.doubt
-    ]
-    if not known:
-        return ""
-    count = f"{len(known)} published values" if len(known) > 1 else "the published value"
-    middle = _share(statistics.median(share for share, _ in known))
-    share, row = max(known, key=lambda pair: pair[0])
-    if len(known) == 1:
-        return f"{count} of {label_of(row.quantity)} differs by {middle}"
-    where = "" if row.engine_speed is None else f" at {speed_text(row.engine_speed)}"
-    most = f"most {_share(share)} in {label_of(row.quantity)}{where}"
-    return f"{count} differ by {middle} in the median, {most}"

@@ -147,6 +147,7 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
         ("verdict", "", text_cells([row.verdict for row in rows])),
         ("source", "", text_cells([row.source for row in rows])),
         ("used for", "", text_cells([row.used_for for row in rows])),
+        ("reading", "", text_cells([row.reading for row in rows])),
     )
 
 
@@ -179,7 +180,7 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
         Cell(quantity_label(row.quantity), "long", row.quantity),
         Cell(_speed(row), "quiet"),
         Cell(sign, "tag", caption),
-        Cell(_in(row.published, row.unit), "number"),
+        Cell(_in(row.published, row.unit), "number", row.reading),
         Cell(theme.model_label(row.model) if row.model else "", "quiet", row.model),
         Cell(_in(row.computed, row.unit), "number"),
         Cell(difference, "number"),

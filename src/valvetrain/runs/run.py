@@ -80,7 +80,7 @@ from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import INTERRUPTED, Study
 from valvetrain.solution.uncertainty import ErrorBars
-from valvetrain.sources.contract import against_source
+from valvetrain.sources.contract import against_source, published_by
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
@@ -427,7 +427,12 @@ def _notes(problem: Problem) -> tuple[str, ...]:
 def next_to_published(study: Study, problem: Problem) -> Study:
     """The study with comparisons to published values of its case; none at other speeds, of a
     changed case or of a sweep.
+
+    A case of one's own that names a published study is compared with what that study publishes.
     """
+    if study.record.study and not study.record.published:
+        values = published_by(study.record.study)
+        study = replaced(study, record=replace(study.record, published=values))
     published = study.record.published
     given = {value.engine_speed for value in published if value.engine_speed is not None}
     ran = study.engine_speeds

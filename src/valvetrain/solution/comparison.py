@@ -14,8 +14,8 @@ class Comparison(Shown):
     ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``,
     ``difference`` and ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity;
     ``tolerance`` None when source and task give none. ``origin`` of the published value (FE, AN,
-    EX), its ``role`` (calibration, check or prediction), what it was ``used_for``, and a ``doubt``:
-    why it cannot be right.
+    EX), its ``role`` (calibration, check or prediction), what it was ``used_for``, a ``doubt``:
+    why it cannot be right, and the ``reading``: how its source read it.
 
     >>> row = Comparison("preload", None, "massless", "FE", "N", 289.0, 288.9, -0.1, "check", 2.0, "agrees")
     >>> row.verdict
@@ -36,6 +36,7 @@ class Comparison(Shown):
     source: str = ""
     used_for: str = ""
     doubt: str = ""
+    reading: str = ""
 
     def __repr__(self) -> str:
         computed = "not computed" if self.computed is None else f"computed {self.computed:.5g}"

@@ -113,8 +113,8 @@ class PublishedValue:
     source. ``role``: ``calibration`` for a value that unknown numbers of the case were identified
     or chosen by, ``check`` for one that was known then and not used, ``prediction`` for one that
     must not be used; ``used_for``: a text on its use; ``doubt``: why the number cannot be right,
-    where its source contradicts it. ``engine_speed`` in rad/s of the crank, None for statics and
-    modes. ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``:
+    where its source contradicts it; ``reading``: how the source read it (samples, band, one curve of
+    a figure). ``engine_speed`` in rad/s of the crank, None for statics and modes. ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``:
     how firmly the source states it.
     """
 
@@ -130,6 +130,7 @@ class PublishedValue:
     relation: Literal["equal", "about", "at-most", "at-least"] = "equal"
     used_for: str = ""
     doubt: str = ""
+    reading: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,12 @@ from importlib import import_module
 
 from valvetrain import registry
 from valvetrain.errors import InputError
+from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.compare import compare
 from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.signal import Window
 from valvetrain.solution.comparison import Finding
+from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -54,7 +56,7 @@ class SourceStudy:
     ``origins``: the same -> mark. ``counted``: names of its angles that are numbered through a
     cycle. ``window_names``: its names of the windows about the lift event
     (`valvetrain.quantities.signal`); ``point_names``: its names of points on the wire, by coil
-    number. ``identification``: location (``"module:attribute"``) of its :class:`PointsOfSource`,
+    number. ``case``: the library case that holds what it publishes. ``identification``: location (``"module:attribute"``) of its :class:`PointsOfSource`,
     loaded on first use; empty for a study without one.
     """
 
@@ -68,6 +70,7 @@ class SourceStudy:
     counted: tuple[str, ...] = ()
     window_names: Mapping[Window, str] = field(default_factory=dict)
     point_names: Mapping[float, str] = field(default_factory=dict)
+    case: str = ""
     identification: str = ""
 
     def points_of_identification(self) -> PointsOfSource:
@@ -80,6 +83,20 @@ class SourceStudy:
         module, _, attribute = self.identification.partition(":")
         found: PointsOfSource = getattr(import_module(module), attribute)
         return found
+
+
+def published_by(key: str) -> tuple[PublishedValue, ...]:
+    """The values that the study of that key publishes, for a case of one's own that names it.
+
+    All are checks there: what such a case was fitted to is not known here. Nothing for a study
+    without a library case. Raises :class:`InputError` for an unknown source.
+    """
+    source: SourceStudy = registry.find("sources", key)
+    if not source.case:
+        return ()
+    return tuple(
+        replace(one, role="check", used_for="") for one in load_case(source.case).published
+    )
 
 
 def against_source(study: Study) -> Study:

@@ -12,7 +12,8 @@ from valvetrain.integrate.clash import runs
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.signal import separate_spikes
 from valvetrain.solution.study import LiftEvent
-from valvetrain.sources.gu2021_stages import covers_stage, in_stage
+from valvetrain.sources.gu2021_reading import SAMPLE
+from valvetrain.sources.gu2021_stages import covers_stage, in_stage, spike_index
 
 #: Gap (m) below which coils count as touching; contact stiffness lets them overlap by less than
 #: this.
@@ -81,7 +82,22 @@ def collision_quantities(
             )  # cam rad per period of the first mode
             found["clash_interval_to_mode_1_period_ratio"] = interval / period
     late = angles[angles >= event.end]
-    return found | (bounce_quantities(cycle, float(late[0]), separation) if len(late) else {})
+    if len(late) == 0:
+        return found
+    return found | bounce_quantities(cycle, _main(cycle, late, event), separation)
+
+
+def _main(cycle: Cycle, late: Array, event: LiftEvent) -> float:
+    """Of the collisions of Stage III (rad, ascending) the one whose spike is highest: the last that
+    began before its top. The first where the run tells no force.
+    """
+    name = "seat_force_fine" if cycle.solution.has("seat_force_fine") else "seat_force"
+    if not cycle.solution.has(name):
+        return float(late[0])
+    force = cycle.channel(name)
+    top = cycle.cam_angle[spike_index(cycle, force.max(axis=1) if force.ndim > 1 else force, event)]
+    before = late[late <= top + SAMPLE]
+    return float(before[-1] if len(before) else late[0])
 
 
 def mean_interval(clash_angles: Array, event: LiftEvent) -> float | None:

@@ -7,6 +7,8 @@ to 233 and 233 to 360 cam degrees.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from valvetrain.errors import InputError
@@ -23,6 +25,7 @@ from valvetrain.quantities.signal import (
 )
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
+from valvetrain.sources.gu2021_reading import Sampled, half_height, sampled
 
 #: A peak of Stage I stands out by this share of the stage's force range.
 STAGE_1_SHARE = 0.25
@@ -59,7 +62,8 @@ def stage_quantities(cycle: Cycle, separation: float, event: LiftEvent) -> dict[
     ``separation``: least distance (cam rad) of two collisions.
     """
     # the modal model of the source sums its modes as equation 5 prints it
-    force = cycle.channel(seat_force_name(cycle))
+    name = seat_force_name(cycle)
+    force = cycle.channel(name)
     found: dict[str, float] = {}
     if covers_stage(cycle, event, 1):
         found |= stage_1(cycle, force, event)
@@ -68,7 +72,48 @@ def stage_quantities(cycle: Cycle, separation: float, event: LiftEvent) -> dict[
     if covers_stage(cycle, event, 3):
         found |= stage_3(cycle, force, separation, event)
         found |= _stage_3_in_bandwidths(cycle, event) if cycle.whole else {}
+    return found | _as_the_source_read(cycle, name, separation, event)
+
+
+def _as_the_source_read(
+    cycle: Cycle, channel: str, separation: float, event: LiftEvent
+) -> dict[str, float]:
+    """Forces and angles of the stages in the median over phases of the source's samples, and the
+    range of the Stage III spike.
+    """
+    read = sampled(cycle, channel)
+    if len(read.force) < 2:
+        return {}
+    numbers = []
+    for angle, force in zip(read.cam_angle, read.force, strict=True):
+        one: dict[str, float] = {}
+        seen = replace(cycle, cam_angle=angle)
+        for stage, reading in ((1, stage_1), (2, stage_2)):
+            if covers_stage(cycle, event, stage):
+                one |= reading(seen, force, event)
+        # how many maxima Stage I has may differ from phase to phase, so their numbers say nothing
+        one = {name: value for name, value in one.items() if "stage_1_peak_" not in name}
+        if covers_stage(cycle, event, 3):
+            one |= stage_3(seen, force, separation, event)
+        numbers.append(one)
+    found = read.over_phases(numbers)
+    spikes = [one["stage_3_peak_force"] for one in numbers if "stage_3_peak_force" in one]
+    if spikes:
+        found["stage_3_least_sampled_peak_force"] = min(spikes)
+        found["stage_3_largest_sampled_peak_force"] = max(spikes)
+        found |= _spike_shape(cycle, read, separation, event)
     return found
+
+
+def _spike_shape(
+    cycle: Cycle, read: Sampled, separation: float, event: LiftEvent
+) -> dict[str, float]:
+    """How long the spike of Stage III stands above half its height (s) and its impulse (N s)."""
+    angle, force = read.cam_angle.T.ravel(), read.force.T.ravel()
+    top = spike_index(replace(cycle, cam_angle=angle), force, event)
+    width, area = half_height(angle, force, top, separation)
+    turning = (cycle.cam_angle[-1] - cycle.cam_angle[0]) / (cycle.time[-1] - cycle.time[0])
+    return {"stage_3_peak_duration": width / turning, "stage_3_peak_impulse": area / turning}
 
 
 def stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:

@@ -36,8 +36,15 @@ _STAGES = (
     *_force("stage_2_second_peak", "Stage II second peak", "Second of the two force maxima in Stage II."),
     _row("stage_2_end_force", "Stage II end force", "Force at the end of Stage II."),
     *_force("stage_3_peak", "Stage III peak",
-            "Largest sampled force in Stage III after the coils are released (the clash spike); samples stand every output step, between "
-            "which a spike may be higher."),
+            "Largest force in Stage III after the coils are released (the clash spike), at samples of 0.5 cam degrees as the source stored "
+            "its own: the median over their phase; where the run's record is no finer, at its own samples."),
+    _row("stage_3_least_sampled_peak_force", "Stage III peak force, least over the phase of samples",
+         "The same spike at samples of 0.5 cam degrees whose phase finds the least of it."),
+    _row("stage_3_largest_sampled_peak_force", "Stage III peak force, largest over the phase of samples",
+         "The same spike at samples of 0.5 cam degrees whose phase finds the most of it."),
+    _row("stage_3_peak_duration", "Stage III peak, time at half height",
+         "Time that the spike of Stage III stands above half its height over its foot, the median force around it."),
+    _row("stage_3_peak_impulse", "Stage III peak, impulse", "Integral over time of that spike's force above its foot."),
     _row("stage_3_every_instant_peak_force", "Stage III peak force, every instant",
          "The same spike at the highest instant of the whole record, for runs that keep every substep."),
     _row("stage_3_below_{k}_khz_peak_force", "Stage III peak force below {k} kHz",
@@ -73,7 +80,7 @@ _NODES = (
 
 _COLLISIONS = (
     _row("coil_1_2_bounce_start_cam_angle", "bounce of coils 1 and 2, start",
-         "Cam angle at which coils 1 and 2 part after the first clash of Stage III: the longest separation of any point within half a turn "
+         "Cam angle at which coils 1 and 2 part after the main clash of Stage III: the longest separation of any point within half a turn "
          "of node 2."),
     _row("coil_1_2_bounce_end_cam_angle", "bounce of coils 1 and 2, end", "Cam angle at which they meet again."),
     _row("coil_1_2_bounce_duration", "bounce of coils 1 and 2, time", "Time between parting and meeting again."),
