@@ -31,7 +31,7 @@ JOBS: dict[str, dict[str, object]] = {
 }
 #: Name -> arguments of the command line.
 COMMANDS: dict[str, tuple[str, ...]] = {
-    "run gu2021-beehive, report included": ("run", "gu2021-beehive", "--workers", "1"),
+    "run gu2021-beehive-blind, report included": ("run", "gu2021-beehive-blind", "--workers", "1"),
     "run vaz-ohc, report included": ("run", "vaz-ohc", "--workers", "1"),
     "sweep tdi-pushrod, 31 speeds": (
         "sweep", "tdi-pushrod", "--engine-speed", "1000:4000:100 rpm", "--workers", "1", "--no-report",

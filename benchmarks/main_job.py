@@ -12,7 +12,7 @@ from benchmarks import start_up
 from benchmarks.rows import Row
 
 CODE = (
-    "import sys; sys.argv = ['valvetrain', 'run', 'gu2021-beehive', '--workers', '2', '--json', '--output', {folder!r}]; "
+    "import sys; sys.argv = ['valvetrain', 'run', 'gu2021-beehive-blind', '--workers', '2', '--json', '--output', {folder!r}]; "
     "import valvetrain.cli.main as m, contextlib, io\n"
     "with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit): m.main()"
 )

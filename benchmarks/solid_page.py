@@ -47,7 +47,7 @@ so that the rod is checked against them in every test run without the solver.
     from valvetrain.springs.solid.deck import write_mesh
     from valvetrain.springs.solid.spec import SolidOptions, solid_spring
 
-    spring = load_case("gu2021-beehive").springs[0]
+    spring = load_case("gu2021-beehive-blind").springs[0]
     model = solid_spring(spring, SolidOptions(elements_per_coil=24, core=2))
     curve = model.static_curve(7e-3)            # StaticCurve, coils closing
     modes = model.modes(7e-3)                   # ModalResult about the compressed state
@@ -55,7 +55,7 @@ so that the rod is checked against them in every test run without the solver.
 
 From the command line
 
-    valvetrain compare gu2021-beehive --spring finite-element,modal-varied,solid
+    valvetrain compare gu2021-beehive-blind --spring finite-element,modal-varied,solid
 
 sets static curve and modes about the installed state side by side, in one page with its data files (`--json` for programs). The solid is
 the one the others are set against. What it will take is told before it begins; `--solid-elements-per-coil`, `--solid-core` and
@@ -216,7 +216,7 @@ def beehive_section() -> str:
         "\n## Beehive, coil 2 coming to rest on coil 1\n\nWire 3.867 mm, mean diameter 22.47 mm to coil 4 and then linear to 17.31 mm at\n"
         "coil 7, rise per turn less wire diameter 0, 0, 1.017, 2.032, 5.488, 5.488, 1.351 mm at coils 0, 0.875, 1.125, 2, 3, 6, 7; end\n"
         "turns inactive over 0.78 and 0.83; face-to-face penalty contact of all coils (5e4 MPa/mm) and seat planes. A fixed spring of the\n"
-        "kind of `gu2021-beehive`, not the case itself.\n\n"
+        "kind of `gu2021-beehive-blind`, not the case itself.\n\n"
     )
     rows = [
         [
@@ -308,7 +308,7 @@ def ride_section() -> str:
     solid = load_netcdf(STORE / "ride.nc")
     data = solid.statistics
     text = (
-        "\n## Transient\n\nThe beehive on the lift law of `gu2021-beehive` at 8000 rpm from 85 cam degrees, coarse mesh of "
+        "\n## Transient\n\nThe beehive on the lift law of `gu2021-beehive-blind` at 8000 rpm from 85 cam degrees, coarse mesh of "
         f"{data['elements']} elements\n({data['unknowns']} unknowns), increments of 40 us, mass damping only, contact 1e4 MPa/mm: "
         f"{1e3 * solid.time[-1]:.2f} ms in {data['wall_time']:.0f} s on one core.\nEnd of the run: {solid.status.sentence()}.\n\n"
     )
@@ -348,7 +348,7 @@ def rod_motion(solid: Solution) -> tuple[np.ndarray, np.ndarray]:
     """
     time = solid.time
     lift = CubicSpline(time, solid.channel("valve_lift"))
-    damping = load_case("gu2021-beehive").springs[0].damping.mass_damping
+    damping = load_case("gu2021-beehive-blind").springs[0].damping.mass_damping
     mesh = mesh_spring(beehive(), 24)
     start = compress(RodStatics(mesh), [LARGE])[-1].state
     run = simulate(

@@ -274,7 +274,7 @@ def run_ride() -> dict[str, Any]:
     """Beehive on its lift law at 8000 rpm from the start of lift past the first clash; mass damping
     only, 40 us increments.
     """
-    case = load_case("gu2021-beehive")
+    case = load_case("gu2021-beehive-blind")
     # Softer contact than in statics: coils that meet at speed otherwise exhaust the solver's
     # cutbacks.
     contact = SolidContact(stiffness=1e13)

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from benchmarks.rows import Row, rusage_of
 
 #: Everything that the main job compiles, run once at the smallest size that reaches every kernel.
-MAIN_JOB = "import valvetrain as vt; vt.simulate('gu2021-beehive', [800.0], workers=1)"
+MAIN_JOB = "import valvetrain as vt; vt.simulate('gu2021-beehive-blind', [800.0], workers=1)"
 BATCH = (
     "from benchmarks.standard import *; from valvetrain.cosserat.batch import simulate_batch as s; "
     "m, d, e = rod(spring_c(), 12, 'stiffness', True); s([m], [e], motion, INTERVAL, 2, d)"
@@ -27,7 +27,7 @@ TRAIN = (
 )
 FIRST_STEP = (
     "from valvetrain.parameters.loading import load_case as l; import valvetrain.cli.main, valvetrain.runs.run; "
-    "m = valvetrain.runs.run.build(l('gu2021-beehive'), spring_models=('finite-element',)).members[0].system().springs[0]; "
+    "m = valvetrain.runs.run.build(l('gu2021-beehive-blind'), spring_models=('finite-element',)).members[0].system().springs[0]; "
     "m.installed; m.stable_time_step()"
 )
 

@@ -12,7 +12,7 @@ import time
 import valvetrain as vt
 
 STUDY = """
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 engine_speeds = "8000 rpm"
 spring_models = ["{model}"]
 outputs = ["peak_spring_force", "clash_count", "clash_energy"]

@@ -1,8 +1,8 @@
 """Count the functions of the package that one command enters: each `def` once, by package; lambdas
 and class bodies do not count.
 
-Use: python scripts/count_functions.py run gu2021-beehive --engine-speed '4200 rpm'
-     python scripts/count_functions.py --list run gu2021-beehive     names every function too
+Use: python scripts/count_functions.py run gu2021-beehive-blind --engine-speed '4200 rpm'
+     python scripts/count_functions.py --list run gu2021-beehive-blind     names every function too
 """
 
 from __future__ import annotations

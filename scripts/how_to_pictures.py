@@ -434,7 +434,7 @@ def damping_found() -> tuple[str, tuple[Panel, ...]]:
 
 def spikes() -> tuple[str, tuple[Panel, ...]]:
     study = vt.simulate(
-        "gu2021-beehive", "8000 rpm", spring_models=["reduced-rod", "finite-element"]
+        "gu2021-beehive-blind", "8000 rpm", spring_models=["reduced-rod", "finite-element"]
     )
     panels = []
     for run in study.solutions:

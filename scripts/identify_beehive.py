@@ -63,7 +63,7 @@ def predict(
     for an impossible spring.
     """
     p = dict(zip(names, map(float, values), strict=True))
-    case = load_case("gu2021-beehive")
+    case = load_case("gu2021-beehive-blind")
     try:
         law = law_of(p)
         shape = {
@@ -109,7 +109,7 @@ def tell_spread(
     lines = [
         "# Spread of the beehive's results over what its calibration data leave open; written by scripts/identify_beehive.py.",
         f"# Percentiles 5, 50, 95 over {len(outcomes)} draws of the linearised posterior, {elements} elements per coil, SI units.",
-        "", "[case]", f'digest = "{load_case("gu2021-beehive").record().digest}"', f'identification = "{method_digest(request)}"',
+        "", "[case]", f'digest = "{load_case("gu2021-beehive-blind").record().digest}"', f'identification = "{method_digest(request)}"',
     ]  # fmt: skip
     for rpm in (4200, 5600, 8000):
         lines += ["", f'["{rpm} rpm"]']
@@ -137,7 +137,7 @@ def main() -> None:
         request, folder=options.folder, workers=options.workers, limits=Limits(1e9, 1e12)
     )
     print(found)
-    path = resources.files("valvetrain") / "parameters" / "library" / "gu2021-beehive.toml"
+    path = resources.files("valvetrain") / "parameters" / "library" / "gu2021-beehive-blind.toml"
     write_case_values(str(path), case_values(found.best))
     print(f"rewrote the identified values of {path.name}; write_uncertainty.py comes next")
     spread = tell_spread(found, request, 16, options.workers, options.draws)

@@ -192,7 +192,7 @@ def blocks(
 def springs() -> dict[str, SpringDefinition]:
     """Springs to look at: the shipped beehive and three of one's own."""
     steel, ends = material_by_name("EN 10270-2 VDSiCr"), EndCoil("closed-ground", 0.75, 0.75)
-    beehive = load_case("gu2021-beehive").springs[0].wire
+    beehive = load_case("gu2021-beehive-blind").springs[0].wire
     assert beehive is not None
 
     def law(knots: str, values: str) -> PiecewiseLinear:

@@ -93,7 +93,7 @@ def write_readme() -> None:
         PUBLIC_NAMES,
         re.sub(re.escape(MODELS_HEAD) + r"(?:\|.*\n)*", lambda _: models_table(), text),
     )
-    study = vt.simulate("gu2021-beehive", "8000 rpm")
+    study = vt.simulate("gu2021-beehive-blind", "8000 rpm")
     lines = []
     for label, (name, colour) in SHOWN.items():
         (run,) = study.runs(label)
@@ -391,7 +391,7 @@ def write_tutorial() -> None:
 
 #: Case -> engine speeds.
 FIDELITY_CASES = {
-    "gu2021-beehive": "3000:9000:500 rpm",
+    "gu2021-beehive-blind": "3000:9000:500 rpm",
     "vaz-ohc": "1000:6000:500 rpm",
     "tdi-pushrod": "1000:8000:500 rpm",
 }
@@ -448,7 +448,7 @@ def write_model_against_test() -> None:
             PICTURES / "model-less-test.svg",
             svg(difference_chart(force, force.runs, unit, factor, line_styles(force.study))),
         )
-        head = compare_with_test("gu2021-beehive", samples / "engine-head.csv")
+        head = compare_with_test("gu2021-beehive-blind", samples / "engine-head.csv")
         write_text(PICTURES / "engine-head.svg", svg(values_chart(head, line_styles(head.study))))
 
 

@@ -61,7 +61,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("case", nargs="?", default="gu2021-beehive")
+    parser.add_argument("case", nargs="?", default="gu2021-beehive-blind")
     parser.add_argument("--workers", type=int, default=4)
     parser.add_argument("--restamp", action="store_true")
     options = parser.parse_args()

@@ -294,7 +294,7 @@ def published_study() -> Study:
     findings = (Finding("section 4", "Stage II has a valley", "valley of 412 N", "holds"),)
     return replace(
         own_study(),
-        record=record(name="gu2021-beehive", study="gu2021", published=published),
+        record=record(name="gu2021-beehive-blind", study="gu2021", published=published),
         comparisons=rows,
         findings=findings,
         notes=notes,

@@ -26,7 +26,7 @@ pytest.importorskip("nicegui")
 sync_api = pytest.importorskip("playwright.sync_api")
 axe = pytest.importorskip("axe_playwright_python.sync_playwright")
 
-CASE = "gu2021-beehive"
+CASE = "gu2021-beehive-blind"
 #: What the drawing of a browser without a graphics card says of its own speed.
 DRIVER = "GL Driver Message (OpenGL, Performance"
 # Words, fields and buttons that reach beyond the window, and by how much the page is wider than it.

@@ -10,7 +10,7 @@ to a little beyond the largest lift.
 
 import valvetrain as vt
 
-case = vt.load_case("gu2021-beehive")
+case = vt.load_case("gu2021-beehive-blind")
 curve = vt.static_curve(case, spring_model="multi-mass")
 
 first, last = 1e-3 * curve.stiffness_at("9 mm"), 1e-3 * curve.stiffness_at("16 mm")

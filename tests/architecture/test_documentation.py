@@ -175,7 +175,7 @@ def test_commands_of_a_page_exist_with_their_options(path):
 
 def test_a_slip_in_a_command_is_found():
     assert (
-        refused("valvetrain rum gu2021-beehive")
+        refused("valvetrain rum gu2021-beehive-blind")
         and refused("valvetrain run x --engine-sped 1")
         and not refused("valvetrain run x --json")
     )

@@ -43,7 +43,7 @@ TWO_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAni
 def study():
     base = own_study((rod_run(),))
     return replace(
-        base, record=replace(base.record, text=load_case("gu2021-beehive").record().text)
+        base, record=replace(base.record, text=load_case("gu2021-beehive-blind").record().text)
     )
 
 
@@ -133,7 +133,7 @@ def test_nodes_on_the_screen_are_those_of_the_solution(visit, study):
     channel.
     """
     cycle = reported_cycle(study.solutions[0])
-    wire = load_case("gu2021-beehive").springs[0].wire
+    wire = load_case("gu2021-beehive-blind").springs[0].wire
     coil = np.arange(0, 7.25, 0.5)
     for sample in (0, 347, 500):
         visit.handle(f"seek({float(np.degrees(cycle.cam_angle[sample]))!r})")

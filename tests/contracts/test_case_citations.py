@@ -16,4 +16,4 @@ def test_the_works_of_a_case_are_known(name):
 
 
 def test_the_published_study_names_its_paper():
-    assert "105476 (2020)" in cite(valvetrain.load_case("gu2021-beehive").cite())
+    assert "105476 (2020)" in cite(valvetrain.load_case("gu2021-beehive-blind").cite())

@@ -51,23 +51,23 @@ QUICK = (
 )  # fmt: skip
 SLOW = (
     "valvetrain run my-train.toml --open",
-    "valvetrain fidelity gu2021-beehive --engine-speed 3000:9000:500",
+    "valvetrain fidelity gu2021-beehive-blind --engine-speed 3000:9000:500",
     'valvetrain fidelity my-engine.toml --engine-speed 2000:9000:500 --tolerance "3 %" --spring massless,multi-mass',
     "valvetrain sweep my-train.toml --engine-speed 3000:8000:250",
     "valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --case own.toml "
     '--engine-speed "6000 rpm" --search "4000:9000:500 rpm"',
-    "valvetrain animate gu2021-beehive --output beehive.gif",
+    "valvetrain animate gu2021-beehive-blind --output beehive.gif",
     'valvetrain animate vaz-ohc --spring multi-mass --colour velocity --output train.mp4 --duration "6 s" --width 1280',
     "valvetrain animate runs/vaz-ohc/latest --output train.gif",
-    'valvetrain scan FOLDER/beehive-as-made.ply --design gu2021-beehive --engine-speed "5600 rpm"',
+    'valvetrain scan FOLDER/beehive-as-made.ply --design gu2021-beehive-blind --engine-speed "5600 rpm"',
     "valvetrain study examples/studies/beehive-tolerances.toml", "valvetrain study examples/studies/two-quantities.toml",
     "valvetrain study examples/studies/train-seating.toml", "valvetrain optimise examples/optimise-spring-loads.toml",
 )  # fmt: skip
 #: Commands of an hour or more. What they print stands on their pages, which scripts write; their
 #: parts are computed by other tests.
 HOURS = {
-    "valvetrain optimise examples/optimise-beehive.toml", "valvetrain refine gu2021-beehive [--json]",
-    "valvetrain refine tdi-pushrod [--json]", "valvetrain compare gu2021-beehive --spring finite-element,modal-varied,solid",
+    "valvetrain optimise examples/optimise-beehive.toml", "valvetrain refine gu2021-beehive-blind [--json]",
+    "valvetrain refine tdi-pushrod [--json]", "valvetrain compare gu2021-beehive-blind --spring finite-element,modal-varied,solid",
 }  # fmt: skip
 
 
@@ -175,11 +175,11 @@ def test_a_quick_command_of_a_page_runs(folder, quiet_rim, line):
 #: What makes a long command short: fewer speeds and points, a smaller film. Everything else of it
 #: stays.
 SHORTER = (
-    ("3000:8000:250", "3000:3500:250"), ("gu2021-beehive --engine-speed 3000:9000:500", "job-t --engine-speed 3000:9000:6000"),
+    ("3000:8000:250", "3000:3500:250"), ("gu2021-beehive-blind --engine-speed 3000:9000:500", "job-t --engine-speed 3000:9000:6000"),
     ("2000:9000:500", "2000:9000:7000"), (' --search "4000:9000:500 rpm"', " --draws 4"), ("--duration \"6 s\" --width 1280", "--width 320"),
-    ("animate gu2021-beehive", "animate job-t --spring multi-mass --width 320"), ("train.gif", "train.gif --width 320"),
+    ("animate gu2021-beehive-blind", "animate job-t --spring multi-mass --width 320"), ("train.gif", "train.gif --width 320"),
     ("animate vaz-ohc", "animate vaz-ohc --duration \"1 s\""), ("latest", "latest --duration \"1 s\""),
-    (" --design gu2021-beehive --engine-speed \"5600 rpm\"", ""),
+    (" --design gu2021-beehive-blind --engine-speed \"5600 rpm\"", ""),
 )  # fmt: skip
 #: The same in the files of studies and searches.
 FEWER = (

@@ -27,7 +27,7 @@ STATIC = {
 RUNS = {
     ("stage_2_peak_force", 4200, "finite-element"): (816.54, 0.002),
     ("stage_2_peak_force", 5600, "finite-element"): (823.75, 0.002),
-    ("stage_3_peak_force", 5600, "finite-element"): (368.22, 0.02),
+    ("stage_3_peak_force", 5600, "finite-element"): (384.77, 0.02),
     ("stage_3_below_10_khz_peak_force", 8000, "finite-element"): (485.86, 0.02),
     ("stage_2_peak_force", 4200, "modal-varied"): (815.44, 0.002),
     ("stage_2_first_peak_force", 8000, "modal-varied"): (890.47, 0.002),
@@ -36,7 +36,7 @@ RUNS = {
 
 @pytest.fixture(scope="module")
 def study():
-    return run_study(load_case("gu2021-beehive"))
+    return run_study(load_case("gu2021-beehive-blind"))
 
 
 @pytest.mark.parametrize("name", STATIC)
@@ -55,5 +55,5 @@ def test_runs(study, key):
 def test_stages_of_the_modal_model_are_those_of_equation_5_as_printed(study):
     run = study.solution("modal-varied", 4200 * RPM)
     printed, right = run.channel("seat_force_as_printed"), run.channel("seat_force")
-    assert run.quantities["stage_2_peak_force"] == printed.max()
+    assert run.quantities["stage_2_peak_force"] == pytest.approx(printed.max(), rel=1e-4)
     assert abs(right.max() - printed.max()) > 1.0, "the even modes' signs make a difference"

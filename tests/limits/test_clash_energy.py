@@ -217,7 +217,7 @@ def test_at_low_speed_coils_lie_down_and_do_not_strike(word):
     found = []
     for speed in (1000, 8000):
         study = run_study(
-            load_case("gu2021-beehive"),
+            load_case("gu2021-beehive-blind"),
             engine_speeds=[speed * np.pi / 30],
             spring_models=[word],
             workers=1,

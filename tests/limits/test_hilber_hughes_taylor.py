@@ -80,7 +80,7 @@ class Hump:
 
 def beehive_chain() -> MultiMassSpring:
     """The chain of the shipped beehive, with all its coil contacts."""
-    problem = vt.system.build.build("gu2021-beehive")
+    problem = vt.system.build.build("gu2021-beehive-blind")
     by_formula = problem.springs[0].with_options("multi-mass", from_rod=False)
     spring = problem.model_of("multi-mass", by_formula)
     assert isinstance(spring, MultiMassSpring)
@@ -200,7 +200,9 @@ def test_the_tangents_are_the_slopes_of_the_forces():
 def test_with_fine_steps_the_clashing_chain_moves_as_by_the_leapfrog():
     """4200 rpm of the beehive, first turn: the rule's error at a twelfth of a degree, of 530 N."""
     system, speed = (
-        PrescribedSpring((beehive_chain(),), vt.system.build.build("gu2021-beehive").valve_lift),
+        PrescribedSpring(
+            (beehive_chain(),), vt.system.build.build("gu2021-beehive-blind").valve_lift
+        ),
         4200 * np.pi / 60,
     )
     options = RunOptions(360, 2 * np.pi / speed / 360 / 6, keep="ends")
@@ -223,7 +225,9 @@ def test_at_half_a_degree_all_channels_are_of_one_time():
     each is 95 N, 3.7 m/s and 0.07 J.
     """
     system, speed = (
-        PrescribedSpring((beehive_chain(),), vt.system.build.build("gu2021-beehive").valve_lift),
+        PrescribedSpring(
+            (beehive_chain(),), vt.system.build.build("gu2021-beehive-blind").valve_lift
+        ),
         4200 * np.pi / 60,
     )
     ours = HilberHughesTaylor(0.0).run(system, speed, Cycles(1), RunOptions(720), ORIGIN)
@@ -251,7 +255,7 @@ def test_the_printed_end_forces_are_those_that_move_the_masses():
     """
     chain, law, speed = (
         beehive_chain(),
-        vt.system.build.build("gu2021-beehive").valve_lift,
+        vt.system.build.build("gu2021-beehive-blind").valve_lift,
         8000 * np.pi / 60,
     )
     chain = replace(chain, mass_damping=0.0)
@@ -312,7 +316,7 @@ def test_a_long_record_is_kept_at_the_interval_of_the_contacts_and_without_its_s
     """Steps of 0.1 ms, two to a row of contacts; states beyond the bound are left out, as the
     leapfrog does.
     """
-    problem, speed = vt.system.build.build("gu2021-beehive"), 8000 * np.pi / 60
+    problem, speed = vt.system.build.build("gu2021-beehive-blind"), 8000 * np.pi / 60
     monkeypatch.setattr("valvetrain.integrate.hht.MAX_RECORD", 10.0)
     options = RunOptions(4, 1e-4, integrator="hht")
     found = run(PrescribedSpring((beehive_chain(),), problem.valve_lift), speed, Cycles(1), options)

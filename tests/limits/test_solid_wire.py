@@ -58,7 +58,7 @@ def test_mass_and_section_of_the_wire(clamped):
 def test_beehive_in_contact_is_the_rods():
     """Limit between models: the beehive with closing coils is as stiff by bricks as by the rod (0.1 %)
     at five millimetres."""
-    installed = load_case("gu2021-beehive").springs[0]
+    installed = load_case("gu2021-beehive-blind").springs[0]
     size = SolidMeshSize(16)
     statics = SolidStatics(SolidWire(installed.wire, size, planes=installed.seats != "clamps"))
     rod = FiniteElementRod(installed.wire, 7e-3, seats=str(installed.seats))

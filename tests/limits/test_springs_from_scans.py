@@ -170,7 +170,7 @@ def test_the_design_and_its_scan_have_the_same_force_and_frequencies(found):
     do.
     """
     scan = found["beehive"][0]
-    design = vt.load_case("gu2021-beehive").replace(
+    design = vt.load_case("gu2021-beehive-blind").replace(
         {"springs.0.options": {"finite-element": {"elements_per_coil": 8}}}
     )
     compared = vt.scan.compare_scan(scan, design)

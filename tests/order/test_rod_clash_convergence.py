@@ -75,7 +75,7 @@ def test_first_clash_of_the_cycle_has_one_height(cutoff):
 @cache
 def beehive(per_coil: int) -> tuple[RodTransient, float]:
     """Second cycle of the beehive at 8000 rpm, and its cam speed."""
-    case = load_case("gu2021-beehive")
+    case = load_case("gu2021-beehive-blind")
     cam_speed = case.operation.engine_speeds[-1] / 2
     return second_cycle(case, per_coil, cam_speed), cam_speed
 

@@ -78,12 +78,12 @@ TEXTS = (
     SMALL,
     *(
         (LIBRARY / f"{name}.toml").read_text()
-        for name in ("gu2021-beehive", "tdi-pushrod", "job-c")
+        for name in ("gu2021-beehive-blind", "tdi-pushrod", "job-c")
     ),
 )
 COMMANDS, CASES = (
     st.sampled_from(["run", "compare", "sweep", "static", "modes", "check"]),
-    st.sampled_from(["job-c", "gu2021-beehive"]),
+    st.sampled_from(["job-c", "gu2021-beehive-blind"]),
 )
 
 

@@ -110,7 +110,11 @@ def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(vary,
         ('kind = "tolerance"', 'kind = "tolerances"', "kind"),
         ('sampler = "saltelli"', 'sampler = "sobol"', "needs the sampler saltelli"),
         ('outputs = ["peak_spring_force"', 'outputs = ["peak_spring_forc"', "docs/quantities.md"),
-        ('case = "gu2021-beehive"', 'case = "gu2021-beehiv"', "did you mean gu2021-beehive"),
+        (
+            'case = "gu2021-beehive-blind"',
+            'case = "gu2021-beehiv"',
+            "did you mean gu2021-beehive or gu2021-beehive-blind",
+        ),
         ('tolerance = "0.02 mm"', 'tolerance = "0.02 N"', "spring.wire_diameter"),
         (
             'tolerance = "0.02 mm"',

@@ -133,7 +133,7 @@ def test_loading_a_case_imports_its_own_law_only():
 
 def test_loading_a_case_without_options_of_spring_models_imports_none_and_compiles_nothing():
     assert [
-        name for name in loaded("gu2021-beehive") if not name.startswith("valvetrain.cam.")
+        name for name in loaded("gu2021-beehive-blind") if not name.startswith("valvetrain.cam.")
     ] == []
 
 

@@ -130,7 +130,7 @@ def test_nominal_stress_is_that_of_the_standard():
 
 
 def test_nominal_stress_looks_for_the_worst_place_of_the_wire():
-    beehive = load_case("gu2021-beehive").spring
+    beehive = load_case("gu2021-beehive-blind").spring
     coil = np.linspace(*beehive.free_coils, 50)
     index = beehive.mean_diameter.value(coil) / beehive.wire_diameter.value(coil)
     places = (

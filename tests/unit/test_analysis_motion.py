@@ -318,7 +318,14 @@ def _published(quantity, value, **more):
         "role": "prediction",
         "engine_speed": 100.0,
     }
-    defaults |= {"source": "s", "tolerance": None, "relation": "equal", "used_for": "", "doubt": "", "reading": ""}
+    defaults |= {
+        "source": "s",
+        "tolerance": None,
+        "relation": "equal",
+        "used_for": "",
+        "doubt": "",
+        "reading": "",
+    }
     return SimpleNamespace(quantity=quantity, value=value, **{**defaults, **more})
 
 

@@ -33,11 +33,11 @@ def _sine(first: float, last: float) -> LiftLawParameters:
 
 
 def test_beehive_keeps_the_stages_of_its_source():
-    assert event_of(load_case("gu2021-beehive").lift_law) == EVENT
+    assert event_of(load_case("gu2021-beehive-blind").lift_law) == EVENT
 
 
 def test_shaped_law_gives_its_own_event():
-    law = load_case("gu2021-beehive").lift_law
+    law = load_case("gu2021-beehive-blind").lift_law
     assert event_of(law.replace(ramp_start=80 * DEG, event_start=110 * DEG)) == LiftEvent(
         np.radians(110.0), np.radians(250.0)
     )

@@ -10,7 +10,7 @@ from valvetrain.cam.cached import MAX_ANSWERS, RememberedLift
 
 
 def test_answers_are_those_of_the_law_and_few_are_kept():
-    law = build_lift_law(load_case("gu2021-beehive").lift_law)
+    law = build_lift_law(load_case("gu2021-beehive-blind").lift_law)
     known = RememberedLift(law)
     assert isinstance(known, LiftLaw) and (known.continuity, known.joints) == (
         law.continuity,
@@ -26,7 +26,7 @@ def test_answers_are_those_of_the_law_and_few_are_kept():
 
 
 def test_other_angles_between_the_same_ends_are_not_taken_for_those_before():
-    law = build_lift_law(load_case("gu2021-beehive").lift_law)
+    law = build_lift_law(load_case("gu2021-beehive-blind").lift_law)
     known, angles = RememberedLift(law), np.linspace(2.0, 4.0, 300)
     known.lift(angles)
     moved = angles.copy()
@@ -41,7 +41,7 @@ def test_other_angles_between_the_same_ends_are_not_taken_for_those_before():
 
 def test_what_a_caller_does_to_an_answer_is_the_callers_own():
     known, angles = (
-        RememberedLift(build_lift_law(load_case("gu2021-beehive").lift_law)),
+        RememberedLift(build_lift_law(load_case("gu2021-beehive-blind").lift_law)),
         np.linspace(0.0, 6.0, 300),
     )
     first = known.lift(angles)

@@ -23,7 +23,7 @@ from valvetrain.parameters.loading import library_names, load_case, parse_case
 
 @pytest.fixture(scope="module")
 def beehive() -> Case:
-    return load_case("gu2021-beehive")
+    return load_case("gu2021-beehive-blind")
 
 
 def test_replace_takes_dotted_paths_and_leaves_the_original(beehive):
@@ -38,7 +38,7 @@ def test_replace_takes_dotted_paths_and_leaves_the_original(beehive):
     )
     assert beehive.springs[0].options == {}
     assert beehive.diff(coarse) == {
-        "name": ("gu2021-beehive", "coarse"),
+        "name": ("gu2021-beehive-blind", "coarse"),
         "springs.0.precompression": (0.007, 0.006),
         "springs.0.options.finite-element": (None, {"elements_per_coil": 12}),
         "lift_law.values.maximum_lift": (beehive.lift_law.values["maximum_lift"], 0.0091),
@@ -92,7 +92,7 @@ def test_cite_collects_keys_once():
 
 
 def test_a_record_tells_values_sources_and_what_was_changed():
-    record = load_case("gu2021-beehive", {"spring.damping.ratio": 0.02}).record()
+    record = load_case("gu2021-beehive-blind", {"spring.damping.ratio": 0.02}).record()
     values = {value.path: value for value in record.values}
     assert (values["spring.precompression"].text, values["spring.precompression"].status) == (
         "7 mm",
@@ -106,7 +106,7 @@ def test_a_record_tells_values_sources_and_what_was_changed():
     assert record.changed == ("spring.damping.ratio",) and record.study == "gu2021"
     assert "coil collisions" in record.citations[0] and "nose" in record.zero_of_angle
     assert parse_case(record.text, name=record.name) == load_case(
-        "gu2021-beehive", {"spring.damping.ratio": 0.02}
+        "gu2021-beehive-blind", {"spring.damping.ratio": 0.02}
     )
 
 

@@ -48,7 +48,7 @@ def test_standard_jobs_are_as_stated():
 
 
 def test_published_values_carry_speed_role_unit_and_tolerance():
-    case = load_case("gu2021-beehive")
+    case = load_case("gu2021-beehive-blind")
     peak = next(
         value
         for value in case.published
@@ -254,7 +254,7 @@ def test_values_are_set_from_outside():
         "spring.damping.ratio": 0.02,
         "spring.wire_diameter": "3.8 mm",
     }
-    case = load_case("gu2021-beehive", changes)
+    case = load_case("gu2021-beehive-blind", changes)
     assert case.springs[0].options_of("finite-element") == {"elements_per_coil": 12}
     assert case.springs[0].damping.ratio == 0.02 and case.changed == tuple(changes)
     assert float(case.spring.wire_diameter.value(1.0)) == pytest.approx(3.8e-3)
@@ -462,7 +462,7 @@ def test_files_that_are_no_case_files(tmp_path):
         (tmp_path / "binary.toml", "no text file"),
         (tmp_path / "empty.toml", "empty"),
         (tmp_path / "missing.toml", "there is no file"),
-        ("gu2021-behive", "did you mean gu2021-beehive"),
+        ("gu2021-behive", "did you mean gu2021-beehive or gu2021-beehive-blind"),
         ("", "give one"),
         ("a\0b", "give one"),
         ("x" * 5000 + ".toml", "cannot be read"),
@@ -473,7 +473,7 @@ def test_files_that_are_no_case_files(tmp_path):
 
 def test_values_are_written_in_place_and_comments_stay(tmp_path):
     path = tmp_path / "beehive.toml"
-    before = (LIBRARY / "gu2021-beehive.toml").read_text()
+    before = (LIBRARY / "gu2021-beehive-blind.toml").read_text()
     path.write_text(before)
     clearances = "0, 0, 1, 2, 5.6, 5.6, 1.3 mm"
     changes = {
@@ -510,7 +510,7 @@ def test_a_refused_write_leaves_the_file_untouched(tmp_path, changes):
 
 def test_loading_is_quick_and_light():
     code = (
-        "import time, sys; start = time.process_time(); from valvetrain.parameters.loading import load_case; load_case('gu2021-beehive');"
+        "import time, sys; start = time.process_time(); from valvetrain.parameters.loading import load_case; load_case('gu2021-beehive-blind');"
         "heavy = ('numba', 'scipy.interpolate', 'xarray', 'plotly', 'matplotlib');"
         "print(time.process_time() - start, any(name in sys.modules for name in heavy))"
     )

@@ -85,7 +85,7 @@ def test_the_shell_completes_the_names_of_cases(tmp_path):
         "COMP_CWORD": "2",
     }
     answer = process("run", folder=tmp_path, **asked)
-    assert answer.stdout.split() == ["gu2021-beehive"], answer.stderr
+    assert answer.stdout.split() == ["gu2021-beehive", "gu2021-beehive-blind"], answer.stderr
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
@@ -280,7 +280,7 @@ def test_modes_agree_with_the_library():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("run", "gu2021-behive"), "did you mean gu2021-beehive?"),
+        (("run", "gu2021-behive"), "did you mean gu2021-beehive or gu2021-beehive-blind?"),
         (("run", "zzz"), "valid names are clamped-helix, gu2021-beehive"),
         (("rum",), "did you mean 'run'?"),
         (("run",), "missing argument 'CASE'"),

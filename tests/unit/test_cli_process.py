@@ -234,7 +234,7 @@ def group_lives(group: int) -> bool:
 
 @pytest.mark.skipif(os.name != "posix", reason="closes a pipe early")
 def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
-    command = [sys.executable, *MODULE, "cases", "gu2021-beehive", "--json"]
+    command = [sys.executable, *MODULE, "cases", "gu2021-beehive-blind", "--json"]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=process_environment()
     ) as running:

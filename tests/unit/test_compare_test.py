@@ -322,7 +322,7 @@ def test_the_speed_of_the_test_is_run_and_a_wrong_one_is_said():
     silent = compared(replace(cycles(), cam_speed=0.0))
     assert "does not state its speed" in silent.notes[0]
     with pytest.raises(InputError, match="give the engine speed"):
-        vt.compare_test.compare_with_test("gu2021-beehive", replace(cycles(), cam_speed=0.0))
+        vt.compare_test.compare_with_test("gu2021-beehive-blind", replace(cycles(), cam_speed=0.0))
 
 
 @pytest.mark.parametrize(

@@ -228,7 +228,7 @@ def test_a_study_is_told_entry_by_entry():
     failures = told.pop("failures")
     assert len(failures) == 1 and "the force is not finite" in failures[0]
     expected = {
-        "command": "compare", "case": "gu2021-beehive", "title": "Spring of my own", "digest": study.record.digest, "changed": [],
+        "command": "compare", "case": "gu2021-beehive-blind", "title": "Spring of my own", "digest": study.record.digest, "changed": [],
         "completed": False, "quantities": {"preload": known(287, "N"), "coil_bind_lift": known(10.25e-3, "m")}, "quantities_by_label": {},
         "findings": [{"place": "section 4", "statement": "Stage II has a valley", "computed": "valley of 412 N", "verdict": "holds"}],
         "notes": list(study.notes),

@@ -96,7 +96,9 @@ def test_every_number_of_a_lift_law_is_told_in_its_unit_and_changed_by_text_with
     """Angles in degrees, lengths in millimetres, ratios as they are; text with a unit makes the law
     that the SI number makes.
     """
-    case = vt.load_case("gu2021-beehive").replace({"lift_law": LiftLawParameters(kind, LAWS[kind])})
+    case = vt.load_case("gu2021-beehive-blind").replace(
+        {"lift_law": LiftLawParameters(kind, LAWS[kind])}
+    )
     changes = {}
     for key, value in LAWS[kind].items():
         if isinstance(value, tuple):
@@ -119,7 +121,7 @@ def test_every_number_of_a_lift_law_is_told_in_its_unit_and_changed_by_text_with
 
 
 def test_a_number_of_a_lift_law_without_its_unit_is_refused():
-    case = vt.load_case("gu2021-beehive").replace(
+    case = vt.load_case("gu2021-beehive-blind").replace(
         {"lift_law": LiftLawParameters("cycloidal", LAWS["cycloidal"])}
     )
     with pytest.raises(vt.InputError, match="opening_start"):

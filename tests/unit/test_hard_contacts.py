@@ -67,7 +67,7 @@ def test_contact_of_parts():
 
 def test_a_curve_of_hard_coils_ends_with_a_status():
     curve = vt.static_curve(
-        vt.load_case("gu2021-beehive", {"spring.contact.stiffness": HARD}), steps=12
+        vt.load_case("gu2021-beehive-blind", {"spring.contact.stiffness": HARD}), steps=12
     )
     assert curve.status.code == "not-converged" and 0 < len(curve.force) < 13
     assert (

@@ -361,7 +361,7 @@ def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
             "peak": {**moving, "quantity": "stage_2_peak_force", "value": "800 N"},
         },
         tmp_path,
-        case="gu2021-beehive",
+        case="gu2021-beehive-blind",
     )
     observed = Observed(request.case, request.varied, request.targets)
     assert groups_of(observed) == ((1, 0),)

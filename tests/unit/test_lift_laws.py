@@ -297,7 +297,7 @@ def test_tables_are_cut_to_their_event():
 
 
 def test_beehive_law_keeps_the_published_stages():
-    case = load_case("gu2021-beehive")
+    case = load_case("gu2021-beehive-blind")
     law = build_lift_law(case.lift_law)
     degrees = lambda low, high, count=2001: np.radians(np.linspace(low, high, count))
     assert law.continuity >= 2

@@ -21,7 +21,7 @@ from valvetrain.report.motion.scene import Limits, _worth, choose_frames, moving
 from valvetrain.report.motion.springs import largest_between, slope_stress
 from valvetrain.solution.study import Study
 
-WIRE = load_case("gu2021-beehive").springs[0].wire
+WIRE = load_case("gu2021-beehive-blind").springs[0].wire
 
 
 def numbers(text: str, kind: str = "<f4") -> np.ndarray:
@@ -34,7 +34,7 @@ def study() -> Study:
     """A made-up run on the wire of the beehive, seven turns as the made-up channels have."""
     base = own_study((rod_run(),))
     return replace(
-        base, record=replace(base.record, text=load_case("gu2021-beehive").record().text)
+        base, record=replace(base.record, text=load_case("gu2021-beehive-blind").record().text)
     )
 
 

@@ -28,7 +28,7 @@ TINY = FilmRequest(1.0, 320)
 def variant():
     base = own_study((rod_run(),))
     study = replace(
-        base, record=replace(base.record, text=load_case("gu2021-beehive").record().text)
+        base, record=replace(base.record, text=load_case("gu2021-beehive-blind").record().text)
     )
     return moving_picture(study, Limits(frames=200)).variants[0]
 

@@ -30,7 +30,7 @@ LBF = 4.4482216152605
 #: a few that cannot be built.
 SEARCH = """
 title = "Higher limit"
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 changes = {{ "operation.cycles" = 1 }}
 engine_speeds = "8000 rpm"
 spring_models = ["multi-mass"]

@@ -12,7 +12,7 @@ from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimum_file import OptimumText
 
 FILE = """
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 engine_speeds = "8000 rpm"
 [[objective]]
 quantity = "peak_spring_force"
@@ -84,20 +84,24 @@ def plan_of(text: str):
         ("[search]", "[[confirm]]\nspring_model = 'wave-rods'\n[search]", "wave-rod"),
         ("[search]", "confirm = 3\n[search]", "vary.0"),
         (
-            'case = "gu2021-beehive"',
-            'case = "gu2021-beehive"\nspring_sets = ["stock"]',
+            'case = "gu2021-beehive-blind"',
+            'case = "gu2021-beehive-blind"\nspring_sets = ["stock"]',
             "has no spring set stock",
         ),
         (
-            'case = "gu2021-beehive"',
-            'case = "gu2021-beehive"\nspring_models = "chain"',
+            'case = "gu2021-beehive-blind"',
+            'case = "gu2021-beehive-blind"\nspring_models = "chain"',
             "spring_models",
         ),
-        ('case = "gu2021-beehive"', 'case = "gu2021-behive"', "gu2021-beehive"),
-        ('case = "gu2021-beehive"', 'case = "gu2021-beehive"\nconfirm = 3', "is no row of models"),
+        ('case = "gu2021-beehive-blind"', 'case = "gu2021-behive"', "gu2021-beehive-blind"),
         (
-            'case = "gu2021-beehive"',
-            'case = "gu2021-beehive"\nobjectives = 3',
+            'case = "gu2021-beehive-blind"',
+            'case = "gu2021-beehive-blind"\nconfirm = 3',
+            "is no row of models",
+        ),
+        (
+            'case = "gu2021-beehive-blind"',
+            'case = "gu2021-beehive-blind"\nobjectives = 3',
             "did you mean objective?",
         ),
     ],
@@ -168,8 +172,8 @@ def test_two_objectives_alike_or_two_for_one_method_are_refused():
 def test_a_bound_that_is_a_share_of_a_case_without_that_number_is_refused():
     """With a lift beyond coil bind nothing of the case is known."""
     text = FILE.replace(
-        'case = "gu2021-beehive"',
-        'case = "gu2021-beehive"\nchanges = { "lift_law.maximum_lift" = "20 mm" }',
+        'case = "gu2021-beehive-blind"',
+        'case = "gu2021-beehive-blind"\nchanges = { "lift_law.maximum_lift" = "20 mm" }',
     )
     with pytest.raises(
         vt.InputError,
@@ -194,7 +198,9 @@ def test_fewer_than_one_worker_is_refused():
 def test_an_empty_text_removes_a_key_of_the_case():
     """As on the command line, so that installed_height may take the place of the compression."""
     swap = 'changes = { "spring.precompression" = "", "spring.installed_height" = "39 mm" }'
-    plan = plan_of(FILE.replace('case = "gu2021-beehive"', f'case = "gu2021-beehive"\n{swap}'))
+    plan = plan_of(
+        FILE.replace('case = "gu2021-beehive-blind"', f'case = "gu2021-beehive-blind"\n{swap}')
+    )
     (spring,) = plan.case.springs
     assert spring.wire.free_length - spring.precompression == pytest.approx(39e-3)
 

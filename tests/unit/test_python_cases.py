@@ -31,7 +31,7 @@ def lift_of(peak):
 
 def test_one_content_is_one_case_whatever_said_it(tmp_path):
     """Contract: equality and digest by content, not by text."""
-    case = vt.Case("gu2021-beehive")
+    case = vt.Case("gu2021-beehive-blind")
     path = case.save(tmp_path / "mine.toml")
     same = [vt.Case(path), vt.Case(case.text), vt.Case(case.tree), vt.Case(case), vt.load(path)]
     assert [one.digest for one in same] == [case.digest] * len(same)
@@ -291,7 +291,7 @@ def test_one_model_may_be_named_by_a_text():
 
 def test_several_runs_are_not_one():
     with pytest.raises(vt.InputError, match="name one speed and one model"):
-        vt.Case("gu2021-beehive").run(model="massless")
+        vt.Case("gu2021-beehive-blind").run(model="massless")
 
 
 def test_a_case_shows_itself_in_a_few_lines():

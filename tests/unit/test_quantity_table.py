@@ -202,7 +202,7 @@ def test_every_number_of_a_study_is_defined(name, model):
     assert len(names) > 15 and not [one for one in names if not is_defined(one)]
 
 
-@pytest.mark.parametrize("name", ["gu2021-beehive", "job-t"])
+@pytest.mark.parametrize("name", ["gu2021-beehive-blind", "job-t"])
 def test_every_number_of_a_definition_is_defined(name):
     from valvetrain.quantities.statics import design_quantities
 

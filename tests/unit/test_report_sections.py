@@ -444,7 +444,7 @@ def test_figures_of_a_source_are_drawn_for_its_case_only():
 
 
 def test_uncertainty_stands_beside_the_values_it_belongs_to():
-    record, section = load_case("gu2021-beehive").record(), find("sections", "uncertainty")
+    record, section = load_case("gu2021-beehive-blind").record(), find("sections", "uncertainty")
     rows = load_uncertainty(record)
     values = {row.quantity: row.value for row in rows if row.engine_speed is None}
     study = replace(published_study(), record=record, solutions=(), still={"": values})
@@ -502,7 +502,9 @@ def test_the_sentence_on_firmness_counts_and_names_what_is_loose():
 def test_a_long_table_of_error_bars_is_folded(monkeypatch):
     from valvetrain.report.sections import published as uncertainty
 
-    study = replace(published_study(), record=load_case("gu2021-beehive").record(), solutions=())
+    study = replace(
+        published_study(), record=load_case("gu2021-beehive-blind").record(), solutions=()
+    )
     study = replace(
         study,
         still={

@@ -9,7 +9,7 @@ import pytest
 from valvetrain.parameters.loading import load_case
 
 
-@pytest.mark.parametrize("name", ["gu2021-beehive", "vaz-ohc", "tdi-pushrod"])
+@pytest.mark.parametrize("name", ["gu2021-beehive-blind", "vaz-ohc", "tdi-pushrod"])
 def test_no_value_is_shown_by_its_class_name(name: str) -> None:
     for one in load_case(name).record().values:
         assert one.text, one.path

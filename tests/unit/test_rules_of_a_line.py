@@ -72,10 +72,10 @@ def test_places_are_shares_only_where_they_reach_from_zero_to_one_of_more_than_a
 
 
 def test_each_colouring_of_a_spring_costs_its_bytes():
-    study = vt.simulate("gu2021-beehive", "4200 rpm", spring_models=["multi-mass"], workers=1)
+    study = vt.simulate("gu2021-beehive-blind", "4200 rpm", spring_models=["multi-mass"], workers=1)
     run, member = (
         study.solutions[0],
-        vt.system.build.build("gu2021-beehive", spring_models=["multi-mass"]).members[0],
+        vt.system.build.build("gu2021-beehive-blind", spring_models=["multi-mass"]).members[0],
     )
     names = [
         name

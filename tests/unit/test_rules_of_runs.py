@@ -63,7 +63,7 @@ def test_samples_far_apart_at_an_end_cover_no_more_than_the_first_of_them():
 @pytest.mark.parametrize(("bound", "kept"), [(1e12, True), (10.0, False)])
 def test_the_leapfrog_leaves_out_a_record_beyond_its_bound(bound, kept, monkeypatch):
     monkeypatch.setattr("valvetrain.integrate.leapfrog.MAX_RECORD", bound)
-    problem = vt.system.build.build("gu2021-beehive")
+    problem = vt.system.build.build("gu2021-beehive-blind")
     model = problem.model_of("multi-mass", problem.springs[0])
     found = run(PrescribedSpring((model,), problem.valve_lift), 200.0, Cycles(1), RunOptions(8))
     assert found.status.completed and ("kinetic_energy" in found.channels.data_vars) is kept

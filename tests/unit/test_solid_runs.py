@@ -236,7 +236,7 @@ def test_a_motion_that_fails_is_a_solution_with_a_status(stand_in):
     from valvetrain.springs.solid.transient import run_transient
 
     work = stand_in("printf ' *ERROR in arpack: no room\n'\nexit 201\n")
-    case = load_case("gu2021-beehive")
+    case = load_case("gu2021-beehive-blind")
     job = TransientJob(build_lift_law(case.lift_law), 800.0, 7e-3, 1.5, 2.0)
     solution = run_transient(solid_of(case.springs[0]), job, case.name)
     assert solution.status.code == "not-converged" and "no room" in solution.status.message

@@ -35,7 +35,7 @@ SPEEDS = tuple(speed * RPM for speed in (4200.0, 5600.0, 8000.0))
 
 @pytest.fixture(scope="module")
 def case():
-    return load_case("gu2021-beehive")
+    return load_case("gu2021-beehive-blind")
 
 
 def own_numbers(case, **changed: float) -> dict[Quantity, float]:
@@ -113,7 +113,7 @@ def test_one_sentence_a_speed_with_the_published_value_inside_or_outside(case):
     ids=lambda change: next(iter(change)),
 )
 def test_no_sentence_survives_a_change_of_the_case(case, change):
-    other = load_case("gu2021-beehive", change).record()
+    other = load_case("gu2021-beehive-blind", change).record()
     assert load_spread(other) == () and spread_sentences(other, SPEEDS, own_numbers(case)) == ()
     assert uncertainty_sentences(other, SPEEDS, own_numbers(case)) == ()
 
@@ -182,7 +182,7 @@ def test_shipped_spread_is_that_of_this_identification():
     identification again then.
     """
     content = tomllib.loads(
-        (Path(str(LIBRARY)) / "gu2021-beehive.spread").read_text(encoding="utf-8")
+        (Path(str(LIBRARY)) / "gu2021-beehive-blind.spread").read_text(encoding="utf-8")
     )
     assert content["case"]["identification"] == SCRIPT["method_digest"](
         read_request(SCRIPT["FILE"])

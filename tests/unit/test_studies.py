@@ -112,7 +112,7 @@ def counts(monkeypatch) -> Counter[object]:
 
 
 def test_every_part_of_a_spring_study_is_built_once(counts):
-    case = load_case("gu2021-beehive", COARSE)
+    case = load_case("gu2021-beehive-blind", COARSE)
     study = run_study(case, engine_speeds=[4000 * RPM], workers=1)
     assert not study.failures
     (spring,) = case.springs
@@ -331,10 +331,10 @@ def test_rubbing_of_a_nested_pair_under_prescribed_motion():
 
 
 @pytest.mark.parametrize(
-    "name", ["gu2021-beehive", pytest.param("vaz-ohc", marks=pytest.mark.long)]
+    "name", ["gu2021-beehive-blind", pytest.param("vaz-ohc", marks=pytest.mark.long)]
 )
 def test_a_sweep_keeps_numbers_and_no_channels_and_warns_of_nothing(name):
-    case = load_case(name, COARSE if name == "gu2021-beehive" else {})
+    case = load_case(name, COARSE if name == "gu2021-beehive-blind" else {})
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)
         study = sweep_study(
@@ -469,10 +469,10 @@ def test_the_static_curve_of_a_spring_of_ones_own_follows_its_rate_until_coils_c
     for word in ("finite-element", "multi-mass", "massless"):
         curve = vt.static_curve(spring, "2 mm", spring_model=word, steps=8)
         assert curve.force_at("1 mm") == pytest.approx(rate * 1e-3, rel=0.05)
-    installed = vt.load_case("gu2021-beehive").springs[0]
+    installed = vt.load_case("gu2021-beehive-blind").springs[0]
     by_case, by_spring = (
         vt.static_curve(one, "8 mm", spring_model="multi-mass", steps=4)
-        for one in ("gu2021-beehive", installed)
+        for one in ("gu2021-beehive-blind", installed)
     )
     assert (by_case.force == by_spring.force).all()
 

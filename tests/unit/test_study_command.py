@@ -21,7 +21,7 @@ from valvetrain.explore.study import StudyText, read_plan
 
 #: A grid of short runs; one in four has a lift beyond coil bind.
 GRID = """
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
 spring_models = ["{model}"]
 outputs = ["peak_spring_force", "clash_count"]
@@ -151,7 +151,7 @@ def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_t
 
 
 LISTED = """
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 outputs = ["preload"]
 [[vary]]
 key = "spring.precompression"
@@ -194,7 +194,7 @@ def test_the_digest_of_a_point_changes_with_everything_of_it():
         digest(base, run=(600.0, "massless", "")), digest(base, run=(600.0, "multi-mass", "stock")),
         digest(base, run=(None, "multi-mass", "")),
         digest(base.replace('"clash_count"', '"clash_energy"')), digest('rest_model = "massless"\n' + base),
-        digest('changes = { "operation.cycles" = 3 }\n' + base), digest(base.replace("gu2021-beehive", "job-c")),
+        digest('changes = { "operation.cycles" = 3 }\n' + base), digest(base.replace("gu2021-beehive-blind", "job-c")),
         digest(base.replace('key = "spring.precompression"', 'key = "spring.precompression"\nas = "offset"')),
     ]  # fmt: skip
     assert len({first, *others}) == len(others) + 1
@@ -229,7 +229,7 @@ def test_a_table_knows_its_columns_and_its_frame():
 
 def test_an_adaptive_study_goes_on_with_the_points_it_has(tmp_path):
     text = """
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 spring_models = "wave-rod"
 outputs = "peak_spring_force"
 points = { sampler = "adaptive", count = 20, first = 6, per_round = 4 }

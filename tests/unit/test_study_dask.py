@@ -31,7 +31,7 @@ pytest.importorskip("distributed")
 #: Set by ``make faults``, for what takes too long for every run of the tests.
 LONG = "VALVETRAIN_LONG"
 TEXT = """
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
 spring_models = ["multi-mass"]
 outputs = ["peak_spring_force", "clash_count"]

@@ -24,7 +24,7 @@ from valvetrain.runs.cost import Limits
 from valvetrain.runs.workers import Lost
 
 TEXT = """
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
 spring_models = "{model}"
 outputs = ["peak_spring_force", "clash_count"]

@@ -94,9 +94,7 @@ def test_points_beyond_the_speeds_searched_are_counted(folder):
     assert "2 of 2 points leave the bound at the lowest speed" in sentences(lost)[0]
 
 
-SPRING = (
-    'case = "gu2021-beehive"\nvary = [{ key = "spring.wire_diameter", values = "3.7, 3.8 mm" }]\n'
-)
+SPRING = 'case = "gu2021-beehive-blind"\nvary = [{ key = "spring.wire_diameter", values = "3.7, 3.8 mm" }]\n'
 REFUSED = {
     "float of a spring alone": (SPRING + LIMIT.format("float", "5000, 6000 rpm"), "a spring has no lift above the rigid lift"),
     "a name of a sweep": (SPRING + 'outputs = "float_engine_speed"', "ask for a limit_speed with kind = 'float'"),
@@ -106,7 +104,7 @@ REFUSED = {
     "a kind with a bound": (SPRING + LIMIT.format("clash", "5000, 6000 rpm") + 'at_most = "3 N"\n', "leave those out"),
     "no speeds": (SPRING + '[[limit_speed]]\nkind = "clash"\n', "engine_speeds"),
     "a varied speed": (
-        'case = "gu2021-beehive"\nvary = [{ key = "engine_speed", values = "5000, 6000 rpm" }]\n' + LIMIT.format("clash", "5000, 6000 rpm"),
+        'case = "gu2021-beehive-blind"\nvary = [{ key = "engine_speed", values = "5000, 6000 rpm" }]\n' + LIMIT.format("clash", "5000, 6000 rpm"),
         "the engine speed is varied"),
     "a share of the case": (
         SPRING + '[[limit_speed]]\nquantity = "clash_energy"\nat_most = "2 x case"\nengine_speeds = "5000, 6000 rpm"\n', "belongs to a search"),

@@ -28,7 +28,7 @@ from valvetrain.solution.status import COMPLETED, Status
 TEXT = """
 kind = "{kind}"
 title = "Two <b>quantities</b>"
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
 spring_models = "massless"
 outputs = ["peak_spring_force", "peak_valve_lift"]
@@ -256,7 +256,7 @@ def test_the_first_failures_are_listed_and_all_are_counted(failed, more):
 
 LIST = """
 title = "Springs compared"
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
 spring_models = "massless"
 outputs = ["{names[0]}", "{names[1]}", "peak_valve_lift"]
@@ -364,7 +364,7 @@ def test_the_best_point_is_that_of_what_the_motion_gives_not_of_what_was_put_in(
 def test_a_study_over_the_clearance_says_at_which_it_is_calm_and_draws_over_it():
     """Example: clash least at 3.5 mm, surge at 1.5 mm, within what the trade runs."""
     text = """
-case = "gu2021-beehive"
+case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
 spring_models = "massless"
 outputs = ["coil_bind_clearance", "clash_energy", "surge_amplitude_force"]

@@ -39,11 +39,11 @@ def test_a_share_of_a_value_with_a_unit(shape):
 )
 def test_a_share_of_a_plain_number_a_factor_and_one_of_several(key, more, ends, unit):
     case = vt.load_case(
-        "gu2021-beehive", {"spring.damping": {"ratio": 0.02, "ratio_frequency": "600 Hz"}}
+        "gu2021-beehive-blind", {"spring.damping": {"ratio": 0.02, "ratio_frequency": "600 Hz"}}
     )
     case = (
         vt.load_case(
-            "gu2021-beehive",
+            "gu2021-beehive-blind",
             {"spring.mean_diameter": {"coils": [0, 3, 7], "values": "22.2, 22.2, 17 mm"}},
         )
         if more or unit

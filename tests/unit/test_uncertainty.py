@@ -155,7 +155,7 @@ def test_stiffer_contact_clashes_harder():
     """
     told = []
     study = refine_springs(
-        meshed("gu2021-beehive", 12),
+        meshed("gu2021-beehive-blind", 12),
         (8000 * RPM,),
         workers=2,
         progress=lambda share, words: told.append(share),
@@ -182,7 +182,7 @@ def stored(case: Case) -> dict[Quantity, float]:
 
 
 def test_shipped_file_belongs_to_its_case_and_to_no_other():
-    case = load_case("gu2021-beehive")
+    case = load_case("gu2021-beehive-blind")
     rows = stored_error_bars.load_uncertainty(case.record())
     assert {"preload", "main_clash_below_10_khz_peak_force", "peak_spring_force"} <= {
         row.quantity for row in rows
@@ -193,7 +193,7 @@ def test_shipped_file_belongs_to_its_case_and_to_no_other():
     )
     assert stored_error_bars.meshes_of(case.record()) == (24, 36, 54)
     for other in (
-        meshed("gu2021-beehive", 30),
+        meshed("gu2021-beehive-blind", 30),
         case.replace({"springs.0.precompression": 6.9e-3}),
         case.replace(name="own-spring"),
     ):
@@ -209,7 +209,7 @@ def test_shipped_file_belongs_to_its_case_and_to_no_other():
 
 
 def test_sentences_speak_of_the_speeds_that_were_run():
-    case, speeds = load_case("gu2021-beehive"), np.array([4200, 5600, 8000]) * RPM
+    case, speeds = load_case("gu2021-beehive-blind"), np.array([4200, 5600, 8000]) * RPM
     record, numbers = case.record(), stored(case)
     sentences = stored_error_bars.uncertainty_sentences(record, speeds, numbers)
     assert len(sentences) == 3 and all(
@@ -225,7 +225,7 @@ def test_shipped_preload_and_mode_are_those_of_this_version():
     from valvetrain.springs.finite_element_statics import modal_result
     from valvetrain.springs.spec import spring_model
 
-    case = load_case("gu2021-beehive")
+    case = load_case("gu2021-beehive-blind")
     rows = {row.quantity: row.value for row in stored_error_bars.load_uncertainty(case.record())}
     rod = spring_model("finite-element").build(case.springs[0])
     assert rod.installed.retainer_force == pytest.approx(rows["preload"], rel=1e-6)

@@ -94,7 +94,7 @@ ENTRIES = [
           kept("contact_stiffness")),
     Entry("build_contact_law for another law", lambda x: vt.contact.build_contact_law("hunt-crossley", contact_stiffness=x, stiffness_exponent=1),
           60e6, 60.0, "kN/mm", None, kept("contact_stiffness")),
-    Entry("Case.replace", lambda x: vt.load_case("gu2021-beehive").replace({"springs.0.precompression": x}).springs[0], 0.006, 6.0, "mm",
+    Entry("Case.replace", lambda x: vt.load_case("gu2021-beehive-blind").replace({"springs.0.precompression": x}).springs[0], 0.006, 6.0, "mm",
           6.0, kept("precompression")),
     Entry("Case.replace of speeds", lambda x: CASE.replace({"operation.engine_speeds": [x]}).operation, 2000 * np.pi / 30, 2000.0, "rpm",
           2000.0, kept("engine_speeds")),

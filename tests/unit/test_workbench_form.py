@@ -75,7 +75,7 @@ def test_every_value_of_a_case_stands_in_its_form_and_is_taken_back(path):
 
 
 def test_values_of_the_beehive_as_its_file_has_them():
-    form = flat((LIBRARY / "gu2021-beehive.toml").read_text("utf-8"))
+    form = flat((LIBRARY / "gu2021-beehive-blind.toml").read_text("utf-8"))
     wire = form["spring.wire_diameter"]
     assert (wire.kind, wire.unit, wire.number, wire.required) == (
         "number",

@@ -81,7 +81,7 @@ def test_a_second_spring_fits_inside_the_first(name):
     outer one less the gap.
     """
     text = (
-        TEXTS["gu2021-beehive"].replace('value = "right"', 'value = "left"', 1)
+        TEXTS["gu2021-beehive-blind"].replace('value = "right"', 'value = "left"', 1)
         if name == "beehive wound left"
         else TEXTS[name]
     )

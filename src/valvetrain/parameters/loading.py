@@ -251,7 +251,7 @@ def list_cases() -> tuple[CaseSummary, ...]:
     Examples
     --------
     >>> [summary.name for summary in list_cases() if "gu2021" in summary.sources]
-    ['gu2021-beehive']
+    ['gu2021-beehive', 'gu2021-beehive-blind']
     """
     summaries = []
     for name in library_names():

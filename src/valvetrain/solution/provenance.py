@@ -114,8 +114,9 @@ class PublishedValue:
     or chosen by, ``check`` for one that was known then and not used, ``prediction`` for one that
     must not be used; ``used_for``: a text on its use; ``doubt``: why the number cannot be right,
     where its source contradicts it; ``reading``: how the source read it (samples, band, one curve of
-    a figure). ``engine_speed`` in rad/s of the crank, None for statics and modes. ``tolerance``: allowed absolute difference (SI), None where none is stated. ``relation``:
-    how firmly the source states it.
+    a figure). ``engine_speed`` in rad/s of the crank, None for statics and modes. ``tolerance``:
+    allowed absolute difference (SI), None where none is stated. ``relation``: how firmly the source
+    states it.
     """
 
     quantity: str

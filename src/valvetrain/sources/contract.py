@@ -56,8 +56,9 @@ class SourceStudy:
     ``origins``: the same -> mark. ``counted``: names of its angles that are numbered through a
     cycle. ``window_names``: its names of the windows about the lift event
     (`valvetrain.quantities.signal`); ``point_names``: its names of points on the wire, by coil
-    number. ``case``: the library case that holds what it publishes. ``identification``: location (``"module:attribute"``) of its :class:`PointsOfSource`,
-    loaded on first use; empty for a study without one.
+    number. ``case``: the library case that holds what it publishes. ``identification``: location
+    (``"module:attribute"``) of its :class:`PointsOfSource`, loaded on first use; empty for a study
+    without one.
     """
 
     key: str

@@ -213,7 +213,7 @@ def _forces(run: RodTransient) -> dict[str, float]:
 
 def library_values() -> dict[str, float]:
     """The values that the shipped case holds, so that a new search starts where the last one ended."""
-    case = load_case("gu2021-beehive")
+    case = load_case("gu2021-beehive-blind")
     spring, law = case.require_spring(), build_lift_law(case.lift_law)
     assert isinstance(law, Shaped) and isinstance(spring.pitch, PiecewiseLinear)
     wire = float(spring.wire_diameter.value(0.0))

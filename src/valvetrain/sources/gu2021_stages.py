@@ -35,6 +35,8 @@ STAGE_2_SHARE = 0.02
 #: Both lie above this share of the stage's force range: a ripple on its rising or falling flank is
 #: no maximum of the lifted valve.
 STAGE_2_HEIGHT = 0.5
+#: Heights of the maxima and of the valley are the extreme samples within this angle (rad) of them.
+MAXIMUM_REACH = np.radians(3.0)
 #: The spike of Stage III stands out by this share of the cycle's force range, so a ripple on the
 #: falling flank is none.
 STAGE_3_SHARE = 0.01
@@ -97,6 +99,9 @@ def _as_the_source_read(
             one |= stage_3(seen, force, separation, event)
         numbers.append(one)
     found = read.over_phases(numbers)
+    if "stage_1_force_range" in found:
+        ends = (found["stage_1_maximum_force"], found["stage_1_minimum_force"])
+        found["stage_1_force_range"] = ends[0] - ends[1]
     spikes = [one["stage_3_peak_force"] for one in numbers if "stage_3_peak_force" in one]
     if spikes:
         found["stage_3_least_sampled_peak_force"] = min(spikes)
@@ -138,20 +143,35 @@ def stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
 def stage_2(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
     """Largest force of Stage II; where it has two maxima, both and the valley between; the force at
     its end.
+
+    The two maxima are those of the force below :data:`RATTLE`, since a clash of coils beside one
+    would be taken for the other; their heights are the extreme samples around them.
     """
     inside = np.flatnonzero(in_stage(cycle, event, 2))
     part, angle = force[inside], cycle.cam_angle[inside]
     top = int(np.argmax(part))
     found = {"stage_2_peak_force": float(part[top]), "stage_2_peak_cam_angle": float(angle[top])}
     found["stage_2_end_force"] = float(np.interp(event.end, cycle.cam_angle, force))
-    pair = _two_peaks(part)
+    slow = _slow(cycle, force)[inside]
+    pair = _two_peaks(slow)
     if pair is not None:
         first, second = pair
-        valley = first + int(np.argmin(part[first : second + 1]))
+        valley = first + int(np.argmin(slow[first : second + 1]))
         for word, index in (("first_peak", first), ("valley", valley), ("second_peak", second)):
-            found[f"stage_2_{word}_force"] = float(part[index])
+            near = part[np.abs(angle - angle[index]) <= MAXIMUM_REACH + 1e-9]
+            height = np.min(near) if word == "valley" else np.max(near)
+            found[f"stage_2_{word}_force"] = float(height)
             found[f"stage_2_{word}_cam_angle"] = float(angle[index])
     return found
+
+
+def _slow(cycle: Cycle, force: Array) -> Array:
+    """The force below :data:`RATTLE`; itself where its samples do not allow that."""
+    try:
+        time = cycle.cam_angle / (cycle.solution.engine_speed / 2)
+        return low_pass(time, force, RATTLE, closed=cycle.whole)
+    except (InputError, ZeroDivisionError):
+        return force
 
 
 def _two_peaks(part: Array) -> tuple[int, int] | None:

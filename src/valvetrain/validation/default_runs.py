@@ -90,7 +90,7 @@ SUBJECTS = (
     Subject("tdi-pushrod", "performance", (3000, 5500, 7900)),
     Subject("vaz-ohc", "nested", (2000, 3500, 5000)),
     Subject("vaz-ohc", "nested-cards", (2000, 3500, 5300)),
-    Subject("gu2021-beehive", "", (4200, 5600, 8000)),
+    Subject("gu2021-beehive-blind", "", (4200, 5600, 8000)),
     Subject("job-t", "", (3000, 5000, 8000)),
     Subject("job-c", "", (3000, 5000, 8000)),
 )

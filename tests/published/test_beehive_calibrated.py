@@ -1,0 +1,83 @@
+"""Published: what the calibrated spring of gu2021-beehive meets of its source, and that docs/beehive.md
+prints what comes out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from beehive_page import AIMS, PAGE, shown, value_of
+
+import valvetrain as vt
+from architecture.layout import ROOT
+from valvetrain.solution.study import Study
+
+RPM = np.pi / 30
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return vt.simulate("gu2021-beehive", workers=1)
+
+
+def printed() -> dict[str, tuple[str, ...]]:
+    """First cell of each row of the table of aims -> its other cells."""
+    table = PAGE.read_text(encoding="utf-8").split("<!-- aims -->")[1].split("<!-- end")[0]
+    rows = [line.strip("| ").split(" | ") for line in table.splitlines() if line.startswith("| ")]
+    return {row[0]: tuple(row[1:]) for row in rows[1:]}
+
+
+def test_the_page_prints_every_aim_as_it_comes_out(study: Study) -> None:
+    """Within 2 % of the printed number (spikes 10 %), and the same words on what is met."""
+    rows = printed()
+    assert len(rows) == len(AIMS)
+    stale = []
+    for aim in AIMS:
+        where = f", {aim.rpm} rpm" if aim.rpm else ""
+        cells, value = rows[f"{aim.group}: {aim.what}{where}"], value_of(study, aim)
+        if value is None:
+            stale += [] if cells[2] == "none" else [aim]
+            continue
+        room = 0.1 if aim.group in ("spikes", "durations") else 0.02
+        near = abs(float(cells[2]) - value) <= room * abs(value) + 10.0 ** -len(
+            shown(value, aim.unit).partition(".")[2]
+        )
+        if not near or (cells[3] == "yes") != aim.met(value):
+            stale.append(aim)
+    assert not stale, "run python scripts/beehive_page.py"
+
+
+def test_no_value_of_the_calibrated_case_is_called_a_prediction(study: Study) -> None:
+    assert {row.role for row in study.comparisons} == {"calibration", "check"}
+    assert all(row.reading for row in study.comparisons)
+
+
+def test_where_the_peak_at_8000_rpm_lies_is_among_the_findings(study: Study) -> None:
+    (found,) = [
+        one for one in study.findings if "the peak force lies in Stage III" in one.statement
+    ]
+    run = study.solution("finite-element", 8000 * RPM).quantities
+    holds = run["stage_3_peak_force"] > run["stage_2_peak_force"]
+    assert (found.verdict == "agrees") == holds and found.statement.startswith("8000 rpm")
+
+
+def test_two_maxima_agree_by_their_heights_not_by_their_order(study: Study) -> None:
+    (found,) = [one for one in study.findings if "two force maxima" in one.statement]
+    run = study.solution("finite-element", 8000 * RPM).quantities
+    names = [f"stage_2_{word}_force" for word in ("first_peak", "valley", "second_peak")]
+    near = all(
+        abs(run[name] / value - 1) <= 0.05
+        for name, value in zip(names, (940, 580, 1200), strict=True)
+    )
+    assert found.verdict.startswith("agrees") == near
+
+
+def test_a_case_of_ones_own_that_names_the_study_is_compared_with_it(tmp_path) -> None:
+    """Contract: no published table of its own, all roles are checks."""
+    text = (ROOT / "src/valvetrain/parameters/library/gu2021-beehive.toml").read_text("utf-8")
+    own = tmp_path / "own.toml"
+    own.write_text(text.partition("[[published]]")[0], encoding="utf-8")
+    made = vt.simulate(str(own), "4200 rpm", spring_models=["finite-element"], workers=1)
+    assert made.comparisons and {row.role for row in made.comparisons} == {"check"}
+    assert {row.quantity for row in made.comparisons} >= {"preload", "stage_2_peak_force"}
+    assert made.findings
