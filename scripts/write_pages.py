@@ -93,7 +93,7 @@ def write_readme() -> None:
         PUBLIC_NAMES,
         re.sub(re.escape(MODELS_HEAD) + r"(?:\|.*\n)*", lambda _: models_table(), text),
     )
-    study = vt.simulate("gu2021-beehive-blind", "8000 rpm")
+    study = vt.simulate("gu2021-beehive", "8000 rpm")
     lines = []
     for label, (name, colour) in SHOWN.items():
         (run,) = study.runs(label)

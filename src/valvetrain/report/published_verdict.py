@@ -24,12 +24,12 @@ NAMED = 3
 def published_clause(rows: Sequence[Comparison]) -> str:
     """How the published values of a case compare; empty without any.
 
-    Roles and kinds are told apart, since a median over values that were fitted and values that were
+    Roles and kinds are given apart, since a median over values that were fitted and values that were
     predicted says nothing of either. Values in doubt are left out; angles count in degrees.
     """
-    told = [row for row in rows if row.difference is not None and not row.doubt]
-    angles = [row for row in told if row.unit == "deg"]
-    known = [row for row in told if row.unit != "deg" and row.relative_difference is not None]
+    given = [row for row in rows if row.difference is not None and not row.doubt]
+    angles = [row for row in given if row.unit == "deg"]
+    known = [row for row in given if row.unit != "deg" and row.relative_difference is not None]
     if not known:
         return ""
     if len(known) == 1:

@@ -19,7 +19,7 @@ ORDERS = 60
 
 
 def forces_of_equation_5(
-    lift: ArrayLike,
+    valve_lift: ArrayLike,
     cam_speed: float,
     compression: ArrayLike,
     force: ArrayLike,
@@ -28,14 +28,14 @@ def forces_of_equation_5(
 ) -> Array:
     """Force (N) of the modal model at even cam angles of one turn.
 
-    ``lift`` (m) at these angles; ``cam_speed`` in rad/s; ``compression`` (m) and ``force`` (N): the
+    ``valve_lift`` (m) at these angles; ``cam_speed`` in rad/s; ``compression`` (m) and ``force`` (N): the
     static curve; ``following``: natural frequencies follow the root of k(x) at each instant.
 
     >>> flat = forces_of_equation_5(np.zeros(64), 400.0, [0.0, 0.02], [0.0, 800.0], 7e-3, True)
     >>> flat.round(1)[:2].tolist()
     [280.0, 280.0]
     """
-    moved = np.asarray(lift, dtype=float)
+    moved = np.asarray(valve_lift, dtype=float)
     count, top = len(moved), min(ORDERS, len(moved) // 2)
     order = np.arange(top + 1)
     spectrum = np.fft.rfft(moved)[: top + 1] / count * np.where(order == 0, 1.0, 2.0)
