@@ -77,7 +77,7 @@ def test_a_case_of_ones_own_that_names_the_study_is_compared_with_it(tmp_path) -
     text = (ROOT / "src/valvetrain/parameters/library/gu2021-beehive.toml").read_text("utf-8")
     own = tmp_path / "own.toml"
     own.write_text(text.partition("[[published]]")[0], encoding="utf-8")
-    made = vt.simulate(str(own), "4200 rpm", spring_models=["finite-element"], workers=1)
+    made = vt.simulate(str(own), "8000 rpm", spring_models=["finite-element"], workers=1)
     assert made.comparisons and {row.role for row in made.comparisons} == {"check"}
-    assert {row.quantity for row in made.comparisons} >= {"preload", "stage_2_peak_force"}
+    assert {row.quantity for row in made.comparisons} >= {"preload", "stage_2_valley_force"}
     assert made.findings
