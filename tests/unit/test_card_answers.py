@@ -79,6 +79,14 @@ def test_a_doubt_about_a_dual_spring_names_spring_and_set():
         parse_case(text, "own")
 
 
+def test_a_train_without_its_kind_is_told_the_kinds():
+    """Contract: "'kind' is missing; add it" left a newcomer to guess what belongs there."""
+    text = PUSHROD.replace('kind = "pushrod"\n', "", 1)
+    expected = r"train.kind: 'kind' is missing; add it: direct \(a bucket tappet\), finger .* or pushrod \(a pushrod and rocker\)"
+    with pytest.raises(InputError, match=expected):
+        parse_case(text, "own")
+
+
 @pytest.mark.parametrize("kind", ["pushrod", "direct", "finger", "rocker"])
 def test_the_cards_of_the_templates_raise_no_doubt(kind):
     with warnings.catch_warnings():

@@ -102,6 +102,17 @@ def test_a_cusp_is_found_where_it_is(size):
         check_flat(found)
 
 
+def test_a_lift_ten_times_too_large_is_asked_for_its_unit():
+    """Contract: a slip of the unit was answered with the cusp alone; a steep cam is not asked."""
+    angle = np.linspace(0.0, 2 * np.pi, 1441)[:-1]
+    expected = r"cusp .*lift of 80 mm is unusually large for a base circle of 18 mm radius: is the unit right\?$"
+    height = 0.018 + 0.04 * (1 - np.cos(angle)) ** 3 / 4
+    with pytest.raises(InputError, match=expected):
+        check_flat(table_from_samples(angle, height))
+    with pytest.raises(InputError, match=r"use a roller$"):
+        check_flat(table_from_samples(angle, 0.018 + 0.1 * (height - 0.018) * np.cos(8 * angle)))
+
+
 @pytest.mark.parametrize(("follower", "passes"), [(0.019, True), (0.021, False)])
 def test_an_arc_wider_than_the_pitch_curve_is_undercut(follower, passes):
     circle = np.column_stack([np.full(720, 0.02), np.zeros(720), np.zeros(720)])

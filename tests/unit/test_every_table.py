@@ -168,6 +168,8 @@ def test_critical_speeds_stand_in_a_table_with_how_they_were_searched():
         "until",
         "rising / falling speed",
     ]
+    # the long cells of two columns scrolled on a wide page
+    assert grid.rows[0][0][1].tone == "number wraps" and grid.right[1]
     assert told[3][1] == FLOAT and told[5][1] == "6875–6885 / 6589–6599"
     assert all(f"{word}:" in legend.html for word in ("until", "rising / falling speed", "again"))
     assert "graze" in ranges.html and "non-repeating" in ranges.html

@@ -4,6 +4,7 @@ marginals in any unit.
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,12 +15,16 @@ from valvetrain.explore import identification_charts
 from valvetrain.explore.identification_charts import _density
 from valvetrain.explore.space import Prior
 from valvetrain.lift.page import derivatives_chart, residuals_chart
-from valvetrain.report.chart import Band, Chart, Line, Panel, Rule
+from valvetrain.report.chart import Band, Chart, Line, Panel, Rule, rule_place
 from valvetrain.report.motion.parts import Body, Colouring, Shape, SpringDrawing
 from valvetrain.report.motion.project import SLICES, _wire
 from valvetrain.report.motion.project import _body_project as _body
 from valvetrain.report.plotly_chart import figure
+from valvetrain.report.results import comparison_blocks, train_modes_blocks
+from valvetrain.report.svg_chart import svg
 from valvetrain.rig.page import MARKS, raw_chart, speed_chart
+from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.modes import TrainModes
 
 #: Least and largest width of a curve (px); a band's edge is thinner than what it is about.
 THINNEST, WIDEST = 0.8, 2.4
@@ -299,3 +304,54 @@ def test_a_marginal_reaches_a_little_beyond_its_posterior_within_the_prior(
     assert posterior.y == pytest.approx(
         np.exp(-0.5 * ((posterior.x - 31) / 0.5) ** 2) / (0.5 * np.sqrt(2 * np.pi))
     )
+
+
+def ringing(rise: float) -> Panel:
+    """A force that rings about a limit at 300 N and then stays ``rise`` above it."""
+    x = np.linspace(0.0, 360.0, 721)
+    y = np.where(x > 240.0, 300.0 + 40.0 * np.sin(x), 300.0 + rise)
+    line = Line(x, y, "spring", "#000")
+    return Panel("angle", "force (N)", (line,), rules=(Rule("y", 300.0, "preload 300 N"),), x_range=(0, 360), y_range=(0, 1000))  # fmt: skip
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+def test_the_label_of_a_level_rule_stands_where_no_curve_runs(narrow):
+    """Contract: "preload" and "contact lost" stood at the right end, over the ringing curve."""
+    panel = ringing(400.0)
+    end, above = rule_place(panel, panel.rules[0], narrow)
+    assert above and end < 240 / 360
+    free, side = rule_place(ringing(-200.0), panel.rules[0], narrow)
+    assert side and free < 240 / 360
+    still = Panel("angle", "", (Line(np.array([0.0, 360.0]), np.full(2, 900.0), "", "#000"),), x_range=(0, 360), y_range=(0, 1000))  # fmt: skip
+    assert rule_place(still, panel.rules[0], narrow) == (1.0, True)
+    assert rule_place(still, Rule("y", 990.0, "solid"), narrow) == (1.0, False)
+    chart = Chart("spring", "", "", (panel,))
+    note = next(one for one in figure(chart)["narrow" if narrow else "layout"]["annotations"] if one["text"] == "preload 300 N")  # fmt: skip
+    assert (note["x"], note["yanchor"]) == (pytest.approx(end), "bottom")
+    written = re.search(r'<text x="([\d.]+)"[^>]*text-anchor="end">preload 300 N', svg(chart))
+    wide, _ = rule_place(panel, panel.rules[0])
+    assert written and float(written[1]) == pytest.approx(64 + wide * (960 - 64 - 22), abs=1.0)
+
+
+def test_the_last_number_of_an_axis_has_room_beside_the_panel():
+    """Contract: Plotly leaves out a number that the edge would cut; half of "15,000" is 20 px wide."""
+    line = Line(np.array([5000.0, 15000.0]), np.zeros(2), "card", "#000")
+    chart = Chart("control", "", "", (Panel("engine speed (rpm)", "", (line,)),))
+    for layout in ("layout", "narrow"):
+        assert figure(chart)[layout]["margin"]["r"] >= 24
+
+
+def test_what_has_no_dimension_has_no_unit_behind_it_and_bars_have_names():
+    """Contract: axes read "mode (1)" and "comparison (1)", and the bars above them 1 to 3."""
+    shares = np.array([[0.2, 0.8], [0.7, 0.3]])
+    modes = TrainModes("", "closed", 0.0, 0.0, np.array([412.3, 1034.0]), ("valve",), ("valve", "spring"), np.zeros((2, 1)), shares)  # fmt: skip
+    (drawn,) = train_modes_blocks(modes)
+    (panel,) = drawn.chart.panels
+    assert [name for _, name in panel.y_tick_labels] == ["412.3 Hz", "1034 Hz"]
+    assert [float(np.nanmax(one.x)) for one in panel.layers] == pytest.approx([70.0, 80.0])
+    row = Comparison("motion_period_count", None, "massless", "FE", "1", 2.0, 3.0, 1.0, "check", 1.0, "agrees")  # fmt: skip
+    (compared,) = comparison_blocks(row)[1].chart.panels
+    assert compared.y_tick_labels == ((1.0, "massless"),)
+    assert "(1)" not in f"{panel.x_label}{panel.y_label}{compared.x_label}{compared.y_label}"
+    low, high = compared.x_range
+    assert low < 1.0 and high > 3.0

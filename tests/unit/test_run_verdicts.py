@@ -20,6 +20,7 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE, CAUSE_VIBRATION
 from valvetrain.report.chart import Chart, Line, Panel, Rule
+from valvetrain.report.headlines import headline_rows
 from valvetrain.report.key_figures import key_figures
 from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
 from valvetrain.report.model_verdict import fidelity_verdict, refine_verdict
@@ -61,7 +62,7 @@ def train(*runs: dict[str, float], status: Status | None = None, **changes) -> S
 
 def test_one_run_of_a_train():
     expected = (
-        "Clear of coil bind by 2.2 mm, no loft, one bounce of 0.4 mm, minimum cam force 35 N."
+        "One bounce of 0.4 mm, no loft, clear of coil bind by 2.2 mm, minimum cam force 35 N."
     )
     assert train({}).verdict == expected
     assert repr(train({})).splitlines()[0] == expected
@@ -74,20 +75,20 @@ def test_one_run_of_a_train():
         ({"bounce_count": 0.0}, "no loft, no bounce,"),
         ({"bounce_count": 3.0}, "3 bounces up to 0.4 mm,"),
         ({"bounce_height": 2.65e-6}, "no loft, no bounce above 0.1 mm, minimum"),
-        ({"bounce_height": 1.01e-4}, "one bounce of 0.101 mm,"),
+        ({"bounce_height": 1.01e-4}, "One bounce of 0.101 mm, no loft, clear of"),
         ({"loss_of_contact_duration": 2e-4, "loft_gap": 5.9e-5, "minimum_cam_contact_force": 0.0},
-         "without contact, one bounce of 0.4 mm."),
-        ({"loss_of_contact_duration": 2e-4, "loft_gap": 5.9e-5}, "loft of 59 µm, 0.2 ms without contact,"),
-        ({"loss_of_contact_duration": 2e-4}, "contact lost for 0.2 ms,"),
-        ({"float_excess_lift": 1e-4}, "floats 0.1 mm above the rigid lift,"),
-        ({"float_excess_lift": 4e-5}, "no loft, one bounce"),
-        ({"coil_bind_clearance": 1.7e-4}, "Only 0.17 mm clear of coil bind,"),
-        ({"lift_loss_displacement": 7.6e-5}, "no loft, flex takes 76 µm of lift, one bounce"),
-        ({"lift_loss_displacement": 3e-5}, "no loft, one bounce"),
+         "without contact, one bounce of 0.4 mm, clear of coil bind by 2.2 mm."),
+        ({"loss_of_contact_duration": 2e-4, "loft_gap": 5.9e-5}, "Loft of 59 µm, 0.2 ms without contact,"),
+        ({"loss_of_contact_duration": 2e-4}, "Contact lost for 0.2 ms, one bounce of 0.4 mm, clear of"),
+        ({"float_excess_lift": 1e-4}, "Floats 0.1 mm above the rigid lift,"),
+        ({"float_excess_lift": 4e-5}, "One bounce of 0.4 mm, no loft, clear"),
+        ({"coil_bind_clearance": 1.7e-4}, "no loft, only 0.17 mm clear of coil bind,"),
+        ({"lift_loss_displacement": 7.6e-5}, "no loft, flex takes 76 µm of lift, clear"),
+        ({"lift_loss_displacement": 3e-5}, "no loft, clear"),
         ({"coil_bind_clearance": -6e-4}, "Solid 0.6 mm before the largest lift,"),
-        ({"seating_velocity": 0.8}, "Seating velocity 0.8 m/s, above its limit of 0.52 m/s; clear of"),
+        ({"seating_velocity": 0.8}, "Seating velocity 0.8 m/s, above its limit of 0.52 m/s; one bounce"),
         ({"clash_count": 1.0}, "one coil clash, minimum"),
-        ({"clash_count": 0.0}, "one bounce of 0.4 mm, minimum"),
+        ({"clash_count": 0.0}, "clear of coil bind by 2.2 mm, minimum"),
         ({"minimum_piston_clearance_gap": 1.5e-3}, "clear of the piston by 1.5 mm,"),
         ({"minimum_cam_contact_force": 1234.6}, "minimum cam force 1235 N."),
     ],
@@ -96,12 +97,48 @@ def test_what_a_train_did(values, clause):
     assert clause in train(values).verdict
 
 
+def test_what_is_lost_is_told_before_what_is_well_but_after_a_solid_spring():
+    """Contract: the sentence of a train that floats began with its room to coil bind."""
+    flies = {"loss_of_contact_duration": 2e-4, "loft_gap": 5e-4, "float_excess_lift": 4e-4}
+    said = train(flies).verdict
+    places = [said.lower().index(one) for one in ("loft of", "floats", "one bounce", "clear of coil bind")]  # fmt: skip
+    assert places == sorted(places) and places[0] == 0
+    solid = train({**flies, "coil_bind_clearance": -6e-4}).verdict
+    assert solid.startswith("Solid 0.6 mm before the largest lift, loft of")
+    assert train({"bounce_count": 0.0}).verdict.startswith("Clear of coil bind by 2.2 mm, no loft")
+    piston = train({"minimum_piston_clearance_gap": -1e-4, "bounce_count": 0.0}).verdict
+    assert piston.startswith("The valve meets the piston, no loft, no bounce, clear of")
+
+
+def test_a_valve_above_its_rigid_lift_has_no_lift_lost():
+    """Contract: minus 2.9 um stood as "lift lost" where the valve floats; other columns keep theirs."""
+    lifts = {"lift_loss_displacement": -2.9e-6}
+    study = train(lifts)
+    assert "lift_loss_displacement" not in [row.name for row in headline_rows(study)]
+    assert study.solutions[0].quantities["lift_loss_displacement"] == -2.9e-6
+    rows = {row.name: row.values for row in headline_rows(train(lifts, {"lift_loss_displacement": 4e-5}))}  # fmt: skip
+    assert rows["lift_loss_displacement"] == (None, pytest.approx(0.04))
+
+
+def test_a_single_spring_beside_a_pair_has_its_surge_frequency():
+    """Contract: the row was left out for all columns where one of them was a nested pair."""
+    pair = {"surge_frequency": 500.0, "outer_surge_frequency": 500.0, "inner_surge_frequency": 580.0}  # fmt: skip
+    found = {row.name: row.values for row in headline_rows(train({"surge_frequency": 540.0}, pair))}
+    assert found["surge_frequency"] == (540.0, None)
+    assert found["outer_surge_frequency"] == (None, 500.0)
+    alone = [row.name for row in headline_rows(train(pair))]
+    assert "surge_frequency" not in alone and "outer_surge_frequency" in alone
+
+
 def test_the_worst_speed_is_named_once_and_where_runs_differ_each_by_itself():
     worse = {"minimum_cam_contact_force": 5.0, "bounce_count": 2.0, "bounce_height": 5e-4}
     said = train({}, worse).verdict
-    assert said.startswith("Worst at 7000 rpm: clear of coil bind by 2.2 mm, no loft, 2 bounces up")
+    assert said.startswith("Worst at 7000 rpm: 2 bounces up to 0.5 mm, no loft, clear of")
     mixed = train({"bounce_count": 2.0, "bounce_height": 5e-4}, {"minimum_cam_contact_force": 5.0})
-    assert "2 bounces up to 0.5 mm at 6000 rpm; minimum cam force 5 N at 7000 rpm." in mixed.verdict
+    assert (
+        "2 bounces up to 0.5 mm at 6000 rpm; no loft, clear of coil bind by 2.2 mm; minimum cam force 5 N at 7000 rpm."
+        in mixed.verdict
+    )
 
 
 def test_a_number_of_one_label_is_not_told_of_another():
@@ -111,7 +148,8 @@ def test_a_number_of_one_label_is_not_told_of_another():
     speed = one.provenance.engine_speed
     card = replace(other, quantities=bare, provenance=replace(other.provenance, engine_speed=speed, label="card", spring_set="card"))  # fmt: skip
     said = Study(CaseRecord("own"), solutions=(one, card)).verdict
-    assert said.startswith("Clear of coil bind by 2.2 mm (stock); loft of 2 µm")
+    assert said.startswith("Loft of 2 µm, 0.1 ms without contact (card);")
+    assert "; clear of coil bind by 2.2 mm (stock);" in said
 
 
 def test_a_loss_says_why_and_how_much_surge_takes_off_the_spring():
@@ -134,7 +172,7 @@ def test_a_loss_says_why_and_how_much_surge_takes_off_the_spring():
         (7.6e-5, 245.6, "flex takes 76 µm of lift and 3.3 crank deg of duration at 0.050 in,"),
         (2e-5, 245.6, "flex takes 20 µm of lift and 3.3 crank deg of duration at 0.050 in,"),
         (-2e-5, 245.6, "flex takes 3.3 crank deg of duration at 0.050 in,"),
-        (2e-5, 248.0, "no loft, one bounce"),
+        (2e-5, 248.0, "no loft, clear"),
     ],
 )
 def test_flex_takes_lift_and_duration(lift, degrees, said):
@@ -192,9 +230,9 @@ def test_models_that_differ_inside_their_bars_say_so():
 @pytest.mark.parametrize(
     ("code", "first"),
     [
-        ("diverged", "One of 2 runs diverged at 7000 rpm; clear of coil bind"),
-        ("coil-bind", "One of 2 runs reached coil bind at 7000 rpm; clear"),
-        ("out-of-range", "One of 2 runs left the range of its tables at 7000 rpm; clear"),
+        ("diverged", "One of 2 runs diverged at 7000 rpm; one bounce"),
+        ("coil-bind", "One of 2 runs reached coil bind at 7000 rpm; one bounce"),
+        ("out-of-range", "One of 2 runs left the range of its tables at 7000 rpm; one bounce"),
         ("not-converged", "One of 2 runs did not settle at 7000 rpm; "),
     ],
 )
@@ -207,7 +245,7 @@ def test_what_did_not_complete_comes_first(code, first):
 def test_models_of_a_spring_and_published_values():
     said = own_study().verdict
     assert (
-        "hardest 345 N at 250 deg, coils 1–2 (try more gap) at 5600 rpm (finite-element); peak spring force 811 N"
+        "hardest 345 N at 250 cam deg, coils 1–2 (try more gap) at 5600 rpm (finite-element); peak spring force 811 N"
         in said
     )
     assert said.endswith("models differ by 1.4 % in peak force at 5600 rpm.")
@@ -328,7 +366,7 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     (run,) = one.solutions
     values = {**run.quantities, "clash_count": 2.0, "clash_energy": 0.01}
     clashes = replace(one, solutions=(replace(run, quantities=values),))
-    hardest = "hardest 66.5 N at 141 deg, coils 1–2 (try more gap)"
+    hardest = "hardest 66.5 N at 141 cam deg, coils 1–2 (try more gap)"
     assert f"2 coil clashes (10 mJ in all), {hardest}" in clashes.verdict
     assert "clear of coil bind by 2.2 mm at full lift," in clashes.verdict.lower()
     expected = (

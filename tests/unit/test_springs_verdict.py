@@ -111,12 +111,15 @@ def test_a_loss_names_its_place_and_a_flight_its_angles():
     assert "ontact lost at the tappet for 0.03 ms" in lost("tappet", "loss-of-contact")
     flight = lost("cam", "loft", loft_gap=1.2e-3)
     assert (
-        "oft of 1.2 mm, 0.03 ms without contact, leaves the cam at 221 deg, lands at 306 deg"
+        "oft of 1.2 mm, 0.03 ms without contact, leaves the cam at 221 cam deg, lands at 306 cam deg"
         in flight
     )
     assert "deg" not in lost("cam", "loft", loft_gap=1e-5)
-    for period, said in ((1, "306 deg in every cycle"), (2, "306 deg, again after 2 cycles"), (0, "306 deg, elsewhere in other cycles")):  # fmt: skip
-        assert said in lost("cam", "loft", loft_gap=1.2e-3, motion_period_count=float(period))
+    periods = {1: " in every cycle", 2: ", again after 2 cycles", 0: ", elsewhere in other cycles"}
+    for period, said in periods.items():
+        assert f"306 cam deg{said}" in lost(
+            "cam", "loft", loft_gap=1.2e-3, motion_period_count=float(period)
+        )
 
 
 def test_wide_error_bars_stand_in_the_sentence_and_hide_a_surge_below_them():

@@ -208,6 +208,21 @@ def curvature_radius_round(table: Array, follower_radius: float) -> Array:
     return found
 
 
+#: Largest lift over the base radius above which a lift is a slip of its unit rather than a steep cam.
+UNUSUAL_LIFT = 1.5
+
+
+def _unusual_lift(table: Array) -> str:
+    """A clause where a face is lifted by more than the base circle lets any cam do."""
+    base, lift = float(np.min(table[:, 0])), float(np.ptp(table[:, 0]))
+    if lift <= UNUSUAL_LIFT * base:
+        return ""
+    return (
+        f"; a lift of {lift * 1e3:.4g} mm is unusually large for a base circle of {base * 1e3:.4g} mm radius: "
+        "is the unit right?"
+    )
+
+
 def check_flat(table: Array) -> None:
     """Raise :class:`InputError` where a flat face would need a cam with a cusp."""
     radius = curvature_radius_flat(table)
@@ -216,7 +231,7 @@ def check_flat(table: Array) -> None:
         raise InputError(
             f"a flat follower needs a cam with a cusp near cam angle {worst * 360 / len(table):.1f} deg (radius "
             f"{radius[worst] * 1e3:.2f} mm); "
-            "enlarge the base circle, soften that flank or use a roller"
+            f"enlarge the base circle, soften that flank or use a roller{_unusual_lift(table)}"
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections.abc import Sequence
 
 #: Kind of train -> what it is.
 TITLES = {
@@ -43,6 +44,21 @@ def meant_kind(name: str, known: tuple[str, ...]) -> str | None:
     return None
 
 
+def _listed(known: Sequence[str]) -> list[str]:
+    """Kinds with what they are called."""
+    return [f"{one} ({TITLES[one]})" if one in TITLES else one for one in known]
+
+
+def choice_of(known: Sequence[str]) -> str:
+    """All kinds, each with what it is called.
+
+    >>> choice_of(("direct", "finger"))
+    'direct (a bucket tappet) or finger (a finger follower)'
+    """
+    *others, last = _listed(known)
+    return f"{', '.join(others)} or {last}" if others else last
+
+
 def answer(name: str, known: tuple[str, ...]) -> str:
     """A clause that says which of ``known`` kinds was meant by ``name``.
 
@@ -52,8 +68,7 @@ def answer(name: str, known: tuple[str, ...]) -> str:
     if (kind := meant_kind(name, known)) is not None:
         return f'{TITLES.get(kind, kind)} is called {kind}: write "{kind}"'
     word = re.sub(r"[\s_]+", "-", name[:60].strip().lower())
-    listed = [f"{one} ({TITLES[one]})" if one in TITLES else one for one in known]
-    choice = f"{', '.join(listed[:-1])} or {listed[-1]}"
+    listed, choice = _listed(known), choice_of(known)
     if word in _SHAPES:
         return f"that is a shape of what runs on the cam, given in [train.follower]; kinds are {choice}"
     if word in _SEVERAL:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from valvetrain.parameters.schema_blocks import SpringField
 from valvetrain.parameters.schema_contact import ContactsField
@@ -47,6 +47,8 @@ from valvetrain.parameters.train import (
     ValveParameters,
     check_kind,
 )
+from valvetrain.parameters.train_names import choice_of
+from valvetrain.registry import names as registered_names
 
 #: Moments of inertia (kg m2) beyond this are slips, as masses beyond theirs.
 MAX_INERTIA = 1e2
@@ -282,6 +284,15 @@ class TrainModel(StrictModel):
         default=None,
         description="maximum of cam revolutions: 60, in sweeps 30, with finite elements 4 to 10, by their damping",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_kinds(cls, raw: Any) -> Any:
+        """Refuse a train without its kind by naming the kinds there are."""
+        if isinstance(raw, dict) and "kind" not in raw:
+            choice = choice_of(tuple(registered_names("mechanisms")))
+            raise problem(f"'kind' is missing; add it: {choice}", ("kind",))
+        return raw
 
     def build(self) -> TrainParameters:
         """The frozen parameters; raises a located problem."""

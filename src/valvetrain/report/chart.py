@@ -7,6 +7,7 @@ both show the same data.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -182,6 +183,53 @@ def near_right_end(panel: Panel, rule: Rule, narrow: bool = False) -> bool:
     low, high = visible_range(panel)[0]
     room = max(0.1, (NARROW_LETTER if narrow else ALONE_LETTER) * len(rule.label))
     return rule.value > high - room * (high - low)
+
+
+#: Height of a label of a level rule as a share of the panel, and how close to its rule a curve may run.
+LABEL_HEIGHT, ALONG_RULE = 0.1, 0.01
+
+
+def rule_place(panel: Panel, rule: Rule, narrow: bool = False) -> tuple[float, bool]:
+    """Share of the width at which the label of a level rule ends, and whether it stands above the rule:
+    where the fewest curves run through it, of equal places the furthest right.
+    """
+    level = float(_shares(panel, np.zeros(1), np.array([rule.value]))[1][0])
+    wide = min(1.0, (NARROW_LETTER if narrow else WIDE_LETTER) * (len(rule.label) + 1))
+    lines = [_shares(panel, one.x, one.y) for one in panel.layers if isinstance(one, Line)]
+    best, fewest = (1.0, True), math.inf
+    for above in (True, False):
+        base = level + (ALONG_RULE if above else -LABEL_HEIGHT)
+        top = level + (LABEL_HEIGHT if above else -ALONG_RULE)
+        if top > 1.0 + ALONG_RULE or base < -ALONG_RULE:
+            continue
+        for end in np.linspace(1.0, wide, 25):
+            crossed = sum(_crossings(x, y, end - wide, end, base, top) for x, y in lines)
+            if crossed < fewest:
+                best, fewest = (float(end), above), crossed
+    return best
+
+
+def _shares(panel: Panel, x: Array, y: Array) -> tuple[Array, Array]:
+    """Points as shares of the width and the height of a panel."""
+    (left, right), (low, high) = visible_range(panel)
+    across, level = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if panel.y_log:
+        low, high, level = np.log10(low), np.log10(high), np.log10(np.maximum(level, 1e-300))
+    return (across - left) / (right - left), (level - low) / (high - low)
+
+
+def _crossings(x: Array, y: Array, left: float, right: float, low: float, high: float) -> int:
+    """How many strokes of a line run through a box."""
+    first, step = np.column_stack((x[:-1], y[:-1])), np.column_stack((np.diff(x), np.diff(y)))
+    some = np.isfinite(first + step).all(axis=1)
+    some[some] &= np.minimum(first[some, 0], first[some, 0] + step[some, 0]) <= right
+    some[some] &= np.maximum(first[some, 0], first[some, 0] + step[some, 0]) >= left
+    first, step = first[some], step[some]
+    run = np.where(step[:, 0] == 0, np.inf, step[:, 0])
+    ends = np.clip((np.array([left, right])[:, None] - first[:, 0]) / run, 0.0, 1.0)
+    ends[:, step[:, 0] == 0] = np.array([[0.0], [1.0]])
+    height = first[:, 1] + ends * step[:, 1]
+    return int(np.count_nonzero((height.min(axis=0) < high) & (height.max(axis=0) > low)))
 
 
 def shares_axis(chart: Chart, columns: int | None = None) -> bool:

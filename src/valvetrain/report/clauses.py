@@ -25,10 +25,13 @@ ENDED = {
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """Part of a verdict; ``run`` is the one that it is about, None where it holds for all."""
+    """Part of a verdict; ``run`` is the one that it is about, None where it holds for all. ``lost``: it
+    tells of contact lost or met again, which comes before what is well.
+    """
 
     text: str
     run: Solution | None = None
+    lost: bool = False
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,10 @@ from valvetrain.solution.study import Study
 
 #: What is nothing but rounding, in any shown unit.
 _ROUNDING = 1e-9
+#: Quantity that a column has where its springs are a nested pair.
+OUTER_SURGE = "outer_surge_frequency"
+#: What is lost, left out where it is negative: a valve that flies loses no lift, its flight has a row.
+LOSSES = ("lift_loss_displacement",)
 #: Clashes that are named one by one, per run.
 NAMED_CLASHES = 5
 
@@ -91,10 +95,11 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
     for topic, names in topics().items():
         for name in names:
             found = [_value(study, column, name) for column in columns]
-            if name == "surge_frequency" and any(
-                _value(study, column, "outer_surge_frequency")[0] is not None for column in columns
-            ):
-                continue  # said of each spring of the pair
+            if name == "surge_frequency":  # of a pair said of each spring
+                found = [
+                    (None, None) if _value(study, column, OUTER_SURGE)[0] is not None else one
+                    for column, one in zip(columns, found, strict=True)
+                ]
             if name in cells or any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
                 unit, own = definition_of(name).shown_unit, cells.get(name, ())
@@ -209,6 +214,7 @@ def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | Non
         (run.quantities[name], run.engine_speed)
         for run in runs
         if math.isfinite(run.quantities.get(name, math.nan))
+        and not (name in LOSSES and run.quantities[name] < 0)
     ]
     if known:
         least = definition_of(name).sense == "larger is better" or "minimum" in name

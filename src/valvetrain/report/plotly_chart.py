@@ -23,6 +23,7 @@ from valvetrain.report.chart import (
     near_right_end,
     row_weights,
     rule_levels,
+    rule_place,
     shares_axis,
     visible_range,
 )
@@ -34,9 +35,10 @@ _SIDES = {
     "left": "middle left",
     "bottom": "bottom center",
 }
-#: Room in px about the panels of a figure: left for tick words, below for tick and axis words,
+#: Room in px about the panels of a figure: left for tick words, right for half of the last tick's number
+#: (which is left out where it would be cut), below for tick and axis words,
 #: above for a panel's own words.
-_LEFT, _RIGHT, _BOTTOM, _ABOVE, _BAR = 54, 18, 46, 26, 92
+_LEFT, _RIGHT, _BOTTOM, _ABOVE, _BAR = 54, 26, 46, 26, 92
 #: Room in px for words in place of numbers along y, at most.
 NAMES_WIDTH = 372
 #: Room in px between panels, and the width in px of a plot area of two columns at its narrowest
@@ -332,7 +334,9 @@ def _add_furniture(
             shapes.append(
                 along | thin_line | {"x0": 0, "x1": 1, "y0": rule.value, "y1": rule.value}
             )
-            place = along | {"x": 1, "y": rule.value, "xanchor": "right", "yanchor": "bottom"}
+            end, above = rule_place(panel, rule, narrow)
+            side = {"xanchor": "right", "yanchor": "bottom" if above else "top"}
+            place = along | side | {"x": end, "y": rule.value}
         if rule.label:
             notes.append(place | small | {"text": plain(rule.label)})
     heights = label_heights(panel)

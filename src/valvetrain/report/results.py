@@ -84,7 +84,7 @@ def study_blocks(study: Study) -> Blocks:
     unit, factor = SHOWN_UNITS.get(unit_of(name), (unit_of(name), 1.0))
     found = [(label, *study.series(label, name)) for label in study.labels]
     lines = [(label, speeds / RPM, values * factor) for label, speeds, values in found]
-    label = f"{name.replace('_', ' ')} ({unit})"
+    label = _with_unit(name.replace("_", " "), unit)
     return (_figure(study, _panel("engine speed (rpm)", label, lines)),)
 
 
@@ -102,20 +102,28 @@ def modes_blocks(modes: ModalResult) -> Blocks:
         (f"{modes.natural_frequency[n]:.5g} Hz", modes.coil_number, modes.shape[n, :, 2])
         for n in modes.axial_modes
     ]
-    return (_figure(modes, _panel("coil number", "axial displacement (1)", lines)),)
+    return (_figure(modes, _panel("coil number", "axial displacement", lines)),)
 
 
 def train_modes_blocks(modes: TrainModes) -> Blocks:
-    """Share of every part in the energy of each mode."""
-    numbers = np.arange(1.0, len(modes.natural_frequency) + 1)
+    """Share of every part in the energy of each mode, a row for each with its frequency."""
+    rows = np.arange(len(modes.natural_frequency), 0.0, -1.0)
     count, layers = len(modes.parts), list[Layer]()
     for place, part in enumerate(modes.parts):
-        x = numbers + 0.7 * ((place + 0.5) / count - 0.5)
-        bars = stems(x, 100 * modes.energy_share[:, place])
-        layers.append(Line(*bars, part, theme.SERIES[place % len(theme.SERIES)], 5.0))
-    label = "share of kinetic energy (%)"
-    reach = (0.5, len(numbers) + 0.5)
-    panel = Panel("mode (1)", label, tuple(layers), x_range=reach, y_range=(0.0, 100.0))
+        y = rows - 0.7 * ((place + 0.5) / count - 0.5)
+        along, share = stems(y, 100 * modes.energy_share[:, place])
+        layers.append(Line(share, along, part, theme.SERIES[place % len(theme.SERIES)], 5.0))
+    panel = Panel(
+        "share of kinetic energy (%)",
+        "",
+        tuple(layers),
+        x_range=(0.0, 100.0),
+        y_range=(0.4, len(rows) + 0.6),
+        y_tick_labels=tuple(
+            (float(at), f"{frequency:.4g} Hz")
+            for at, frequency in zip(rows, modes.natural_frequency, strict=True)
+        ),
+    )
     return (_figure(modes, panel),)
 
 
@@ -148,7 +156,7 @@ def critical_speeds_blocks(found: CriticalSpeeds) -> Blocks:
 
 
 def comparison_blocks(row: Comparison) -> Blocks:
-    """The published value with its tolerance next to the computed one."""
+    """The published value with its tolerance beside the computed one, on one row."""
     speed = "" if row.engine_speed is None else value_text(row.engine_speed, "rad/s")
     texts = [
         "" if value is None else f"{value:.5g} {row.unit}".strip()
@@ -159,14 +167,15 @@ def comparison_blocks(row: Comparison) -> Blocks:
     one, layers = np.ones(1), list[Layer]()
     if row.tolerance is not None:
         ends = row.published + np.array([-row.tolerance, row.tolerance])
-        layers.append(Line(np.ones(2), ends, "tolerance", theme.MUTED, 4.0))
-    published = Marks(one, one * row.published, f"published ({row.origin})", theme.INK)
+        layers.append(Line(ends, np.ones(2), "tolerance", theme.MUTED, 4.0))
+    published = Marks(one * row.published, one, f"published ({row.origin})", theme.INK)
     layers.append(published)
     if row.computed is not None:
         value = one * row.computed
-        layers.append(Marks(one, value, f"computed by {row.model}", theme.SERIES[0], "diamond"))
-    label = f"{quantity_label(row.quantity)} ({row.unit or '1'})"
-    panel = Panel("comparison (1)", label, tuple(layers), x_range=(0.5, 1.5), x_step=1.0)
+        layers.append(Marks(value, one, f"computed by {row.model}", theme.SERIES[0], "diamond"))
+    label = _with_unit(quantity_label(row.quantity), row.unit)
+    panel = Panel(label, "", tuple(layers), y_range=(0.5, 1.5), y_tick_labels=((1.0, row.model),))
+    panel = replace(panel, x_range=_wider(visible_range(panel)[0]))
     return _grid(heads, [cells]), _figure(row, panel)
 
 
@@ -197,7 +206,7 @@ def cycles_blocks(cycles: MeasuredCycles) -> Blocks:
         for index, one in enumerate(cycles.values[:20])
     ]
     layers.append(Line(*thin(angle, mean), "mean", theme.SERIES[0]))
-    panel = Panel(ANGLE, f"{label} ({unit or '1'})", tuple(layers), x_range=(0.0, 360.0))
+    panel = Panel(ANGLE, _with_unit(label, unit), tuple(layers), x_range=(0.0, 360.0))
     return _grid((label, "mean of the cycles", "", "cam angle"), rows), _figure(cycles, panel)
 
 
@@ -236,6 +245,17 @@ def _panel(
     )
     panel = Panel(x_label, y_label, layers, rules=rules)
     return replace(panel, x_range=visible_range(panel)[0])
+
+
+def _with_unit(label: str, unit: str) -> str:
+    """A label of an axis; what has no dimension has no unit behind it."""
+    return label if unit in ("", "1") else f"{label} ({unit})"
+
+
+def _wider(ends: tuple[float, float]) -> tuple[float, float]:
+    """A range with room at both ends, so that marks there stay whole."""
+    room = 0.08 * (ends[1] - ends[0])
+    return ends[0] - room, ends[1] + room
 
 
 def _figure(result: object, *panels: Panel) -> Figure:

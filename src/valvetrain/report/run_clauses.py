@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.limits import PassedLimit, passed_limits
@@ -39,6 +39,8 @@ FLEX_ANGLE = math.radians(1.0)
 NEAR = 1e-3
 #: What is said of a model whose springs would pull.
 ENDS_PULL = "the ends of the spring would lift, which {} does not show (take multi-mass)"
+#: Word of a spring without room.
+SOLID = "solid"
 #: Labels of which everything is said.
 MAX_LABELS = 2
 
@@ -61,18 +63,22 @@ def is_judged(run: Solution) -> bool:
 
 
 def run_clauses(runs: Runs) -> Iterator[Clause]:
-    """What a user asks first, limits passed before all else; nothing without runs. Of more than
-    two labels what flex takes, a piston far away and the hardest clash are left to the tables.
+    """What a user asks first: limits passed before all else, contact lost before what is well, angles
+    in cam degrees as along the figures; nothing without runs. Of more than two labels what flex takes,
+    a piston far away and the hardest clash are left to the tables.
     """
     if not runs.solutions:
         return
     yield from limit_clauses(runs)
     if pulling := ends_that_pull(runs):
         yield Clause(ENDS_PULL.format(pulling[0].model), pulling[0])
-    if (bind := bind_clause(runs)) is not None:
-        yield bind
-    if any(run.provenance.system == TRAIN for run in runs.solutions):
-        yield from _contact_clauses(runs)
+    bind = [one for one in (bind_clause(runs),) if one is not None]
+    train = any(run.provenance.system == TRAIN for run in runs.solutions)
+    contact = sorted(_contact_clauses(runs) if train else (), key=lambda one: not one.lost)
+    if contact and contact[0].lost and not _is_solid(bind):
+        yield from (*contact, *bind)
+    else:
+        yield from (*bind, *contact)
     yield from _clash_clauses(runs)
     yield from _force_clauses(runs)
 
@@ -128,7 +134,12 @@ def bind_clause(runs: Runs) -> Clause | None:
         still = " at full lift" if clash else ""  # coils clash in spite of it
         return Clause(f"{whose}clear of coil bind by {runs.text(one)}{still}", one.run)
     short = runs.text(Worst(one.name, -one.value, one.run))
-    return Clause(f"{whose}solid {short} before the largest lift", one.run)
+    return Clause(f"{whose}{SOLID} {short} before the largest lift", one.run)
+
+
+def _is_solid(bind: Sequence[Clause]) -> bool:
+    """Whether a spring is solid before the largest lift, which passes a limit."""
+    return any(SOLID in one.text for one in bind)
 
 
 def _contact_clauses(runs: Runs) -> Iterator[Clause]:
@@ -144,12 +155,13 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             if gap
             else f"contact lost{places} for {time}{why}",
             lost.run,
+            lost=True,
         )
     elif lost is not None:
         yield Clause("no loft")
     over = runs.worst("float_excess_lift", False)
     if over is not None and over.value > FLOAT_LIFT:
-        yield Clause(f"floats {runs.text(over)} above the rigid lift", over.run)
+        yield Clause(f"floats {runs.text(over)} above the rigid lift", over.run, lost=True)
     if not _is_brief(runs) and (flex := _flex_clause(runs)) is not None:
         yield flex
     bounces, height = runs.worst("bounce_count", False), runs.worst("bounce_height", False)
@@ -164,7 +176,7 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             size = f" of {runs.text(height)}" if height is not None and height.value > 0 else ""
             high = f" up{size.replace(' of', ' to')}" if count > 1 and size else size
             said = f"{counted(count, 'bounce')}{high if count else ''}"
-            yield Clause(said, run if count else None)
+            yield Clause(said, run if count else None, lost=count > 0)
     piston = runs.worst("minimum_piston_clearance_gap", True)
     if piston is not None and (not _is_brief(runs) or piston.value < NEAR):
         yield Clause(
@@ -172,6 +184,7 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             if piston.value > 0
             else "the valve meets the piston",
             piston.run,
+            lost=piston.value <= 0,
         )
 
 
@@ -246,7 +259,7 @@ def _flight(runs: Runs, loft: Worst | None) -> str:
         if event.where == "cam" and landing is not None:
             begin, end = (math.degrees(float(one)) % 360 for one in (event.cam_angle, landing))
             again = _repeats(runs.value(loft.run or runs.solutions[0], "motion_period_count"))
-            return f", leaves the cam at {begin:.0f} deg, lands at {end:.0f} deg{again}"
+            return f", leaves the cam at {begin:.0f} cam deg, lands at {end:.0f} cam deg{again}"
     return ""
 
 
@@ -278,7 +291,9 @@ def _clash_clauses(runs: Runs) -> Iterator[Clause]:
     ):
         angle = math.degrees(hardest.cam_angle) % 360
         size = f"{figure(hardest.size)} {unit_text(hardest.unit)}"
-        text += f", hardest {size} at {angle:.0f} deg, coils {clash_pair(hardest)} (try more gap)"
+        text += (
+            f", hardest {size} at {angle:.0f} cam deg, coils {clash_pair(hardest)} (try more gap)"
+        )
     yield Clause(text, run if count else None)
 
 

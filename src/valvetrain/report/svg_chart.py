@@ -26,6 +26,7 @@ from valvetrain.report.chart import (
     near_right_end,
     row_weights,
     rule_levels,
+    rule_place,
     shares_axis,
     visible_range,
 )
@@ -285,9 +286,9 @@ def _rules(frame: _Frame) -> str:
         else:
             place = float(frame.y(rule.value))
             path = f"M{frame.left:.1f} {place:.1f}h{frame.wide:.1f}"
-            label = _text(
-                frame.left + frame.wide, place - 4, rule.label, colour=theme.MUTED, anchor="end"
-            )
+            end, above = rule_place(frame.panel, rule)
+            across, down = frame.left + end * frame.wide, place + (-4 if above else 13)
+            label = _text(across, down, rule.label, colour=theme.MUTED, anchor="end")
         parts.append(f'<path d="{path}" stroke="{theme.MUTED}" stroke-dasharray="1.5 3"/>{label}')
     return "".join(parts)
 

@@ -119,7 +119,11 @@ def _curves(study: Study, names: tuple[str, ...], rules: tuple[Rule, ...]) -> Pa
     )
     axis = "spring force: peak, dashed the minimum" if len(names) > 1 else axis
     return Panel(
-        "engine speed (rpm)", f"{axis} ({unit})", tuple(layers), rules=rules, x_range=_reach(study)
+        "engine speed (rpm)",
+        f"{axis} ({unit})" if unit else axis,
+        tuple(layers),
+        rules=rules,
+        x_range=_reach(study),
     )
 
 

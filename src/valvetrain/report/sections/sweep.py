@@ -324,8 +324,8 @@ def critical_blocks(study: Study) -> tuple[Block, ...]:
     rows = tuple(
         (
             (
-                Cell(row.label if row.main else f"\u2003{row.label}"),
-                *(Cell(cell, "number") for cell in row.cells),
+                Cell(row.label if row.main else f"\u00a0\u00a0{row.label}"),
+                *(Cell(cell, "number wraps" if row.main else "number") for cell in row.cells),
             ),
             (),
         )
