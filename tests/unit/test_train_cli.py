@@ -135,12 +135,13 @@ def test_sweep_tells_where_contact_is_lost(folder):
 def test_run_prints_a_table_for_people(folder):
     words = ("run", "tdi-pushrod", "--no-report", "--workers", "1", "--output", str(folder / "run"))
     printed = call(*words).stdout
+    told = " ".join(printed.split())
     assert all(
         word in printed for word in ("Seating", "Bounces", "Surge frequency", "stock, as printed")
     )
     assert (
         "16 published values; " in printed
-        and "published values differ by" in printed
+        and "published values differ by" in told
         and len(printed.splitlines()) < 45
     )
     assert not (folder / "run" / "report.html").exists()

@@ -220,15 +220,13 @@ def _shares(panel: Panel, x: Array, y: Array) -> tuple[Array, Array]:
 
 def _crossings(x: Array, y: Array, left: float, right: float, low: float, high: float) -> int:
     """How many strokes of a line run through a box."""
-    first, step = np.column_stack((x[:-1], y[:-1])), np.column_stack((np.diff(x), np.diff(y)))
-    some = np.isfinite(first + step).all(axis=1)
-    some[some] &= np.minimum(first[some, 0], first[some, 0] + step[some, 0]) <= right
-    some[some] &= np.maximum(first[some, 0], first[some, 0] + step[some, 0]) >= left
-    first, step = first[some], step[some]
-    run = np.where(step[:, 0] == 0, np.inf, step[:, 0])
-    ends = np.clip((np.array([left, right])[:, None] - first[:, 0]) / run, 0.0, 1.0)
-    ends[:, step[:, 0] == 0] = np.array([[0.0], [1.0]])
-    height = first[:, 1] + ends * step[:, 1]
+    there = np.isfinite(x[:-1] + x[1:] + y[:-1] + y[1:])
+    near = there & (np.fmin(x[:-1], x[1:]) <= right) & (np.fmax(x[:-1], x[1:]) >= left)
+    begin, base, run, rise = x[:-1][near], y[:-1][near], np.diff(x)[near], np.diff(y)[near]
+    upright = run == 0
+    ends = (np.array([[left], [right]]) - begin) / np.where(upright, 1.0, run)
+    ends = np.where(upright, np.array([[0.0], [1.0]]), np.clip(ends, 0.0, 1.0))
+    height = base + ends * rise
     return int(np.count_nonzero((height.min(axis=0) < high) & (height.max(axis=0) > low)))
 
 
