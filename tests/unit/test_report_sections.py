@@ -160,9 +160,9 @@ def test_every_train_channel_stands_under_its_own_name(train):
     } & set(shown)
 
 
-def test_colour_is_the_model_and_dash_the_variant(train):
+def test_sets_of_one_model_have_colours_and_dashes_of_their_own(train):
     mine = lines(train["motion-1"])
-    assert mine["stock, multi-mass"].colour == mine["race, multi-mass"].colour
+    assert mine["stock, multi-mass"].colour != mine["race, multi-mass"].colour
     assert mine["stock, multi-mass"].dash != mine["race, multi-mass"].dash
 
 
