@@ -18,7 +18,13 @@ from valvetrain.solution.later import Later
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Event, Status
-from valvetrain.springs.contract import SpringModel, contact_watch_of, outputs_at
+from valvetrain.springs.contract import (
+    SpringModel,
+    contact_watch_of,
+    outputs_at,
+    sampled_entries,
+    shown_at,
+)
 from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
 
@@ -79,7 +85,8 @@ class Leapfrog:
             model.initial_state(float(system.displacement(0.0, cam_speed))), dtype=float
         )
         parameters, integers = model.parameters(), model.integers()
-        keep = options.keep != "ends" and 8.0 * len(state) * (samples + 1) < MAX_RECORD
+        entries = sampled_entries(model, state)
+        keep = options.keep != "ends" and 8.0 * entries * (samples + 1) < MAX_RECORD
         watch = contact_watch_of(model)
         bounded = 0 if isinstance(until, RunUp) else samples * sub
         spacing, pressed = steps_between(watch, step, bounded), np.zeros((0, 0))
@@ -97,13 +104,10 @@ class Leapfrog:
         for turn in range(turns):
             begun = turn * samples * interval
             time = step * (stride * np.arange(samples * fine + 1.0)) + begun
-            states = np.zeros((samples + 1 if keep else 0, len(state)))
-            forces = np.zeros((len(time), 2))
-            if (
-                record
-                and watch is not None
-                and not (isinstance(until, Cycles) and turn < turns - 1)
-            ):
+            passed = isinstance(until, Cycles) and turn < turns - 1
+            states = np.empty((samples + 1 if keep else 0, entries))
+            forces = np.empty((len(time), 2))
+            if record and watch is not None and not passed:
                 pressed = np.empty((rows, watch.entries))
             for first in range(0, samples * sub, block * sub):
                 last = min(first + block * sub, samples * sub)
@@ -320,11 +324,10 @@ def _with_inner(
 ) -> ChannelArrays:
     """The channels at the ``ends`` (time, cam angle, values by name) with those inside the spring."""
     at, angle, values = ends[0], ends[1], dict(ends[2])
-    motion = list(zip(states, values["valve_lift"], values["retainer_velocity"], strict=True))
-    shown = outputs_at(model, states, values["valve_lift"], values["retainer_velocity"])
+    motion = states, values["valve_lift"], values["retainer_velocity"]
+    shown, energy = shown_at(model, *motion, step) if whole else (outputs_at(model, *motion), None)
     coil, pairs = None, None
-    if whole:
-        energy = np.array([tuple(model.energy(state, x, v, step)) for state, x, v in motion])
+    if energy is not None:
         names = ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")
         if not np.isnan(energy[0]).any():  # a model without energies
             values |= {name: energy[:, column] for column, name in enumerate(names)}

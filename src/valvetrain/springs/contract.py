@@ -170,6 +170,24 @@ class OutputsTogether(Protocol):
 
 
 @runtime_checkable
+class ShownTogether(Protocol):
+    """A spring model that gives outputs and energies at many instants at once, and reads for them the
+    first ``sampled_entries`` of a state alone.
+    """
+
+    @property
+    def sampled_entries(self) -> int: ...
+
+    def shown_at(
+        self, states: Array, displacements: Array, velocities: Array, time_step: float = 0.0
+    ) -> tuple[list[SpringOutputs], Array]:
+        """:meth:`SpringModel.outputs` and :meth:`SpringModel.energy` (n, 4) of every row of ``states`` (n,
+        s) at the ``displacements`` (n,) m and ``velocities`` (n,) m/s of the retainer.
+        """
+        ...
+
+
+@runtime_checkable
 class TabulatedSpring(Protocol):
     """A spring model made of tables over lift, which is told how far the retainer goes."""
 
@@ -186,6 +204,22 @@ def outputs_at(
         return spring.outputs_at(states, displacements, velocities)
     motion = zip(states, displacements.tolist(), velocities.tolist(), strict=True)
     return [spring.outputs(state, x, v) for state, x, v in motion]
+
+
+def shown_at(
+    spring: SpringModel, states: Array, displacements: Array, velocities: Array, time_step: float
+) -> tuple[list[SpringOutputs], Array]:
+    """Outputs and energies (n, 4) of a spring at many instants, at once where its model can."""
+    if isinstance(spring, ShownTogether):
+        return spring.shown_at(states, displacements, velocities, time_step)
+    motion = zip(states, displacements.tolist(), velocities.tolist(), strict=True)
+    energies = np.array([tuple(spring.energy(state, x, v, time_step)) for state, x, v in motion])
+    return outputs_at(spring, states, displacements, velocities), energies
+
+
+def sampled_entries(spring: SpringModel, state: Array) -> int:
+    """How many entries of a ``state`` (s,) samples need."""
+    return spring.sampled_entries if isinstance(spring, ShownTogether) else len(state)
 
 
 def contact_watch_of(spring: object) -> ContactWatch | None:

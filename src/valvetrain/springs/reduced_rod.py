@@ -31,6 +31,13 @@ from valvetrain.springs.finite_element import SPEC as ROD
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import interpolation, wire_points
 from valvetrain.springs.reduced_rod_cache import tables_of
+from valvetrain.springs.reduced_rod_samples import (
+    SampleForces,
+    Samples,
+    sample_energies,
+    sample_forces,
+    samples_of,
+)
 from valvetrain.springs.reduced_rod_sections import section_loads
 from valvetrain.springs.reduced_rod_tables import (
     PARTS,
@@ -146,21 +153,25 @@ class ReducedRod:
     @cached_property
     def _parameters(self) -> Array:
         t, d = self.tables, self.rod.dynamics
-        head = [t.start, t.spacing, d.mass_damping, d.stiffness_damping, d.contact_damping_time]
+        head = np.array(
+            [t.start, t.spacing, d.mass_damping, d.stiffness_damping, d.contact_damping_time]
+        )
         reach = np.sqrt(np.max(np.sum(t.gradient**2, axis=2), axis=0))
-        more = kernels.row_size(t.coordinates) - t.coordinates
 
         def rows(table: Array, axes: int = 1) -> Array:
-            return np.pad(table, [(0, 0)] * (table.ndim - axes) + [(0, more)] * axes)
+            more = [kernels.row_size(size) - size for size in table.shape[-axes:]]
+            return np.pad(table, [(0, 0)] * (table.ndim - axes) + [(0, size) for size in more])
 
         tables = (
-            t.contact_stiffness, reach, rows(t.rest), rows(t.rest_load), t.overlap, t.wire_force,
-            rows(t.stiffness, 2), rows(t.gradient), rows(t.momentum),
-        )  # fmt: skip
-        return np.concatenate([head, *(table.ravel() for table in tables)])
+            *(head, t.contact_stiffness, reach, t.rest, t.rest_load, t.overlap, t.wire_force),
+            *(t.gradient, t.momentum),
+        )
+        every = [rows(table) for table in tables]
+        every.insert(7, rows(t.stiffness, 2))
+        return kernels.aligned(np.concatenate([table.ravel() for table in every]))
 
     def parameters(self) -> Array:
-        return self._parameters.copy()
+        return kernels.aligned(self._parameters)
 
     @cached_property
     def _pairs(self) -> tuple[Array, NDArray[np.int64]]:
@@ -253,17 +264,12 @@ class ReducedRod:
     def force(
         self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
     ) -> EndForces:
-        return self._forces(state, retainer_displacement, retainer_velocity)[0]
+        at = np.array([retainer_displacement]), np.array([retainer_velocity])
+        return EndForces(*self._forces(state[None], *at).ends[0].tolist())
 
-    def _forces(
-        self, state: Array, retainer_displacement: float, retainer_velocity: float
-    ) -> tuple[EndForces, Array]:
-        """End forces and the state with its scratch filled."""
-        work = state.copy()
-        found = kernels.advance_reduced(
-            self._parameters, self._integers, work, retainer_displacement, retainer_velocity, 0.0
-        )
-        return EndForces(*found), work
+    def _forces(self, states: Array, displacements: Array, velocities: Array) -> SampleForces:
+        arrays = self._parameters, self._integers
+        return sample_forces(arrays, states, displacements, velocities, self.unknowns)
 
     def energy(
         self,
@@ -273,27 +279,27 @@ class ReducedRod:
         time_step: float = 0.0,
     ) -> SpringEnergy:
         """Elastic energy counted from the lowest table on; the end masses belong to the valve."""
-        t, here = self.tables, self._at(retainer_displacement)
-        apart, depth = self._apart(state, here)
-        velocity = state[t.coordinates : 2 * t.coordinates]
+        at = np.array([retainer_displacement]), np.array([retainer_velocity])
+        return SpringEnergy(*self.shown_at(state[None], *at, time_step)[1][0].tolist())
+
+    @property
+    def sampled_entries(self) -> int:
+        """Coordinates, their rates and the dissipated energy."""
+        return 2 * self.unknowns + 1
+
+    def shown_at(
+        self, states: Array, displacements: Array, velocities: Array, time_step: float = 0.0
+    ) -> tuple[list[SpringOutputs], Array]:
+        """See :class:`valvetrain.springs.contract.ShownTogether`."""
+        samples = samples_of(self.tables, states[:, : self.unknowns], displacements)
+        forces = self._forces(states, displacements, velocities)
+        rates = states[:, self.unknowns : 2 * self.unknowns]
+        now = rates
         if time_step > 0:
-            _, work = self._forces(state, retainer_displacement, retainer_velocity)
-            place = kernels.pull_place(t.coordinates)
-            pull = work[place : place + t.coordinates] - self.rod.dynamics.mass_damping * velocity
-            velocity = velocity + time_step / 2 * pull
-        fine = min(max(int(np.floor(here.place)), 0), len(t.rest) - 2)
-        share, force = here.place - fine, t.wire_force
-        path = np.sum((force[:fine] + force[1 : fine + 1]) / 2) + share * (
-            force[fine] + share / 2 * (force[fine + 1] - force[fine])
-        )
-        elastic = t.spacing * path + here.load @ apart + apart @ here.stiffness @ apart / 2
-        contact = t.contact_stiffness @ np.maximum(depth, 0.0) ** 2 / 2
-        return SpringEnergy(
-            float(velocity @ velocity / 2),
-            float(elastic),
-            float(contact),
-            float(state[2 * t.coordinates]),
-        )
+            damped = self.rod.dynamics.mass_damping * rates
+            now = rates + time_step / 2 * (forces.pull - damped)
+        energies = sample_energies(self.tables, samples, now, states[:, 2 * self.unknowns])
+        return self._shown(samples, forces.ends, rates, velocities), energies
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         if not self.pulls and self.force(state, retainer_displacement).retainer <= 0.0:
@@ -316,38 +322,45 @@ class ReducedRod:
     def outputs(
         self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
     ) -> SpringOutputs:
-        t, here = self.tables, self._at(retainer_displacement)
-        forces = self.force(state, retainer_displacement, retainer_velocity)
-        apart, depth = self._apart(state, here)
-        fine = min(max(int(np.floor(here.place)), 0), len(t.rest) - 2)
-        coarse = fine // t.parts
-        share, share_of_coarse = here.place - fine, here.place / t.parts - coarse
+        at = np.array([retainer_displacement]), np.array([retainer_velocity])
+        return self.outputs_at(state[None], *at)[0]
 
-        def by(shape: Array, change: Array) -> Array:
-            first, second = shape[coarse] @ change, shape[coarse + 1] @ change
-            return np.asarray(first + share_of_coarse * (second - first))
+    def outputs_at(
+        self, states: Array, displacements: Array, velocities: Array
+    ) -> list[SpringOutputs]:
+        """See :class:`valvetrain.springs.contract.OutputsTogether`."""
+        return self.shown_at(states, displacements, velocities)[0]
 
-        step = t.height[fine + 1] - t.height[fine]
-        height = t.height[fine] + share * step + by(t.axial_shape, apart)
-        load = (1 - share) * t.section_load[fine] + share * t.section_load[fine + 1]
-        rate = state[t.coordinates : 2 * t.coordinates] - retainer_velocity * here.rest_slope
-        upper_coil, pair_of = self._pairs
-        gap, pressed = np.full(len(upper_coil), np.inf), np.zeros(len(upper_coil))
-        coils = pair_of >= 0
-        np.minimum.at(gap, pair_of[coils], -depth[coils])
-        elastic = t.contact_stiffness * np.maximum(depth, 0.0)
-        np.add.at(pressed, pair_of[coils], elastic[coils])
+    def _shown(
+        self, samples: Samples, forces: Array, rates: Array, velocities: Array
+    ) -> list[SpringOutputs]:
+        t, by_travel = self.tables, velocities / self.tables.spacing
         coil, installed = self._installed
-        return SpringOutputs(
-            *forces,
-            coil_number=coil,
-            axial_displacement=height - installed,
-            axial_velocity=step / t.spacing * retainer_velocity + by(t.axial_shape, rate),
-            upper_coil=upper_coil,
-            coil_gap=gap,
-            coil_contact_force=pressed,
-            section_loads=section_loads(load + by(t.section_shape, apart)),
-        )
+        apart = rates - by_travel[:, None] * (t.rest[samples.fine + 1] - t.rest[samples.fine])
+        height = samples.at_rest_and_beyond(t.height, t.axial_shape) - installed
+        moving = samples.rates(t.height, by_travel, t.axial_shape, apart)
+        points = len(coil)
+        loads = samples.at_rest_and_beyond(
+            t.section_load.reshape(len(t.rest), -1),
+            t.section_shape.reshape(len(t.stiffness), -1, t.coordinates),
+        ).reshape(-1, 6, points)
+        named = section_loads(loads.swapaxes(0, 1))
+        upper_coil, pair_of = self._pairs
+        order = np.argsort(pair_of, kind="stable")[np.sum(pair_of < 0) :]
+        first = np.searchsorted(pair_of[order], np.arange(len(upper_coil)))
+        gap, pressed = np.zeros((2, len(forces), len(upper_coil)))
+        if len(order):
+            depth = samples.overlap[:, order]
+            gap = -np.maximum.reduceat(depth, first, axis=1)
+            elastic = t.contact_stiffness[order] * np.maximum(depth, 0.0)
+            pressed = np.add.reduceat(elastic, first, axis=1)
+        return [
+            SpringOutputs(
+                forces[n, 0], forces[n, 1], coil, height[n], moving[n], upper_coil, gap[n], pressed[n],
+                {name: values[n] for name, values in named.items()},
+            )
+            for n in range(len(forces))
+        ]  # fmt: skip
 
     @cached_property
     def _installed(self) -> tuple[Array, Array]:
@@ -371,7 +384,7 @@ class ReducedRod:
             )
             return touched, upper_coil[touched], force, energy
 
-        first = kernels.pairs_place(self.tables.coordinates, self.tables.points)
+        first = kernels.pairs_place(self.tables.coordinates)
         return ContactWatch(np.array([[first, 2 * count]], dtype=np.int64), WATCH_INTERVAL, read)
 
     def retainer_mass(self) -> float:

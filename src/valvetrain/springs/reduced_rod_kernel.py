@@ -9,15 +9,16 @@ of the elastic forces, that of contacts on the rate of o; both at the half-step 
 
 ``integers`` = [m coordinates, p points, f fine lifts, c coarse lifts, fine per coarse, 1 where ends
 pull, q coil pairs], pair of each point (p; -1: a seat).
-``parameters`` = header (see ``HEADER``), contact stiffness (p), most that an acceleration of size
-one moves the point (p), rest (f, w), load (f, w), overlap (f, p), wire's force (f), stiffness (c,
-w, w), gradient (c, p, w), momentum (c, w), w being m and zeros up to a whole number of ``LANES``.
+``parameters`` = header (see ``HEADER``), contact stiffness (p'), most that an acceleration of size
+one moves the point (p'), rest (f, w), load (f, w), overlap (f, p'), wire's force (f'), stiffness (c,
+w, w), gradient (c, p, w), momentum (c, w); w is m and zeros up to a whole number of ``LINE``, p'
+and f' are so of p and f: in an aligned array (``aligned``) every row begins a cache line.
 ``state`` = z (m), velocities (m), then (``HEAD``) dissipated energy, clock (s), time until which
 the list of near points holds, their number, first position and velocity as left, size of the
-accelerations and twice that with which times were set; scratch (``SCRATCH`` w), the list (p), times
-when a point is due (p), points due now and their forces (p + LANES each), forces and stored energies of
-the pairs (q each). An open point is looked at again when it may have closed, and all are where
-positions were changed from outside.
+accelerations and twice that with which times were set; forces and stored energies of the pairs (q each),
+the list (p), times when a point is due (p), points due now and their forces (p + LANES each), and
+scratch (``SCRATCH`` w) from the next cache line on. An open point is looked at again when it may have
+closed, and all are where positions were changed from outside.
 """
 
 from __future__ import annotations
@@ -25,16 +26,20 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from valvetrain.compiled import njit
 
 #: First lift (m), spacing of fine lifts (m), mass damping (1/s), stiffness damping (s), contact
-#: damping time (s).
-HEADER = 5
+#: damping time (s), then nothing up to a cache line.
+HEADER = 8
 #: Values between velocities and scratch; integers before the pairs.
 HEAD, INTEGERS = 8, 7
-#: Rows of tables are a whole number of so many values long, for loops without a rest; scratch, in rows:
-#: departure, rate, slope of rest, accelerations, shares of the first two at both lifts, contact sums.
-LANES, SCRATCH = 4, 10
+#: Values of a cache line, of which rows are a whole number long (one that begins within a line is read at
+#: 1.2 times the time); points taken at a time; scratch, in rows: departure, rate, slope of rest,
+#: accelerations, shares of the first two at both lifts, contact sums.
+LINE, LANES, SCRATCH = 8, 4, 10
 #: Time (s) for which a list of near points is made and longest that a point is left alone; what
 #: its closing speed (m/s) may gain on the way beside what the acceleration, which may double, gives.
 HORIZON, LONGEST, SPARE_SPEED = 12e-6, 150e-6, 0.2
@@ -43,24 +48,39 @@ KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, 
 INNER: dict[str, Any] = {**KERNEL, "forceinline": True}
 
 
-def row_size(coordinates: int) -> int:
-    """Length of a row of the tables."""
-    return -(-coordinates // LANES) * LANES
+def row_size(values: int) -> int:
+    """Length of a row of the tables that holds so many values."""
+    return -(-values // LINE) * LINE
+
+
+def aligned(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A copy (n,) that begins a cache line.
+
+    >>> aligned(np.arange(3.0)).ctypes.data % 64
+    0
+    """
+    whole = np.empty(values.size + LINE)
+    first = -(whole.ctypes.data // 8) % LINE
+    whole[first : first + values.size] = values
+    return whole[first : first + values.size]
 
 
 def state_size(coordinates: int, points: int, pairs: int) -> int:
     """Length of the state buffer, scratch included."""
-    return pairs_place(coordinates, points) + 2 * pairs
+    fixed = pairs_place(coordinates) + 2 * pairs + 4 * points + 2 * LANES
+    return fixed + LINE + SCRATCH * row_size(coordinates)
 
 
-def pull_place(coordinates: int) -> int:
-    """Place in the state of the accelerations by elastic, contact and stiffness damping forces."""
-    return 2 * coordinates + HEAD + 3 * row_size(coordinates)
-
-
-def pairs_place(coordinates: int, points: int) -> int:
+def pairs_place(coordinates: int) -> int:
     """Place in the state of the forces (N) of the coil pairs; their stored energies (J) follow."""
-    return 2 * coordinates + HEAD + SCRATCH * row_size(coordinates) + 4 * points + 2 * LANES
+    return 2 * coordinates + HEAD
+
+
+@njit(**INNER)
+def _scratch_place(state, m, p, pairs):
+    """First place of the scratch: a cache line begins there."""
+    fixed = 2 * m + HEAD + 2 * pairs + 4 * p + 2 * LANES
+    return fixed + (LINE - (state.ctypes.data // 8 + fixed) % LINE) % LINE
 
 
 @njit(**INNER)
@@ -116,15 +136,18 @@ def _four_points(values, places, count, more, apart, next_apart, rate, next_rate
 
 
 @njit(**INNER)
-def _push(values, first, second, count, next_row, force, force_two, low, high):
-    """Add the rows of two points, each times its force, to sums (2, count) at a lift and at the next."""
-    one, two = values[first : first + count], values[second : second + count]
-    next_one = values[first + next_row : first + next_row + count]
-    next_two = values[second + next_row : second + next_row + count]
+def _push(values, places, forces, count, more, low, high):
+    """Add the rows of four points, each times its force, to sums (count) at a lift and at the next."""
+    p, q, r, s = places
+    f, g, h, k = forces
+    one, two = values[p : p + count], values[q : q + count]
+    three, four = values[r : r + count], values[s : s + count]
+    next_one, next_two = values[p + more : p + more + count], values[q + more : q + more + count]
+    next_three, next_four = values[r + more : r + more + count], values[s + more : s + more + count]
     for i in range(count):
-        low[i] += force * one[i] + force_two * two[i]
+        low[i] += f * one[i] + g * two[i] + h * three[i] + k * four[i]
     for i in range(count):
-        high[i] += force * next_one[i] + force_two * next_two[i]
+        high[i] += f * next_one[i] + g * next_two[i] + h * next_three[i] + k * next_four[i]
 
 
 @njit(**INNER)
@@ -141,7 +164,8 @@ def advance_reduced(
 ):
     """One step of the spring contract for a spring reduced from its rod (see the module text)."""
     m, p, fines, coarses = integers[0], integers[1], integers[2], integers[3]
-    w = (m + LANES - 1) // LANES * LANES
+    w = (m + LINE - 1) // LINE * LINE
+    padded, pairs = (p + LINE - 1) // LINE * LINE, integers[6]
     velocity, beta, tau = retainer_velocity, parameters[3], parameters[4]
     per_fine = 1.0 / parameters[1]
     per_coarse = per_fine / integers[4]
@@ -149,15 +173,21 @@ def advance_reduced(
     fine = min(max(math.floor(place), 0), fines - 2)
     coarse = fine // integers[4]
     tf, tc = place - fine, place / integers[4] - coarse
-    rest_at = HEADER + 2 * p + fine * w
+    reach_at = HEADER + padded
+    rest_at = reach_at + padded + fine * w
     load_at = rest_at + fines * w
-    overlap_at = HEADER + 2 * p + 2 * fines * w + fine * p
-    force_at = HEADER + 2 * p + fines * (2 * w + p)
-    stiffness_at = force_at + fines + coarse * w * w
-    gradient_at = force_at + fines + coarses * w * w + coarse * p * w
-    momentum_at = force_at + fines + coarses * (w + p) * w + coarse * w
+    overlap_at = reach_at + padded + 2 * fines * w + fine * padded
+    force_at = reach_at + padded + fines * (2 * w + padded)
+    stiffness_from = force_at + (fines + LINE - 1) // LINE * LINE
+    stiffness_at = stiffness_from + coarse * w * w
+    gradient_at = stiffness_from + coarses * w * w + coarse * p * w
+    momentum_at = stiffness_from + coarses * (w + p) * w + coarse * w
     head = 2 * m
-    first = head + HEAD
+    pressed = head + HEAD
+    listed = pressed + 2 * pairs
+    due, now = listed + p, listed + 2 * p
+    forces = now + p + LANES
+    first = _scratch_place(state, m, p, pairs)
     apart, rate = state[first : first + w], state[first + w : first + 2 * w]
     slope, pull = state[first + 2 * w : first + 3 * w], state[first + 3 * w : first + 4 * w]
     shares, next_shares = state[first + 4 * w : first + 5 * w], state[first + 5 * w : first + 6 * w]
@@ -186,7 +216,7 @@ def advance_reduced(
     growth = (parameters[force_at + fine + 1] - retainer) * per_fine
     retainer += tf * growth / per_fine + beta * growth * velocity
     lost = beta * growth * velocity * velocity
-    for i in range(0, w, LANES):
+    for i in range(0, m, LANES):
         at = stiffness_at + i * w
         here, there, damped = _four_rows(parameters, at, at + w * w, w, apart, rate)
         for j in range(LANES):
@@ -198,9 +228,6 @@ def advance_reduced(
         pull[i] = -(here + tc * grows + low + tf / per_fine * turned + viscous)
         retainer += apart[i] * (turned + 0.5 * grows * per_coarse)
         lost += viscous * rate[i]
-    listed, pairs = first + SCRATCH * w, integers[6]
-    due, now = listed + p, listed + 2 * p
-    forces, pressed = now + p + LANES, now + 2 * (p + LANES)
     clock = state[head + 1]
     every = time_step == 0.0 or state[0] != state[head + 4] or state[m] != state[head + 5]
     if every or clock >= state[head + 2] or state[head + 6] > state[head + 7]:
@@ -209,18 +236,19 @@ def advance_reduced(
     strength = state[head + 7]
     if every or clock >= state[head + 2]:
         near = 0
+        horizon = math.inf if every else clock + HORIZON
         for c in range(p):
-            if every or state[due + c] < clock + HORIZON:
-                state[listed + near] = c
-                near += 1
+            state[listed + near] = c
+            near += int(state[due + c] < horizon)
         state[head + 2], state[head + 3] = clock + HORIZON, near
     for pair in range(2 * pairs):
         state[pressed + pair] = 0.0
     count, closed = 0, 0
+    until = math.inf if every else clock
     for entry in range(int(state[head + 3])):
-        c = int(state[listed + entry])
-        state[now + count] = c
-        count += every or clock >= state[due + c]
+        point = state[listed + entry]
+        state[now + count] = point
+        count += int(state[due + int(point)] <= until)
     for more in range(LANES - 1):
         state[now + count + more] = state[now + max(count - 1, 0)]
     next_lift = p * w
@@ -237,13 +265,14 @@ def advance_reduced(
         for j in range(min(LANES, count - entry)):
             c = points[j]
             low = parameters[overlap_at + c]
-            step = parameters[overlap_at + p + c] - low
+            step = parameters[overlap_at + padded + c] - low
             overlap = low + tf * step + moved[j]
             closing = step * per_fine * velocity + gone[j]
             if overlap <= 0.0:
-                state[due + c] = clock + _wait(
-                    overlap, closing, strength, parameters[HEADER + p + c]
-                )
+                if time_step > 0.0:
+                    state[due + c] = clock + _wait(
+                        overlap, closing, strength, parameters[reach_at + c]
+                    )
                 continue
             state[due + c] = clock
             elastic = parameters[HEADER + c] * overlap
@@ -260,19 +289,16 @@ def advance_reduced(
             sums[i] = 0.0
         for i in range(w):
             next_sums[i] = 0.0
-        state[now + closed], state[forces + closed] = state[now], 0.0
-        for entry in range(0, closed, 2):
-            _push(
-                parameters,
-                gradient_at + int(state[now + entry]) * w,
-                gradient_at + int(state[now + entry + 1]) * w,
-                w,
-                next_lift,
-                state[forces + entry],
-                state[forces + entry + 1],
-                sums,
-                next_sums,
-            )
+        for more in range(LANES - 1):
+            state[now + closed + more], state[forces + closed + more] = state[now], 0.0
+        for entry in range(0, closed, LANES):
+            at, by = now + entry, forces + entry
+            places = (
+                gradient_at + int(state[at]) * w, gradient_at + int(state[at + 1]) * w,
+                gradient_at + int(state[at + 2]) * w, gradient_at + int(state[at + 3]) * w,
+            )  # fmt: skip
+            loads = (state[by], state[by + 1], state[by + 2], state[by + 3])
+            _push(parameters, places, loads, w, next_lift, sums, next_sums)
         for i in range(w):
             grows = next_sums[i] - sums[i]
             pull[i] -= sums[i] + tc * grows
@@ -301,3 +327,21 @@ def advance_reduced(
     if integers[5] == 0:
         return max(retainer, 0.0), max(seat, 0.0)
     return retainer, seat
+
+
+@njit(**KERNEL)
+def forces_at(parameters, integers, states, work, displacements, velocities, ends, pulls):
+    """Forces on retainer and seat (n, 2) and accelerations without mass damping (n, m) of positions and
+    velocities (n, 2 m), none of which moves; ``work`` is a state.
+    """
+    m = integers[0]
+    pull = _scratch_place(work, m, integers[1], integers[6])
+    pull += 3 * ((m + LINE - 1) // LINE * LINE)
+    for n in range(states.shape[0]):
+        for i in range(2 * m):
+            work[i] = states[n, i]
+        ends[n, 0], ends[n, 1] = advance_reduced(
+            parameters, integers, work, displacements[n], velocities[n], 0.0
+        )
+        for i in range(m):
+            pulls[n, i] = work[pull + i]
