@@ -21,7 +21,6 @@ from valvetrain.solution.status import COMPLETED, Event, Status
 from valvetrain.springs.contract import (
     SpringModel,
     contact_watch_of,
-    outputs_at,
     sampled_entries,
     shown_at,
 )
@@ -325,22 +324,20 @@ def _with_inner(
     """The channels at the ``ends`` (time, cam angle, values by name) with those inside the spring."""
     at, angle, values = ends[0], ends[1], dict(ends[2])
     motion = states, values["valve_lift"], values["retainer_velocity"]
-    shown, energy = shown_at(model, *motion, step) if whole else (outputs_at(model, *motion), None)
+    shown = shown_at(model, *motion, step, energies=whole)
     coil, pairs = None, None
-    if energy is not None:
+    if whole and shown.energy is not None and not np.isnan(shown.energy[0]).any():
         names = ("kinetic_energy", "elastic_energy", "contact_energy", "energy_dissipated")
-        if not np.isnan(energy[0]).any():  # a model without energies
-            values |= {name: energy[:, column] for column, name in enumerate(names)}
-    if whole and shown[0].coil_number.size:
-        coil = shown[0].coil_number
-        values["axial_displacement"] = np.array([one.axial_displacement for one in shown])
-        values["axial_velocity"] = np.array([one.axial_velocity for one in shown])
-        for name in shown[0].section_loads:
-            values[name] = np.array([one.section_loads[name] for one in shown])
-    if shown[0].upper_coil.size:
-        pairs = shown[0].upper_coil
-        values["coil_gap"] = np.array([one.coil_gap for one in shown])
-        values["coil_contact_force"] = np.array([one.coil_contact_force for one in shown])
+        values |= {name: shown.energy[:, column] for column, name in enumerate(names)}
+    if whole and shown.coil_number.size:
+        coil = shown.coil_number
+        values["axial_displacement"] = shown.axial_displacement
+        values["axial_velocity"] = shown.axial_velocity
+        values |= shown.section_loads
+    if shown.upper_coil.size:
+        pairs = shown.upper_coil
+        values["coil_gap"] = shown.coil_gap
+        values["coil_contact_force"] = shown.coil_contact_force
     return spring_channels(at, angle, values, coil_number=coil, upper_coil=pairs, extra=FINE)
 
 

@@ -104,6 +104,21 @@ class SpringOutputs:
     section_loads: Mapping[str, Array] = field(default_factory=dict)
 
 
+class ShownSeries(NamedTuple):
+    """What a spring shows at n instants: as :class:`SpringOutputs`, with arrays by instants (n, ...) but for
+    the coil numbers, and ``energy`` (n, 4) in J (None: not requested).
+    """
+
+    coil_number: Array
+    axial_displacement: Array
+    axial_velocity: Array
+    upper_coil: Array
+    coil_gap: Array
+    coil_contact_force: Array
+    section_loads: Mapping[str, Array]
+    energy: Array | None
+
+
 @dataclass(frozen=True, eq=False)
 class ContactWatch:
     """Where in a state the contacts of the coils stand, so that a compiled loop can write them down
@@ -171,18 +186,18 @@ class OutputsTogether(Protocol):
 
 @runtime_checkable
 class ShownTogether(Protocol):
-    """A spring model that gives outputs and energies at many instants at once, and reads for them the
-    first ``sampled_entries`` of a state alone.
+    """A spring model that shows many instants at once, and reads for them the first ``sampled_entries`` of
+    a state alone.
     """
 
     @property
     def sampled_entries(self) -> int: ...
 
     def shown_at(
-        self, states: Array, displacements: Array, velocities: Array, time_step: float = 0.0
-    ) -> tuple[list[SpringOutputs], Array]:
-        """:meth:`SpringModel.outputs` and :meth:`SpringModel.energy` (n, 4) of every row of ``states`` (n,
-        s) at the ``displacements`` (n,) m and ``velocities`` (n,) m/s of the retainer.
+        self, states: Array, displacements: Array, velocities: Array, time_step: float
+    ) -> ShownSeries:
+        """:meth:`SpringModel.outputs` and :meth:`SpringModel.energy` of every row of ``states`` (n, s) at
+        the ``displacements`` (n,) m and ``velocities`` (n,) m/s of the retainer.
         """
         ...
 
@@ -207,14 +222,35 @@ def outputs_at(
 
 
 def shown_at(
-    spring: SpringModel, states: Array, displacements: Array, velocities: Array, time_step: float
-) -> tuple[list[SpringOutputs], Array]:
-    """Outputs and energies (n, 4) of a spring at many instants, at once where its model can."""
+    spring: SpringModel,
+    states: Array,
+    displacements: Array,
+    velocities: Array,
+    time_step: float,
+    energies: bool = True,
+) -> ShownSeries:
+    """Outputs of a spring at many instants and, if requested, ``energies``; at once where its model can."""
     if isinstance(spring, ShownTogether):
         return spring.shown_at(states, displacements, velocities, time_step)
+    shown = outputs_at(spring, states, displacements, velocities)
     motion = zip(states, displacements.tolist(), velocities.tolist(), strict=True)
-    energies = np.array([tuple(spring.energy(state, x, v, time_step)) for state, x, v in motion])
-    return outputs_at(spring, states, displacements, velocities), energies
+    rows = (
+        [tuple(spring.energy(state, x, v, time_step)) for state, x, v in motion] if energies else []
+    )
+    first = shown[0]
+    return ShownSeries(
+        first.coil_number,
+        np.array([one.axial_displacement for one in shown]),
+        np.array([one.axial_velocity for one in shown]),
+        first.upper_coil,
+        np.array([one.coil_gap for one in shown]),
+        np.array([one.coil_contact_force for one in shown]),
+        {
+            name: np.array([one.section_loads[name] for one in shown])
+            for name in first.section_loads
+        },
+        np.array(rows) if energies else None,
+    )
 
 
 def sampled_entries(spring: SpringModel, state: Array) -> int:

@@ -24,6 +24,7 @@ from valvetrain.springs.contract import (
     Array,
     ContactWatch,
     EndForces,
+    ShownSeries,
     SpringEnergy,
     SpringOutputs,
 )
@@ -265,11 +266,14 @@ class ReducedRod:
         self, state: Array, retainer_displacement: float, retainer_velocity: float = 0.0
     ) -> EndForces:
         at = np.array([retainer_displacement]), np.array([retainer_velocity])
-        return EndForces(*self._forces(state[None], *at).ends[0].tolist())
+        samples = samples_of(self.tables, state[None, : self.unknowns], at[0])
+        return EndForces(*self._forces(state[None], samples, *at).ends[0].tolist())
 
-    def _forces(self, states: Array, displacements: Array, velocities: Array) -> SampleForces:
-        arrays = self._parameters, self._integers
-        return sample_forces(arrays, states, displacements, velocities, self.unknowns)
+    def _forces(
+        self, states: Array, samples: Samples, displacements: Array, velocities: Array
+    ) -> SampleForces:
+        arrays, overlaps = (self._parameters, self._integers), samples.overlap
+        return sample_forces(arrays, states, overlaps, displacements, velocities, self.unknowns)
 
     def energy(
         self,
@@ -280,7 +284,9 @@ class ReducedRod:
     ) -> SpringEnergy:
         """Elastic energy counted from the lowest table on; the end masses belong to the valve."""
         at = np.array([retainer_displacement]), np.array([retainer_velocity])
-        return SpringEnergy(*self.shown_at(state[None], *at, time_step)[1][0].tolist())
+        energy = self.shown_at(state[None], *at, time_step).energy
+        assert energy is not None
+        return SpringEnergy(*energy[0].tolist())
 
     @property
     def sampled_entries(self) -> int:
@@ -289,17 +295,43 @@ class ReducedRod:
 
     def shown_at(
         self, states: Array, displacements: Array, velocities: Array, time_step: float = 0.0
-    ) -> tuple[list[SpringOutputs], Array]:
+    ) -> ShownSeries:
         """See :class:`valvetrain.springs.contract.ShownTogether`."""
-        samples = samples_of(self.tables, states[:, : self.unknowns], displacements)
-        forces = self._forces(states, displacements, velocities)
-        rates = states[:, self.unknowns : 2 * self.unknowns]
+        t, count = self.tables, self.unknowns
+        samples = samples_of(t, states[:, :count], displacements)
+        rates = states[:, count : 2 * count]
         now = rates
         if time_step > 0:
-            damped = self.rod.dynamics.mass_damping * rates
-            now = rates + time_step / 2 * (forces.pull - damped)
-        energies = sample_energies(self.tables, samples, now, states[:, 2 * self.unknowns])
-        return self._shown(samples, forces.ends, rates, velocities), energies
+            pull = self._forces(states, samples, displacements, velocities).pull
+            now = rates + time_step / 2 * (pull - self.rod.dynamics.mass_damping * rates)
+        coil, installed = self._installed
+        loads = samples.at_rest_and_beyond(
+            t.section_load.reshape(len(t.rest), -1),
+            t.section_shape.reshape(len(t.stiffness), -1, count),
+        )
+        return ShownSeries(
+            coil,
+            samples.at_rest_and_beyond(t.height, t.axial_shape) - installed,
+            samples.rates(t, velocities, rates),
+            *self._coil_pairs(samples.overlap),
+            section_loads(loads.reshape(-1, 6, len(coil)).swapaxes(0, 1)),
+            sample_energies(t, samples, now, states[:, 2 * count]),
+        )
+
+    def _coil_pairs(self, overlap: Array) -> tuple[Array, Array, Array]:
+        """Coil numbers of the pairs, their gaps and elastic contact forces, from overlaps (n, p)."""
+        upper_coil, pair_of = self._pairs
+        if not len(upper_coil):
+            return upper_coil, *np.zeros((2, len(overlap), 0))
+        order = np.argsort(pair_of, kind="stable")[np.sum(pair_of < 0) :]
+        first = np.searchsorted(pair_of[order], np.arange(len(upper_coil)))
+        depth = overlap[:, order]
+        pressed = self.tables.contact_stiffness[order] * np.maximum(depth, 0.0)
+        return (
+            upper_coil,
+            -np.maximum.reduceat(depth, first, axis=1),
+            np.add.reduceat(pressed, first, axis=1),
+        )
 
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         if not self.pulls and self.force(state, retainer_displacement).retainer <= 0.0:
@@ -329,38 +361,18 @@ class ReducedRod:
         self, states: Array, displacements: Array, velocities: Array
     ) -> list[SpringOutputs]:
         """See :class:`valvetrain.springs.contract.OutputsTogether`."""
-        return self.shown_at(states, displacements, velocities)[0]
-
-    def _shown(
-        self, samples: Samples, forces: Array, rates: Array, velocities: Array
-    ) -> list[SpringOutputs]:
-        t, by_travel = self.tables, velocities / self.tables.spacing
-        coil, installed = self._installed
-        apart = rates - by_travel[:, None] * (t.rest[samples.fine + 1] - t.rest[samples.fine])
-        height = samples.at_rest_and_beyond(t.height, t.axial_shape) - installed
-        moving = samples.rates(t.height, by_travel, t.axial_shape, apart)
-        points = len(coil)
-        loads = samples.at_rest_and_beyond(
-            t.section_load.reshape(len(t.rest), -1),
-            t.section_shape.reshape(len(t.stiffness), -1, t.coordinates),
-        ).reshape(-1, 6, points)
-        named = section_loads(loads.swapaxes(0, 1))
-        upper_coil, pair_of = self._pairs
-        order = np.argsort(pair_of, kind="stable")[np.sum(pair_of < 0) :]
-        first = np.searchsorted(pair_of[order], np.arange(len(upper_coil)))
-        gap, pressed = np.zeros((2, len(forces), len(upper_coil)))
-        if len(order):
-            depth = samples.overlap[:, order]
-            gap = -np.maximum.reduceat(depth, first, axis=1)
-            elastic = t.contact_stiffness[order] * np.maximum(depth, 0.0)
-            pressed = np.add.reduceat(elastic, first, axis=1)
+        samples = samples_of(self.tables, states[:, : self.unknowns], displacements)
+        forces = self._forces(states, samples, displacements, velocities).ends
+        shown = self.shown_at(states, displacements, velocities)
         return [
             SpringOutputs(
-                forces[n, 0], forces[n, 1], coil, height[n], moving[n], upper_coil, gap[n], pressed[n],
-                {name: values[n] for name, values in named.items()},
+                *(forces[n, 0], forces[n, 1], shown.coil_number, shown.axial_displacement[n]),
+                *(shown.axial_velocity[n], shown.upper_coil, shown.coil_gap[n]),
+                shown.coil_contact_force[n],
+                {name: values[n] for name, values in shown.section_loads.items()},
             )
-            for n in range(len(forces))
-        ]  # fmt: skip
+            for n in range(len(states))
+        ]
 
     @cached_property
     def _installed(self) -> tuple[Array, Array]:

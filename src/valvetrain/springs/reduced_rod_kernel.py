@@ -14,11 +14,11 @@ one moves the point (p'), rest (f, w), load (f, w), overlap (f, p'), wire's forc
 w, w), gradient (c, p, w), momentum (c, w); w is m and zeros up to a whole number of ``LINE``, p'
 and f' are so of p and f: in an aligned array (``aligned``) every row begins a cache line.
 ``state`` = z (m), velocities (m), then (``HEAD``) dissipated energy, clock (s), time until which
-the list of near points holds, their number, first position and velocity as left, size of the
-accelerations and twice that with which times were set; forces and stored energies of the pairs (q each),
-the list (p), times when a point is due (p), points due now and their forces (p + LANES each), and
-scratch (``SCRATCH`` w) from the next cache line on. An open point is looked at again when it may have
-closed, and all are where positions were changed from outside.
+strengths hold, nothing, first position and velocity as left, size of the accelerations and twice
+that with which times were set; forces and stored energies of the pairs (q each), times when the first
+of ``LINE`` points is due (p' / LINE), and when each is (p), points due now and their forces (p + LANES
+each), and scratch (``SCRATCH`` w) from the next cache line on. An open point is looked at again when
+it may have closed, and all are where positions were changed from outside.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ HEAD, INTEGERS = 8, 7
 #: 1.2 times the time); points taken at a time; scratch, in rows: departure, rate, slope of rest,
 #: accelerations, shares of the first two at both lifts, contact sums.
 LINE, LANES, SCRATCH = 8, 4, 10
-#: Time (s) for which a list of near points is made and longest that a point is left alone; what
+#: Time (s) after which the size of accelerations is taken anew and longest that a point is left alone; what
 #: its closing speed (m/s) may gain on the way beside what the acceleration, which may double, gives.
 HORIZON, LONGEST, SPARE_SPEED = 12e-6, 150e-6, 0.2
 FAST = {"reassoc", "contract", "nsz"}
@@ -184,8 +184,9 @@ def advance_reduced(
     momentum_at = stiffness_from + coarses * (w + p) * w + coarse * w
     head = 2 * m
     pressed = head + HEAD
-    listed = pressed + 2 * pairs
-    due, now = listed + p, listed + 2 * p
+    blocks = pressed + 2 * pairs
+    due = blocks + padded // LINE
+    now = due + p
     forces = now + p + LANES
     first = _scratch_place(state, m, p, pairs)
     apart, rate = state[first : first + w], state[first + w : first + 2 * w]
@@ -235,20 +236,21 @@ def advance_reduced(
         state[head + 7] = 2.0 * state[head + 6]
     strength = state[head + 7]
     if every or clock >= state[head + 2]:
-        near = 0
-        horizon = math.inf if every else clock + HORIZON
-        for c in range(p):
-            state[listed + near] = c
-            near += int(state[due + c] < horizon)
-        state[head + 2], state[head + 3] = clock + HORIZON, near
+        state[head + 2] = clock + HORIZON
     for pair in range(2 * pairs):
         state[pressed + pair] = 0.0
     count, closed = 0, 0
     until = math.inf if every else clock
-    for entry in range(int(state[head + 3])):
-        point = state[listed + entry]
-        state[now + count] = point
-        count += int(state[due + int(point)] <= until)
+    for block in range(padded // LINE):
+        if state[blocks + block] > until:
+            continue
+        soonest = math.inf
+        for c in range(block * LINE, min((block + 1) * LINE, p)):
+            found = state[due + c]
+            state[now + count] = c
+            count += int(found <= until)
+            soonest = min(soonest, found if found > until else math.inf)
+        state[blocks + block] = soonest
     for more in range(LANES - 1):
         state[now + count + more] = state[now + max(count - 1, 0)]
     next_lift = p * w
@@ -270,11 +272,12 @@ def advance_reduced(
             closing = step * per_fine * velocity + gone[j]
             if overlap <= 0.0:
                 if time_step > 0.0:
-                    state[due + c] = clock + _wait(
-                        overlap, closing, strength, parameters[reach_at + c]
-                    )
+                    wait = _wait(overlap, closing, strength, parameters[reach_at + c])
+                    state[due + c] = clock + wait
+                block = blocks + c // LINE
+                state[block] = min(state[block], state[due + c])
                 continue
-            state[due + c] = clock
+            state[due + c], state[blocks + c // LINE] = clock, clock
             elastic = parameters[HEADER + c] * overlap
             force = max(0.0, elastic + tau * parameters[HEADER + c] * closing)
             retainer += force * step * per_fine
@@ -330,18 +333,26 @@ def advance_reduced(
 
 
 @njit(**KERNEL)
-def forces_at(parameters, integers, states, work, displacements, velocities, ends, pulls):
+def forces_at(parameters, integers, states, overlaps, work, displacements, velocities, ends, pulls):
     """Forces on retainer and seat (n, 2) and accelerations without mass damping (n, m) of positions and
-    velocities (n, 2 m), none of which moves; ``work`` is a state.
+    velocities (n, 2 m) whose overlaps (n, p) are known; ``work`` is a state.
     """
-    m = integers[0]
-    pull = _scratch_place(work, m, integers[1], integers[6])
-    pull += 3 * ((m + LINE - 1) // LINE * LINE)
+    m, p, pairs = integers[0], integers[1], integers[6]
+    pull = _scratch_place(work, m, p, pairs) + 3 * ((m + LINE - 1) // LINE * LINE)
+    head, blocks = 2 * m, 2 * m + HEAD + 2 * pairs
+    due = blocks + (p + LINE - 1) // LINE
+    work[head + 2] = math.inf
     for n in range(states.shape[0]):
         for i in range(2 * m):
             work[i] = states[n, i]
+        # nothing was moved from outside, and open points are not due
+        work[head + 4], work[head + 5] = work[0], work[m]
+        for c in range(p):
+            work[due + c] = 0.0 if overlaps[n, c] > 0.0 else math.inf
+        for block in range((p + LINE - 1) // LINE):
+            work[blocks + block] = 0.0
         ends[n, 0], ends[n, 1] = advance_reduced(
-            parameters, integers, work, displacements[n], velocities[n], 0.0
+            parameters, integers, work, displacements[n], velocities[n], -1.0
         )
         for i in range(m):
             pulls[n, i] = work[pull + i]

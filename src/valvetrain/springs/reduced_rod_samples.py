@@ -34,11 +34,14 @@ class Samples(NamedTuple):
         weights = np.column_stack((1 - self.share, self.share))
         return _sums(self, rest, weights, shape, self.apart)
 
-    def rates(self, rest: Array, by_travel: Array, shape: Array, rates: Array) -> Array:
-        """The slope of ``rest`` (f, k) by travel times ``by_travel`` (n,) spacings a second, and what
-        rates (n, m) add by ``shape`` (c, k, m), at every instant (n, k).
+    def rates(self, tables: ReducedTables, velocities: Array, rates: Array) -> Array:
+        """Velocities (n, k) of the points of the wire along the axis (m/s), at those of the retainer (n,)
+        and ``rates`` (n, m).
         """
-        return _sums(self, rest, np.column_stack((-by_travel, by_travel)), shape, rates)
+        by_travel = velocities / tables.spacing
+        beyond = rates - by_travel[:, None] * (tables.rest[self.fine + 1] - tables.rest[self.fine])
+        weights = np.column_stack((-by_travel, by_travel))
+        return _sums(self, tables.height, weights, tables.axial_shape, beyond)
 
 
 def _sums(at: Samples, rest: Array, weights: Array, shape: Array, change: Array) -> Array:
@@ -80,6 +83,7 @@ class SampleForces(NamedTuple):
 def sample_forces(
     arrays: tuple[Array, NDArray[np.int64]],
     states: Array,
+    overlaps: Array,
     displacements: Array,
     velocities: Array,
     unknowns: int,
@@ -89,7 +93,7 @@ def sample_forces(
     work = np.zeros(kernels.state_size(unknowns, int(integers[1]), int(integers[6])))
     found = SampleForces(np.empty((len(states), 2)), np.empty((len(states), unknowns)))
     kernels.forces_at(
-        *arrays, np.ascontiguousarray(states[:, : 2 * unknowns]), work,
+        *arrays, np.ascontiguousarray(states[:, : 2 * unknowns]), overlaps, work,
         np.ascontiguousarray(displacements, dtype=float), np.ascontiguousarray(velocities, dtype=float), *found,
     )  # fmt: skip
     return found
