@@ -33,9 +33,12 @@ Array = NDArray[np.float64]
 
 #: Spacing (m) of the lifts about which the wire is condensed, and equilibria from one to the next.
 SPACING, PARTS = 0.45e-3, 4
-#: The basis: modes without contact, modes with the contacts of each of some lifts, static shapes
-#: under contact forces; above which frequency (Hz) shapes are dropped.
-FREE_MODES, CONTACT_LIFTS, CONTACT_MODES, SHAPES, HIGHEST_FREQUENCY = 24, 6, 4, 8, 30e3
+#: The basis: modes without contact, modes with the contacts of each of some lifts; above which frequency
+#: (Hz) shapes are dropped.
+FREE_MODES, CONTACT_LIFTS, CONTACT_MODES, HIGHEST_FREQUENCY = 24, 6, 4, 30e3
+#: Static shapes under the forces of contacts that close at rest at some lift, then under those of all:
+#: what the basis lacks there makes contacts soft one by one, and swings about them too slow.
+CLOSING_SHAPES, SHAPES = 8, 3
 #: Frequency (Hz) below which a shape is carried from lift to lift as it is.
 CARRIED = 15e3
 #: A vector adds to the basis from this share of it on that the basis does not hold; a tangent of
@@ -191,17 +194,23 @@ def _basis(
     for family in families:
         basis = _extended(basis, factor.T @ family, NEW_SHARE)
     shapes = np.linalg.solve(factor.T, basis)
-    if len(gradient):
-        # what contact forces do at rest beyond the modes, the most energetic first
-        softness = np.linalg.solve(wire.stiffness, gradient.T)
-        held = shapes.T @ wire.stiffness
-        softness -= shapes @ np.linalg.solve(held @ shapes, held @ softness)
-        energy, mix = np.linalg.eigh(softness.T @ wire.stiffness @ softness)
-        chosen = slice(-1, -1 - min(SHAPES, int(np.sum(energy > 1e-9 * energy[-1]))), -1)
-        local = softness @ (mix[:, chosen] / np.sqrt(energy[chosen]))
-        shapes = np.linalg.solve(factor.T, _extended(basis, factor.T @ local, 0.0))
+    closing = np.max([lift.overlap for lift in lifts], axis=0, initial=-np.inf) > 0
+    for some, count in ((gradient[closing], CLOSING_SHAPES), (gradient, SHAPES)):
+        if len(some):
+            local = factor.T @ _under_forces(wire, shapes, some, count)
+            shapes = np.linalg.solve(factor.T, _extended(factor.T @ shapes, local, 0.0))
     squares, turn = np.linalg.eigh(shapes.T @ wire.stiffness @ shapes)
     return (shapes @ turn)[:, squares < (2 * np.pi * HIGHEST_FREQUENCY) ** 2], middle
+
+
+def _under_forces(wire: CondensedRod, shapes: Array, gradient: Array, count: int) -> Array:
+    """What forces on contacts do at rest beyond the ``shapes``: the ``count`` most energetic shapes."""
+    softness = np.linalg.solve(wire.stiffness, gradient.T)
+    held = shapes.T @ wire.stiffness
+    softness -= shapes @ np.linalg.solve(held @ shapes, held @ softness)
+    energy, mix = np.linalg.eigh(softness.T @ wire.stiffness @ softness)
+    chosen = slice(-1, -1 - min(count, int(np.sum(energy > 1e-9 * energy[-1]))), -1)
+    return np.asarray(softness @ (mix[:, chosen] / np.sqrt(energy[chosen])))
 
 
 def _modes(stiffness: Array, mass: Array, count: int) -> Array:
