@@ -32,18 +32,38 @@ from valvetrain.system.train_system import TrainSystem
 Array = NDArray[np.float64]
 #: Word of the springs whose rod is at hand.
 REDUCED = "reduced-rod"
-#: Share of the seat force (rms of the difference over rms, below ``CUTOFF``) from which a run says
-#: that its rod is to be taken; revolutions of both, the second compared; Hz.
-TOO_FAR, REVOLUTIONS, CUTOFF = 0.03, 2, 20e3
+#: Shares of the seat force below ``CUTOFF`` (Hz) from which a run says that its rod is to be taken: rms of
+#: the difference over rms, peak over peak, minimum over the force as installed.
+TOO_FAR, PEAK_TOO_FAR, MINIMUM_TOO_FAR, CUTOFF = 0.03, 0.01, 0.02, 20e3
+#: Revolutions of both, the second compared.
+REVOLUTIONS = 2
 
 
 class RodDifference(NamedTuple):
-    """How far springs are from their rods: ``rms`` of the seat force as a share, and the difference
-    of numbers (SI) by the name of their quantities.
+    """How far springs are from their rods: ``rms``, ``peak`` and ``minimum`` of the seat force below 20 kHz
+    as shares, and the difference of numbers (SI) by the name of their quantities.
     """
 
     rms: float
+    peak: float
+    minimum: float
     differences: Mapping[str, float]
+
+    @property
+    def too_far(self) -> str:
+        """What of the seat force is too far from the rod's, and by which share; empty for nothing.
+
+        >>> RodDifference(0.008, 0.09, 0.001, {}).too_far
+        'peak 9 %'
+        """
+        found = (
+            ("", self.rms, TOO_FAR),
+            ("peak ", self.peak, PEAK_TOO_FAR),
+            ("minimum ", self.minimum, MINIMUM_TOO_FAR),
+        )
+        return ", ".join(
+            f"{name}{100 * share:.2g} %" for name, share, limit in found if share > limit
+        )
 
 
 @dataclass(frozen=True)
@@ -85,8 +105,13 @@ def difference_from_rods(
         for kind, pick in (("peak", np.max), ("minimum", np.min))
     }
     differences["below_20_khz_peak_spring_force"] = np.max(own) - np.max(rods)
-    rms = np.sqrt(np.mean((own - rods) ** 2) / np.mean(rods**2))
-    return RodDifference(float(rms), {name: float(value) for name, value in differences.items()})
+    installed = sum(spring.rod.installed.seat_force for spring in reduced)
+    return RodDifference(
+        float(np.sqrt(np.mean((own - rods) ** 2) / np.mean(rods**2))),
+        float(abs(np.max(own) / np.max(rods) - 1)),
+        float(abs(np.min(own) - np.min(rods)) / max(installed, 1e-12)),
+        {name: float(value) for name, value in differences.items()},
+    )
 
 
 def _motion(system: System, solution: Solution) -> LiftLaw:
@@ -147,8 +172,8 @@ def rod_bars(
         if one is None:
             continue
         measured.append(one.rms)
-        if one.rms > TOO_FAR:
-            far.append(f"{run.engine_speed * 30 / math.pi:.6g} rpm ({100 * one.rms:.2g} %)")
+        if one.too_far:
+            far.append(f"{run.engine_speed * 30 / math.pi:.6g} rpm ({one.too_far})")
         for name in set(names) & set(one.differences) & set(run.quantities):
             value, bar = run.quantities[name], abs(one.differences[name])
             bar += run.quantities.get(f"cycle_scatter_{name}", 0.0)
