@@ -198,7 +198,8 @@ def _basis(
     for some, count in ((gradient[closing], CLOSING_SHAPES), (gradient, SHAPES)):
         if len(some):
             local = factor.T @ _under_forces(wire, shapes, some, count)
-            shapes = np.linalg.solve(factor.T, _extended(factor.T @ shapes, local, 0.0))
+            basis = _extended(basis, local, 0.0)
+            shapes = np.linalg.solve(factor.T, basis)
     squares, turn = np.linalg.eigh(shapes.T @ wire.stiffness @ shapes)
     return (shapes @ turn)[:, squares < (2 * np.pi * HIGHEST_FREQUENCY) ** 2], middle
 
