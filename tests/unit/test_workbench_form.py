@@ -24,7 +24,7 @@ from workbench_parts import SMALL
 
 FILES = sorted([*LIBRARY.glob("*.toml"), *TEMPLATES.glob("*.toml")], key=lambda path: path.stem)
 #: Tables and lists that a form leaves to the text of the case.
-LEFT = ("published", "sources", "remarks", "study", "name")
+LEFT = ("points", "published", "sources", "remarks", "study", "name")
 
 
 def flat(text: str) -> dict[str, Field]:

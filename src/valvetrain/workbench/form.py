@@ -39,7 +39,7 @@ FieldKind = Literal["number", "text", "choice", "flag", "curve"]
 #: rod.
 _DEFAULT_OPTIONS = ("multi-mass", "finite-element")
 #: Tables of a case that a form leaves to its text.
-_LEFT = ("published", "name", "sources", "remarks", "study")
+_LEFT = ("published", "points", "name", "sources", "remarks", "study")
 _TITLES = {"multi-mass": "chain of masses", "finite-element": "finite-element rod"}
 
 
