@@ -141,7 +141,7 @@ def test_run_prints_a_table_for_people(folder):
     )
     assert (
         "16 published values; " in printed
-        and "published values differ by" in told
+        and "published values, median difference of" in told
         and len(printed.splitlines()) < 45
     )
     assert not (folder / "run" / "report.html").exists()
