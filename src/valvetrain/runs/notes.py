@@ -244,10 +244,10 @@ def driven_notes(solutions: Sequence[Solution]) -> tuple[str, ...]:
     """A sentence per run of solids in a train: whose motion they follow and what that leaves out."""
     found = []
     for run in solutions:
-        difference = run.quantities.get("driver_difference_force")
-        if difference is None:
-            continue
         driver = run.statistics.get("driver", "")
+        if not driver:  # before any quantity is read, which would compute what may never be asked
+            continue
+        difference = run.quantities["driver_difference_force"]
         repeats = run.statistics.get("motion_period_count") == 1.0
         turns = "" if repeats else ", one of its turns over and over, which are not alike"
         found.append(
