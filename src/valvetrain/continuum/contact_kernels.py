@@ -49,7 +49,9 @@ def step_foot(centre, stations, station, place, foot):
         bend = centre[j - 1] - 2.0 * centre[j] + centre[j + 1]
         along += (point - below) * slope
         curvature += slope * slope - (point - below) * bend
-    foot = min(max(foot + along / curvature, 0.5), stations - 1.5)
+    # half a station next to either end the spline goes on as its last parabola: a foot held at its
+    # end would push askew there, where the clamped coil carries most of a clash
+    foot = min(max(foot + along / curvature, 0.0), stations - 1.0)
     span, there = _span(foot, stations)
     d, e, f = _weights(there)
     x, y, z = 0.0, 0.0, 0.0

@@ -240,7 +240,7 @@ class SolidWire:
             np.ones(len(station)),
             self.contact.stiffness * np.asarray(mean_speed) * cell,
             np.searchsorted(pairs, bins),
-            np.clip(foot, 0.5, self.stations - 1.5),
+            np.clip(foot, 0.0, self.stations - 1.0),
             np.zeros(len(station)),
             np.zeros(len(station), dtype=bool),
             np.zeros((2, len(station))),
