@@ -308,7 +308,7 @@ def test_a_warning_of_a_trial_names_its_values_and_one_of_the_case_does_not():
         vary(case, {Varied(key, "lbf", label="open load"): 420 * LBF})
     (told,) = {str(one.message) for one in caught}
     assert told.startswith(
-        "at open load = 420 lbf: spring 'spring card': rate, wire and coil diameter"
+        "at open load = 420 lbf: spring 'outer' of set 'dual': rate, wire and coil diameter"
     )
     with pytest.warns(UnusualValueWarning):
         doubtful = parse_case(text.replace('open_load = "234 lbf"', 'open_load = "420 lbf"'))

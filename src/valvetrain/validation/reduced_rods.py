@@ -38,7 +38,7 @@ def reduced_rod_at_rest() -> list[Row]:
         at = equilibrium_at(spring.rod, spring.rod.precompression + lift)
         modes = natural_modes(spring.statics, at.state, 6).natural_frequency
         force = spring.force(spring.initial_state(lift), lift).retainer
-        furthest = int(np.argmax(np.abs(spring.frequencies(lift) / modes - 1)))
+        furthest = float(np.max(np.abs(spring.frequencies(lift) / modes - 1)))
         where = f"{CASE}, retainer at {lift * 1e3:g} mm"
         rows.append(
             Row(
@@ -57,14 +57,14 @@ def reduced_rod_at_rest() -> list[Row]:
         rows.append(
             Row(
                 TOPIC,
-                f"furthest of six frequencies at {lift * 1e3:g} mm",
+                f"largest difference of six frequencies at {lift * 1e3:g} mm",
                 "",
                 where,
-                float(modes[furthest]),
-                float(spring.frequencies(lift)[furthest]),
-                "Hz",
-                5e-3 * float(modes[furthest]),
-                f"0.5 %, of frequency {furthest + 1}",
+                0.0,
+                100 * furthest,
+                "%",
+                0.5,
+                "0.5 %, of any of them",
                 "consistency",
             )
         )
@@ -94,24 +94,21 @@ def reduced_rod_in_motion() -> list[Row]:
                 "consistency",
             )
         )
-        for name, title, limit in (
-            ("below_20_khz_peak_spring_force", "peak spring force below 20 kHz", 1.0),
-            ("minimum_spring_force", "minimum spring force", 2.0),
-        ):
-            rows.append(
-                Row(
-                    TOPIC,
-                    f"difference of the {title} at {engine_speed:g} rpm",
-                    "",
-                    where,
-                    0.0,
-                    found.differences[name],
-                    "N",
-                    limit,
-                    "some times the 0.2 N of the peak and the 0.7 N of the minimum reached",
-                    "consistency",
-                )
+        names = "below_20_khz_peak_spring_force", "minimum_spring_force"
+        rows.append(
+            Row(
+                TOPIC,
+                f"peak below 20 kHz and minimum of the spring force at {engine_speed:g} rpm, larger difference",
+                "",
+                where,
+                0.0,
+                max(abs(found.differences[name]) for name in names),
+                "N",
+                1.0,
+                "some times the 0.1 N without clash and the 0.7 N with",
+                "consistency",
             )
+        )
     return rows
 
 
