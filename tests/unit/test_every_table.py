@@ -102,7 +102,7 @@ def test_answers_say_each_number_of_each_run():
         ("Coil clash", ()),
         row("Coil clashes", "clash_count"),
         ("\u2003largest by energy: coils", ("–", "1–2", "–", "–")),
-        ("\u2003at cam angle (deg)", ("–", "250", "–", "–")),
+        ("\u2003at cam angle (deg)", ("–", "251", "–", "–")),
         ("\u2003impulse (mN\xa0s)", ("–", "31", "–", "–")),
         row("Clash energy (mJ)", "clash_energy", 1e3),
         ("Wire stress", ()),

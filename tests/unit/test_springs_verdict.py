@@ -70,7 +70,7 @@ def test_the_winner_is_that_of_all_speeds_those_between_the_swept_ones_too():
 
 
 def test_a_sweep_names_the_surge_between_its_speeds():
-    assert "worst surge 476 N at 6444 rpm (order 9)" in pair("sweep").verdict
+    assert "worst surge amplitude 476 N at 6444 rpm (order 9)" in pair("sweep").verdict
 
 
 def test_little_room_to_coil_bind_is_named_by_the_spring_that_has_it():
@@ -128,9 +128,9 @@ def test_wide_error_bars_stand_in_the_sentence_and_hide_a_surge_below_them():
     study = replace(pair("compare-springs", wide, **flat), between=())
     assert "heavy surges less (200 N against 340 ± 47 N)" in study.verdict
     swept = replace(pair("sweep", wide), between=())
-    assert "worst surge 340 ± 47 N at 6000 rpm" in swept.verdict
+    assert "worst surge amplitude 340 ± 47 N at 6000 rpm" in swept.verdict
     hidden = replace(swept, error_bars=ErrorBars((bar("light", 6000, 340.0, 400.0),)))
-    assert hidden.verdict.endswith("worst surge 340 ± 400 N at 6000 rpm, not resolved.")
+    assert hidden.verdict.endswith("worst surge amplitude 340 ± 400 N at 6000 rpm, not resolved.")
     assert "urge not resolved" in replace(hidden, command="compare-springs").verdict
 
 
@@ -182,15 +182,17 @@ def test_stress_is_compared_with_what_the_wire_is_permitted():
 
 def test_the_worst_surge_says_where_in_the_range_it_is():
     """What was worst at the last speed swept, or where the valve flies, was told as a resonance."""
-    assert "worst surge 476 N at 6444 rpm (order 9)." in pair("sweep").verdict
+    assert "worst surge amplitude 476 N at 6444 rpm (order 9)." in pair("sweep").verdict
     rising = pair("sweep", surge_amplitude_force=600.0)
     runs = [replace(one, quantities={**one.quantities, "surge_amplitude_force": one.engine_speed}) for one in rising.solutions]  # fmt: skip
     ended = replace(rising, solutions=tuple(runs), between=())
-    assert ended.verdict.endswith("worst surge 733 N at 7000 rpm, at the end of the range.")
+    assert ended.verdict.endswith(
+        "worst surge amplitude 733 N at 7000 rpm, at the end of the range."
+    )
     control = CriticalSpeed("heavy, modal-uniform", "float", 5e-5, 6000 * RPM, 7000 * RPM, RPM, True, "valve",
                             Crossing(SpeedBracket(6300 * RPM, 6310 * RPM)), nominal_engine_speed=6305 * RPM)  # fmt: skip
     lost = replace(pair("sweep"), critical_speeds=CriticalSpeeds((control,)))
-    assert "worst surge 476 N at 6444 rpm (order 9), beyond control, below that 280 N at 6000 rpm." in lost.verdict  # fmt: skip
+    assert "worst surge amplitude 476 N at 6444 rpm (order 9), beyond control, below that 280 N at 6000 rpm." in lost.verdict  # fmt: skip
 
 
 def test_the_table_of_a_sweep_has_the_runs_between_its_speeds_as_the_sentence():

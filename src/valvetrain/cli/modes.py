@@ -26,6 +26,7 @@ from valvetrain.cli.static import KeepOption
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from rich.console import Console
@@ -38,6 +39,12 @@ if TYPE_CHECKING:
 
 #: Cam orders at which a surge of 300 to 700 Hz meets the lift between 3000 and 12000 rpm.
 SURGE_ORDERS = range(6, 13)
+#: Overlap below which a mode became another one rather than moved.
+NAME_ONLY = 0.5
+#: What the column of that name tells.
+TRANSMISSION = (
+    "axial transmission: share of an axial push at one end that the mode passes on to the other"
+)
 
 
 def register(app: typer.Typer) -> None:
@@ -167,8 +174,34 @@ def compute_modes(
         for one in trains:
             _show_train(console, one, count)
 
-    outcome = Outcome(data, show, study.failures, verdict_of(study))
+    said = " ".join(filter(None, (verdict_of(study), followed_sentence(trains))))
+    outcome = Outcome(data, show, study.failures, said)
     return outcome if keep is None else saved_outcome(outcome, study, case, keep, {"count": count})
+
+
+def followed_sentence(trains: Sequence[TrainModes]) -> str:
+    """What orders and amplitudes mean, and the lowest mode that is another one at full lift than on the
+    seat; empty without a train.
+    """
+    if not trains:
+        return ""
+    text = "Orders are those of the cam, amplitudes 0 to peak"
+    closed = {one.label: one for one in trains if not one.closed_mode}
+    for one in trains:
+        changed = [place for place, share in enumerate(one.overlap) if share < NAME_ONLY]
+        if changed and one.label in closed:
+            place = changed[0]
+            before = one.closed_mode[place]
+            first, last = (
+                f"{float(table.natural_frequency[at]):.0f} Hz"
+                for table, at in ((closed[one.label], before), (one, place))
+            )
+            text += (
+                f"; closed mode {before + 1} ({first}) becomes {place + 1} ({last}) at full lift, "
+                f"overlap {100 * one.overlap[place]:.0f} %"
+            )
+            break
+    return f"{text}."
 
 
 def _object(modes: TrainModes, count: int) -> dict[str, Any]:
@@ -213,7 +246,10 @@ def _show_train(console: Console, modes: TrainModes, count: int) -> None:
             str(place + 1),
             number(float(one), 5),
             *(
-                (str(modes.closed_mode[place] + 1), f"{100 * modes.overlap[place]:.0f} %")
+                (
+                    _closed_text(modes.closed_mode[place], count),
+                    f"{100 * modes.overlap[place]:.0f} %",
+                )
                 if followed
                 else ()
             ),
@@ -233,6 +269,11 @@ def _show_train(console: Console, modes: TrainModes, count: int) -> None:
         console.print(f"open there, without stiffness: {', '.join(modes.open)}")
 
 
+def _closed_text(place: int, count: int) -> str:
+    """The number (from 1) of a mode of the closed valve; of one that is not printed that it is above."""
+    return str(place + 1) if place < count else f"above {count}"
+
+
 def _show(console: Console, study: Study) -> None:
     from valvetrain.cli.outcome import plain_table
     from valvetrain.parameters.summary import number
@@ -248,8 +289,14 @@ def _show(console: Console, study: Study) -> None:
             for index, place in enumerate(one.modes.axial_modes, start=1)
         }
         shares = [f"{share:+.3f}".replace("-", "−") for share in one.modes.axial_transmission]
+        several = any(share != shares[0] for share in shares)  # all alike where every mode is axial
         rows = [
-            (str(place + 1), number(float(frequency), 5), shares[place], names.get(place, ""))
+            (
+                str(place + 1),
+                number(float(frequency), 5),
+                *((shares[place],) if several else ()),
+                names.get(place, ""),
+            )
             for place, frequency in enumerate(one.modes.natural_frequency)
         ]
         mass = one.modes.attached_mass
@@ -263,9 +310,14 @@ def _show(console: Console, study: Study) -> None:
         title = f"{one.spring} by {one.model}, at {number(one.modes.compression * 1e3)} mm compression{end}"
         console.print(
             plain_table(
-                ("mode", "frequency (Hz)", "axial transmission", ""), rows, title, right=(0, 1, 2)
+                ("mode", "frequency (Hz)", *(("axial transmission",) if several else ()), ""),
+                rows,
+                title,
+                right=(0, 1, 2) if several else (0, 1),
             )
         )
+        if several:
+            console.print(TRANSMISSION, soft_wrap=True)
         if len(one.modes.axial_modes) and mass is None:
             surge = float(one.modes.axial_frequencies[0])  # Hz
             met = ", ".join(f"{order} at {120 * surge / order:.0f}" for order in SURGE_ORDERS)

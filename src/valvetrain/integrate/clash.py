@@ -19,6 +19,9 @@ TURN = 2 * np.pi
 #: A contact that lasts longer than this (cam rad) is coils at rest on each other while the spring
 #: is compressed, not a blow of surge.
 RESTING_ANGLE = TURN / 12
+#: Cause of a clash: a contact that closes with the spring, or a blow.
+RESTS = "coils come to rest on each other as the spring closes"
+STRIKES = "coils meet under surge"
 #: Longest that coils take to give a blow (s): the time within which neighbours that touch belong to
 #: one clash.
 IMPACT_TIME = 0.3e-3
@@ -246,7 +249,7 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
         "peak_cam_angle": float(angle[top]), "upper_coil": coil, "lower_coil": coil - 1,
         "first_pair": float(min(pairs.places[contact.pair] for contact in group)),
         "last_pair": float(max(pairs.places[contact.pair] for contact in group)),
-        "cause": "coils come to rest on each other as the spring closes" if resting else "coils meet under surge",
+        "cause": RESTS if resting else STRIKES,
     }  # fmt: skip
     where = f"{spring}coils {coil - 1}-{coil}"
     return Event(

@@ -24,14 +24,23 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
 _DIAMETERS = ("base_diameter", "base_circle", "roller_diameter")
 
 
+#: Keys that are looked for at the top of a file -> where they belong.
+BELONGS = {
+    key: f"spring.options.finite-element.{key}" for key in ("time_step", "elements_per_coil")
+}
+
+
 def meant_key(name: str, valid: tuple[str, ...]) -> str:
     """A clause on the key of ``valid`` that ``name`` means; empty where it is none of the names in use.
 
     >>> meant_key("seat load", ("preload", "rate")), meant_key("OD", ("outer_diameter",)), meant_key("x", ("rate",))
     ('that is preload here', 'that is outer_diameter here', '')
+    >>> meant_key("time_step", ("spring", "train"))
+    'it belongs at spring.options.finite-element.time_step'
     """
     word = re.sub(r"[\s-]+", "_", name[:60].strip().lower())
     key = next((one for one in SYNONYMS.get(word, ()) if one in valid), "")
     if not key:
-        return ""
+        place = BELONGS.get(word, "") if "spring" in valid else ""
+        return f"it belongs at {place}" if place else ""
     return f"that is {key} here" + (", half the diameter" if word in _DIAMETERS else "")

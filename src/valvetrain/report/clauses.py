@@ -61,13 +61,14 @@ class Runs:
         places = (self.still.get(label, {}) for label in labels)
         return next((one[name] for one in places if name in one), math.nan)
 
-    def worst(self, name: str, least: bool, prefer: Solution | None = None) -> Worst | None:
-        """The least or the largest value over the runs, of equal ones that of ``prefer``; None where
-        no run gives it.
+    def worst(
+        self, name: str, least: bool, prefer: Solution | None = None, only: Solution | None = None
+    ) -> Worst | None:
+        """The least or the largest value over the runs, or of the ``only`` one; of equal ones that of
+        ``prefer``; None where no run gives it.
         """
-        known = [
-            (value, run) for run in self.solutions if math.isfinite(value := self.value(run, name))
-        ]
+        judged = self.solutions if only is None else (only,)
+        known = [(value, run) for run in judged if math.isfinite(value := self.value(run, name))]
         if not known:
             return None
         value, run = (min if least else max)(
@@ -75,7 +76,11 @@ class Runs:
         )
         # a number that runs of one spring set alone have is told of that set
         every = {one.spring_set for _, one in known} == {one.spring_set for one in self.solutions}
-        alike = every and all(abs(one - value) <= 1e-9 * max(abs(value), 1e-12) for one, _ in known)
+        alike = (
+            only is None
+            and every
+            and all(abs(one - value) <= 1e-9 * max(abs(value), 1e-12) for one, _ in known)
+        )
         return Worst(name, value, None if alike else run)
 
     def text(self, found: Worst, digits: int = 3) -> str:

@@ -152,6 +152,12 @@ def clashes_of(run: Solution) -> tuple[Event, ...]:
     )
 
 
+def peak_angle(event: Event) -> float:
+    """Cam angle (deg) at which the force of a clash is largest; where it begins, if that is not known."""
+    angle = event.details.get("peak_cam_angle", event.cam_angle)
+    return math.degrees(float(angle)) % 360
+
+
 def clash_pair(event: Event) -> str:
     """The coils that met, with the spring where there are two: ``1–2``, ``outer 1–2``."""
     detail = event.details
@@ -164,8 +170,8 @@ def clash_pair(event: Event) -> str:
 def largest_clash_rows(
     study: Study, columns: Sequence[HeadlineColumn]
 ) -> list[tuple[str, str, tuple[str, ...]]]:
-    """(label, unit, cells) of coils, first touch and impulse of the largest clash of every run; empty
-    without clashes.
+    """(label, unit, cells) of coils, angle of the peak force and impulse of the largest clash of every
+    run; empty without clashes.
     """
     runs = [
         None
@@ -176,7 +182,7 @@ def largest_clash_rows(
     events = [None if run is None else next(iter(clashes_of(run)), None) for run in runs]
     if not any(events):
         return []
-    angles = [None if one is None else math.degrees(one.cam_angle) % 360 for one in events]
+    angles = [None if one is None else peak_angle(one) for one in events]
     rows = [
         (
             "largest by energy: coils",

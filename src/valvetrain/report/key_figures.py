@@ -21,6 +21,8 @@ from valvetrain.system.contract import TRAIN
 
 #: Heights of the valve at which a card gives its duration.
 CARD_LIFTS = ("50_thou", "1_mm")
+#: What is open for a duration at 0.050 in, beside the valve of the run.
+ALSO_OPEN = {"lobe": "lobe", "rigid_valve": "rigid valve"}
 POWER = "mean_cam_power"
 #: What is said of a power at a speed at which control is lost.
 IMPACTS = ", beyond control: with impacts"
@@ -128,22 +130,42 @@ def _impacts(runs: Runs, one: Worst) -> str:
     return IMPACTS if one.name == POWER and beyond_control(run) else ""
 
 
+def _also_open(runs: Runs, run: Solution) -> str:
+    """Durations of lobe and rigid valve at 0.050 in, which a card may mean; empty where none is known."""
+    known = {
+        word: runs.value(run, f"{subject}_50_thou_open_crank_angle_range")
+        for subject, word in ALSO_OPEN.items()
+    }
+    texts = [
+        f"{word} {figure(math.degrees(angle), 4)}"
+        for word, angle in known.items()
+        if math.isfinite(angle)
+    ]
+    return f" ({', '.join(texts)} at 0.050 in)" if texts else ""
+
+
 def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]:
     open_for = [
-        f"{figure(math.degrees(angle))} {EVENT_LIFTS[lift]}"
+        f"{figure(math.degrees(angle), 4)} {EVENT_LIFTS[lift]}"
         for lift in CARD_LIFTS
         if math.isfinite(angle := runs.value(worst, f"valve_{lift}_open_crank_angle_range"))
     ]
     if open_for:
-        yield "valve open, crank deg", worst, ", ".join(open_for)
+        yield "valve open, crank deg", worst, ", ".join(open_for) + _also_open(runs, worst)
     if (power := runs.worst(POWER, least=False)) is not None:
         yield "cam power", power.run or worst, f"{runs.text(power)}{_impacts(runs, power)}"
+    floats = runs.value(worst, "rigid_contact_loss_engine_speed")
+    if math.isfinite(floats):
+        yield "float speed, rigid parts", worst, f"{rpm(floats):.0f} rpm"
     stepped = next(
         (run for run in (worst, *runs.solutions) if "time_step_duration" in run.quantities), None
     )
     if stepped is None:
         return
     step = quantity_text("time_step_duration", stepped.quantities["time_step_duration"])
+    gap = stepped.quantities.get("energy_imbalance_ratio", math.nan)
+    if math.isfinite(gap):
+        step += f", energy closes to {figure(100 * gap, 2)} %"
     yield "stable time step", stepped, step
     preload = runs.value(stepped, "preload")
     if stepped.provenance.system != TRAIN and math.isfinite(preload):

@@ -11,11 +11,10 @@ from valvetrain.quantities.train_events import (
     CAUSE_INERTIA,
     CAUSE_SURGE,
     CAUSE_VIBRATION,
-    PLACES,
 )
+from valvetrain.report.clash_clauses import clash_clauses, strike_count
 from valvetrain.report.clauses import Clause, Runs, Worst, counted, figure, joined, quantity_text
-from valvetrain.report.headlines import clash_pair
-from valvetrain.report.text import unit_text
+from valvetrain.report.contact_lost import DURATION, GAP, losses_while_open, worst_loss
 from valvetrain.runs.notes import rings
 from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT
@@ -75,11 +74,15 @@ def run_clauses(runs: Runs) -> Iterator[Clause]:
     bind = [one for one in (bind_clause(runs),) if one is not None]
     train = any(run.provenance.system == TRAIN for run in runs.solutions)
     contact = sorted(_contact_clauses(runs) if train else (), key=lambda one: not one.lost)
+    clashes = clash_clauses(runs, _is_brief(runs))
+    # of springs alone blows come before what is well
+    clash_first = not train and any(one.lost for one in clashes) and not _is_solid(bind)
+    yield from clashes if clash_first else ()
     if contact and contact[0].lost and not _is_solid(bind):
         yield from (*contact, *bind)
     else:
         yield from (*bind, *contact)
-    yield from _clash_clauses(runs)
+    yield from () if clash_first else clashes
     yield from _force_clauses(runs)
 
 
@@ -130,8 +133,8 @@ def bind_clause(runs: Runs) -> Clause | None:
     if 0 <= one.value < NEAR:
         return Clause(f"{whose}only {runs.text(one)} clear of coil bind", one.run)
     if one.value >= 0:
-        clash = any(runs.value(run, "clash_count") > 0 for run in runs.solutions)
-        still = " at full lift" if clash else ""  # coils clash in spite of it
+        clash = any(strike_count(runs, run) > 0 for run in runs.solutions)
+        still = " at full lift (at rest)" if clash else ""  # coils clash in spite of it
         return Clause(f"{whose}clear of coil bind by {runs.text(one)}{still}", one.run)
     short = runs.text(Worst(one.name, -one.value, one.run))
     return Clause(f"{whose}{SOLID} {short} before the largest lift", one.run)
@@ -144,7 +147,7 @@ def _is_solid(bind: Sequence[Clause]) -> bool:
 
 def _contact_clauses(runs: Runs) -> Iterator[Clause]:
     """Loft, float, bounce and clearance to the piston."""
-    loft, lost = runs.worst("loft_gap", False), runs.worst("loss_of_contact_duration", False)
+    loft, lost = worst_loss(runs, GAP), worst_loss(runs, DURATION)
     if lost is not None and lost.value > 0:
         time = runs.text(lost)
         gap = f"loft of {runs.text(loft)}, " if loft is not None and loft.value > 0 else ""
@@ -211,8 +214,7 @@ def _flex_clause(runs: Runs) -> Clause | None:
 def _losses(runs: Runs, found: Worst) -> list[Event]:
     """Losses of contact in the run of a value, the largest gap first."""
     run = found.run or runs.solutions[0]
-    events = [event for event in run.events if event.kind in PLACES.values()]
-    return sorted(events, key=lambda event: -event.size)
+    return losses_while_open(run)
 
 
 def _places_lost(runs: Runs, lost: Worst) -> str:
@@ -272,34 +274,9 @@ def _repeats(period: float) -> str:
     return alike.get(cycles, f", again after {cycles} cycles")
 
 
-def _clash_clauses(runs: Runs) -> Iterator[Clause]:
-    """Clashes, their energy and the hardest of them, of the run with most of it."""
-    clashes = runs.worst("clash_count", False)
-    alone = all(run.provenance.system != TRAIN for run in runs.solutions)
-    if clashes is None or not (clashes.value or alone):
-        return
-    energy = runs.worst("clash_energy", False)
-    run = clashes.run if energy is None or energy.run is None else energy.run
-    count = round(clashes.value if run is None else runs.value(run, "clash_count"))
-    text = counted(count, "coil clash", "coil clashes")
-    if count and energy is not None and energy.value > 0:
-        text += f" ({runs.text(energy)} in all)"
-    named = not _is_brief(runs) and (run is not None or len(runs.solutions) == 1)
-    events = (run or runs.solutions[0]).events if named else []
-    if hardest := max(
-        (one for one in events if one.kind == "clash"), key=lambda one: one.size, default=None
-    ):
-        angle = math.degrees(hardest.cam_angle) % 360
-        size = f"{figure(hardest.size)} {unit_text(hardest.unit)}"
-        text += (
-            f", hardest {size} at {angle:.0f} cam deg, coils {clash_pair(hardest)} (try more gap)"
-        )
-    yield Clause(text, run if count else None)
-
-
 def _force_clauses(runs: Runs) -> Iterator[Clause]:
     """The least force at the cam, or of the spring, and the largest of a spring alone."""
-    lofting = runs.worst("loss_of_contact_duration", False)
+    lofting = worst_loss(runs, DURATION)
     cam = runs.worst("minimum_cam_contact_force", True, lofting.run if lofting else None)
     if cam is not None and cam.value <= 0 and lofting is not None and lofting.value > 0:
         return  # the loft has told it

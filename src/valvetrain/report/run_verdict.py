@@ -14,6 +14,7 @@ from valvetrain.report.clauses import (
     ended_clauses,
     figure,
     joined,
+    quantity_text,
     sentence,
 )
 from valvetrain.report.model_verdict import fidelity_verdict
@@ -30,6 +31,8 @@ from valvetrain.solution.study import Study
 MODE_ORDERS = (6, 12)
 #: What models are compared in.
 PEAK = "peak_spring_force"
+#: What spring sets of a train are weighed by.
+POWER = "mean_cam_power"
 
 
 def study_verdict(study: Study) -> str:
@@ -50,6 +53,7 @@ def study_verdict(study: Study) -> str:
             *ended_clauses(study.solutions),
             *rest_failures(study),
             *clause_texts(list(run_clauses(judged)), judged),
+            _power(study),
             _spread(study),
             published,
         ],
@@ -62,6 +66,23 @@ def solution_verdict(run: Solution) -> str:
     judged = Runs((run,) if is_judged(run) else ())
     parts = [*ended_clauses((run,)), *clause_texts(list(run_clauses(judged)), judged)]
     return sentence(parts, condition_of(judged))
+
+
+def _power(study: Study) -> str:
+    """What the springs cost, of two sets of one model at one speed: ``cam power 42.4 W (stock), 70.4 W
+    (performance), 28 W more``.
+    """
+    runs = judged_runs(study)
+    found = [(run, runs.value(run, POWER)) for run in runs.solutions]
+    known = [run for run, value in found if math.isfinite(value)]
+    sets = {run.spring_set for run in known}
+    if not len(known) == len(runs.solutions) == len(sets) == 2 or runs.speeds > 1:
+        return ""
+    one, other = (value for _, value in found)
+    more = quantity_text(POWER, abs(other - one))
+    texts = [f"{quantity_text(POWER, value)} ({runs.name(run)})" for run, value in found]
+    which = f", {more} {'more' if other > one else 'less'}"
+    return f"cam power {', '.join(texts)}{which}"
 
 
 def _spread(study: Study) -> str:

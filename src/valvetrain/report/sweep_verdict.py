@@ -102,7 +102,7 @@ def _surge(study: Study, label: str, runs: Runs) -> list[str]:
     surge = worst_surge(runs.solutions)
     if surge is None:
         return []
-    text, limit = f"worst surge {_surge_at(runs, surge)}", controlled_to(study, label)
+    text, limit = f"worst surge amplitude {_surge_at(runs, surge)}", controlled_to(study, label)
     if text.endswith(UNRESOLVED):
         return [text]
     if surge.run.engine_speed > limit:

@@ -163,7 +163,7 @@ def _clashes(study: Study) -> tuple[Block, ...]:
     largest = Grid(
         ("largest clash", *_CLASH_HEADERS),
         first,
-        caption="Largest coil clash of each run; the cam angle is that of first touch.",
+        caption="Largest coil clash of each run by energy; the cam angle is that of first touch.",
     )
     return (largest, Details(f"The {NAMED_CLASHES} largest clashes of each run", (several,)))
 

@@ -1,0 +1,66 @@
+"""Which losses of contact count: those while the valve is open, as over engine speed; a contact that
+parts once the valve is on its seat loses no control of it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from valvetrain.quantities.train_events import PLACES, TURN, covered, lost_spans
+from valvetrain.quantities.valve_events import OPEN_SHARE
+from valvetrain.report.clauses import Runs, Worst
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
+
+DURATION, GAP = "loss_of_contact_duration", "loft_gap"
+
+
+def losses_while_open(run: Solution) -> list[Event]:
+    """Losses of contact of a run while the valve is open by more than a tenth of its lift, the largest
+    gap first.
+    """
+    events = [event for event in run.events if event.kind in PLACES.values()]
+    return sorted(
+        (event for event in events if _is_open(run, event)), key=lambda event: -event.size
+    )
+
+
+def worst_loss(runs: Runs, name: str) -> Worst | None:
+    """The longest time without contact (:data:`DURATION`) or largest loft (:data:`GAP`) that counts, and
+    its run.
+    """
+    known = [
+        (value, run)
+        for run in runs.solutions
+        if math.isfinite(value := _counted(run, name, runs.value(run, name)))
+    ]
+    if not known:
+        return None
+    value, run = max(known, key=lambda pair: pair[0])
+    alike = all(abs(one - value) <= 1e-9 * max(value, 1e-12) for one, _ in known)
+    return Worst(name, value, None if alike else run)
+
+
+def _counted(run: Solution, name: str, value: float) -> float:
+    """A number of all losses, of those while the valve is open alone where others are among them."""
+    every = [event for event in run.events if event.kind in PLACES.values()]
+    some = losses_while_open(run)
+    if len(some) == len(every) or not math.isfinite(value):
+        return value
+    if name == GAP:
+        return max((one.size for one in some if one.kind == "loft"), default=0.0)
+    turn = 2 * TURN / run.engine_speed
+    return turn / TURN * covered(lost_spans(some, turn))
+
+
+def _is_open(run: Solution, event: Event) -> bool:
+    """Whether the valve stands above a tenth of its lift anywhere in an event; True without its lift."""
+    if not run.has("valve_lift"):
+        return True
+    lift = run.channel("valve_lift")
+    turned = event.duration * run.engine_speed / 2
+    angles = event.cam_angle + np.linspace(0.0, turned, 9)
+    there = np.interp(angles, run.cam_angle, lift, period=TURN)
+    return bool(np.max(there) > OPEN_SHARE * np.max(lift))
