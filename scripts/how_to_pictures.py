@@ -257,18 +257,13 @@ def speed_bought() -> tuple[str, tuple[Panel, ...]]:
 
 def lift_lost() -> tuple[str, tuple[Panel, ...]]:
     runs = vt.simulate(template("pushrod"), "3000, 6000 rpm").solutions
-    lift: list[Layer] = []
     less: list[Layer] = []
-    angle, rigid = over_angle(runs[0], "rigid_valve_lift", 1e3)
-    lift.append(line(angle, rigid, "rigid parts", GREY, "dash"))
     for run, colour in zip(runs, (BLUE, ORANGE), strict=True):
         angle, moved = over_angle(run, "valve_lift", 1e3)
         words = f"{run.engine_speed * RPM:.0f} rpm"
-        lift.append(line(angle, moved, words, colour))
         less.append(line(angle, moved - over_angle(run, "rigid_valve_lift", 1e3)[1], words, colour))
     span = (135.0, 330.0)
     return "Template pushrod train: lift lost to flex", (
-        turn("valve lift (mm)", *lift, x_range=span),
         turn("valve lift less rigid lift (mm)", *less, x_range=span, rules=(Rule("y", 0.0),)),
     )
 

@@ -298,15 +298,16 @@ def test_lift_and_its_derivatives_stand_by_the_degree_with_their_bands():
     assert [panel.y_label for panel in panels] == [
         "lift (mm)",
         "velocity (mm/deg)",
-        "acceleration (mm/deg²)",
+        "acceleration (µm/deg²)",
         "jerk (mm/deg³)",
     ]
     for derivative, panel in enumerate(panels):
         low, high, law, *stations = panel.layers
-        half = BAND * (1 + derivative) * 1e-2 * DEG**derivative
+        scale = (1e3 if derivative == 2 else 1.0) * DEG**derivative  # the acceleration in µm
+        half = BAND * (1 + derivative) * 1e-2 * scale
         for line, away in ((low, -half), (high, half), (law, 0.0)):
             assert line.y == pytest.approx(
-                np.sin(line.x * DEG + derivative) * DEG**derivative + away, rel=1e-7
+                np.sin(line.x * DEG + derivative) * scale + away, rel=1e-7, abs=1e-9
             )
         assert len(stations) == (derivative == 0)
     station = panels[0].layers[-1]
@@ -320,7 +321,7 @@ def test_lift_and_its_derivatives_stand_by_the_degree_with_their_bands():
         (120 * DEG, 0.05 * DEG, "deg", ("120.000", "±0.098", "deg")),
         (1.5e-3 * DEG, 1e-5 * DEG, "mm deg", ("1.500", "±0.020", "mm deg")),
         (0.02e-3 / DEG, 1e-6 / DEG, "mm/deg", ("0.0200", "±0.0020", "mm/deg")),
-        (-3e-6 / DEG**2, 1e-7 / DEG**2, "mm/deg2", ("-0.00300", "±0.00020", "mm/deg²")),
+        (-3e-6 / DEG**2, 1e-7 / DEG**2, "um/deg2", ("-3.00", "±0.20", "µm/deg²")),
         (4e-7 / DEG**3, 1e-7 / DEG**3, "mm/deg3", ("0.00040", "±0.00020", "mm/deg³")),
         (0.25, 0.0, "", ("0.2500", "±0.0000", "")),
         (9e-3, 20e-3, "mm", ("9", "±39", "mm")),
@@ -330,6 +331,12 @@ def test_figures_of_a_lobe_in_the_units_of_the_trade_with_two_digits_of_their_in
     value, spread, unit, row
 ):
     assert figure_rows([LiftFigure("key", "words", value, spread, unit)]) == [("words", *row)]
+
+
+def test_the_interval_of_a_size_does_not_reach_below_zero():
+    """The largest jerk stood as 0.0044 ± 0.0058."""
+    jerk = LiftFigure("largest_jerk", "jerk", 4.4e-6 / DEG**3, 2.96e-6 / DEG**3, "mm/deg3")
+    assert figure_rows([jerk]) == [("jerk", "0.0044", "0 to 0.0102", "mm/deg³")]
 
 
 @pytest.mark.parametrize(

@@ -431,3 +431,6 @@ def _show(
         )
         console.print()
     console.print(f"results in {folder}", soft_wrap=True)
+    if carried is None:
+        into = "lift.toml there holds the cam as the [lift_law] of a case; --case CASE runs a case with it"
+        console.print(into, soft_wrap=True)

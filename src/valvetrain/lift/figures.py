@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.measured.lift_file import MeasuredLift
-from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift
+from valvetrain.measured.lift_smoothing import BAND, DEGREE, SmoothedLift
 from valvetrain.units import unit_factor
 
 Array = NDArray[np.float64]
@@ -147,12 +147,12 @@ def lift_figures(
     found += [
         _figure("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg"),
         _figure("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg"),
-        _figure("largest_acceleration", "largest acceleration", curves[2].max(axis=1), "mm/deg2"),
+        _figure("largest_acceleration", "largest acceleration", curves[2].max(axis=1), "um/deg2"),
         _figure(
             "nose_acceleration",
             "minimum acceleration, over the nose",
             curves[2].min(axis=1),
-            "mm/deg2",
+            "um/deg2",
         ),
         _figure(
             "largest_jerk", "largest jerk, either way", np.abs(curves[3]).max(axis=1), "mm/deg3"
@@ -244,14 +244,37 @@ def _figure(name: str, label: str, values: Array, unit: str) -> LiftFigure:
 
 
 #: Units of figures as printed, where that is otherwise.
-UNIT_TEXTS = {"mm/deg2": "mm/deg²", "mm/deg3": "mm/deg³"}
+UNIT_TEXTS = {"um/deg2": "µm/deg²", "mm/deg3": "mm/deg³"}
 
 
 def figure_factor(unit: str) -> float:
     """SI value of one unit of a figure, units of the trade among them."""
     degree = np.pi / 180
-    own = {"mm deg": 1e-3 * degree, "mm/deg2": 1e-3 / degree**2, "mm/deg3": 1e-3 / degree**3}
+    own = {"mm deg": 1e-3 * degree, "um/deg2": 1e-6 / degree**2, "mm/deg3": 1e-3 / degree**3}
     return own.get(unit) or unit_factor(unit)
+
+
+def figure_rows(figures: Sequence[LiftFigure]) -> list[tuple[str, str, str, str]]:
+    """Words, value, twice the standard deviation and unit of each figure, in the units of the
+    trade.
+    """
+    rows = []
+    for figure in figures:
+        factor = 1 / figure_factor(figure.unit)
+        value, spread = figure.value * factor, BAND * figure.spread * factor
+        digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 4
+        # a size is not below zero, however wide the band
+        below = figure.name == "largest_jerk" and spread > value
+        band = f"0 to {value + spread:.{digits}f}" if below else f"±{spread:.{digits}f}"
+        rows.append(
+            (
+                figure.label,
+                f"{value:.{digits}f}",
+                band,
+                UNIT_TEXTS.get(figure.unit, figure.unit),
+            )
+        )
+    return rows
 
 
 _NAMED: Mapping[float, str] = {HEIGHTS[0]: "0.050 in", RAMP_HEIGHT: "0.006 in"}

@@ -12,7 +12,7 @@ import numpy as np
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
-from valvetrain.lift.figures import UNIT_TEXTS, LiftFigure, LobeResult, figure_factor
+from valvetrain.lift.figures import LiftFigure, LobeResult, figure_rows
 from valvetrain.lift.verdict import lift_verdict
 from valvetrain.measured.lift_formats import LiftFormat, LiftTable
 from valvetrain.measured.lift_smoothing import BAND
@@ -29,7 +29,7 @@ from valvetrain.solution.definition import definition_of, label_of, shown
 
 #: Derivative -> label of its axis and factor from SI.
 AXES = (
-    ("lift (mm)", 1e3), ("velocity (mm/deg)", 1e3 * np.pi / 180), ("acceleration (mm/deg²)", 1e3 * (np.pi / 180) ** 2),
+    ("lift (mm)", 1e3), ("velocity (mm/deg)", 1e3 * np.pi / 180), ("acceleration (µm/deg²)", 1e6 * (np.pi / 180) ** 2),
     ("jerk (mm/deg³)", 1e3 * (np.pi / 180) ** 3),
 )  # fmt: skip
 #: Quantities of a run that are shown with the spread that the lift gives them, in this order.
@@ -100,26 +100,6 @@ def lift_page(
 def _whose(one: LobeResult) -> str:
     name = one.measured.name
     return f"{'' if name == 'lift' else name + ' '}{one.measured.lift_of} lift"
-
-
-def figure_rows(figures: Sequence[LiftFigure]) -> list[tuple[str, str, str, str]]:
-    """Words, value, twice the standard deviation and unit of each figure, in the units of the
-    trade.
-    """
-    rows = []
-    for figure in figures:
-        factor = 1 / figure_factor(figure.unit)
-        value, spread = figure.value * factor, BAND * figure.spread * factor
-        digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 4
-        rows.append(
-            (
-                figure.label,
-                f"{value:.{digits}f}",
-                f"±{spread:.{digits}f}",
-                UNIT_TEXTS.get(figure.unit, figure.unit),
-            )
-        )
-    return rows
 
 
 def figure_grid(figures: Sequence[LiftFigure]) -> Grid:

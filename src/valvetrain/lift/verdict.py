@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from valvetrain.lift.figures import UNIT_TEXTS, LiftFigure, LobeResult, figure_factor
-from valvetrain.report.text import number
+from valvetrain.lift.figures import LiftFigure, LobeResult, figure_rows
 
 #: Standard deviations from which a station is off the law.
 OFF = 4.0
@@ -31,7 +30,7 @@ def _lobe(one: LobeResult, named: bool) -> str:
             break
     peaks = [found for name in PEAKS for found in one.figures if found.name == name]
     if len(peaks) == len(PEAKS):
-        parts.append(f"acceleration {_value(peaks[0])} to {_shown(peaks[1])}")
+        parts.append(f"acceleration {_shown(peaks[0], False)} to {_shown(peaks[1])}")
     lift = one.smoothed
     noise = f"noise {1e6 * lift.noise:.2g} µm"
     off = int(np.count_nonzero(np.abs(lift.residuals) > OFF * lift.noise))
@@ -40,10 +39,8 @@ def _lobe(one: LobeResult, named: bool) -> str:
     return ", ".join([*parts, noise, stations if off else "every station fits"])
 
 
-def _shown(figure: LiftFigure) -> str:
-    unit = "cam degrees" if figure.unit == "deg" else UNIT_TEXTS.get(figure.unit, figure.unit)
-    return f"{_value(figure)} {unit}"
-
-
-def _value(figure: LiftFigure) -> str:
-    return number(figure.value / figure_factor(figure.unit), 4)
+def _shown(figure: LiftFigure, with_unit: bool = True) -> str:
+    """Value and half of its 95 % interval with the digits of the table, and the unit."""
+    _, value, band, unit = figure_rows((figure,))[0]
+    said = f"{value} {band.replace('±', '± ')}".replace("-", "−") if figure.spread > 0 else value
+    return f"{said} {'cam degrees' if unit == 'deg' else unit}" if with_unit else said

@@ -60,7 +60,7 @@ class MeasuredLift(Shown):
         first, last = np.degrees(self.cam_angles[[0, -1]])
         return (
             f"MeasuredLift '{self.name}' of the {self.lift_of}: {len(self.lifts)} stations, {first:g} to {last:g} cam deg, "
-            f"peak {1e3 * self.lifts.max():.4f} mm"
+            f"largest station {1e3 * self.lifts.max():.4f} mm"
         )
 
 

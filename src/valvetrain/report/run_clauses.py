@@ -192,23 +192,34 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
 
 
 def _flex_clause(runs: Runs) -> Clause | None:
-    """Lift and duration that flex takes, of the run that loses most lift; None of what is small."""
+    """Lift and duration that flex takes, each of the run that loses most of it; None of what is
+    small.
+    """
     flex = runs.worst("lift_loss_displacement", False)
     if flex is None:
         return None
     run = flex.run or runs.solutions[0]
+    shorter = [(angle, one) for one in runs.solutions if (angle := _shorter(runs, one)) > 0]
+    angle, other = max(shorter, key=lambda pair: (pair[0], pair[1] is run), default=(0.0, run))
+    if not (flex.value > FLOAT_LIFT or angle > FLEX_ANGLE):
+        return None
+    lift = f"{runs.text(flex)} of lift" if flex.value > 0 else ""
+    time = f"{figure(math.degrees(angle), 2)} crank deg of duration at 0.050 in" if angle else ""
+    if lift and time and flex.run is not None and other is not run:
+        return Clause(f"flex takes {lift} {runs.place(run)} and {time} {runs.place(other)}")
+    takes = joined([one for one in (lift, time) if one])
+    return Clause(f"flex takes {takes}", flex.run if lift or len(runs.solutions) < 2 else other)
+
+
+def _shorter(runs: Runs, run: Solution) -> float:
+    """Crank angle (rad) that the duration at 0.050 in is shorter than with rigid parts; NaN where one
+    is unknown.
+    """
     rigid, open_for = (
         runs.value(run, f"{name}_50_thou_open_crank_angle_range")
         for name in ("rigid_valve", "valve")
     )
-    shorter = rigid - open_for  # NaN where one is unknown
-    lift, angle = flex.value > FLOAT_LIFT, shorter > FLEX_ANGLE
-    if not (lift or angle):
-        return None
-    takes = [f"{runs.text(flex)} of lift"] if flex.value > 0 else []
-    if shorter > 0:
-        takes.append(f"{figure(math.degrees(shorter), 2)} crank deg of duration at 0.050 in")
-    return Clause(f"flex takes {joined(takes)}", flex.run)
+    return rigid - open_for
 
 
 def _losses(runs: Runs, found: Worst) -> list[Event]:
