@@ -4,6 +4,7 @@ how-to``.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -194,11 +195,9 @@ def two_springs() -> tuple[str, tuple[Panel, ...]]:
 
 
 def over_clearance() -> tuple[str, tuple[Panel, ...]]:
-    text = (
-        (EXAMPLES / "coil-bind-clearance.toml")
-        .read_text(encoding="utf-8")
-        .replace("levels = 6", "levels = 16")
-    )
+    text = (EXAMPLES / "coil-bind-clearance.toml").read_text(encoding="utf-8")
+    steps = ", ".join(f"{one:.12g}" for one in np.linspace(7, 12, 16))
+    text = re.sub(r'values = "[^"]*"', f'values = "{steps} mm"', text)
     table = vt.study(text)
     clearance = 1e3 * table.column("coil_bind_clearance")
     shown = (

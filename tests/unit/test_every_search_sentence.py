@@ -83,10 +83,9 @@ def bounds(monkeypatch):
 def test_a_difference_has_its_sign_and_a_share_where_that_says_something(value, before, told):
     assert said.change(MASS, value, before) == told
     assert (
-        said.reported(MASS, np.nan) == "no number"
-        and said.reported(MASS, -0.0123456) == "−12.346 g"
+        said.reported(MASS, np.nan) == "no number" and said.reported(MASS, -0.0123456) == "−12.35 g"
     )
-    assert said.reported(SPEED, 8123.4 * RPM) == "8123.4 rpm"
+    assert said.reported(SPEED, 8123.4 * RPM) == "8123 rpm"
 
 
 CASE = "The case itself keeps every bound."
@@ -248,3 +247,26 @@ def test_another_model_beside_the_search():
         "limit speed 9000 rpm or more against 7000 rpm of the case, where the search has 8800 rpm"
     )
     assert said.confirmed_text(beyond, fast) == f"By rod: {told}. All bounds are met."
+
+
+def test_what_designs_as_good_leave_open_is_in_the_verdict_and_no_end_to_widen(monkeypatch):
+    """A seat load at the end of its range stood as found, with the advice to widen it."""
+    monkeypatch.setattr(said, "best_values", lambda _found: "")
+    values = np.array([[4e-3, 22e-3, 7e-3], [4e-3, 18e-3, 7e-3]])
+    best = design()
+    best.valley = SimpleNamespace(values=values, objectives=np.array([0.04, 0.0401]), open=(1,), ends=lambda _place: (1, 0))  # fmt: skip
+    found = search(best=best, at_ends=lambda _trial: ((1, "high"), (2, "low")))
+    assert "; coil 18 to 22 mm does as well within 1 %" in said.optimum_verdict(found)
+    told = " ".join(said.trust(found))
+    assert "pitch is at the lower end" in told and "coil is at the upper end" not in told
+
+
+def test_another_model_of_an_objective_that_was_put_in_tells_what_is_bounded(monkeypatch):
+    """It told the open load that the search had varied, by each model the same."""
+    monkeypatch.setattr(said, "same_as_varied", lambda _found, _index: 0)
+    bounded = (SimpleNamespace(measure=MASS),) * 2
+    plan = SimpleNamespace(objectives=(Objective(MASS, False),), constraints=bounded)
+    other = trial(0.04, constraints=(0.4, 0.45))
+    one = SimpleNamespace(label="wave-rod", design=other, case=other, plan=plan)
+    told = said.confirmed_text(one, search())
+    assert told == "By wave-rod: wire mass 450 g, where the search has 500 g. All bounds are met."

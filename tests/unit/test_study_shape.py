@@ -96,3 +96,12 @@ def test_only_a_flat_part_at_the_better_end_is_told(function, wanted):
 def test_a_slope_over_engine_speeds_has_no_flat_part():
     said = told(lambda lash, speed: speed * (0.1 + lash))
     assert said.startswith("Best is engine speed 2000 rpm, lash 0 mm")
+
+
+def test_a_grid_whose_best_is_the_end_of_its_range_says_from_where_on_little_is_gained():
+    """Best was 80 N, the end of what was varied, where from 40 N on nearly nothing is gained."""
+    said = told(lambda lash, _: np.exp(-12 * lash), over_speed=False)
+    assert said == (
+        "Seating velocity stays within 0.0907 m/s from lash 0.2 mm on, but 0.301 m/s at 0.1 mm and 1 m/s at the worst point; "
+        "lash 0.4 mm brings little more, 0.00823 m/s."
+    )

@@ -45,38 +45,66 @@ def over_clearance(table: StudyTable) -> tuple[str, ...]:
 
 
 def clearance_clause(table: StudyTable, names: tuple[str, ...]) -> str:
-    """``clash energy is least at 3.74 mm of clearance to coil bind (1.61 mJ, 4.99 mJ at most)``, the
-    worst run of each point counted, and what the clearance of the trade gives.
+    """Whether the clearance of the trade pays, where it was computed; else ``clash energy is least at
+    3.74 mm of clearance to coil bind (1.61 mJ, 4.99 mJ at most)``; the worst run of each point counts.
     """
     at = _per_point(table, CLEARANCE).mean(axis=1)
     worst = {name: _per_point(table, name).max(axis=1) for name in names}
-    parts = []
-    for place, (name, values) in enumerate(worst.items()):
-        least = int(np.nanargmin(values))
-        where = f"{number(float(at[least]), 3)} mm{'' if place else ' of clearance to coil bind'}"
-        most = _text(name, float(np.nanmax(values)))
-        is_least = " is least" if not place else ""
-        parts.append(
-            f"{label_of(name)}{is_least} at {where} ({_text(name, values[least])}, {most} at most)"
-        )
-    said = joined(parts)
     inside = np.flatnonzero((at >= TRADE[0]) & (at <= TRADE[1]))
     if len(inside):
-        said += f"; {_calms(worst, at, int(inside[0]), int(np.nanargmax(at)))}"
+        said = _of_trade(worst, at, inside)
+    else:
+        parts = []
+        for place, (name, values) in enumerate(worst.items()):
+            least = int(np.nanargmin(values))
+            where = (
+                f"{number(float(at[least]), 3)} mm{'' if place else ' of clearance to coil bind'}"
+            )
+            most = _text(name, float(np.nanmax(values)))
+            is_least = " is least" if not place else ""
+            parts.append(
+                f"{label_of(name)}{is_least} at {where} ({_text(name, values[least])}, {most} at most)"
+            )
+        said = joined(parts)
     runs = len(table.plan.runs)
     return f"{said}{f', each the worst of {runs} runs' if runs > 1 else ''}"
 
 
-def _calms(worst: dict[str, Array], at: Array, point: int, widest: int) -> str:
-    """What a clearance of the trade calms, next to the widest one, and what it does not."""
-    less = [label_of(name) for name, values in worst.items() if values[point] < values[widest]]
-    more = [label_of(name) for name, values in worst.items() if values[point] > values[widest]]
-    sizes = joined([_text(name, float(values[point])) for name, values in worst.items()])
-    said = [f"less {joined(less)}"] if less else []
-    said += [f"more {joined(more)}"] if more else []
-    close, wide = (number(float(at[one]), 3) for one in (point, widest))
-    what = " but ".join(said) or "nothing else"
-    return f"{close} mm, as the trade runs ({TRADE[0]} to {TRADE[1]}), gives {what} than {wide} mm ({sizes})"
+def _of_trade(worst: dict[str, Array], at: Array, inside: NDArray[np.intp]) -> str:
+    """Whether the clearances of the trade pay next to the widest one, and which to keep instead: they
+    do where what they calm falls by a larger factor than what they worsen rises.
+    """
+    widest = int(np.nanargmax(at))
+    less, more, same, gain, loss = list[str](), list[str](), list[str](), 1.0, 1.0
+    for name, values in worst.items():
+        there, wide = values[inside], float(values[widest])
+        low, high = (float(one) for one in (there.min(), there.max()))
+        ends = f"{number(low, 3)} to {_text(name, high)}" if low < high else _text(name, high)
+        list_of = less if high < wide else more if low > wide else same
+        list_of.append(f"{label_of(name)} ({ends} for {_text(name, wide)})")
+        if low > 0 and wide > 0:
+            gain, loss = (
+                max(gain, wide / float(there.mean())),
+                max(loss, float(there.mean()) / wide),
+            )
+    span = " to ".join(
+        dict.fromkeys(number(float(one), 3) for one in (at[inside].min(), at[inside].max()))
+    )
+    pays = "pays" if gain > loss else "does not pay"
+    changes = [
+        f"{word} {joined(names)}"
+        for word, names in (("less", less), ("more", more), ("as much", same))
+        if names
+    ]
+    said = (
+        f"{span} mm of clearance to coil bind, as the trade runs, {pays} here: "
+        f"{' but '.join(changes[:2])}{''.join(f' and {one}' for one in changes[2:])} next to {number(float(at[widest]), 3)} mm"
+    )
+    name, values = next(iter(worst.items()))
+    best = int(np.nanargmin(values))
+    if gain > loss or at[best] <= TRADE[1]:
+        return said
+    return f"{said}; keep {number(float(at[best]), 3)} mm or more, for {label_of(name)} is least there ({_text(name, float(values[best]))})"
 
 
 def clearance_chart(table: StudyTable, names: tuple[str, ...]) -> Chart:

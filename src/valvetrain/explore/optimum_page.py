@@ -130,8 +130,8 @@ def answer_rows(found: Optimum) -> list[tuple[str, ...]]:
         rows.append(
             (
                 one.shown_name,
-                number(own if np.isfinite(own) else None, 5),
-                number(there, 5),
+                number(own if np.isfinite(own) else None, 4),
+                number(there, 4),
                 unit_text(one.unit),
                 apart,
             )
@@ -211,7 +211,7 @@ def _row(one: Measure, before: float, value: float) -> tuple[str, ...]:
 
 
 def _shown(one: Measure, value: float) -> str:
-    return number(one.shown(value) if np.isfinite(value) else None, 5)
+    return number(one.shown(value) if np.isfinite(value) else None, 4)
 
 
 def _grid(heads: tuple[str, ...], rows: list[tuple[str, ...]], numbers: tuple[int, ...]) -> Grid:

@@ -16,6 +16,7 @@ from valvetrain.explore.valley import ALIKE
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.statics import card_quantities
+from valvetrain.report.text import number, speed_text
 from valvetrain.solution.definition import shown
 from valvetrain.units import si
 
@@ -74,11 +75,11 @@ def same_as_varied(found: Optimum, index: int) -> int | None:
     return None
 
 
-def reported(one: Measure | AsVaried, value: float, digits: int = 5) -> str:
+def reported(one: Measure | AsVaried, value: float, digits: int = 4) -> str:
     """A value (SI) with its unit, as people read it."""
     if not np.isfinite(value):
         return "no number"
-    return f"{one.shown(value):.{digits}g} {one.unit}".rstrip().replace("-", "−")
+    return f"{number(one.shown(value), digits)} {one.unit}".rstrip().replace("-", "−")
 
 
 def change(one: Measure | AsVaried, value: float, before: float) -> str:
@@ -175,6 +176,7 @@ def optimum_verdict(found: Optimum) -> str:
     lead = "" if found.finished else f"Stopped after {len(found.trials) - 1} trials: "
     if found.best is None:
         return f"{lead}{said}."
+    said += _left_open(found) + _limited(found)
     for one in found.best.confirmed:
         if one.design.failure:
             said += f"; by {one.label} the design cannot be computed"
@@ -183,6 +185,36 @@ def optimum_verdict(found: Optimum) -> str:
         ]:
             said += f"; by {one.label} it misses {' and '.join(missed)}"
     return f"{lead}{said}."
+
+
+def _left_open(found: Optimum) -> str:
+    """``; seat load 180 to 200 N does as well within 1 %``: what designs as good leave open."""
+    best = found.best
+    if best is None or best.valley is None or best.trial.number == 0 or len(best.valley.values) < 2:
+        return ""
+    objective, parts = same_as_varied(found, 0), []
+    for place in best.valley.open:
+        if place == objective:
+            continue
+        one = found.plan.varied[place]
+        low, high = (
+            one.shown(float(best.valley.values[row][place])) for row in best.valley.ends(place)
+        )
+        parts.append(f"{one.shown_name} {number(low, 3)} to {number(high, 3)} {one.unit}".rstrip())
+    if not parts or len(parts) > MAX_NAMED:
+        return ""
+    return f"; {' and '.join(parts)} {'do' if len(parts) > 1 else 'does'} as well within {100 * ALIKE:g} %"
+
+
+def _limited(found: Optimum) -> str:
+    """``; minimum spring margin, ratio at least 1.2 limits it at 6500 rpm``: the active bounds."""
+    best = found.best
+    if best is None or len(found.plan.objectives) > 1 or not (active := found.active(best.trial)):
+        return ""
+    speeds = {run[0] for one in found.plan.plans.values() for run in one.runs if run[0] is not None}
+    at = f" at {speed_text(speeds.pop())}" if len(speeds) == 1 else ""
+    verb = "limit" if len(active) > 1 else "limits"
+    return f"; {' and '.join(bound_label(found.plan, index) for index in active)} {verb} it{at}"
 
 
 def best_values(found: Optimum) -> str:
@@ -276,7 +308,10 @@ def trust(found: Optimum) -> tuple[str, ...]:
         lines.append(
             f"What limits it: {'; '.join(bound_label(found.plan, index) for index in active)}."
         )
+    open_places = best.valley.open if best.valley is not None else ()
     for index, end in found.at_ends(trial):
+        if index in open_places:  # no wider range helps what the search does not settle
+            continue
         one = varied[index]
         value = f"{one.shown(float(trial.values[index])):.5g} {one.unit}".rstrip()
         lines.append(
@@ -425,6 +460,9 @@ def confirmed_text(one: Confirmed, found: Optimum) -> str:
         value, before = float(one.design.objectives[index]), float(one.case.objectives[index])
         searched = found.best.trial if found.best else one.design
         apart = f"{_own_value(one.design, measure, index)} against {_own_value(one.case, measure, index)} of the case"
+        if same_as_varied(found, index) is not None:  # what was put in is the same by every model
+            parts += _bounded(one, searched)
+            continue
         if not any(_beyond(trial, measure) for trial in (one.design, one.case)):
             apart += f" ({change(measure, value, before)})"
         parts.append(
@@ -432,7 +470,21 @@ def confirmed_text(one: Confirmed, found: Optimum) -> str:
         )
     missed = [_missed_text(one, index) for index, miss in enumerate(one.design.missed) if miss > 0]
     bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are met."
-    return f"By {one.label}: {'; '.join(parts)}. {bounds}"
+    told = f"{'; '.join(parts)}. " if parts else ""
+    return f"By {one.label}: {told}{bounds if parts else bounds[:1].lower() + bounds[1:]}"
+
+
+def _bounded(one: Confirmed, searched: Trial) -> list[str]:
+    """What is bounded, by another model and by that of the search, where they differ."""
+    texts = []
+    for index, bound in enumerate(one.plan.constraints):
+        value, own = float(one.design.constraints[index]), float(searched.constraints[index])
+        if np.isfinite(value) and not np.isclose(value, own, rtol=1e-6, atol=0.0):
+            measure = bound.measure
+            texts.append(
+                f"{measure.label} {reported(measure, value)}, where the search has {reported(measure, own)}"
+            )
+    return texts
 
 
 def _beyond(trial: Trial, measure: Measure | AsVaried) -> bool:

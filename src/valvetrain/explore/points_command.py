@@ -38,7 +38,7 @@ STUDIES, SEARCHES = Path("runs/studies"), Path("runs/optimise")
 POINTS = "points"
 STUDY_JSON, OPTIMUM_JSON = "study.json", "optimum.json"
 #: Rows of the answer in the terminal.
-SHOWN_ROWS = 20
+SHOWN_ROWS = 24
 
 
 def register(app: typer.Typer) -> None:
@@ -217,7 +217,8 @@ def _show_study(console: Console, table: StudyTable, folder: Path) -> None:
     console.print()
     console.print(plain_table(heads, rows[:SHOWN_ROWS], right=right))
     if len(rows) > SHOWN_ROWS:
-        console.print(f"and {len(rows) - SHOWN_ROWS} more rows, all in points.csv")
+        left = len(rows) - SHOWN_ROWS
+        console.print(f"and {left} more row{'s' if left > 1 else ''}, all in points.csv")
     console.print()
     for sentence in sentences(table):
         console.print(sentence)

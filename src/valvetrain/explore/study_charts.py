@@ -181,13 +181,15 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
         found = griddata(points, z[there], request, method="linear")
     except QhullError:  # all points on one line
         return None
-    least = float(np.min(z[there]))
+    least, row = float(np.min(z[there])), definition_of(name)
+    # colour counts from zero; where that would hide the differences, from the least value
+    base = 0.0 if 0 <= least < 0.7 * float(np.max(z[there])) else least
     heat = HeatMap(
         across,
         up,
-        np.nan_to_num(np.maximum(found - least, 0.0)),
-        f"above {number(least, 4)}",
-        unit_text(definition_of(name).shown_unit),
+        np.nan_to_num(np.maximum(found - base, 0.0)),
+        f"{row.label} above {number(base, 4)}" if base else row.label,
+        unit_text(row.shown_unit),
         1.0,
         input_label(table, 1),
     )
@@ -200,8 +202,10 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
         x_range=_ends(across),
         y_range=_ends(up),
     )
-    title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over both quantities"
-    caption = f"Colour: what the output is above its minimum of {number(least, 4)} {unit_text(definition_of(name).shown_unit)}."
+    title = f"{row.label[:1].upper()}{row.label[1:]} over both quantities"
+    unit = unit_text(row.shown_unit)
+    above = f"what the output is above its minimum of {number(base, 4)} {unit}"
+    caption = f"Colour: {above if base else output_label(name)}."
     return Chart(f"{key}-map", titled(title, table, run), caption, (panel,), 1, 420)
 
 

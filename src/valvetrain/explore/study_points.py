@@ -122,11 +122,13 @@ def point_table(
             "",
         )
         return heads, rows, tuple(range(1 + several, 1 + several + count))
+    names = point_names(table)
     for point in range(count):
         own = [number(float(values[point]), 5) for values in inputs]
         for place, run in enumerate(runs):
             texts = _texts(np.array([outputs[name][point, place] for name in table.outputs]))
-            rows.append((str(point + 1), *own, *([run_label(run)] * several), *texts))
+            name = names[point] if names else str(point + 1)
+            rows.append((name, *own, *([run_label(run)] * several), *texts))
     heads = (
         "point",
         *(input_label(table, index) for index in varied),
@@ -134,12 +136,12 @@ def point_table(
         *map(output_label, table.outputs),
     )
     first = 1 + len(varied)
-    texts_at = {first} if several else set()
+    texts_at = ({first} if several else set()) | ({0} if names else set())
     return heads, rows, tuple(k for k in range(len(heads)) if k not in texts_at)
 
 
 def _texts(values: Array) -> tuple[str, ...]:
-    return tuple(number(float(value) if np.isfinite(value) else None, 5) for value in values)
+    return tuple(number(float(value) if np.isfinite(value) else None, 4) for value in values)
 
 
 def values_chart(table: StudyTable, name: str, key: str) -> Chart | None:

@@ -11,7 +11,13 @@ from valvetrain.explore.clearance import clearance_clause, over_clearance
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity
 from valvetrain.explore.study_charts import PERCENTILES, shown_output
-from valvetrain.explore.study_points import changed_alone, draws_of, is_chosen, point_label
+from valvetrain.explore.study_points import (
+    changed_alone,
+    draws_of,
+    is_chosen,
+    point_label,
+    point_names,
+)
 from valvetrain.explore.study_shape import conditions, shape_clause
 from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.quantities.request import BY_SIZE
@@ -23,6 +29,8 @@ Array = NDArray[np.float64]
 MAX_COSTS = 2
 #: Share within which values are no better than each other, and points of that kind that are named.
 ALIKE, MAX_ALIKE = 0.01, 2
+#: Further changes of a list that are named behind the largest.
+MAX_NEXT = 3
 #: Outputs by which springs are judged before all others, for by them they break.
 STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "nominal_peak_shear_stress")
 #: Names of what a spring is installed with begin so.
@@ -50,9 +58,13 @@ def study_verdict(table: StudyTable) -> str:
         shape = shape_clause(table, name)
         single = table.plan.sampler.word == "list" and _bare(name) in STRESSES
         best = _stressed if single else _best
-        said = shape if shape and conditions(table) else best(table, name)
-        if shape and not conditions(table):
-            said += f"; {shape}"
+        said = (
+            best(table, name)
+            if not shape
+            else shape
+            if conditions(table)
+            else _flat(table, name, shape)
+        )
     return f"{lead}{said}." if lead else f"{said[:1].upper()}{said[1:]}."
 
 
@@ -125,6 +137,13 @@ def _best(table: StudyTable, name: str) -> str:
         )
         return f"the {_label(name)} is between {least} and {most}{runs}"
     best, other = (high, low) if sense == "larger is better" else (low, high)
+    ends = f"{_shown(name, values[best])}, {_shown(name, values[other])} at the worst point"
+    said = f"best is {point_label(table, best)}{_alike(table, values, best)}: {_label(name)} {ends}"
+    return f"{said}{_costs(table, name, best)}{runs}"
+
+
+def _costs(table: StudyTable, name: str, best: int, above: float = 0.0) -> str:
+    """What other outputs lose at the best point against their own best, by more than a share."""
     costs: list[str] = []
     for one in table.outputs:
         if one == name or not definition_of(one).sense or not _known(table, one):
@@ -132,16 +151,25 @@ def _best(table: StudyTable, name: str) -> str:
         own = _worst(table, one)
         if not np.isfinite(own[best]):
             continue
-        ideal = float(
-            np.nanmax(own) if definition_of(one).sense == "larger is better" else np.nanmin(own)
-        )
-        if own[best] != ideal:
+        larger = definition_of(one).sense == "larger is better"
+        ideal = float(np.nanmax(own) if larger else np.nanmin(own))
+        if abs(own[best] - ideal) > above * abs(ideal):
             costs.append(f"{_label(one)} {_shown(one, own[best])} ({_shown(one, ideal)} at best)")
-    ends = f"{_shown(name, values[best])}, {_shown(name, values[other])} at the worst point"
-    said = f"best is {point_label(table, best)}{_alike(table, values, best)}: {_label(name)} {ends}"
-    if costs:
-        said += f"; it costs {' and '.join(costs[:MAX_COSTS])}"
-    return f"{said}{runs}"
+    return f"; it costs {' and '.join(costs[:MAX_COSTS])}" if costs else ""
+
+
+def _flat(table: StudyTable, name: str, shape: str) -> str:
+    """How far a grid along one quantity stays near its best, and how little the best point brings
+    beyond, which may be no more than the end of what was varied.
+    """
+    values = _worst(table, name)
+    ends = (int(np.nanargmin(values)), int(np.nanargmax(values)))
+    best, worst = ends[::-1] if definition_of(name).sense == "larger is better" else ends
+    most = f"{_shown(name, values[worst])} at the worst point"
+    beyond = f"{point_label(table, best)} brings little more, {_shown(name, values[best])}"
+    return (
+        f"{shape} and {most}; {beyond}{_costs(table, name, best, ALIKE)}{_runs_text(table, name)}"
+    )
 
 
 def _stressed(table: StudyTable, name: str) -> str:
@@ -187,12 +215,32 @@ def _largest_change(table: StudyTable, name: str) -> str:
     most = int(np.nanargmax(np.abs(change)))
     if not change[most]:
         return f"no change moves the {_label(name)} of {_shown(name, values[0])}{runs}"
-    moved = f"{change[most]:+.4g} {unit_text(definition_of(name).shown_unit)}".replace("-", "−")
-    most_text = f"{_label(name)} {_shown(name, values[most])} ({moved.strip()})"
+    most_text = f"{_label(name)} {_shown(name, values[most])} ({_moved(table, name, change, most)})"
     near = np.abs(np.abs(change) - abs(change[most])) <= ALIKE * abs(change[most])
     equal = [most, *(int(k) for k in np.flatnonzero(near) if k != most)][: MAX_ALIKE + 1]
     names = " or ".join(point_label(table, k) for k in equal)
-    return f"most is moved by {names}: {most_text} from {_shown(name, values[0])}{runs}"
+    first = f" ({point_label(table, 0)})" if point_names(table) else ""
+    said = f"most is moved by {names}: {most_text} from {_shown(name, values[0])}{first}"
+    rest = [
+        int(k) for k in np.argsort(-np.abs(change), kind="stable") if change[k] and k not in equal
+    ]
+    others = [f"{point_label(table, k)} {_moved(table, name, change, k)}" for k in rest[:MAX_NEXT]]
+    if others:
+        more = f" and {len(rest) - MAX_NEXT} more" if len(rest) > MAX_NEXT else ""
+        said += f"; then {', '.join(others)}{more}"
+    return f"{said}{runs}"
+
+
+def _moved(table: StudyTable, name: str, change: Array, point: int) -> str:
+    """A change with its sign and unit; of a mass also for each gram."""
+    unit = unit_text(definition_of(name).shown_unit)
+    said = f"{change[point]:+.3g} {unit}".strip()
+    one = table.plan.varied[changed_alone(table)[point]]
+    draws = draws_of(table)[[0, point], changed_alone(table)[point]]
+    grams = abs(float(one.shown(float(draws[1])) - one.shown(float(draws[0]))))
+    if one.unit == "g" and grams:
+        said += f", {abs(float(change[point])) / grams:.2g} {unit} per g"
+    return said.replace("-", "−")
 
 
 def _scatter(table: StudyTable, name: str) -> str:

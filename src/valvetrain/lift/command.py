@@ -401,7 +401,8 @@ def _show(
     folder: Path,
 ) -> None:
     from valvetrain.cli.outcome import plain_table
-    from valvetrain.lift.page import carried_rows, carried_text, figure_rows, lift_notes
+    from valvetrain.lift.figures import figure_rows
+    from valvetrain.lift.page import carried_rows, carried_text, lift_notes
 
     for one in lobes:
         said = ", ".join(
