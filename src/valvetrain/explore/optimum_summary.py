@@ -470,8 +470,8 @@ def confirmed_text(one: Confirmed, found: Optimum) -> str:
         )
     missed = [_missed_text(one, index) for index, miss in enumerate(one.design.missed) if miss > 0]
     bounds = f"It misses: {'; '.join(missed)}." if missed else "All bounds are met."
-    told = f"{'; '.join(parts)}. " if parts else ""
-    return f"By {one.label}: {told}{bounds if parts else bounds[:1].lower() + bounds[1:]}"
+    detail = f"{'; '.join(parts)}. " if parts else ""
+    return f"By {one.label}: {detail}{bounds if parts else bounds[:1].lower() + bounds[1:]}"
 
 
 def _bounded(one: Confirmed, searched: Trial) -> list[str]:
