@@ -16,6 +16,7 @@ from rich.console import Console
 import valvetrain as vt
 from synthetic_study import own_study, published_study, sweep_study, train_study
 from valvetrain.cli.answers import show_study
+from valvetrain.cli.modes import followed_sentence
 from valvetrain.integrate.clash import RESTS, STRIKES
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
@@ -32,6 +33,7 @@ from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.runs.statics import static_study
 from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.later import is_computed
+from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
@@ -220,6 +222,7 @@ def test_two_spring_sets_are_listed_with_power_stress_and_clash(tmp_path):
     out = io.StringIO()
     show_study(Console(file=out, width=100), study, tmp_path, None)
     assert out.getvalue().splitlines()[-4] == "cam power 39.3 W (soft), 44.1 W (stiff)"
+    assert study.verdict.endswith("; cam power 39.3 W (soft), 44.1 W (stiff), 4.8 W more.")
 
 
 def test_models_that_differ_inside_their_bars_say_so():
@@ -549,3 +552,14 @@ def test_a_step_above_the_stable_one_is_told_with_the_stable_one():
     step = float(figures["stable time step"].split()[0])
     assert 0.9 * float(said[1]) < step <= float(said[1])
     assert figures["begins at rest, at a preload of"] == "236 N"
+
+
+def test_modes_end_with_what_orders_mean_and_which_mode_became_another():
+    """The sentence of a train's modes named neither; a mode that is not printed was referred to."""
+    told, last = np.ones((3, 1)), np.array([400.0, 1419.0, 1700.0])
+    closed = TrainModes("own", "closed", 0.0, 0.0, np.array([420.0, 800.0, 3269.0]), ("valve",), ("valve",), told, told)  # fmt: skip
+    lifted = replace(closed, state="full_lift", natural_frequency=last, closed_mode=(0, 2, 1), overlap=(0.99, 0.36, 0.9))  # fmt: skip
+    assert followed_sentence((closed, lifted)) == (
+        "Orders are those of the cam, amplitudes 0 to peak; closed mode 3 (3269 Hz) becomes 2 (1419 Hz) at full lift, overlap 36 %."
+    )
+    assert followed_sentence(()) == ""
