@@ -275,7 +275,7 @@ class SpringCardModel(StrictModel):
             raise problem(
                 "solid_height is not below installed_height; check both", ("solid_height",)
             )
-        self.refuse_open_solid(lift, installed)
+        self._refuse_open_solid(lift, installed)
         return SpringCard(
             rate=rate,
             preload=preload,
@@ -289,11 +289,11 @@ class SpringCardModel(StrictModel):
             name=self.name,
         )
 
-    def refuse_open_solid(self, lift: float | None, installed: float | None) -> None:
+    def _refuse_open_solid(self, open_lift: float | None, installed: float | None) -> None:
         """Refuse an open load at a height where the coils are closed already."""
-        if lift is None or installed is None or self.solid_height is None:
+        if open_lift is None or installed is None or self.solid_height is None:
             return
-        if (height := installed - lift) < self.solid_height * (1 - 1e-9):
+        if (height := installed - open_lift) < self.solid_height * (1 - 1e-9):
             key = "open_lift" if self.open_height is None else "open_height"
             made = "" if self.open_height is not None else " (by open_lift)"
             raise problem(
