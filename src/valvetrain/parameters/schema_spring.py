@@ -275,7 +275,7 @@ class SpringCardModel(StrictModel):
             raise problem(
                 "solid_height is not below installed_height; check both", ("solid_height",)
             )
-        self._refuse_open_solid(lift, installed)
+        self.refuse_open_solid(lift, installed)
         return SpringCard(
             rate=rate,
             preload=preload,
@@ -289,7 +289,7 @@ class SpringCardModel(StrictModel):
             name=self.name,
         )
 
-    def _refuse_open_solid(self, open_lift: float | None, installed: float | None) -> None:
+    def refuse_open_solid(self, open_lift: float | None, installed: float | None) -> None:
         """Refuse an open load at a height where the coils are closed already."""
         if open_lift is None or installed is None or self.solid_height is None:
             return
