@@ -84,8 +84,9 @@ def test_collisions_come_once_a_period_or_they_do_not(ratio, verdict):
 @pytest.mark.parametrize(
     ("ours", "verdict"),
     [
-        ((790, 760, 845), "agrees"),
-        ((845, 760, 790), "two maxima, but the other one is higher"),
+        ((930, 590, 1190), "agrees within 5%"),
+        ((790, 760, 845), "two maxima; first, valley and second -16%, +31%, -30%"),
+        ((845, 760, 790), "two maxima; first, valley and second -10%, +31%, -34%"),
         (None, "not seen"),
     ],
 )

@@ -68,7 +68,7 @@ def part(rate: float, preload: float, outer: Half, inner: Half) -> Parted:
     >>> outer, inner = Half(4.8e-3, 31.0e-3, 79.5e9, 0.045, 4.5), Half(3.3e-3, 22.8e-3, 79.5e9, 0.045, 5.0)
     >>> found = part(60e3, 600.0, outer, inner)
     >>> [round(one) for one in found.rates], [round(one) for one in found.preloads]
-    ([43120, 16880], [431, 169])
+    ([39857, 20143], [399, 201])
     """
     rates, how = _rates(rate, outer, inner)
     coils = (outer.rate_of_one_coil / rates[0], inner.rate_of_one_coil / rates[1])
