@@ -191,7 +191,7 @@ def changes_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
     row = definition_of(name)
     panel = _lines(table, f"change of the {output_label(name)}", layers, points, height, 0.0)
     unit = unit_text(row.shown_unit)
-    caption = f"Each point changes one quantity of the first, which has {number(float(values[0]), 5)} {unit}".strip()
+    caption = f"Each point changes one quantity of the first, which has {number(float(values[0]), 4)} {unit}".strip()
     title = titled(f"Change of the {row.label} from the first point", table, run)
     return Chart(
         f"{key}-changes", title, f"{caption}.", (panel,), 1, 110 + LINE * len(points), False
