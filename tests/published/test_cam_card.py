@@ -23,7 +23,7 @@ import pytest
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cam_card import CamCard, angle_before_nose
 from valvetrain.cam.flanks import HalfLobe
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.valve_events import lift_crossings
 
@@ -206,3 +206,29 @@ def test_a_flank_passes_each_of_its_lifts_at_one_angle_and_its_straight_ramp_bey
     lifts = [half.before_nose(angle) for angle in angles]
     assert np.all(np.diff(lifts) < 0) and half.before_nose(0.0) == pytest.approx(9e-3)
     assert [angle_before_nose(half, lift) for lift in lifts] == pytest.approx(angles, abs=1e-9)
+
+
+ROLLER = {
+    "maximum_lift": 0.371 * INCH,
+    "nose": math.pi,
+    "duration": math.radians(124),
+    "advertised_lift": 0.015 * INCH,
+    "ramp_lift": 0.018 * INCH / 1.6 + 1e-4,
+}
+
+
+def test_an_advertised_duration_that_makes_a_steep_ramp_is_doubted():
+    """Contract: a solid roller, 288 crank degrees at 0.015 in, on a ramp that ends at 0.0152 in."""
+    with pytest.warns(UnusualValueWarning, match="5.. times as fast as usual.*0.0152.*ramp_lift"):
+        CamCard(**ROLLER, advertised_duration=math.radians(144))
+
+
+def test_an_advertised_duration_on_the_ramp_says_where_the_ramp_ends():
+    """Contract: 286 crank degrees of the same card; a lower ramp takes them."""
+    with pytest.raises(InputError, match=r"the ramp ends at .*0\.0152 in.*ramp_lift below"):
+        CamCard(**ROLLER, advertised_duration=math.radians(143))
+    lower = {**ROLLER, "ramp_lift": 0.013 * INCH}
+    card = CamCard(**lower, advertised_duration=math.radians(143))
+    assert 2 * angle_before_nose(card.half_lobe, 0.015 * INCH) == pytest.approx(
+        math.radians(143), rel=1e-6
+    )

@@ -167,6 +167,9 @@ class CamCardModel(LiftModel):
         return (self.lash or 0.0) / ratio + RAMP_ABOVE_LASH
 
 
+#: Ramps this many times as fast as the default one are doubted, and what lets the flank meet a duration instead.
+STEEP = 2.0
+TO_FLANK = "a ramp_lift below advertised_lift lets it shape the flank; the ramp must still be above the lash"
 #: Fullness of the nose: see :class:`HalfLobe`.
 FULLNESS, DEFAULT_FULLNESS = (-1.0, 1.0), 0.0
 #: Least and largest velocity of a ramp (m/rad): 0.0001 and 0.003 in per cam degree.
@@ -240,6 +243,23 @@ class CamCard:
             )
         if not self.half_lobe.sizes[0] > 0:
             raise InputError("the ramps alone would lift more than the lobe; lower ramp_velocity")
+        if self._shapes_ramp and self.half_lobe.start[1] > STEEP * RAMP_VELOCITY:
+            warnings.warn(
+                f"advertised_duration {_deg(self.advertised_duration or 0.0)} at {_mm(self.advertised_lift)} makes a ramp "
+                f"{self.half_lobe.start[1] / RAMP_VELOCITY:.2g} times as fast as usual (0.0005 in/deg), on which the valve strikes its seat; "
+                f"the ramp ends at {_mm(self.ramp_lift)}: {TO_FLANK}",
+                UnusualValueWarning,
+                stacklevel=2,
+            )
+
+    @property
+    def _shapes_ramp(self) -> bool:
+        """Whether the advertised duration is met by the velocity of the ramp, not by the flank."""
+        return (
+            self.advertised_duration is not None
+            and self.ramp_velocity is None
+            and self.advertised_lift <= self.ramp_lift
+        )
 
     @property
     def checking_points(self) -> list[tuple[str, float, float]]:
@@ -280,7 +300,7 @@ class CamCard:
     def _by_share(self, half: HalfLobe) -> HalfLobe:
         if self.advertised_duration is None:
             return self._by_length(half)
-        on_ramp = self.ramp_velocity is None and self.advertised_lift <= self.ramp_lift
+        on_ramp = self._shapes_ramp
 
         def made(value: float) -> HalfLobe:
             return self._by_length(
@@ -316,6 +336,8 @@ class CamCard:
         whole = possible[1] > math.pi  # more than half a revolution of the cam is no bound
         reach = f"{_deg(possible[0])} or more" if whole else f"{_deg(possible[0])} to {_deg(possible[1])}"  # fmt: skip
         where = " (cards of solid tappets often count at 0.020 in: advertised_lift)" if name == "advertised_duration" else ""  # fmt: skip
+        if name == "advertised_duration" and lift <= self.ramp_lift:
+            where = f" (the ramp ends at {_mm(self.ramp_lift)}, above this lift: {TO_FLANK})"
         raise InputError(
             f"{name} {_deg(duration)} at {_mm(lift)} does not go with the other values of the cam card: they leave {reach}; check lifts"
             f"{where}, durations, ramps and whether angle_of is crank or cam"
