@@ -17,7 +17,7 @@ from valvetrain.sources.multibody4b17 import study_quantities
 
 def stages() -> Known:
     """A force drawn of bumps: each stage of the beehive's study has its peaks where they were
-    drawn.
+    drawn, read at four phases that stand 0, 1, 3 and 2 N higher and an eighth of a degree apart.
     """
 
     def force(degrees):
@@ -43,26 +43,48 @@ def stages() -> Known:
         extra={"seat_force_fine": (("subsample",), "N", "made up")},
     )
     found = evaluate(made, Frame(source="gu2021", lift_event=EVENT)).quantities
-    end = 280 + 77 * np.cos(np.pi / 20) ** 2
+    higher, later = 1.5, 0.1875 * DEG  # medians over the phases
+    end, before = (280 + 77 * np.cos(np.pi * away / 20) ** 2 for away in (1.0, 1.5))
     return found, {
-        "stage_1_minimum_force": 265.0,
+        "stage_1_minimum_force": 265.0 + higher,
         "stage_1_force_range": 55.0,
-        "stage_1_maximum_force": 320.0,
+        "stage_1_maximum_force": 320.0 + higher,
         "stage_1_peak_1_cam_angle": 12 * DEG,
         "stage_1_peak_2_cam_angle": 42 * DEG,
-        "stage_2_peak_force": 1180.0,
-        "stage_2_peak_cam_angle": 190 * DEG,
-        "stage_2_first_peak_force": 920.0,
-        "stage_2_first_peak_cam_angle": 160 * DEG,
-        "stage_2_valley_force": 230.0,
-        "stage_2_valley_cam_angle": 174 * DEG,
-        "stage_2_second_peak_force": 1180.0,
-        "stage_2_second_peak_cam_angle": 190 * DEG,
-        "stage_2_end_force": end,
-        "stage_3_peak_force": 780.0,
-        "stage_3_peak_cam_angle": 254.5 * DEG,
+        "stage_2_peak_force": 1180.0 + higher,
+        "stage_2_peak_cam_angle": 190 * DEG + later,
+        "stage_2_first_peak_force": 920.0 + higher,
+        "stage_2_first_peak_cam_angle": 160 * DEG + later,
+        "stage_2_valley_force": 230.0 + higher,
+        "stage_2_valley_cam_angle": 174 * DEG + later,
+        "stage_2_second_peak_force": 1180.0 + higher,
+        "stage_2_second_peak_cam_angle": 190 * DEG + later,
+        "stage_2_end_force": np.median([end, end + 1, before + 3, before + 2]),
+        "stage_3_peak_force": 780.0 + higher,
+        "stage_3_least_sampled_peak_force": 780.0,
+        "stage_3_largest_sampled_peak_force": 783.0,
+        "stage_3_peak_cam_angle": 254.5 * DEG + later,
         "stage_3_every_instant_peak_force": 783.0,
-        "stage_3_second_peak_cam_angle": 297 * DEG,
+        "stage_3_second_peak_cam_angle": 297 * DEG + later,
+    }
+
+
+def spike() -> Known:
+    """A triangle of 500 N over four degrees: half of them at half its height, and its area."""
+
+    def force(degrees):
+        return 280 + 500 * np.maximum(0.0, 1 - abs(degrees - 254.5) / 2)
+
+    def fine(degrees):
+        return np.stack([force(degrees + 0.125 * place) for place in range(4)], axis=1)
+
+    made = run(
+        {"seat_force": force, "seat_force_fine": fine},
+        extra={"seat_force_fine": (("subsample",), "N", "made up")},
+    )
+    return evaluate(made, Frame(source="gu2021", lift_event=EVENT)).quantities, {
+        "stage_3_peak_duration": 2 * DEG / CAM_RATE,
+        "stage_3_peak_impulse": 500 * 2 * DEG / CAM_RATE,
     }
 
 
@@ -240,4 +262,4 @@ def pushrod_study() -> Known:
     }
 
 
-SOURCE_GROUPS = (stages, node, collisions, main_clash, pushrod_study)
+SOURCE_GROUPS = (stages, spike, node, collisions, main_clash, pushrod_study)

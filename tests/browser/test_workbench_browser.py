@@ -54,7 +54,7 @@ def finished(bench) -> str:
     seen: list[str] = []
     page = bench.page(seen=seen)
     page.goto(bench.url)
-    page.get_by_role("button", name="Beehive valve spring").click()
+    page.locator("[data-source=gu2021-beehive]").click()
     page.wait_for_url(f"**/case/{CASE}")
     page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
     if LONG:

@@ -132,7 +132,7 @@ def test_a_solid_height_above_the_lift_is_refused_in_its_field(bench):
         field.press("Enter")
         refusal = page.locator("[data-key='train.springs.card.0.solid_height'] [role=alert]")
         refusal.wait_for()
-        assert "coil bind" in refusal.inner_text() and "1.15 in" in refusal.inner_text()
+        assert "solid_height" in refusal.inner_text() and "1.15 in" in refusal.inner_text()
 
 
 def test_comparing_offers_two_different_runs(bench):

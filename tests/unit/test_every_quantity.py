@@ -15,7 +15,12 @@ from valvetrain.solution.definition import pattern_of, tables
 
 GROUPS = (*MOST, *SOURCE_GROUPS, buckling)
 #: Held to known values elsewhere: the lift law's by the answers of the command line.
-ELSEWHERE = {"maximum_lift", "maximum_lift_cam_angle", "peak_cam_contact_pressure"}
+ELSEWHERE = {
+    "maximum_lift",
+    "maximum_lift_cam_angle",
+    "peak_cam_contact_pressure",
+    "driver_difference_force",  # to its channels, by tests/limits/test_solid_in_train.py
+}
 
 
 @pytest.mark.parametrize("group", GROUPS, ids=lambda group: group.__name__)

@@ -50,7 +50,7 @@ def test_without_the_solver_the_command_to_install_it_is_named(small, tmp_path, 
         (("--spring", "finite-element", *COARSE), "add --spring"),
         ((*ALL, "--solid-elements-per-coil", "2"), "greater than or equal to 4"),
         ((*ALL, "--solid-core", "0"), "greater than or equal to 1"),
-        ((*ALL, "--solid-time-limit", "0 s"), "above 0"),
+        ((*ALL, "--solid-time-limit", "0 s"), "above zero"),
     ],
 )
 def test_wrong_options_are_told_in_a_sentence(small, tmp_path, monkeypatch, words, told):

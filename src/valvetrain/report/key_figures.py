@@ -151,11 +151,13 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
         if math.isfinite(angle := runs.value(worst, f"valve_{lift}_open_crank_angle_range"))
     ]
     if open_for:
-        yield "valve open, crank deg", worst, ", ".join(open_for) + _also_open(runs, worst)
+        also = _also_open(runs, worst) if len(runs.solutions) == 1 else ""
+        yield "valve open, crank deg", worst, ", ".join(open_for) + also
     if (power := runs.worst(POWER, least=False)) is not None:
         yield "cam power", power.run or worst, f"{runs.text(power)}{_impacts(runs, power)}"
     floats = runs.value(worst, "rigid_contact_loss_engine_speed")
-    if math.isfinite(floats):
+    known = {runs.value(run, "rigid_contact_loss_engine_speed") for run in runs.solutions}
+    if math.isfinite(floats) and len(known) == 1:  # of several, a table has the range
         yield "float speed, rigid parts", worst, f"{rpm(floats):.0f} rpm"
     stepped = next(
         (run for run in (worst, *runs.solutions) if "time_step_duration" in run.quantities), None
