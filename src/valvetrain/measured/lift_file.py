@@ -44,7 +44,7 @@ class MeasuredLift(Shown):
 
     >>> lift = MeasuredLift("lift", np.radians([100.0, 101.0]), np.array([0.0, 1e-4]), "valve", "columns")
     >>> lift
-    MeasuredLift 'lift' of the valve: 2 stations, 100 to 101 cam deg, peak 0.1000 mm
+    MeasuredLift 'lift' of the valve: 2 stations, 100 to 101 cam deg, largest station 0.1000 mm
     """
 
     name: str
@@ -171,7 +171,7 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
     >>> rows = [f"{angle}; {max(0, 9 - angle * angle / 400)}" for angle in range(-80, 81)]
     >>> _ = file.write_text(chr(10).join(["crank angle [deg]; valve lift [mm]", *rows]))
     >>> read_lift(file)[0]
-    MeasuredLift 'lift' of the valve: 161 stations, -40 to 40 cam deg, peak 9.0000 mm
+    MeasuredLift 'lift' of the valve: 161 stations, -40 to 40 cam deg, largest station 9.0000 mm
     """
     path = Path(file)
     return lifts_in(
