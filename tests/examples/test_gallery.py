@@ -59,7 +59,8 @@ def test_a_program_answers_and_draws(path):
     titles = axis_titles(figure)
     assert len(titles) >= 2
     assert all(
-        title.endswith(")") or title in ("coil number", "tolerance of", "state", "train", "axial displacement")
+        title.endswith(")")
+        or title in ("coil number", "tolerance of", "state", "train", "axial displacement")
         for title in titles
     ), titles
     sys.path.insert(0, str(ROOT / "docs" / "_site"))
