@@ -54,7 +54,7 @@ def finished(bench) -> str:
     seen: list[str] = []
     page = bench.page(seen=seen)
     page.goto(bench.url)
-    page.locator("[data-source=gu2021-beehive]").click()
+    page.locator("[data-source=gu2021-beehive-blind]").click()
     page.wait_for_url(f"**/case/{CASE}")
     page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
     if LONG:
@@ -232,7 +232,7 @@ def test_files_of_a_run_are_handed_out(bench, page, finished, tmp_path):
             page.get_by_role("link", name=words).click()
         paths[words] = tmp_path / waited.value.suggested_filename
         waited.value.save_as(paths[words])
-    assert "<title>Beehive valve spring with coil clash</title>" in paths[
+    assert "<title>Beehive valve spring with coil clash, blind</title>" in paths[
         "Report (HTML)"
     ].read_text("utf-8")
     names = zipfile.ZipFile(paths["All data"]).namelist()
