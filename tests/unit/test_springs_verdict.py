@@ -282,7 +282,7 @@ def test_a_verdict_says_where_the_ends_of_the_spring_would_lift():
     """A note alone said so, and the sentence gave the flight on a spring that pulls as if it were right."""
     pull = Event("end-pull", 4.0, 0.01, 1e-3, 0.0, "N", "retainer")
     fast = replace(run("a", 7000), events=(pull,))
-    said = "the ends of the spring would lift, which modal-uniform does not show (take multi-mass)"
+    said = "the ends of the spring would lift, which modal-uniform does not show (take wave-rod)"
     model = replace(fast, provenance=replace(fast.provenance, model="modal-uniform"))
     assert said in Study(CaseRecord("own"), "run", (model,)).verdict.lower()
     swept = Study(CaseRecord("own"), "sweep", (run("a", 6000), model)).verdict

@@ -37,7 +37,7 @@ FLEX_ANGLE = math.radians(1.0)
 #: Room to coil bind (m) below which it is called close (docs/limits.md), that to the piston too.
 NEAR = 1e-3
 #: What is said of a model whose springs would pull.
-ENDS_PULL = "the ends of the spring would lift, which {} does not show (take multi-mass)"
+ENDS_PULL = "the ends of the spring would lift, which {} does not show (take wave-rod)"
 #: Word of a spring without room.
 SOLID = "solid"
 #: Labels of which everything is said.

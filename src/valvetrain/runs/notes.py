@@ -233,7 +233,7 @@ def pulling_end_notes(solutions: Sequence[Solution]) -> tuple[str, ...]:
     ]
     notes = (
         f"The ends of the spring would pull: {_named(modal)}. Its modes are those of fixed ends, so it shows no force there "
-        "but does not lift, and what follows is not right: take multi-mass, wave-rod or finite-element.",
+        "but does not lift, and what follows is not right: take wave-rod, multi-mass or finite-element.",
         f"The ends of the spring would lift: {_named(solid)}. The inactive turns of a solid are bonded to seat and retainer, so "
         "it pulls there; where the ends are not bonded in truth, take finite-element.",
     )
