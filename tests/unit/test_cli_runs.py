@@ -46,7 +46,7 @@ def test_every_template_runs_as_it_stands_and_answers_on_a_screen(tmp_path, monk
         "Peak spring force",
         "Clearance to coil bind",
         "Surge frequency",
-        "Coil clashes",
+        "Coil contacts",
         "Seating velocity",
         "Peak shear stress",
     ]

@@ -100,7 +100,7 @@ def test_answers_say_each_number_of_each_run():
         row("Nearest lift harmonic, amplitude (µm)", "nearest_lift_harmonic_lift", 1e6),
         row("Surge amplitude, 0 to peak (N)", "surge_amplitude_force"),
         ("Coil clash", ()),
-        row("Coil clashes", "clash_count"),
+        row("Coil contacts", "clash_count"),
         ("\u2003largest by energy: coils", ("–", "1–2", "–", "–")),
         ("\u2003at cam angle (deg)", ("–", "251", "–", "–")),
         ("\u2003impulse (mN\xa0s)", ("–", "31", "–", "–")),

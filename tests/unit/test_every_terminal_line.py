@@ -56,7 +56,7 @@ def test_a_run_says_each_number_once_under_its_run():
         ("Surge frequency", "Hz", "surge_frequency", 1),
         ("Surge order", "", "surge_cam_order", 1),
         ("Surge amplitude, 0 to peak", "N", "surge_amplitude_force", 1),
-        ("Coil clashes", "", "clash_count", 1),
+        ("Coil contacts", "", "clash_count", 1),
         ("largest by energy: coils", "", "–/1–2/–/–", 0),
         ("at cam angle", "deg", "–/251/–/–", 0),
         ("impulse", "mN s", "–/31/–/–", 0),

@@ -133,7 +133,7 @@ def test_a_scanned_number_stands_beside_its_design_with_its_share_at_rest_first_
         "preload",
         "free length",
         "peak spring force",
-        "coil clashes",
+        "coil contacts",
         "peak spring force",
     ]
 

@@ -130,7 +130,7 @@ def test_a_model_that_lacks_the_quantity_is_refused_before_the_first_point(folde
 
     monkeypatch.setattr(Engine, "compute", compute)
     text = f'spring_models = "massless"\noutputs = "minimum_spring_margin_ratio"\n{PRELOAD}'
-    with pytest.raises(vt.InputError, match=r"coil clashes .*massless"):
+    with pytest.raises(vt.InputError, match=r"coil contacts .*massless"):
         study(folder, text + LIMIT.format("clash", "5000, 6000 rpm"))
     assert len(computed) == 1
 

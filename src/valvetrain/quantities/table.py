@@ -158,9 +158,10 @@ RUNS: tuple[QuantityRow, ...] = (
         "Engine speed at which cam order {n} of the lift meets the surge frequency, among those run and a quarter beyond."),
     both("surge_order_{n}_force", "surge at cam order {n}",
         "Amplitude (0 to peak) of cam order {n} of the spring force less its static value at the same lift.", sense=LESS),
-    both("clash_count", "coil clashes",
-        "Clashes of coils over the reported cycle, found on the integrator's own steps; pairs that always touch are left out, and "
-        "one that parts for less than 10 us only rings.", sense=LESS, topic=CLASH, uses=("brief", "sweep", "study")),
+    both("clash_count", "coil contacts",
+        "Times that coils meet over the reported cycle, clashes and coils that come to rest on each other as the spring closes, found on "
+        "the integrator's own steps; pairs that always touch are left out, and one that parts for less than 10 us only rings.",
+        sense=LESS, topic=CLASH, uses=("brief", "sweep", "study")),
     both("peak_clash_force", "peak clash force",
         "Largest force between coils in a clash, of all places that it presses at one time.", sense=LESS),
     both("clash_energy", "clash energy",

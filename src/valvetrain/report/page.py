@@ -195,7 +195,7 @@ class Section:
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """A whole report: ``kicker`` above the title, ``verdict`` (one sentence), ``key_figures`` as
+    """A whole report: ``kicker`` above the title, ``verdict`` (its first sentence bold), ``key_figures`` as
     (name, value) pairs and ``picture`` (one figure, or a moving picture) below it, then ``lead``, ``facts`` as (name, value) pairs, sections
     and a footer.
     """
@@ -209,6 +209,12 @@ class Page:
     verdict: str = ""
     picture: tuple[Block, ...] = ()
     key_figures: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def verdict_sentences(self) -> tuple[str, str]:
+        """The first sentence of the verdict, and the rest."""
+        first, *more = sentences(self.verdict) or [""]
+        return first, " ".join(more)
 
     @property
     def parts(self) -> tuple[tuple[Block, ...], ...]:

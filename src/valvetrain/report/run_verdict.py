@@ -48,17 +48,19 @@ def study_verdict(study: Study) -> str:
         parts = [*rest_failures(study), *sweep_clauses(study), published]
         return sentence(parts, condition_of(runs_over_speed(study, worst_label(study))))
     judged = judged_runs(study)
-    return sentence(
-        [
-            *ended_clauses(study.solutions),
-            *rest_failures(study),
-            *clause_texts(list(run_clauses(judged)), judged),
-            _power(study),
-            _spread(study),
-            published,
-        ],
-        condition_of(judged),
+    found = [
+        *ended_clauses(study.solutions),
+        *rest_failures(study),
+        *clause_texts(list(run_clauses(judged)), judged),
+        _power(study),
+        _spread(study),
+    ]
+    # what is published of a case is a sentence of its own, behind what the spring does
+    said = (
+        sentence(found, condition_of(judged)),
+        sentence([published and f"beside the source: {published}"]),
     )
+    return " ".join(filter(None, said))
 
 
 def solution_verdict(run: Solution) -> str:
