@@ -92,6 +92,9 @@ class Cluster:
                 raise FileNotFoundError(where)
             cluster = None if file else self._cluster(distributed, where, workers)
             client = connect(cluster, timeout=PATIENCE, set_as_default=False, **file)
+        except MissingExtraError:
+            self._left.close()
+            raise
         except (OSError, TimeoutError, ValueError) as error:
             self._left.close()
             raise InputError(
