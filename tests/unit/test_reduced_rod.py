@@ -27,6 +27,7 @@ from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import Guide
 from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.springs import reduced_rod_cache
+from valvetrain.springs import reduced_rod_kernel as kernels
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import (
     interpolation,
@@ -182,6 +183,21 @@ def test_a_state_changed_from_outside_meets_its_contacts_at_once(spring):
     forces = [spring.kernel(*arrays, one, 7.9e-3, 0.0, time_step) for one in (state, fresh)]
     assert forces[0] == forces[1]
     assert not np.array_equal(begun, state)
+
+
+def test_what_a_copied_state_holds_at_the_ends_of_its_rows_moves_nothing(spring):
+    """Rows of the scratch begin a cache line, so those of a copy lie elsewhere: whatever stands in
+    them, forces and state are the same bit by bit.
+    """
+    count, arrays = spring.unknowns, (spring.parameters(), spring.integers())
+    assert count % kernels.LINE  # rows that a table fills leave no ends
+    state = spring.initial_state(3e-3)
+    scratch = kernels.SCRATCH * kernels.row_size(count) + kernels.LINE
+    copied = kernels.aligned(state)
+    copied[-scratch:] = np.random.default_rng(2).standard_normal(scratch)
+    forces = [spring.kernel(*arrays, one, 3.001e-3, 1.0, 5e-7) for one in (state, copied)]
+    assert forces[0] == forces[1]
+    assert np.array_equal(state[:-scratch], copied[:-scratch])
 
 
 def test_ends_that_do_not_pull_carry_nothing_where_they_would(rod):

@@ -204,6 +204,8 @@ def advance_reduced(
         apart[i] = position[i] - rest[i] - tf / per_fine * slope[i]
     for i in range(m):
         rate[i] = speed[i] - velocity * slope[i]
+    for i in range(m, w):  # a state that was copied may hold anything at the ends of its rows
+        apart[i], rate[i], pull[i], sums[i], next_sums[i] = 0.0, 0.0, 0.0, 0.0, 0.0
     by_lift = velocity * per_coarse
     for i in range(w):
         shares[i] = (1.0 - tc) * apart[i]
