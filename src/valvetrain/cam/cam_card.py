@@ -32,10 +32,13 @@ from valvetrain.parameters.schema_types import (
 DURATION_LIFT, ADVERTISED_LIFT, UPPER_LIFT = (
     round(inches * 25.4e-3, 9) for inches in (0.050, 0.006, 0.200)
 )
-#: A ramp without a lift of its own ends this far (m) above the lash.
-RAMP_ABOVE_LASH = 1e-4
+#: A ramp without a lift of its own ends this far (m) above the lash, and at most this share of the
+#: way from the lash to the lift of the advertised duration: the lobe has to gain speed before it.
+RAMP_ABOVE_LASH, RAMP_SHARE = 1e-4, 2 / 3
 #: 0.0005 in per cam degree.
 RAMP_VELOCITY = 0.0005 * 25.4e-3 / math.radians(1.0)
+#: Half of the last digit (m) that a card prints: 0.0005 in.
+ROUNDED_LIFT = 0.0005 * 25.4e-3
 
 #: Crank angle (rad) beyond which no engine holds a valve open by half a millimetre of lobe lift.
 MAX_DURATION = math.radians(360.0)
@@ -94,7 +97,7 @@ class CamCardModel(LiftModel):
     )
     ramp_lift: PositiveLength | None = Field(
         default=None,
-        description="of the lobe where ramps end; without it lash over ratio and 0.1 mm",
+        description="of the lobe where ramps end; without it 0.1 mm above lash over ratio, less where advertised_lift is near",
     )
     ramp_velocity: CamVelocity | None = Field(
         default=None,
@@ -164,16 +167,18 @@ class CamCardModel(LiftModel):
                 ("lash",),
             )
         ratio = self.rocker_ratio if self.lift_of == "tappet" and self.rocker_ratio else 1.0
-        return (self.lash or 0.0) / ratio + RAMP_ABOVE_LASH
+        lash = (self.lash or 0.0) / ratio
+        above = RAMP_ABOVE_LASH
+        # a card rounds: an advertised lift at the lash ends the ramp there
+        if self.advertised_duration is not None and self.advertised_lift > lash - ROUNDED_LIFT:
+            above = min(above, RAMP_SHARE * max(0.0, self.advertised_lift - lash))
+        return lash + above
 
 
-#: Ramps this many times as fast as the default one are doubted, and what lets the flank meet a duration instead.
-STEEP = 2.0
-TO_FLANK = "a ramp_lift below advertised_lift lets it shape the flank; the ramp must still be above the lash"
 #: Fullness of the nose: see :class:`HalfLobe`.
 FULLNESS, DEFAULT_FULLNESS = (-1.0, 1.0), 0.0
-#: Least and largest velocity of a ramp (m/rad): 0.0001 and 0.003 in per cam degree.
-VELOCITIES = (RAMP_VELOCITY / 5, RAMP_VELOCITY * 6)
+#: Least and largest velocity of a ramp (m/rad): 0.0001 and 0.001 in per cam degree.
+VELOCITIES = (RAMP_VELOCITY / 5, RAMP_VELOCITY * 2)
 #: Shortest and longest flank (cam rad).
 LENGTHS = (math.radians(1.0), math.radians(175.0))
 
@@ -185,9 +190,9 @@ class CamCard:
 
     ``maximum_lift`` (m): of the lobe. ``advertised_duration`` above ``advertised_lift`` and
     ``upper_duration`` above ``upper_lift``: met where given, by the share of the flank with
-    positive acceleration (by the velocity of the ramp, where they stand on it) and by the fullness
-    of the nose. Ramps of ``ramp_velocity`` (m/rad; None: the default one, or that of the advertised
-    duration) end at ``ramp_lift`` (m); over their share ``ramp_blend`` it is built up. Raises
+    positive acceleration (on the ramp by its velocity first) and by the fullness of the nose.
+    Ramps of ``ramp_velocity`` (m/rad; None: the default one, or that of the advertised duration)
+    end at ``ramp_lift`` (m); over their share ``ramp_blend`` it is built up. Raises
     :class:`InputError` with what is possible where the values contradict each other.
     """
 
@@ -243,22 +248,14 @@ class CamCard:
             )
         if not self.half_lobe.sizes[0] > 0:
             raise InputError("the ramps alone would lift more than the lobe; lower ramp_velocity")
-        if self._shapes_ramp and self.half_lobe.start[1] > STEEP * RAMP_VELOCITY:
-            warnings.warn(
-                f"advertised_duration {_deg(self.advertised_duration or 0.0)} at {_mm(self.advertised_lift)} makes a ramp "
-                f"{self.half_lobe.start[1] / RAMP_VELOCITY:.2g} times as fast as usual (0.0005 in/deg), on which the valve strikes its seat; "
-                f"the ramp ends at {_mm(self.ramp_lift)}: {TO_FLANK}",
-                UnusualValueWarning,
-                stacklevel=2,
-            )
 
     @property
     def _shapes_ramp(self) -> bool:
-        """Whether the advertised duration is met by the velocity of the ramp, not by the flank."""
+        """Whether the advertised duration is counted on the ramp and meets its velocity first."""
         return (
             self.advertised_duration is not None
             and self.ramp_velocity is None
-            and self.advertised_lift <= self.ramp_lift
+            and self.advertised_lift < self.ramp_lift
         )
 
     @property
@@ -300,19 +297,25 @@ class CamCard:
     def _by_share(self, half: HalfLobe) -> HalfLobe:
         if self.advertised_duration is None:
             return self._by_length(half)
-        on_ramp = self._shapes_ramp
+        name, lift, duration = "advertised_duration", self.advertised_lift, self.advertised_duration
 
-        def made(value: float) -> HalfLobe:
-            return self._by_length(
-                replace(half, start=(self.ramp_lift, value))
-                if on_ramp
-                else replace(half, share=value)
-            )
+        def shaped(share: float, start: HalfLobe = half) -> HalfLobe:
+            return self._by_length(replace(start, share=share))
 
-        bounds = VELOCITIES if on_ramp else SHARES
-        return self._met(
-            "advertised_duration", self.advertised_lift, self.advertised_duration, made, bounds
-        )
+        if not self._shapes_ramp:
+            return self._met(name, lift, duration, shaped, SHARES)
+
+        def ramped(velocity: float) -> HalfLobe:
+            return self._by_length(replace(half, start=(self.ramp_lift, velocity)))
+
+        above = lambda value: ramped(value).before_nose(duration / 2) - lift  # noqa: E731
+        if (velocity := solve(above, VELOCITIES)) is not None:
+            return ramped(velocity)
+        # a ramp of the least or the largest velocity, and the flank for the rest
+        ends = [replace(half, start=(self.ramp_lift, bound)) for bound in VELOCITIES]
+        start = ends[above(VELOCITIES[1]) > 0]
+        reach = tuple(shaped(share, end) for share, end in zip(SHARES[::-1], ends, strict=True))
+        return self._met(name, lift, duration, lambda share: shaped(share, start), SHARES, reach)
 
     def _by_length(self, half: HalfLobe) -> HalfLobe:
         made = lambda value: replace(half, length=value)  # noqa: E731
@@ -325,21 +328,24 @@ class CamCard:
         duration: float,
         made: Callable[[float], HalfLobe],
         bounds: tuple[float, float],
+        reach: tuple[HalfLobe, ...] = (),
     ) -> HalfLobe:
         """The flank of the one value between ``bounds`` that passes ``lift`` half a ``duration``
-        before the nose.
+        before the nose; ``reach``: flanks of the shortest and longest duration, where others.
         """
         value = solve(lambda value: made(value).before_nose(duration / 2) - lift, bounds)
         if value is not None:
             return made(value)
-        possible = sorted(2 * angle_before_nose(made(bound), lift) for bound in bounds)
+        extremes = reach or tuple(made(bound) for bound in bounds)
+        possible = sorted(2 * angle_before_nose(end, lift) for end in extremes)
         whole = possible[1] > math.pi  # more than half a revolution of the cam is no bound
-        reach = f"{_deg(possible[0])} or more" if whole else f"{_deg(possible[0])} to {_deg(possible[1])}"  # fmt: skip
-        where = " (cards of solid tappets often count at 0.020 in: advertised_lift)" if name == "advertised_duration" else ""  # fmt: skip
-        if name == "advertised_duration" and lift <= self.ramp_lift:
-            where = f" (the ramp ends at {_mm(self.ramp_lift)}, above this lift: {TO_FLANK})"
+        left = f"{_deg(possible[0])} or more" if whole else f"{_deg(possible[0])} to {_deg(possible[1])}"  # fmt: skip
+        default = name == "advertised_duration" and lift == ADVERTISED_LIFT
+        where = " (cards of solid tappets often count at 0.015 or 0.020 in: advertised_lift)" if default else ""  # fmt: skip
+        if name == "advertised_duration" and lift < self.ramp_lift:
+            where = f" (the ramp ends at {_mm(self.ramp_lift)}, above this lift; a lower ramp_lift above the lash leaves more)"
         raise InputError(
-            f"{name} {_deg(duration)} at {_mm(lift)} does not go with the other values of the cam card: they leave {reach}; check lifts"
+            f"{name} {_deg(duration)} at {_mm(lift)} does not go with the other values of the cam card: they leave {left}; check lifts"
             f"{where}, durations, ramps and whether angle_of is crank or cam"
         )
 

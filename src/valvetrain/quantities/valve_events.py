@@ -55,6 +55,8 @@ def _between(lift: Callable[[Array], Array], height: float, low: float, high: fl
     which it is more.
     """
     below, above = height - float(lift(np.array(low))), float(lift(np.array(high))) - height
+    if above <= 0:  # a node on the height, by rounding above it in the grid
+        return high
     if below > 1e-6 * above:
         found = solve(
             lambda angle: float(lift(np.array(angle))) - height, (low, high), within=1e-12
