@@ -8,7 +8,7 @@ from importlib import import_module
 from inspect import getdoc
 
 from valvetrain.quantities.plausible import TABLES
-from valvetrain.quantities.table import AT_REST, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
+from valvetrain.quantities.table import AT_REST, CAM, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
 from valvetrain.registry import BUILT_IN
 from valvetrain.solution.definition import QuantityRow, tables
 
@@ -34,6 +34,11 @@ _GROUPS: tuple[tuple[str, str, tuple[QuantityRow, ...]], ...] = (
         "At rest",
         "Of springs and lift before anything runs; estimates hold for the free state.",
         AT_REST,
+    ),
+    (
+        "Cam",
+        "Of the lift law and the cam's contour before anything runs, as `valvetrain check` lists them.",
+        CAM,
     ),
     ("Runs", "Of a run, for a spring under prescribed motion and for springs in a train.", RUNS),
     (
@@ -79,7 +84,7 @@ object from the names above to such numbers.
 | `cite` | references behind the results |
 | `created_at`, `command_line`, `versions`, `choices` | of a saved run: when, by what, with which packages; engine speeds, models and sets that were run |
 | `folder`, `files`, `page` | where the results were written |
-| `holds`, `facts` | of `check`: tables of the case; what it says, in words |
+| `holds`, `facts`, `durations` | of `check`: tables of the case; what it says, in words; crank angle above every lift that matters, per row `lift`, `crank_angle` |
 | `cases` | of `cases`: per case `name`, `title`, `holds`, `sources`; with a name, `text` of the file instead |
 | `uncertainties` | of `refine`, and of a run whose case ships with its error bars: per number `quantity`, `label` of a variant of a train, `engine_speed`, `value`, `numerical_uncertainty`, `observed_order` (null: not monotonic), `extrapolated`, `step_part`, and `contact_stiffness`, `contact_damping` each with `least` and `largest` |
 | `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference`; `verdict` on the headline quantities |

@@ -11,6 +11,7 @@ from known_buckling import buckling
 from known_quantities import DEG
 from known_quantities import GROUPS as MOST
 from known_sources import SOURCE_GROUPS
+from valvetrain.quantities.table import CAM
 from valvetrain.solution.definition import pattern_of, tables
 
 GROUPS = (*MOST, *SOURCE_GROUPS, buckling)
@@ -20,6 +21,7 @@ ELSEWHERE = {
     "maximum_lift_cam_angle",
     "peak_cam_contact_pressure",
     "driver_difference_force",  # to its channels, by tests/limits/test_solid_in_train.py
+    *(one.name for one in CAM),  # by tests/unit/test_check_of_the_cam.py
 }
 
 

@@ -308,7 +308,9 @@ class CamCard:
         def ramped(velocity: float) -> HalfLobe:
             return self._by_length(replace(half, start=(self.ramp_lift, velocity)))
 
-        above = lambda value: ramped(value).before_nose(duration / 2) - lift  # noqa: E731
+        def above(velocity: float) -> float:
+            return ramped(velocity).before_nose(duration / 2) - lift
+
         if (velocity := solve(above, VELOCITIES)) is not None:
             return ramped(velocity)
         # a ramp of the least or the largest velocity, and the flank for the rest

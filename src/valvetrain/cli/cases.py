@@ -119,20 +119,33 @@ def check(
     """Check a case file: print its values as they were understood, or what is wrong with it, and
     where.
     """
+    from valvetrain.cli.cam_facts import cam_facts, cam_rows, check_verdict
     from valvetrain.cli.case_facts import case_facts, case_quantities
     from valvetrain.cli.options import choose_case
-    from valvetrain.cli.outcome import Outcome, deliver
+    from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.report.json import quantities_object
 
     chosen = choose_case(case, settings, elements_per_coil)
     problem = put_together(chosen, read_models(spring), implausible)
     quantities = case_quantities(chosen, problem)
     facts = case_facts(chosen)
+    cam, durations = cam_facts(chosen, problem)
     data = {
         "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(facts),
-        "quantities": quantities_object(quantities),
+        "quantities": quantities_object(quantities | cam),
+        "durations": [
+            {"lift": measured(lift, "m"), "crank_angle": measured(angle, "rad")} for lift, angle in durations.items()
+        ],
     }  # fmt: skip
-    deliver(Outcome(data, lambda console: _show_check(console, chosen, facts, quantities)))
+    rows = cam_rows(cam, durations)
+    verdict = check_verdict(chosen, problem, quantities, cam)
+    deliver(
+        Outcome(
+            data,
+            lambda console: _show_check(console, chosen, facts, quantities, rows),
+            verdict=verdict,
+        )
+    )
 
 
 def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:
@@ -170,7 +183,11 @@ def _holds(case: Case) -> list[str]:
 
 
 def _show_check(
-    console: Console, case: Case, facts: list[tuple[str, str]], quantities: dict[str, float]
+    console: Console,
+    case: Case,
+    facts: list[tuple[str, str]],
+    quantities: dict[str, float],
+    cam: list[tuple[str, str, str]],
 ) -> None:
     from valvetrain.cli.outcome import plain_table, quantity_rows
 
@@ -179,6 +196,10 @@ def _show_check(
     if quantities:
         console.print()
         console.print(plain_table(("", "", ""), quantity_rows(quantities), right=(1,)))
+    if cam:
+        console.print()
+        title = "Lift law and cam" if case.train is not None else "Lift law"
+        console.print(plain_table(("", "", ""), cam, title=title, right=(1,)))
 
 
 def register_new(app: typer.Typer) -> None:

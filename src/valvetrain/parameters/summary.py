@@ -24,7 +24,7 @@ _UNITS = {
     "rate": "N/mm", "preload": "N", "mass": "g", "open_load": "N", "open_lift": "mm", "solid_height": "mm", "cam_speeds": "rpm",
     "lash": "mm", "base_radius": "mm", "width": "mm", "radius": "mm", "rod_length": "mm", "clearance": "mm", "offset": "mm",
     "pivot": "mm", "lower_end": "mm", "drive_arm": "mm", "valve_arm": "mm", "tip_radius": "mm", "full_damping_depth": "mm",
-    "drive_angle": "deg", "valve_angle": "deg", "direction": "deg", "opening_direction": "deg", "tilt": "deg",
+    "drive_angle": "deg", "valve_angle": "deg", "direction": "deg", "opening_direction": "deg", "tilt": "deg", "face_diameter": "mm",
     "top_dead_centre": "deg", "valve_inclination": "deg", "inertia": "kg mm^2", "holding_torque": "N m", "friction": "N",
     "stiffness": "kN/mm", "stem_stiffness": "kN/mm", "damping": "N s/m", "stem_damping": "N s/m", "valve_damping": "N s/m",
     "normal_force": "N", "damping_time": "s", "output_step": "deg", "time_step": "s", "card_lift": "mm", "friction_velocity": "m/s",

@@ -79,8 +79,8 @@ class FollowerParameters:
     """What touches the cam: ``shape`` with its arc ``radius`` (m; 0 for flat and knife).
 
     ``mass`` (kg) of a sliding follower (tappet). ``offset`` (m): distance of its axis from the cam
-    centre. ``tilt`` (rad): lean of a flat face. ``friction`` (N) and ``damping`` (N s/m) act in its
-    guide.
+    centre. ``tilt`` (rad): lean of a flat face, ``face_diameter`` (m; None: unknown) its size.
+    ``friction`` (N) and ``damping`` (N s/m) act in its guide.
     """
 
     shape: FollowerShape = "flat"
@@ -90,10 +90,12 @@ class FollowerParameters:
     tilt: float = 0.0
     damping: float = 0.0
     friction: float = 0.0
+    face_diameter: float | None = None
 
     def __post_init__(self) -> None:
         keep_si(
-            self, "the follower", radius="length", mass="moving_mass", offset="length", tilt="angle", damping="damping", friction="force"
+            self, "the follower", radius="length", mass="moving_mass", offset="length", tilt="angle", damping="damping", friction="force",
+            face_diameter="length",
         )  # fmt: skip
         if self.shape not in ("flat", "domed", "roller", "knife"):
             raise InputError(

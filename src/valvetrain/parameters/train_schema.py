@@ -96,6 +96,10 @@ class FollowerModel(StrictModel):
     mass: NotNegativeMass = Field(default=0.0, description="of a sliding follower")
     offset: Length = Field(default=0.0, description="of its axis from the cam centre")
     tilt: Angle = Field(default=0.0, description="lean of a flat face")
+    face_diameter: PositiveLength | None = Field(
+        default=None,
+        description="of a flat face, on which the contact must stay; without it not looked at",
+    )
     damping: Damping = Field(default=0.0, description="in its guide")
     friction: Friction = Field(default=0.0, description="in its guide")
 

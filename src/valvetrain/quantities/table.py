@@ -123,6 +123,34 @@ AT_REST: tuple[QuantityRow, ...] = (
     train("rigid_maximum_valve_lift", "largest rigid valve lift", "Largest valve lift of rigid parts with all contacts closed."),
 )  # fmt: skip
 
+#: Rows of a lift law's derivatives by the cam angle.
+_slope = partial(both, dimension="cam velocity", shown_unit="mm/deg")
+_bend = partial(both, dimension="cam acceleration", shown_unit="um/deg^2")
+#: Of the cam, by its lift law and its contour, before anything runs.
+CAM: tuple[QuantityRow, ...] = (
+    both("cam_ramp_lift", "ramp of the lift law, height", "Lift at which the ramps of the lift law end."),
+    _slope("cam_opening_ramp_velocity", "ramp velocity, opening",
+        "Velocity of the lift law per cam angle where its opening ramp ends; of a law without ramps where the lash is taken up."),
+    _slope("cam_closing_ramp_velocity", "ramp velocity, closing",
+        "Velocity of the lift law per cam angle, downwards, where its closing ramp begins; of a law without ramps where the lash opens."),
+    _slope("cam_opening_velocity", "largest velocity of the lift law, opening", "Largest velocity of the lift law per cam angle."),
+    _slope("cam_closing_velocity", "largest velocity of the lift law, closing", "Largest downward velocity of the lift law per cam angle."),
+    _bend("cam_largest_acceleration", "largest acceleration of the lift law", "Largest acceleration of the lift law per cam angle squared."),
+    _bend("cam_smallest_acceleration", "smallest acceleration of the lift law",
+        "Smallest acceleration of the lift law per cam angle squared, over the nose, negative."),
+    train("cam_contact_offset", "contact from the cam's centre",
+        "Largest distance of the contact on a flat face from the cam's centre along the face: the velocity of its lift per radian.",
+        dimension="length", shown_unit="mm"),
+    train("cam_contact_face_radius", "contact from the follower's axis",
+        "Largest distance of the contact on the flat face of a sliding follower from its axis: the least radius of its face.",
+        dimension="length", shown_unit="mm"),
+    train("cam_least_radius", "least radius of curvature of the cam", "Least radius of curvature of the convex cam, mostly at the nose.",
+        dimension="length", shown_unit="mm"),
+    train("cam_hollow_radius", "least radius of the hollow flank",
+        "Least radius of curvature of the cam's concave flanks: a grinding wheel must be smaller. None of a convex cam.",
+        dimension="length", shown_unit="mm"),
+)  # fmt: skip
+
 #: Of a run, in both systems.
 RUNS: tuple[QuantityRow, ...] = (
     *with_angle(both("peak_spring_force", "peak spring force",
@@ -384,4 +412,4 @@ SWEEP: tuple[QuantityRow, ...] = (
         "Cam angle at which rigid theory first loses a contact."),
 )  # fmt: skip
 
-ROWS: tuple[QuantityRow, ...] = (*AT_REST, *RUNS, *TRAINS, *EVENTS, *SCATTER, *SWEEP)
+ROWS: tuple[QuantityRow, ...] = (*AT_REST, *CAM, *RUNS, *TRAINS, *EVENTS, *SCATTER, *SWEEP)

@@ -1,0 +1,168 @@
+"""``valvetrain check`` of the cam: its numbers against closed forms, its table and its sentence."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from valvetrain.cam.cam_card import CamCard
+from valvetrain.cli.cam_facts import cam_facts, cam_rows, check_verdict
+from valvetrain.cli.case_facts import case_quantities
+from valvetrain.cli.main import app
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import template_text
+from valvetrain.quantities.cam_shape import cam_durations, cam_quantities
+from valvetrain.system.build import build
+
+INCH = 25.4e-3
+
+
+def bucket(lift_law: str, follower: str = 'shape = "flat"', lash: str = "0 mm"):
+    """A bucket tappet on a base circle of 18 mm with a lift law of one's own."""
+    text = template_text("direct")
+    law, train = text.index("[lift_law]"), text.index("# Speeds of the crank")
+    text = text[:law] + lift_law + text[train:]
+    text = text.replace('shape = "flat" # flat, domed, roller, knife', follower)
+    text = text.replace('lash = "0.1 mm" #', f'lash = "{lash}" #')
+    case = parse_case(text.replace('face_diameter = "28 mm" #', "#"), "bucket")
+    return case, build(case)
+
+
+ARCS = """[lift_law]
+kind = "three-arc"
+lift_of = "tappet"
+base_radius = "18 mm"
+nose_radius = "4 mm"
+maximum_lift = "8 mm"
+nose = "180 deg"
+opening_start = "115 deg"
+"""
+
+
+def test_the_least_radius_of_a_cam_of_arcs_is_its_nose_radius():
+    """Closed form: circles of 18 mm, a flank and 4 mm, the nose 22 mm from the centre: under a flat
+    face the contact runs by the velocity per radian, which has a kink between nodes here."""
+    case, problem = bucket(ARCS)
+    cam, _ = cam_facts(case, problem)
+    assert cam["cam_least_radius"] == pytest.approx(4e-3, rel=1e-3)
+    assert "cam_hollow_radius" not in cam
+    law = problem.members[0].gear.mechanism.kinematics.law
+    angle = np.linspace(0, math.tau, 200_001)
+    assert cam["cam_contact_offset"] == pytest.approx(np.max(law.lift(angle, 1)), rel=2e-3)
+    assert cam["cam_contact_face_radius"] == cam["cam_contact_offset"]
+    assert cam["cam_opening_velocity"] == pytest.approx(cam["cam_closing_velocity"], rel=1e-9)
+
+
+def test_the_contact_of_an_offset_bucket_is_counted_from_its_own_axis():
+    """Contract: the velocity per radian of a symmetric lobe either way, and the offset on top."""
+    plain = cam_facts(*bucket(ARCS))[0]
+    moved = cam_facts(*bucket(ARCS, 'shape = "flat"\noffset = "2 mm"'))[0]
+    assert moved["cam_contact_offset"] == pytest.approx(plain["cam_contact_offset"], rel=1e-6)
+    assert moved["cam_contact_face_radius"] == pytest.approx(
+        plain["cam_contact_offset"] + 2e-3, rel=1e-6
+    )
+
+
+def test_a_roller_on_a_fast_flank_has_a_hollow_cam():
+    """Closed form: the contour of a roller's centre path, computed from points (three neighbours'
+    circle) of the path less the roller."""
+    law = (
+        '[lift_law]\nkind = "cycloidal"\nlift_of = "tappet"\nmaximum_lift = "9 mm"\nopening_start = "110 deg"\n'
+        'opening_end = "180 deg"\nclosing_start = "180 deg"\nclosing_end = "250 deg"\n'
+    )
+    case, problem = bucket(law, 'shape = "roller"\nradius = "9 mm"')
+    cam, _ = cam_facts(case, problem)
+    motion = problem.members[0].gear.mechanism.kinematics.law
+    angle = np.linspace(0, math.tau, 20_001)
+    reach = 18e-3 + 9e-3 + motion.lift(angle)
+    x, y = reach * np.cos(angle), reach * np.sin(angle)
+    dx, dy = np.gradient(x, angle), np.gradient(y, angle)
+    curvature = (dx * np.gradient(dy, angle) - dy * np.gradient(dx, angle)) / np.hypot(dx, dy) ** 3
+    radius = 1 / curvature[5:-5] - 9e-3
+    assert cam["cam_least_radius"] == pytest.approx(np.min(radius[radius > 0]), rel=5e-3)
+    assert cam["cam_hollow_radius"] == pytest.approx(-np.max(radius[radius < 0]), rel=5e-3)
+    assert "cam_contact_offset" not in cam
+
+
+def test_ramp_velocity_and_durations_are_those_of_the_card():
+    """Closed form: a ramp of 0.0005 in/deg, durations as given."""
+    card = CamCard(
+        maximum_lift=0.33 * INCH, nose=math.pi, duration=math.radians(118), ramp_lift=0.0149 * INCH,
+        advertised_duration=math.radians(141), advertised_lift=0.015 * INCH,
+    )  # fmt: skip
+    cam = cam_quantities(card, ramp=card.ramp_lift)
+    for side in ("opening", "closing"):
+        speed = cam[f"cam_{side}_ramp_velocity"] / INCH * math.radians(1)
+        assert speed == pytest.approx(0.0005, rel=1e-9)
+    found = cam_durations(card, (lift for _, lift, _ in card.checking_points))
+    assert list(found) == sorted(found) and len(found) == 4  # 0.15, 0.381, 1 and 1.27 mm
+    assert math.degrees(found[0.015 * INCH]) == pytest.approx(282)
+    assert math.degrees(found[card.duration_lift]) == pytest.approx(236)
+
+
+@pytest.mark.parametrize(
+    ("face", "lash", "words"),
+    [
+        ("28 mm", "0.2 mm", "Ready to run: the lash opens on the ramp, at 0.0127 mm/deg; the contact stays 3.58 mm within the face;"),
+        ("20 mm", "0.2 mm", "Ready to run, but the contact runs 0.417 mm off the face; the lash opens on the ramp"),
+        ("", "0.2 mm", "the follower's face needs 20.8 mm in diameter"),
+        ("28 mm", "0.4 mm", "Ready to run, but the lash takes 0.4 mm of the lobe, above its ramp, so that the valve strikes its seat"),
+    ],
+)  # fmt: skip
+def test_the_sentence_says_where_lash_and_contact_are(face, lash, words):
+    """Contract: doubts first; a bucket of 10.42 mm per radian on faces of 28 and 20 mm."""
+    text = template_text("direct", cards=True).replace('lash = "0.2 mm"', f'lash = "{lash}"')
+    text = text.replace('face_diameter = "28 mm"', f'face_diameter = "{face}"' if face else "")
+    if lash != "0.2 mm":
+        text = text.replace("[lift_law]", '[lift_law]\nramp_lift = "0.3 mm"', 1)
+    case = parse_case(text, "bucket")
+    problem = build(case)
+    cam, _ = cam_facts(case, problem)
+    sentence = check_verdict(case, problem, case_quantities(case, problem), cam)
+    assert words in sentence
+    assert sentence.endswith(" are left to coil bind.")
+
+
+def test_a_law_without_ramps_is_told_where_its_lash_opens():
+    """Contract: 0.1 mm of lash on a polynomial flank."""
+    case = parse_case(template_text("direct"), "bucket")
+    problem = build(case)
+    cam, _ = cam_facts(case, problem)
+    sentence = check_verdict(case, problem, {}, cam)
+    assert "cam_ramp_lift" not in cam and "for the lift law states no ramp" in sentence
+
+
+def test_the_terminal_ends_with_table_and_sentence(tmp_path):
+    """Contract: rows alike on both flanks are one, JSON holds the same numbers in SI."""
+    path = tmp_path / "v8.toml"
+    path.write_text(template_text("pushrod"), encoding="utf-8")
+    lines = CliRunner().invoke(app, ["check", str(path)]).stdout.splitlines()
+    assert "Lift law and cam" in "\n".join(lines) and lines[-1].endswith("left to coil bind.")
+    ramp = [line.split() for line in lines if line.startswith("Ramp velocity")]
+    assert ramp == [["Ramp", "velocity", "0.0127", "mm/deg"]]
+    assert any(line.split()[-3:] == ["288", "crank", "deg"] for line in lines)
+    data = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).stdout)
+    assert data["quantities"]["cam_ramp_lift"] == {"value": pytest.approx(1e-4), "unit": "m"}
+    assert data["durations"][0]["lift"]["value"] == pytest.approx(0.006 * INCH)
+    assert math.degrees(data["durations"][0]["crank_angle"]["value"]) == pytest.approx(288)
+    assert data["verdict"] == " ".join(lines[-1:]).strip()
+
+
+def test_a_lift_law_alone_and_a_spring_alone_are_said_so():
+    """Contract: what there is; opening and closing apart where they differ."""
+    law = parse_case(
+        '[lift_law]\nkind = "harmonic"\nlift_of = "valve"\nmaximum_lift = "9 mm"\nopening_start = "100 deg"\n'
+        'opening_end = "180 deg"\nclosing_start = "180 deg"\nclosing_end = "280 deg"\n'
+    )
+    cam, durations = cam_facts(law, None)
+    rows = dict((label, (text, unit)) for label, text, unit in cam_rows(cam, durations))
+    # harmonic: L pi / (2 beta) on each flank
+    assert rows["Largest velocity of the lift law, opening"] == ("0.1767", "mm/deg")
+    assert rows["Largest velocity of the lift law, closing"] == ("0.1414", "mm/deg")
+    assert check_verdict(law, None, {}, cam) == "A lift law alone."
+    spring = parse_case(template_text("spring"), "spring")
+    assert cam_facts(parse_case(spring.text.split("[lift_law]")[0]), None) == ({}, {})
