@@ -58,6 +58,8 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
                 f"{', '.join(map(speed_text, case.operation.engine_speeds))} of the crank",
             )
         )
+    if case.operation.red_line is not None:
+        facts.append(("red line", f"{speed_text(case.operation.red_line)} of the crank"))
     if case.springs:
         cycles = case.operation.cycles or "until the motion repeats"
         facts.append(("cam revolutions", f"{cycles}, the last one reported"))

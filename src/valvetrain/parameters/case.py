@@ -83,13 +83,15 @@ class Note:
 @dataclass(frozen=True, slots=True)
 class Operation:
     """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam
-    revolutions of a spring alone, the last is reported; None: until the motion repeats) and
-    ``output_step`` (cam rad) between stored values.
+    revolutions of a spring alone, the last is reported; None: until the motion repeats),
+    ``output_step`` (cam rad) between stored values and ``red_line`` (rad/s of the crank), the highest
+    speed in use.
     """
 
     engine_speeds: tuple[float, ...] = ()
     cycles: int | None = None
     output_step: float = math.radians(0.5)
+    red_line: float | None = None
 
     def __post_init__(self) -> None:
         # an empty row stays one: a case may leave its speeds to whoever runs it
@@ -97,7 +99,7 @@ class Operation:
             object.__setattr__(
                 self, "engine_speeds", si_speeds(self.engine_speeds, where="engine_speeds")
             )
-        keep_si(self, "the operation", output_step="cam_angle")
+        keep_si(self, "the operation", output_step="cam_angle", red_line="engine_speed")
 
     @property
     def cam_speeds(self) -> tuple[float, ...]:
@@ -255,5 +257,6 @@ class Case:
             changed=self.changed,
             text=self.text,
             points=tuple(self.points.items()),
+            red_line=self.operation.red_line,
             digest=self.digest,
         )

@@ -17,7 +17,9 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "tappet_clearance": ("lash",), "lift": ("valve_lift", "lobe_lift"), "cam_lift": ("lobe_lift",), "lobe_separation": ("lobe_centre",),
     "lsa": ("lobe_centre",), "centreline": ("lobe_centre",), "centerline": ("lobe_centre",), "intake_centerline": ("lobe_centre",),
     "lobe_center": ("lobe_centre",), "rocker": ("rocker_ratio",), "seat_duration": ("advertised_duration",), "rpm": ("engine_speeds",),
-    "speed": ("engine_speeds",), "speeds": ("engine_speeds",), "engine_speed": ("engine_speeds",), "base_circle": ("base_radius",),
+    "speed": ("engine_speeds",), "speeds": ("engine_speeds",), "engine_speed": ("engine_speeds",), "rated_speed": ("red_line",),
+    "redline": ("red_line",), "rev_limit": ("red_line",), "maximum_speed": ("red_line",), "maximum_engine_speed": ("red_line",),
+    "base_circle": ("base_radius",),
     "base_diameter": ("base_radius",), "roller_radius": ("radius",), "roller_diameter": ("radius",), "arm": ("drive_arm", "valve_arm"),
 }  # fmt: skip
 #: Names of a diameter whose key is a radius.

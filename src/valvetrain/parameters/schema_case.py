@@ -187,6 +187,10 @@ class OperationModel(StrictModel):
 
     engine_speeds: AngularSpeeds | None = None
     cam_speeds: AngularSpeeds | None = None
+    red_line: AngularSpeed | None = Field(
+        default=None,
+        description="highest engine speed in use, of the crank: a sweep says how far control reaches beyond it",
+    )
     cycles: int | None = Field(
         default=None,
         description="cam revolutions run, the last is reported: until the motion repeats, at most 40, with finite elements at most 8",
@@ -211,9 +215,13 @@ class OperationModel(StrictModel):
             raise problem("a speed must be positive; correct the list")
         for speed in speeds:
             guarded(si, f"{speed * 30 / math.pi:.12g} rpm", "engine_speed")
+        if self.red_line is not None:
+            guarded(
+                si, f"{self.red_line * 30 / math.pi:.12g} rpm", "engine_speed", path=("red_line",)
+            )
         if self.cycles is not None and not 1 <= self.cycles <= 10_000:
             raise problem("cycles must be a whole number from 1 to 10000", ("cycles",))
-        return Operation(speeds, self.cycles, self.output_step)
+        return Operation(speeds, self.cycles, self.output_step, self.red_line)
 
 
 class CaseModel(StrictModel):

@@ -18,7 +18,7 @@ from valvetrain.units import dimension_of, parse_quantities, si, unit_factor
 #: Last word of a key path -> unit shown.
 _UNITS = {
     "wire_diameter": "mm", "mean_diameter": "mm", "outer_diameter": "mm", "pitch": "mm", "precompression": "mm", "installed_height": "mm",
-    "ratio_frequency": "Hz", "engine_speeds": "rpm", "inactive_coils": "turns", "ground_coils": "turns", "total_coils": "turns",
+    "ratio_frequency": "Hz", "engine_speeds": "rpm", "red_line": "rpm", "inactive_coils": "turns", "ground_coils": "turns", "total_coils": "turns",
     "youngs_modulus": "GPa", "shear_modulus": "GPa", "density": "kg/m^3", "mass_damping": "1/s", "stiffness_damping": "s",
     "maximum_lift": "mm", "ramp_lift": "mm", "ramp_start": "deg", "event_start": "deg", "nose": "deg", "lifts": "mm", "cam_angles": "deg",
     "rate": "N/mm", "preload": "N", "mass": "g", "open_load": "N", "open_lift": "mm", "solid_height": "mm", "cam_speeds": "rpm",

@@ -121,7 +121,9 @@ def _later_text(kind: str, study: Study, names: list[str]) -> str:
     if abs(speeds[0] - speeds[1]) <= ALIKE * min(speeds):
         return f"{both} from {texts[0]}" if texts[0][0].isdigit() else f"{both} {texts[0]}"
     place = 0 if speeds[0] > speeds[1] else 1
-    return f"{names[place]} {later} ({texts[place]} against {texts[1 - place]})"
+    red_line = study.record.red_line
+    mark = "" if red_line is None else f", red line {rpm(red_line):.6g}"
+    return f"{names[place]} {later} ({texts[place]} against {texts[1 - place]}{mark})"
 
 
 def _speed_text(one: CriticalSpeed) -> str:

@@ -46,6 +46,9 @@ def regime_chart(study: Study) -> Chart | None:
         for one in (study.labels if several else (label,))
         for mark in _marks(study, one, train)
     )
+    if study.record.red_line is not None and train:
+        red_line = rpm(study.record.red_line)
+        marks += (Rule("x", red_line, f"red line {red_line:.6g}"),)
     panels = [
         _curves(study, (name,) if train else ("peak_spring_force", "minimum_spring_force"), marks)
     ]

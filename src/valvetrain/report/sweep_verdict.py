@@ -160,24 +160,26 @@ def worst_label(study: Study) -> str:
 def _control(study: Study, label: str, runs: Runs) -> list[str]:
     """Up to where everything stays in contact, and what happens from where."""
     if not searched(study) or not any(one.label == label for one in study.critical_speeds):
-        return [_control_of_runs(runs)]
+        return [_control_of_runs(runs, study.record.red_line)]
     rows = sorted(
         (one for one in study.critical_speeds if one.label == label and one.found),
         key=lambda one: one.engine_speed,
     )
     searched_rows = [one for one in study.critical_speeds if one.label == label]
     first, last = searched_rows[0].first_engine_speed, searched_rows[0].last_engine_speed
-    if not rows:
-        reach = f"controlled up to {rpm(last):.6g} rpm, the highest speed searched"
-        return [f"{reach}{_least_force(runs)}"]
     limit = controlled_to(study, label)
+    reach = last if not rows else max(limit, first)
+    margin = red_line_margin(reach, study.record.red_line)
+    if not rows:
+        begun = f"controlled up to {rpm(last):.6g} rpm, the highest speed searched{margin}"
+        return [f"{begun}{_least_force(runs)}"]
     first_lost = LOST[rows[0].kind][0]
     if rows[0].kind == "contact-loss" and rows[0].place:
         first_lost += f" at the {rows[0].place}"
     begun = (
-        f"not controlled: {first_lost} already at {rpm(first):.6g} rpm, the lowest speed searched"
+        f"not controlled: {first_lost} already at {rpm(first):.6g} rpm, the lowest speed searched{margin}"
         if limit <= 0
-        else f"controlled to {rpm(limit):.0f} rpm, where {first_lost}{_range(rows[0])}"
+        else f"controlled to {rpm(limit):.0f} rpm{margin}, where {first_lost}{_range(rows[0])}"
     )
     cause = _cause(rows[0], runs)
     begun += f" because {cause}" if cause else ""
@@ -186,6 +188,21 @@ def _control(study: Study, label: str, runs: Runs) -> list[str]:
     others = [_loses(one, runs, cause) for one in rows[1:]]
     unit = " rpm" if others and not others[-1].endswith(")") else ""
     return [begun, *([f"{joined(others)}{unit}"] if others else [])]
+
+
+def red_line_margin(engine_speed: float, red_line: float | None) -> str:
+    """How far ``engine_speed`` (rad/s) lies beyond a red line or below it; empty without one.
+
+    >>> from math import pi
+    >>> red_line_margin(6598 * pi / 30, 6200 * pi / 30)
+    ', 398 rpm above the red line of 6200'
+    """
+    if red_line is None:
+        return ""
+    beyond = round(rpm(engine_speed) - rpm(red_line))
+    if beyond == 0:
+        return f", the red line of {rpm(red_line):.6g}"
+    return f", {abs(beyond)} rpm {'above' if beyond > 0 else 'below'} the red line of {rpm(red_line):.6g}"
 
 
 def _least_force(runs: Runs) -> str:
@@ -268,11 +285,12 @@ def _range(one: CriticalSpeed) -> str:
     return f" ({start} to {end} with other damping or division)"
 
 
-def _control_of_runs(runs: Runs) -> str:
+def _control_of_runs(runs: Runs, red_line: float | None) -> str:
     """The same of a run-up or of a sweep without search: from the runs themselves."""
     speeds, first = [run.engine_speed for run in runs.solutions], first_losses(runs)
     if not first:
         reach = f"in contact from {rpm(min(speeds)):.0f} to {rpm(max(speeds)):.0f} rpm"
+        reach += red_line_margin(max(speeds), red_line)
         return f"{reach}{_least_force(runs)}"
     texts = [
         f"{LOST[kind][0]} already at {_speed(run)}, the lowest speed run"
@@ -281,6 +299,7 @@ def _control_of_runs(runs: Runs) -> str:
         for kind, run in first.items()
     ]
     kind, run = next(iter(first.items()))
+    texts[0] += red_line_margin(run.engine_speed, red_line)
     cause = _cause_in(run, kind, FLOAT_LIFT if kind == "float" else 0.0)
     return joined([f"{texts[0]} because {cause}" if cause else texts[0], *texts[1:]])
 

@@ -152,7 +152,7 @@ class CaseRecord:
     ``changed``: key paths that were set from outside the file; a changed case is not compared with
     published numbers. ``text``: the resolved case file (TOML), from which the case is read again.
     ``citations``: whole references. ``points``: coil numbers of the study's points on the wire,
-    where the case gives them. ``digest``: short fingerprint of what the case says.
+    where the case gives them. ``red_line`` (rad/s of the crank): the highest speed in use. ``digest``: short fingerprint of what the case says.
     """
 
     name: str
@@ -168,3 +168,4 @@ class CaseRecord:
     text: str = ""
     points: tuple[tuple[str, float], ...] = ()
     digest: str = ""
+    red_line: float | None = None
