@@ -191,6 +191,7 @@ def stress() -> Known:
         "largest_amplitude_coil_number": 3.5,
         "nominal_peak_shear_stress": 500 * per_force,
         "nominal_minimum_shear_stress": 275 * per_force,
+        "uncorrected_peak_shear_stress": 500 * 8 * 24e-3 / (np.pi * 4e-3**3),
         "wire_tensile_strength": 1860e6,  # EN 10270-2, 4 mm
         "permitted_shear_stress": 0.56 * 1860e6,
         "quasi_static_peak_shear_stress": top,

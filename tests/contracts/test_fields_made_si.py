@@ -50,6 +50,7 @@ IN_SI = {
     "2000 rpm": 2000 * np.pi / 30,
     "8 mm": 0.008,
     "12 mm": 0.012,
+    "600 mm/s": 0.6,
 }
 LOADS = SpringLoad("46 mm", "350 N"), SpringLoad("34 mm", "830 N")
 CATALOGUE = CatalogueCard(
@@ -106,7 +107,7 @@ PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
                           {"stiffness": RATE, "mass": MASS, "damping": DAMPING, "direction": "2 deg"}),
     "ValveParameters": (lambda: ValveParameters(0.06, stem_stiffness=4e7),
                         {"mass": MASS, "opening_direction": "2 deg", "head_fraction": "40 %", "stem_stiffness": RATE,
-                         "stem_damping": DAMPING, "damping": DAMPING, "friction": FORCE}),
+                         "stem_damping": DAMPING, "damping": DAMPING, "friction": FORCE, "permitted_seating_velocity": "600 mm/s"}),
     "CrankParameters": (lambda: CrankParameters(0.04, 0.14, 0.002, 0.1),
                         {"radius": "46 mm", "rod_length": "150 mm", "clearance": LENGTH, "top_dead_centre": "2 deg",
                          "valve_inclination": "2 deg", "offset": LENGTH, "lobe_centre": "2 deg"}),

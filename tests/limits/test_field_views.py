@@ -165,7 +165,9 @@ def test_a_valve_of_kilograms_is_warned_of():
 
 
 def test_stress_beside_the_strength_of_the_wire():
-    """The point of a run is its least and largest shear; the line its permitted shear."""
+    """The point of a run is its least and largest shear; at the line, too, the uncorrected stress is
+    what the wire is permitted.
+    """
     wire = {
         "wire_diameter": "3 mm", "outer_diameter": "24 mm", "total_coils": 6.5, "installed_height": "32 mm",
         "pitch": {"formula": "closed-ends", "pitch": "7.3 mm", "ramp": 0.2}, "material": "EN 10270-2 VDSiCr",
@@ -177,11 +179,14 @@ def test_stress_beside_the_strength_of_the_wire():
         .compare("6000 rpm", "massless")
     )
     chart = strength.strength_chart(done)
-    (point,) = [layer for layer in chart.panels[0].layers if hasattr(layer, "symbol")]
+    point, *published = [layer for layer in chart.panels[0].layers if hasattr(layer, "symbol")]
+    assert [layer.y[0] for layer in published] == [620.5, 930.8]
     found = done.solutions[0].quantities
     assert point.x[0] == pytest.approx(found["nominal_minimum_shear_stress"] * 1e-6)
     assert point.y[0] == pytest.approx(found["nominal_peak_shear_stress"] * 1e-6)
-    assert chart.panels[0].rules[0].value == found["permitted_shear_stress"] * 1e-6
+    share = found["uncorrected_peak_shear_stress"] / found["permitted_shear_stress"]
+    assert point.y[0] == pytest.approx(share * chart.panels[0].rules[0].value)
+    assert f"{100 * share:.3g} %" in chart.caption
 
 
 def test_labels_of_two_springs_on_an_order_map_do_not_overlap():

@@ -96,8 +96,12 @@ _STRENGTHS: dict[str, tuple[tuple[float, float], ...]] = {
     "EN 10270-2 VDSiCr": ((1.3, 2080.0), (1.6, 2060.0), (2.0, 2010.0), (2.5, 1960.0), (3.5, 1910.0), (4.5, 1860.0), (5.6, 1810.0), (6.5, 1760.0)),
     "OTEVA 91 SC": ((2.5, 2180.0), (3.2, 2130.0), (4.0, 2080.0), (5.0, 2030.0), (6.0, 1980.0), (7.0, 1910.0), (10.0, 1860.0)),
 }  # fmt: skip
-#: Permitted shear over tensile strength of cold coiled springs (EN 13906-1).
+#: Uncorrected shear that cold coiled springs are permitted with their coils closed, over tensile
+#: strength (EN 13906-1:2013, 10.1.1).
 PERMITTED_SHEAR = 0.56
+#: Surface -> least and largest corrected shear (Pa) of the cycles that springs of carbon and alloy steel
+#: below 10 mm bore without end, whatever their strength: 20 to 90 and 20 to 135 kpsi (zimmerli1957).
+FATIGUE_RANGES = {"not peened": (137.9e6, 620.5e6), "shot-peened": (137.9e6, 930.8e6)}
 
 
 def tensile_strength(material: Material, wire_diameter: float) -> float | None:

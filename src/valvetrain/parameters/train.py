@@ -205,7 +205,8 @@ class ValveParameters:
     opening motion.
 
     ``stem_stiffness`` (N/m), None for rigid, joins the head (``head_fraction`` of the mass) to the
-    tip; ``damping`` (N s/m) and ``friction`` (N) act in the guide.
+    tip; ``damping`` (N s/m) and ``friction`` (N) act in the guide. ``permitted_seating_velocity``
+    (m/s), None for the published one, is the limit that results are held against; it moves nothing.
     """
 
     mass: float
@@ -215,11 +216,12 @@ class ValveParameters:
     stem_damping: float = 0.0
     damping: float = 0.0
     friction: float = 0.0
+    permitted_seating_velocity: float | None = None
 
     def __post_init__(self) -> None:
         keep_si(
             self, "the valve", mass="moving_mass", opening_direction="angle", head_fraction="ratio", stem_stiffness="stiffness",
-            stem_damping="damping", damping="damping", friction="force",
+            stem_damping="damping", damping="damping", friction="force", permitted_seating_velocity="velocity",
         )  # fmt: skip
         _positive(self, "valve", "mass")
         _not_negative(self, "valve", "stem_damping", "damping", "friction")
@@ -229,6 +231,8 @@ class ValveParameters:
             )
         if self.stem_stiffness is not None:
             _positive(self, "valve", "stem_stiffness")
+        if self.permitted_seating_velocity is not None:
+            _positive(self, "valve", "permitted_seating_velocity")
         warn_unusual(self, "the valve", mass=_MASS)
 
 

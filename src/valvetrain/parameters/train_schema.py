@@ -56,6 +56,7 @@ Damping = Annotated[float, quantity("damping", low=0.0)]
 Inertia = Annotated[float, quantity("moment of inertia", low=0.0, high=MAX_INERTIA, open_low=True)]
 NotNegativeMass = Annotated[float, quantity("mass", low=0.0, high=MAX_MASS)]
 Friction = Annotated[float, quantity("force", low=0.0)]
+Velocity = Annotated[float, quantity("velocity", low=0.0, open_low=True)]
 Torque = Annotated[float, quantity("moment", low=0.0)]
 LeverRatio = Annotated[float, quantity("ratio", low=0.1, high=10.0)]
 Pair = Annotated[tuple[float, ...], quantities("length")]
@@ -202,6 +203,10 @@ class ValveModel(StrictModel):
     stem_damping: Damping = Field(default=0.0, description="of the stem")
     damping: Damping = Field(default=0.0, description="in the guide")
     friction: Friction = Field(default=0.0, description="in the guide")
+    permitted_seating_velocity: Velocity | None = Field(
+        default=None,
+        description="limit of the results alone; without it 0.52 m/s, published as smooth (docs/limits.md)",
+    )
 
     def build(self) -> ValveParameters:
         """The valve of this table."""

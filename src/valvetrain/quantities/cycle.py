@@ -110,6 +110,7 @@ class Frame:
     cam angle (rad) as the cam asks for it. ``source``: word of the published study whose own
     quantities are wanted. ``rigid``: rigid motion of a train at the run's speed. ``points``: coil
     numbers of the study's points on the wire, where they are others than its own.
+    ``permitted_seating_velocity`` (m/s) where the case sets that limit.
     """
 
     springs: tuple[InstalledSpring, ...] = ()
@@ -120,6 +121,7 @@ class Frame:
     source: str = ""
     rigid: RigidTable | None = None
     points: tuple[tuple[str, float], ...] = ()
+    permitted_seating_velocity: float | None = None
 
     @property
     def surge_frequency(self) -> float | None:

@@ -74,6 +74,8 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
         found |= gaps.part("numbers of the train", {}, train_quantities, solution, rigid, events)
         found |= gaps.part("valve events", {}, run_events, solution, events)
         found |= gaps.part("margins of rigid parts", {}, margin_quantities, frame.rigid)
+        if frame.permitted_seating_velocity is not None:
+            found["permitted_seating_velocity"] = frame.permitted_seating_velocity
     for row, compute in computed_rows():
         if ("train" if is_closed(solution) else "spring") in row.systems:
             value = gaps.part(row.label, None, compute, solution)

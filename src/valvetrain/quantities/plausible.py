@@ -112,7 +112,7 @@ FOUND = (
     _range("a spring force", "peak_spring_force peak_retainer_force", -1e5, 1e5, "N", 1.0, "the largest valve springs carry some 10 kN"),
     _range("a contact force", "peak_*_contact_force", -1e6, 1e6, "N", 1.0, "more than any cam, tappet or seat can carry"),
     _range("the force on a guide", "guide_force", -1e5, 1e5, "N", 1.0, "a spring cannot press on its guide with more than it can carry"),
-    _range("a shear stress", "peak_shear_stress nominal_peak_shear_stress", -1e10, 1e10, "GPa", 1e9,
+    _range("a shear stress", "peak_shear_stress nominal_peak_shear_stress uncorrected_peak_shear_stress", -1e10, 1e10, "GPa", 1e9,
            "the ideal strength of a steel crystal is G / 8"),
 )  # fmt: skip
 TABLES: Mapping[str, tuple[PlausibleRange, ...]] = {

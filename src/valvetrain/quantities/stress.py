@@ -16,9 +16,17 @@ from valvetrain.quantities.forces import spring_extremes
 from valvetrain.quantities.statics import solid_quantities
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.result import Solution
-from valvetrain.springs.stress import LOADS, STRESS_CHANNELS, nominal_stress_per_force, wire_stress
+from valvetrain.springs.stress import (
+    LOADS,
+    STRESS_CHANNELS,
+    nominal_stress_per_force,
+    uncorrected_stress_per_force,
+    wire_stress,
+)
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
+#: What EN 13906-1 holds against the permitted shear.
+UNCORRECTED = "uncorrected_peak_shear_stress"
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +81,7 @@ def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
             }
             found |= {
                 name: found[f"{worst}_{name}"]
-                for name in ("wire_tensile_strength", "permitted_shear_stress")
+                for name in (UNCORRECTED, "wire_tensile_strength", "permitted_shear_stress")
                 if f"{worst}_{name}" in found
             }
     return found
@@ -86,10 +94,14 @@ def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, floa
     extremes = spring_extremes(cycle, name)
     if spring.wire is None or extremes is None:
         return {}
-    factor = nominal_stress_per_force(spring.wire)
+    factor, peak = (
+        nominal_stress_per_force(spring.wire),
+        min(extremes[1], most_force_of_wire(spring)),
+    )
     return {
-        "nominal_peak_shear_stress": factor * min(extremes[1], most_force_of_wire(spring)),
+        "nominal_peak_shear_stress": factor * peak,
         "nominal_minimum_shear_stress": factor * extremes[0],
+        UNCORRECTED: uncorrected_stress_per_force(spring.wire) * peak,
     } | _strength(spring.wire)
 
 

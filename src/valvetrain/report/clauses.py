@@ -13,6 +13,8 @@ from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import Uncertainty
 
+#: How the names of the stresses by EN 13906-1 begin, but for their spring.
+STRESS = "nominal_peak"
 #: Share of a value above which its error bar is named.
 COARSE = 0.05
 #: Status -> what the run did.
@@ -93,12 +95,22 @@ class Runs:
         return f"{value.removesuffix(f' {unit}') if unit else value} ± {size}"
 
     def bounded(self, found: Worst) -> str:
-        """A value; of a stress by EN 13906-1 with what the wire is permitted, where that is known."""
-        text, name = self.text(found), found.name.replace("nominal_peak", "permitted")
-        bound = self.value(found.run or self.solutions[0], name)
-        if name == found.name or not math.isfinite(bound):
+        """A value; of a stress by EN 13906-1 its range, and the uncorrected one beside what the wire is
+        permitted, as far as these are known.
+        """
+        text, run = self.text(found), found.run or self.solutions[0]
+        if STRESS not in found.name:
             return text
-        return f"{text}, permitted {quantity_text(name, bound)}"
+        least, plain, bound = (
+            self.value(run, found.name.replace(STRESS, one))
+            for one in ("nominal_minimum", "uncorrected_peak", "permitted")
+        )
+        if math.isfinite(least):
+            text = f"{quantity_text(found.name, least).partition(' ')[0]} to {text}"
+        if not math.isfinite(plain - bound):
+            return text
+        known = quantity_text(found.name, plain).partition(" ")[0]
+        return f"{text}, uncorrected {known} of {quantity_text(found.name, bound)} permitted"
 
     def bar(self, found: Worst, above: float = COARSE) -> float:
         """The known error bar of a value where it is ``above`` that share of it, else 0."""

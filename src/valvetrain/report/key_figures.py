@@ -29,7 +29,7 @@ IMPACTS = ", beyond control: with impacts"
 #: What is listed of each label: quantity -> its name there, and whether the least counts.
 EACH = {
     POWER: ("cam power", False),
-    "nominal_peak_shear_stress": ("peak shear stress", False),
+    "nominal_peak_shear_stress": ("shear stress", False),
     "surge_amplitude_force": ("surge, 0 to peak", False),
     "clash_energy": ("clash energy", False),
     "coil_bind_clearance": ("clearance to coil bind at full lift", True),
@@ -118,7 +118,7 @@ def _place(runs: Runs, one: Worst) -> str:
 
 
 def _value(runs: Runs, one: Worst) -> str:
-    """The value; of a stress with what the wire is permitted, where that is known."""
+    """The value; of a stress its range, and what the wire is permitted, where that is known."""
     if one.name == "clash_energy" and one.value <= 0:
         return "none"
     return f"{runs.bounded(one)}{_impacts(runs, one)}"

@@ -31,6 +31,7 @@ CAUSES = {
     CAUSE_SURGE: "surge lowers the spring force",
     CAUSE_VIBRATION: "the train vibrates",
 }
+SEATING = "seating_velocity"
 SURGE_ORDER = "surge_amplitude_cam_order"
 #: Crank angle (rad) of the open valve above which its loss to flex is named.
 FLEX_ANGLE = math.radians(1.0)
@@ -62,13 +63,14 @@ def is_judged(run: Solution) -> bool:
 
 
 def run_clauses(runs: Runs) -> Iterator[Clause]:
-    """What a user asks first: limits passed before all else, contact lost before what is well, angles
-    in cam degrees as along the figures; nothing without runs. Of more than two labels what flex takes,
+    """What a user asks first: what endangers the engine before all else, contact lost before what is
+    well, the seating velocity last, angles in cam degrees as along the figures; nothing without runs. Of more than two labels what flex takes,
     a piston far away and the hardest clash are left to the tables.
     """
     if not runs.solutions:
         return
-    yield from limit_clauses(runs)
+    passed = list(limit_clauses(runs))
+    yield from (clause for name, clause in passed if name != SEATING)
     if pulling := ends_that_pull(runs):
         yield Clause(ENDS_PULL.format(pulling[0].model), pulling[0])
     bind = [one for one in (bind_clause(runs),) if one is not None]
@@ -84,6 +86,7 @@ def run_clauses(runs: Runs) -> Iterator[Clause]:
         yield from (*bind, *contact)
     yield from () if clash_first else clashes
     yield from _force_clauses(runs)
+    yield from (clause for name, clause in passed if name == SEATING)
 
 
 def _is_brief(runs: Runs) -> bool:
@@ -99,8 +102,8 @@ def worst_run(runs: Runs) -> Solution | None:
     )
 
 
-def limit_clauses(runs: Runs) -> Iterator[Clause]:
-    """Limits passed, coil bind left out: the worst run of each."""
+def limit_clauses(runs: Runs) -> Iterator[tuple[str, Clause]]:
+    """Quantities that pass a limit, coil bind left out, with the worst run of each."""
     worst: dict[str, tuple[PassedLimit, Solution]] = {}
     for run in runs.solutions:
         for name, one in passed_limits(run.quantities).items():
@@ -110,8 +113,8 @@ def limit_clauses(runs: Runs) -> Iterator[Clause]:
         if name.endswith("coil_bind_clearance"):
             continue
         text = runs.text(Worst(name, one.value, run))
-        bound = quantity_text(name, one.limit)
-        yield Clause(f"{label_of(name)} {text}, above its limit of {bound}", run)
+        bound = one.phrase.format(quantity_text(name, one.limit))
+        yield name, Clause(f"{label_of(name)} {text}, {bound}", run)
 
 
 def ends_that_pull(runs: Runs) -> list[Solution]:

@@ -15,18 +15,19 @@ ALIKE = 0.01
 #: Least surge (N) and clash energy (J) that are a reason.
 LEAST_SURGE, LEAST_CLASH = 1.0, 1e-5
 PEAK, MINIMUM = "nominal_peak_shear_stress", "nominal_minimum_shear_stress"
-PERMITTED = "permitted_shear_stress"
+UNCORRECTED, PERMITTED = "uncorrected_peak_shear_stress", "permitted_shear_stress"
 
 
 @dataclass(frozen=True)
 class WireStress:
     """Stress of the wire of a spring (SI) where it is worst: ``amplitude``, half of largest less least
-    of a ``run``, ``peak``, ``permitted``; ``swing`` of the force (N) in that run and ``per_force``
-    (Pa/N); NaN for unknown.
+    of a ``run``, ``peak``, ``uncorrected`` peak and what of it is ``permitted``; ``swing`` of the force
+    (N) in that run and ``per_force`` (Pa/N); NaN for unknown.
     """
 
     amplitude: float
     peak: float
+    uncorrected: float
     permitted: float
     swing: float
     per_force: float
@@ -34,8 +35,15 @@ class WireStress:
 
     @property
     def use(self) -> float:
-        """Peak over what is permitted; the peak itself where that is unknown."""
+        """Peak over what is permitted, as a measure of the strength of the wire; the peak itself where
+        that is unknown.
+        """
         return self.peak / self.permitted if math.isfinite(self.permitted) else self.peak
+
+    @property
+    def share(self) -> float:
+        """Uncorrected peak over what is permitted."""
+        return self.uncorrected / self.permitted
 
 
 def wire_stress(runs: Runs) -> WireStress | None:
@@ -63,15 +71,18 @@ def _of_spring(runs: Runs, name: str) -> WireStress | None:
         runs.value(worst, f"{name}{one}") for one in ("peak_spring_force", "minimum_spring_force")
     )
     per_force = runs.value(worst, name + MINIMUM) / least if least else math.nan
-    permitted = runs.value(peak.run or runs.solutions[0], name + PERMITTED)
-    return WireStress(amplitude(worst), peak.value, permitted, force - least, per_force, worst)
+    plain, permitted = (
+        runs.value(peak.run or runs.solutions[0], name + one) for one in (UNCORRECTED, PERMITTED)
+    )
+    swing = force - least
+    return WireStress(amplitude(worst), peak.value, plain, permitted, swing, per_force, worst)
 
 
 def stress_clause(names: list[str], pair: list[Runs]) -> str:
     """Which spring is stressed more, and why; empty where a wire is unknown.
 
     Two springs of one wire break by amplitude and peak; where these name different springs, the one
-    that alone passes what its wire is permitted is named, else both are.
+    that alone passes the static limit of its wire is named, else both are.
     """
     first, second = (wire_stress(runs) for runs in pair)
     if first is None or second is None:
@@ -80,7 +91,7 @@ def stress_clause(names: list[str], pair: list[Runs]) -> str:
     swing = _larger(first.amplitude, second.amplitude)
     comparable = math.isfinite(first.permitted) == math.isfinite(second.permitted)
     peak = _larger(*((one.use if comparable else one.peak) for one in both))
-    passed = [one.peak > one.permitted for one in both]
+    passed = [one.share > 1 for one in both]
     if swing is None and peak is None:
         return f"both springs are stressed alike ({_amplitude(*both)}{_peak(*both)})"
     place = peak if swing is None else swing
@@ -90,7 +101,7 @@ def stress_clause(names: list[str], pair: list[Runs]) -> str:
         ends = f"{names[swing]} has the larger stress amplitude ({_amplitude(more, less)[10:]})"
         other = f"{names[1 - swing]} the larger peak stress ({_peak(less, more)[7:]})"
         if sum(passed) == 1:
-            return f"{names[passed.index(True)]} alone is stressed beyond what its wire is permitted: {ends}, {other}"
+            return f"{names[passed.index(True)]} alone passes the static limit of its wire: {ends}, {other}"
         return f"{ends}, {other}: the fatigue chart of the wire decides which breaks first"
     parts = [_amplitude(more, less), _peak(more, less)[2:]]
     if swing is None and parts[0]:  # alike, so that it is no reason
@@ -114,17 +125,17 @@ def _amplitude(one: WireStress, other: WireStress) -> str:
 
 
 def _peak(one: WireStress, other: WireStress) -> str:
-    """``, peak 858 MPa against 821 MPa, permitted 1042 MPa``; two bounds each with its own."""
-    bounds = [
-        f", permitted {quantity_text(PEAK, part.permitted)}"
-        if math.isfinite(part.permitted)
-        else ""
-        for part in (one, other)
-    ]
-    if bounds[0] == bounds[1]:
-        return f", peak {_against(one.peak, other.peak)}{bounds[0]}"
-    values = [quantity_text(PEAK, part.peak) for part in (one, other)]
-    return f", peak {values[0]}{bounds[0]} against {values[1]}{bounds[1]}"
+    """``, peak 858 MPa against 821 MPa, 66 % against 63 % of the static limit``; of one known share
+    that alone.
+    """
+    shares = [f"{100 * part.share:.0f} %" for part in (one, other) if math.isfinite(part.share)]
+    if len(shares) == 1:
+        values = [quantity_text(PEAK, part.peak) for part in (one, other)]
+        place = 0 if math.isfinite(one.share) else 1
+        values[place] += f" ({shares[0]} of its static limit)"
+        return f", peak {values[0]} against {values[1]}"
+    limit = f", {' against '.join(shares)} of the static limit" if shares else ""
+    return f", peak {_against(one.peak, other.peak)}{limit}"
 
 
 def _against(first: float, second: float, name: str = PEAK) -> str:

@@ -21,6 +21,7 @@ from valvetrain.report.clauses import (
 )
 from valvetrain.report.run_clauses import (
     ENDS_PULL,
+    SEATING,
     bind_clause,
     cause_phrase,
     cause_text,
@@ -79,10 +80,12 @@ def sweep_clauses(study: Study) -> list[str]:
         parts.insert(0 if "solid" in bind.text else len(parts), bind.text)
     if pulling := ends_that_pull(runs):
         parts.append(f"from {_speed(pulling[0])} {ENDS_PULL.format(pulling[0].model)}")
-    parts += limits_over_speed(runs)
+    limits = limits_over_speed(runs)
+    parts += [text for name, text in limits.items() if name != SEATING]
     if not train:
         parts += _spring_forces(runs)
     parts += _surge(study, label, runs)
+    parts += [text for name, text in limits.items() if name == SEATING]
     parts += unsettled(study.runs(label))
     if several:
         parts[0] = f"{label if study.interruption else f'worst ({label})'}: {parts[0]}"
@@ -320,19 +323,19 @@ def first_losses(runs: Runs) -> dict[str, Solution]:
     return first
 
 
-def limits_over_speed(runs: Runs) -> list[str]:
-    """Limits passed: from which engine speed run, or where alone."""
+def limits_over_speed(runs: Runs) -> dict[str, str]:
+    """Quantity that passes a limit -> from which engine speed run, or where alone."""
     passed: dict[str, list[Solution]] = {}
     for run in runs.solutions:
         for name in passed_limits(run.quantities):
             if not name.endswith("coil_bind_clearance"):
                 passed.setdefault(name, []).append(run)
-    texts = []
+    texts = {}
     for name, some in passed.items():
-        limit = quantity_text(name, passed_limits(some[0].quantities)[name].limit)
-        bound = f"{label_of(name)} above its limit of {limit}"
+        limit = passed_limits(some[0].quantities)[name]
+        bound = f"{label_of(name)} {limit.phrase.format(quantity_text(name, limit.limit))}"
         above = [run for run in runs.solutions if run.engine_speed >= some[0].engine_speed]
-        texts.append(
+        texts[name] = (
             f"{bound} at every speed"
             if len(some) == len(runs.solutions)
             else f"{bound} from {_speed(some[0])}"

@@ -127,6 +127,7 @@ def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...
                 *chain_notes((member,)),
                 *buckling_notes(alone),
                 *unknown_solid_notes((member,)),
+                *card_notes((member,)),
                 *pulling_end_notes((run,)),
                 *driven_notes((run,)),
             ),
@@ -153,6 +154,24 @@ def with_notes(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solutio
         if (notes := run_notes(problem, members[run.label], run))
         else run
         for run in solutions
+    )
+
+
+def card_notes(members: Iterable[Member]) -> tuple[str, ...]:
+    """A sentence on the springs of trains that are known by their cards: what these do not have."""
+    names = dict.fromkeys(
+        repr(spring.name)
+        for member in members
+        if member.gear is not None
+        for spring in member.springs
+        if spring.card is not None
+    )
+    if not names:
+        return ()
+    springs = "Springs" if len(names) > 1 else "Spring"
+    return (
+        f"{springs} {' and '.join(names)} known by card alone: no clash of coils, no stress, no mass of end turns on the retainer; "
+        "'valvetrain spring-card' makes the wire.",
     )
 
 

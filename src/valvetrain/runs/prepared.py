@@ -117,6 +117,8 @@ def law_lift(problem: Problem) -> float:
 
 def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> PreparedRun:
     """The member assembled with its springs at ``rest``; what its parts refuse is its ``refusal``."""
+    valve = None if member.gear is None else member.gear.parameters.valve
+    permitted = None if valve is None else valve.permitted_seating_velocity
     # Under prescribed motion the statics of the springs are computed during the first runs: with_quantities() adds their frequencies.
     frame = Frame(
         member.springs,
@@ -126,6 +128,7 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
         problem.valve_lift.lift,
         source,
         points=problem.record.points,
+        permitted_seating_velocity=permitted,
     )
     try:
         system = member.system(rest, problem.built)

@@ -25,6 +25,7 @@ from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speed
 from valvetrain.runs.notes import (
     beyond_wire_notes,
     buckling_notes,
+    card_notes,
     chain_notes,
     driven_notes,
     parting_notes,
@@ -420,6 +421,7 @@ def _notes(problem: Problem) -> tuple[str, ...]:
         *chain_notes(members),
         *buckling_notes(problem),
         *unknown_solid_notes(members),
+        *card_notes(members),
     )
     return (*filter(None, notes), *named)
 

@@ -271,9 +271,10 @@ def _show_card(fit: SpringFit, request: _Request) -> None:
         console.print()
         console.print(plain_table(("the spring", "", ""), spring_rows(fit.spring), right=(1,)))
         console.print()
+        console.print(f"{fit.in_engine}.", soft_wrap=True)
 
     data: dict[str, Any] = {
-        "command": "spring-card", "case": "", "completed": True, "left_free": list(fit.free),
+        "command": "spring-card", "case": "", "completed": True, "left_free": list(fit.free), "in_engine": fit.in_engine,
         "card": {one.quantity: {"asked": one.requested, "found": one.found} for one in fit.held},
     }  # fmt: skip
     _deliver(request, fit, card_page(fit), data, "from a catalogue card", show)

@@ -13,6 +13,7 @@ import numpy as np
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.quantities.statics import design_quantities
 from valvetrain.solution.saveable import Saveable
 from valvetrain.spring_card.card import (
     GROUND,
@@ -23,6 +24,7 @@ from valvetrain.spring_card.card import (
     doubt_of,
     first_winding,
     ground_choices,
+    moving_mass,
     weight,
 )
 from valvetrain.springs.finite_element import FiniteElementRod
@@ -62,6 +64,27 @@ class SpringFit(Saveable):
         """The wire."""
         assert self.spring.wire is not None
         return self.spring.wire
+
+    @property
+    def in_engine(self) -> str:
+        """What an engine has of this wire that it has not of the card alone: end turns on the retainer,
+        another surge frequency, clashes.
+        """
+        wire, card = self.definition, self.card
+        last = wire.total_coils
+        squares = wire.integrate_along_wire(
+            wire.wire_diameter, 2, (last - wire.upper_end.inactive_coils, last)
+        )
+        ends = np.pi / 4 * wire.material.density * squares
+        surge = design_quantities(self.spring).get("estimated_surge_frequency", np.nan)
+        said = f"this wire has {1e3 * ends:.2g} g of end turns that ride on the retainer besides, surges at {surge:.0f} Hz, and its coils can clash"
+        if card.top_outer_diameter is not None:
+            return f"What the card alone does not have in an engine: {said}"
+        moves = moving_mass(card)
+        alone = (
+            f"{1e3 * moves:.3g} g that move and surges at {0.5 * np.sqrt(card.rate / moves):.0f} Hz"
+        )
+        return f"In an engine the card alone has {alone}; {said}"
 
     def __repr__(self) -> str:
         wire = self.definition
@@ -218,7 +241,9 @@ def _left_free(card: CatalogueCard, winding: Winding) -> tuple[str, ...]:
     free.append(
         "the pitch is taken constant between the closed ends: two loads do not determine a progressive pitch, a table of forces does"
     )
-    free.append("damping and contact of the coils are on no card: the defaults apply")
+    free.append(
+        "damping is on no card, so this spring has none: copy that of the engine's spring; contact of the coils is the default"
+    )
     if card.free_length is None:
         free.append("no free length is given: it follows from both loads")
     return tuple(free)

@@ -80,7 +80,7 @@ def card_page(fit: SpringFit) -> Page:
     sections = (
         Section("card", "The card and the spring that meets it", (requested,)),
         Section("curve", "Pitch", (Figure(_pitch_chart(fit.spring)),)),
-        Section("spring", "What the spring is", (_grid(fit.spring),)),
+        Section("spring", "What the spring is", (_grid(fit.spring), text(f"{fit.in_engine}."))),
         Section("free", "What the card left open", _sentences(fit.free), folded=True),
     )
     lead = "Active turns and free length give the finite-element rod both loads of the card; the rest follows from its other values."

@@ -1,0 +1,95 @@
+"""A spring by its card in an engine, and its wire: what lies between the two (limit between models), and
+that the answers say it (contract). The engine is an own one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from valvetrain.spring_card import CatalogueCard, SpringLoad, spring_from_card
+from valvetrain.springs.equivalent import EquivalentSpring
+
+DAMPING = {"ratio": 0.016, "ratio_frequency": "600 Hz"}
+VALVE = 42.0
+CARD = CatalogueCard(
+    wire_diameter="3.7 mm",
+    outer_diameter="25 mm",
+    installed_load=SpringLoad("36 mm", "220 N"),
+    open_load=SpringLoad("27.4 mm", "590 N"),
+    solid_height="22 mm",
+)
+
+
+def engine(spring: dict[str, object], valve: float = VALVE) -> vt.Case:
+    """A bucket tappet with one spring; ``valve`` in grams."""
+    return vt.Case(
+        name="bucket",
+        lift_law={"kind": "cam-card", "angle_of": "crank", "valve_lift": "8.6 mm", "duration": "248 deg", "duration_lift": "1 mm", "lash": "0.2 mm"},
+        train={
+            "kind": "direct", "contacts": "steel", "cam": {"base_radius": "18 mm", "width": "14 mm"}, "spring_model": "modal-uniform",
+            "follower": {"shape": "flat", "mass": "22 g"}, "valve": {"mass": f"{valve} g"}, "springs": {"one": [{**spring, "damping": DAMPING}]},
+        },
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def fit():
+    return spring_from_card(CARD)
+
+
+@pytest.fixture(scope="module")
+def wire(fit):
+    """The block of a case file."""
+    turns = fit.definition
+    return {
+        "wire_diameter": "3.7 mm", "outer_diameter": "25 mm", "total_coils": turns.total_coils, "precompression": fit.spring.precompression,
+        "pitch": {"coils": list(turns.pitch.coils), "values": list(turns.pitch.values)}, "material": "EN 10270-2 VDSiCr",
+        "ends": {"kind": "closed-ground", "inactive_coils": turns.lower_end.inactive_coils, "ground_coils": 0.5},
+    }  # fmt: skip
+
+
+def least_force(case: vt.Case) -> float:
+    return case.run("10000 rpm").quantities["minimum_cam_contact_force"]
+
+
+def test_end_turns_on_the_retainer_are_what_a_card_lacks(fit, wire):
+    """By one model, a card of the wire's rate, preload and moving mass needs the end turns as mass of the
+    valve to have the wire's force at the cam; without them it has more.
+    """
+    same = EquivalentSpring.from_installed(fit.spring)
+    card = {
+        "rate": same.rate,
+        "preload": same.preload,
+        "mass": same.active_mass,
+        "installed_height": "36 mm",
+    }
+    due = least_force(engine(wire))
+    assert least_force(engine(card, VALVE + 1e3 * same.inactive_mass)) == pytest.approx(
+        due, rel=2e-3
+    )
+    assert least_force(engine(card)) > 1.03 * due
+
+
+def test_the_card_tells_what_its_wire_has_besides(fit):
+    """Closed form: rho pi^2 d^2 D n / 4 with n of the rate, 0.5 sqrt(k / m), and the end turns' length."""
+    d, mean, rate, density = 3.7e-3, 21.3e-3, 370 / 8.6e-3, 7850.0
+    turns = 79.5e9 * d**4 / (8 * mean**3 * rate)
+    moves = density * np.pi**2 * d**2 * mean * turns / 4
+    ends = density * np.pi**2 * d**2 * mean * fit.definition.upper_end.inactive_coils / 4
+    assert f"the card alone has {1e3 * moves:.3g} g that move" in fit.in_engine
+    assert f"surges at {0.5 * np.sqrt(rate / moves):.0f} Hz; this wire has {1e3 * ends:.2g} g of end turns" in fit.in_engine  # fmt: skip
+    assert any("this spring has none: copy that of the engine's spring" in one for one in fit.free)
+
+
+def test_a_run_on_a_card_says_once_what_it_lacks(wire):
+    card = {
+        "wire_diameter": "3.7 mm", "outer_diameter": "25 mm", "preload": "220 N", "installed_height": "36 mm",
+        "open_load": "590 N", "open_height": "27.4 mm",
+    }  # fmt: skip
+    study = engine(card).compare("6000 rpm")
+    said = [note for note in study.notes if "valvetrain spring-card" in note]
+    assert len(said) == 1 and "no clash of coils, no stress, no mass of end turns" in said[0]
+    assert "card" not in study.verdict
+    assert not any("by card alone" in note for note in engine(wire).compare("6000 rpm").notes)
