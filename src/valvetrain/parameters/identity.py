@@ -15,6 +15,8 @@ import numpy as np
 _TEXTS = (
     "name", "title", "description", "notes", "sources", "remarks", "published", "text", "changed",
 )  # fmt: skip
+#: Fields of its parts that change none where the case does not give them.
+_NO_NUMBER = ("permitted_seating_velocity",)
 
 
 def content(item: Any, exact: bool = True) -> bytes:
@@ -43,7 +45,8 @@ def _parts(item: Any, exact: bool) -> Iterator[bytes]:
     elif is_dataclass(item) and not isinstance(item, type):
         yield type(item).__name__.encode()
         for one in fields(item):
-            if one.compare and (exact or one.name != "name"):
+            unsaid = one.name in _NO_NUMBER and getattr(item, one.name) is None
+            if one.compare and (exact or not (unsaid or one.name == "name")):
                 yield one.name.encode()
                 yield from _parts(getattr(item, one.name), exact)
     elif isinstance(item, Mapping):

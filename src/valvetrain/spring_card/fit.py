@@ -77,7 +77,7 @@ class SpringFit(Saveable):
         )
         ends = np.pi / 4 * wire.material.density * squares
         surge = design_quantities(self.spring).get("estimated_surge_frequency", np.nan)
-        said = f"this wire has {1e3 * ends:.2g} g of end turns that ride on the retainer besides, surges at {surge:.0f} Hz, and its coils can clash"
+        said = f"this wire has {1e3 * ends:.2g} g of end turns that move with the retainer besides, surges at {surge:.0f} Hz, and its coils can clash"
         if card.top_outer_diameter is not None:
             return f"What the card alone does not have in an engine: {said}"
         moves = moving_mass(card)
