@@ -75,7 +75,7 @@ DAMPING = "25 N s/m"
 PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "CoilContact": (CoilContact, {"stiffness": "30 N/mm^2", "damping_time": SECOND}),
     "InstalledSpring": (lambda: InstalledSpring(wire=SPRING), {"precompression": LENGTH}),
-    "Operation": (Operation, {"output_step": "2 deg"}),
+    "Operation": (Operation, {"output_step": "2 deg", "red_line": "2000 rpm"}),
     "Guide": (lambda: vt.parameters.Guide(bore=0.03, rod=0.012), {"bore": LENGTH, "rod": "8 mm", "stiffness": "30 N/mm^2"}),
     "Quantity": (lambda: vt.solution.Quantity("peak_seat_force"), {"engine_speed": "2000 rpm"}),
     "EquivalentSpring": (lambda: UNIFORM, {"rate": RATE, "preload": FORCE, "active_mass": MASS, "inactive_mass": MASS}),
@@ -98,7 +98,8 @@ PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
                    "cam_speed": "2000 rpm", "exposure": SECOND}),
     "CamParameters": (lambda: CamParameters(0.018), {"base_radius": "12 mm", "width": "12 mm", "youngs_modulus": "30 N/mm^2"}),
     "FollowerParameters": (lambda: FollowerParameters(shape="roller", radius=0.01, mass=0.05),
-                           {"radius": "8 mm", "mass": MASS, "offset": LENGTH, "tilt": "2 deg", "damping": DAMPING, "friction": FORCE}),
+                           {"radius": "8 mm", "mass": MASS, "offset": LENGTH, "tilt": "2 deg", "damping": DAMPING, "friction": FORCE,
+                            "face_diameter": LENGTH}),
     "LeverParameters": (lambda: LeverParameters((0.0, 0.0), 0.03, 0.04, 4e-5),
                         {"drive_arm": "29 mm", "valve_arm": "30 mm", "inertia": "2e-5 kg m^2", "valve_angle": "2 deg", "drive_angle": "2 deg",
                          "mass": MASS, "stiffness": RATE, "damping": DAMPING, "holding_torque": "2 N m", "tip_radius": "8 mm"}),
