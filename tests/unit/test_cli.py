@@ -70,6 +70,7 @@ def test_run_compare_and_sweep_share_their_options():
         "--figures",
         "--published",
         "--open",
+        "--units",
         "--json",
         "--quiet",
     )

@@ -33,6 +33,7 @@ from valvetrain.report.run_summary import (
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import label_of, names_for
+from valvetrain.units.reader import reader_unit
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -322,7 +323,14 @@ def _rest_tables(study: Study) -> Iterator[Table]:
         rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *label))
     if rows:
         table = plain_table(
-            ("at rest", "preload (N)", "rate (N/mm)", "mode 1 (Hz)", "mode 2 (Hz)", "mode 3 (Hz)"),
+            (
+                "at rest",
+                f"preload ({reader_unit('N')})",
+                f"rate ({reader_unit('N/mm')})",
+                "mode 1 (Hz)",
+                "mode 2 (Hz)",
+                "mode 3 (Hz)",
+            ),
             rows,
             right=range(1, 6),
         )

@@ -79,7 +79,7 @@ def cam_rows(
 
 
 def _height(lift: float) -> str:
-    return f"{number(lift * 1e3)} mm ({lift / 25.4e-3:.3f} in)"
+    return f"{number(lift * 1e3)} mm ({lift / 25.4e-3:.3f} in)"  # cards of both kinds are at hand
 
 
 def check_verdict(
@@ -104,7 +104,7 @@ def check_verdict(
     if (away := cam.get("cam_contact_face_radius")) is not None:
         if face is None:
             facts.append(
-                f"the follower's face needs {quantity_text('cam_contact_face_radius', 2 * away)} in diameter"
+                f"the follower's face needs a diameter of {quantity_text('cam_contact_face_radius', 2 * away)}"
             )
         else:
             left = quantity_text("cam_contact_face_radius", abs(face / 2 - away))

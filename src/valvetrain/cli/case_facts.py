@@ -9,7 +9,7 @@ import numpy as np
 
 from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.parameters.summary import number, value_text
-from valvetrain.report.text import speed_text
+from valvetrain.report.text import amount, speed_text
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
@@ -32,7 +32,7 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
         facts.append(
             (
                 "train",
-                f"{train.kind}, {train.model} model, {train.model_of()} springs, lash {number(train.lash * 1e3)} mm",
+                f"{train.kind}, {train.model} model, {train.model_of()} springs, lash {amount(train.lash * 1e3, 'mm')}",
             )
         )
         facts.append(
@@ -91,12 +91,10 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
 
 def _spring_fact(spring: InstalledSpring) -> str:
     if spring.card is None:
-        return f"{spring.name}: wire known, compressed {number(spring.precompression * 1e3)} mm when installed"
+        return f"{spring.name}: wire known, compressed {amount(spring.precompression * 1e3, 'mm')} when installed"
     card = spring.card
     mass = "" if card.mass is None else f", mass {number(card.mass * 1e3)} g"
-    return (
-        f"{card.name}: rate {number(card.rate / 1e3)} N/mm, preload {number(card.preload)} N{mass}"
-    )
+    return f"{card.name}: rate {amount(card.rate / 1e3, 'N/mm')}, preload {amount(card.preload, 'N')}{mass}"
 
 
 def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:

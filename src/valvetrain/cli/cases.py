@@ -15,7 +15,9 @@ from valvetrain.cli.options import (
     QuietOption,
     SetOption,
     SpringOption,
+    UnitsOption,
     read_models,
+    take_units,
 )
 from valvetrain.errors import InputError
 from valvetrain.parameters.templates import KINDS, template_kind, template_text
@@ -113,6 +115,7 @@ def check(
     settings: SetOption = None,
     elements_per_coil: ElementsOption = None,
     implausible: ImplausibleOption = False,
+    units: UnitsOption = "si",
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -124,28 +127,29 @@ def check(
     from valvetrain.cli.options import choose_case
     from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.report.json import quantities_object
+    from valvetrain.units.reader import for_reader
 
+    take_units(units)
     chosen = choose_case(case, settings, elements_per_coil)
     problem = put_together(chosen, read_models(spring), implausible)
     quantities = case_quantities(chosen, problem)
-    facts = case_facts(chosen)
     cam, durations = cam_facts(chosen, problem)
     data = {
-        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(facts),
+        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(case_facts(chosen)),
         "quantities": quantities_object(quantities | cam),
         "durations": [
             {"lift": measured(lift, "m"), "crank_angle": measured(angle, "rad")} for lift, angle in durations.items()
         ],
     }  # fmt: skip
-    rows = cam_rows(cam, durations)
-    verdict = check_verdict(chosen, problem, quantities, cam)
-    deliver(
-        Outcome(
-            data,
-            lambda console: _show_check(console, chosen, facts, quantities, rows),
-            verdict=verdict,
-        )
-    )
+    data["verdict"] = check_verdict(chosen, problem, quantities, cam)
+    with for_reader():
+        read = check_verdict(chosen, problem, quantities, cam)
+
+    def show(console: Console) -> None:
+        rows = cam_rows(cam, durations)
+        _show_check(console, chosen, case_facts(chosen), quantities, rows)
+
+    deliver(Outcome(data, show, verdict=read))
 
 
 def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:

@@ -18,6 +18,7 @@ from valvetrain.cli.options import (
     SetOption,
     SpeedOption,
     SpringOption,
+    UnitsOption,
     WorkersOption,
     choose_case,
 )
@@ -58,6 +59,7 @@ def compare_springs(
     limit: LimitOption = None,
     implausible: ImplausibleOption = False,
     open_page: OpenOption = False,
+    units: UnitsOption = "si",
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -82,7 +84,8 @@ def compare_springs(
             "--train",
         )
     shared = shared_options(
-        engine, engine_speed, spring, settings=settings, output=output, workers=workers, limit=limit, implausible=implausible, open_page=open_page
+        engine, engine_speed, spring, settings=settings, output=output, workers=workers, limit=limit, implausible=implausible, open_page=open_page,
+        units=units,
     )  # fmt: skip
     stems = (PurePath(first).stem, PurePath(second).stem)
     case = with_two_springs(shared["case"], *pair, stems)

@@ -86,6 +86,16 @@ JsonOption = Annotated[
 QuietOption = Annotated[
     bool, typer.Option("--quiet", help="Print errors only; the exit code says how it ended.")
 ]
+UnitsOption = Annotated[
+    str,
+    typer.Option(
+        "--units",
+        metavar="SYSTEM",
+        envvar="VALVETRAIN_UNITS",
+        show_envvar=False,
+        help="Units of the answer and the page: si or imperial (in, lbf, lbf/in, ksi). Files and --json stay SI.",
+    ),
+]
 SpeedOption = Annotated[
     str | None,
     typer.Option(
@@ -95,6 +105,16 @@ SpeedOption = Annotated[
         help="Crank speeds instead of the case's own: '4200, 5600 rpm' or '1000:9000:500 rpm'.",
     ),
 ]
+
+
+def take_units(system: str) -> None:
+    """Print the answer of this command in a ``system`` of units. Raises :class:`InputError` for an
+    unknown one.
+    """
+    from valvetrain.units.reader import request_units
+
+    request_units(system)
+    at_end(lambda: request_units("si"))
 
 
 def read_folder(text: str) -> Path:

@@ -138,14 +138,20 @@ def deliver(outcome: Outcome) -> None:
 
 
 def _with_verdict(outcome: Outcome) -> Mapping[str, Any]:
-    return {**outcome.data, "verdict": outcome.verdict} if outcome.verdict else outcome.data
+    # an answer that holds its verdict has it in SI, whatever the reader's units
+    if not outcome.verdict or "verdict" in outcome.data:
+        return outcome.data
+    return {**outcome.data, "verdict": outcome.verdict}
 
 
 def _show(outcome: Outcome) -> tuple[str, ...]:
     """Print for people; what could not be printed, since results are saved whatever printing does."""
+    from valvetrain.units.reader import for_reader
+
     try:
         console = output_console()
-        outcome.show(console)
+        with for_reader():
+            outcome.show(console)
         if outcome.verdict:
             console.print(f"\n{outcome.verdict}")
     except (OSError, InputError, typer.Exit):

@@ -35,6 +35,7 @@ from valvetrain.cli.options import (
     SpeedOption,
     SpringOption,
     SpringSetOption,
+    UnitsOption,
     WorkersOption,
     choose_case,
     folder_of,
@@ -43,6 +44,7 @@ from valvetrain.cli.options import (
     read_names,
     read_workers,
     take_folder,
+    take_units,
 )
 from valvetrain.cli.outcome import complain, say_cost, tell
 from valvetrain.errors import InputError
@@ -182,6 +184,7 @@ def shared_options(
     figures: FiguresOption = False,
     published: PublishedOption = False,
     open_page: OpenOption = False,
+    units: UnitsOption = "si",
     as_json: JsonOption = False,
     quiet: QuietOption = False,
     more: Mapping[str, Any] = MappingProxyType({}),
@@ -191,6 +194,7 @@ def shared_options(
     """
     from valvetrain.runs.cost import read_limits
 
+    take_units(units)
     chosen = choose_case(case, settings, elements_per_coil, more)
     take_folder(output)
     speeds = read_engine_speeds(engine_speed)
@@ -317,6 +321,7 @@ def _saved_outcome(
     from valvetrain.report.text import rpm
     from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.units.reader import for_reader
 
     gaps = PartialFailures(unfinished.gaps.sentences)
     none: tuple[str, ...] = ()
@@ -336,11 +341,13 @@ def _saved_outcome(
     )  # fmt: skip
     if page is not None and request.open_page:
         show_page(page)
+    with for_reader():
+        read = verdict_of(study) if verdict else ""
     return Outcome(
         data,
         lambda console: show_study(console, study, folder, page, request.published),
         failed,
-        verdict,
+        read,
     )
 
 

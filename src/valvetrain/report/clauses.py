@@ -12,6 +12,7 @@ from valvetrain.solution.definition import shown
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.units.reader import reader_factor, reader_unit
 
 #: How the names of the stresses by EN 13906-1 begin, but for their spring.
 STRESS = "nominal_peak"
@@ -152,6 +153,11 @@ class Runs:
 def figure(value: float, digits: int = 3) -> str:
     """A number as a sentence gives it: three digits, whole ones never rounded away."""
     return number(float(round(value)), 12) if abs(value) >= 10**digits else number(value, digits)
+
+
+def amount_text(value: float, unit: str, digits: int = 3) -> str:
+    """A number in a metric ``unit`` with the unit of the reader, rounded as :func:`figure` does."""
+    return f"{figure(value * reader_factor(unit), digits)} {unit_text(reader_unit(unit))}".strip()
 
 
 def quantity_text(name: str, value: float, digits: int = 3) -> str:

@@ -13,6 +13,7 @@ from valvetrain.solution.definition import definition_of, names_for, shown, topi
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
+from valvetrain.units.reader import reader_factor, reader_unit
 
 #: What is nothing but rounding, in any shown unit.
 _ROUNDING = 1e-9
@@ -193,7 +194,10 @@ def largest_clash_rows(
     ]
     sizes = [None if one is None else clash_size(one, "impulse") for one in events]
     if any(size is not None for size in sizes):
-        rows.append(("impulse", "mN s", _cells(sizes)))
+        unit, factor = reader_unit("mN s"), reader_factor("mN s")
+        rows.append(
+            ("impulse", unit, _cells([None if one is None else one * factor for one in sizes]))
+        )
     return rows
 
 

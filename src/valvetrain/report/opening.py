@@ -25,7 +25,7 @@ from valvetrain.report.run_charts import (
 from valvetrain.report.run_clauses import judged_runs, worst_run
 from valvetrain.report.sections import at_rest
 from valvetrain.report.sweep_chart import regime_chart
-from valvetrain.report.text import number, speed_text
+from valvetrain.report.text import amount, number, speed_text
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -138,7 +138,7 @@ def _spring_panels(study: Study, runs: list[Solution]) -> list[Panel]:
     for panel in panels:
         found = _limited(panel, solid, "solid")
         if np.isfinite(preload):
-            rule = Rule("y", float(preload), f"preload {number(float(preload), 3)} N")
+            rule = Rule("y", float(preload), f"preload {amount(float(preload), 'N', 3)}")
             found = replace(found, rules=(*found.rules, rule))
         marked.append(found)
     return marked

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, legend_entries
+from valvetrain.report.reader_charts import chart_for_reader
 from valvetrain.solution.partial_failures import PartialFailures, reason
 
 if TYPE_CHECKING:
@@ -358,7 +359,7 @@ def _still(chart: Chart) -> str:
     from valvetrain.report.svg_chart import svg
 
     try:
-        return svg(chart)
+        return svg(chart_for_reader(chart))
     except Exception:  # one picture must not cost the page
         return ""
 
@@ -380,7 +381,7 @@ def _drawn(chart: Chart, gaps: PartialFailures | None) -> str:
     from valvetrain.report.plotly_chart import in_script, to_json
 
     try:
-        return to_json(chart)
+        return to_json(chart_for_reader(chart))
     except Exception as error:  # one figure must not cost the page
         label = f"The figure could not be drawn: {reason(error)}"
         if gaps is not None:

@@ -13,7 +13,16 @@ from valvetrain.quantities.train_events import (
     CAUSE_VIBRATION,
 )
 from valvetrain.report.clash_clauses import clash_clauses, strike_count
-from valvetrain.report.clauses import Clause, Runs, Worst, counted, figure, joined, quantity_text
+from valvetrain.report.clauses import (
+    Clause,
+    Runs,
+    Worst,
+    amount_text,
+    counted,
+    figure,
+    joined,
+    quantity_text,
+)
 from valvetrain.report.contact_lost import DURATION, GAP, losses_while_open, worst_loss
 from valvetrain.runs.notes import rings
 from valvetrain.runs.stored_error_bars import fresh_uncertainty
@@ -262,7 +271,7 @@ def cause_phrase(cause: str, loss: float, order: int, where: str = "") -> str:
     phrase = CAUSES.get(cause, "")
     if phrase != CAUSES[CAUSE_SURGE]:
         return phrase
-    force = f" by {figure(loss)} N{where}" if loss else ""
+    force = f" by {amount_text(loss, 'N')}{where}" if loss else ""
     return f"{phrase}{force}{f' (order {order})' if order else ''}"
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from valvetrain.quantities.valve_events import OPEN_SHARE
-from valvetrain.report.text import in_unit, number, percent, quantity_label, rpm
+from valvetrain.report.text import amount, in_unit, number, percent, quantity_label, rpm
 from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.critical import KINDS, CriticalSpeed
 from valvetrain.solution.definition import definition_of, is_defined, label_of, shown, topics
@@ -78,7 +78,7 @@ def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
 
 def control_legend(study: Study) -> str:
     """From what on a train has lost control, of the search of a sweep; empty without one."""
-    limits = {row.kind: f"{number(in_unit(row.limit, 'mm'))} mm" for row in study.critical_speeds}
+    limits = {row.kind: amount(in_unit(row.limit, "mm"), "mm") for row in study.critical_speeds}
     if not limits:
         return ""
     return (

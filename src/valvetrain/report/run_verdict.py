@@ -10,6 +10,7 @@ from valvetrain.report.clauses import (
     ENDED,
     Runs,
     Worst,
+    amount_text,
     clause_texts,
     ended_clauses,
     figure,
@@ -138,8 +139,8 @@ def rest_clauses(study: Study) -> list[str]:
     if curve is not None and curve.compression[0] <= first.precompression <= curve.compression[-1]:
         force, rate = curve.force_at(first.precompression), curve.stiffness_at(first.precompression)
         if first.precompression > 0:
-            parts.append(f"preload {figure(float(force))} N")
-        parts.append(f"rate {figure(float(rate) * 1e-3)} N/mm")
+            parts.append(f"preload {amount_text(float(force), 'N')}")
+        parts.append(f"rate {amount_text(float(rate) * 1e-3, 'N/mm')}")
     modes = [] if first.modes is None else [float(one) for one in first.modes.axial_frequencies]
     if modes:
         place = 0 if study.command == "modes" else len(parts)
@@ -176,4 +177,6 @@ def pair_clause(study: Study) -> list[str]:
     at = [(curve, one.precompression) for curve, one in zip(curves, pair, strict=True)]
     force = sum(float(curve.force_at(compression)) for curve, compression in at)
     rate = sum(float(curve.stiffness_at(compression)) for curve, compression in at)
-    return [f"together preload {figure(force)} N and rate {figure(rate * 1e-3)} N/mm"]
+    return [
+        f"together preload {amount_text(force, 'N')} and rate {amount_text(rate * 1e-3, 'N/mm')}"
+    ]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from valvetrain.report.clauses import Runs, Worst, joined, quantity_text
 from valvetrain.solution.result import Solution
+from valvetrain.units.reader import reader_factor, reader_unit
 
 #: Share below which two numbers are not told apart.
 ALIKE = 0.01
@@ -147,9 +148,11 @@ def _reasons(stress: tuple[WireStress, WireStress], pair: tuple[Runs, Runs]) -> 
     more, less = stress
     found = []
     if _larger(more.per_force, less.per_force) == 0:
-        values = [f"{1e-6 * one.per_force:.3g}" for one in stress]
+        factor = 1e-6 * reader_factor("MPa") / reader_factor("N")
+        values = [f"{factor * one.per_force:.3g}" for one in stress]
+        unit = f"{reader_unit('MPa')}/{reader_unit('N')}"
         found.append(
-            f"its wire bears more stress per force ({values[0]} against {values[1]} MPa/N)"
+            f"its wire bears more stress per force ({values[0]} against {values[1]} {unit})"
         )
     if _larger(more.swing, less.swing) == 0:
         force = _against(more.swing, less.swing, "peak_spring_force")

@@ -34,6 +34,7 @@ from valvetrain.report.page import (
     render,
     sentences,
 )
+from valvetrain.report.reader_charts import chart_for_reader
 from valvetrain.report.run_charts import covered_by_source, line_styles
 from valvetrain.report.run_summary import unsettled_text
 from valvetrain.report.sections.sweep import order_table
@@ -50,6 +51,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.study import SWEEPS, Study
 from valvetrain.solution.textfile import save_csv
+from valvetrain.units.reader import for_reader
 
 #: Command -> word above the title.
 _KICKERS = {
@@ -342,13 +344,13 @@ def write_parts(
     written: Path | None = None
     pictures: tuple[Path, ...] = ()
     if page:
-        whole = gaps.part("report page", None, study_page, study)
-        for sentence in gaps_of(whole) if whole is not None else ():
-            gaps.add(f"report page: {sentence}")
-        if whole is not None:
-            written, pictures = gaps.part(
-                "report page", (None, ()), write_page, whole, target, "report.html", figures, gaps
-            )
+        with for_reader():
+            whole = gaps.part("report page", None, study_page, study)
+            for sentence in gaps_of(whole) if whole is not None else ():
+                gaps.add(f"report page: {sentence}")
+            if whole is not None:
+                given = (whole, target, "report.html", figures, gaps)
+                written, pictures = gaps.part("report page", (None, ()), write_page, *given)
     gaps.part(
         "list of files",
         (),
@@ -435,7 +437,7 @@ def write_page(
 
 
 def _picture(chart: Chart, folder: Path) -> Path:
-    return write_text(folder / "figures" / f"{chart.key}.svg", svg(chart))
+    return write_text(folder / "figures" / f"{chart.key}.svg", svg(chart_for_reader(chart)))
 
 
 def at_wire_points(solution: Solution, spacing: float) -> Solution:

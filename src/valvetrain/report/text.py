@@ -8,6 +8,16 @@ from valvetrain.parameters.summary import in_unit as in_unit
 from valvetrain.parameters.summary import number as number
 from valvetrain.parameters.summary import unit_text as unit_text
 from valvetrain.solution.definition import definition_of, label_of
+from valvetrain.units.reader import reader_factor, reader_unit
+
+
+def amount(value: float, unit: str, digits: int = 4) -> str:
+    """A number in a metric ``unit`` as text in the unit of the reader: ``112.4 N``.
+
+    >>> amount(0.5, "mm")
+    '0.5 mm'
+    """
+    return f"{number(value * reader_factor(unit), digits)} {unit_text(reader_unit(unit))}".strip()
 
 
 def rpm(engine_speed: float) -> float:

@@ -20,6 +20,7 @@ from valvetrain.errors import InputError
 from valvetrain.registry import find
 from valvetrain.registry import names as registered_names
 from valvetrain.units import DIMENSIONS, unit_factor
+from valvetrain.units.reader import reader_unit, shown_system
 
 Sense = Literal["larger is better", "smaller is better", ""]
 Systems = tuple[Literal["spring", "train"], ...]
@@ -173,14 +174,25 @@ def _rows() -> list[QuantityRow]:
     return [one for rows in tables().values() for one in rows]
 
 
-@cache
 def definition_of(name: str) -> QuantityRow:
     """The row of ``name``, its template filled; for a name that no table has, one made from its
-    last word.
+    last word. Its ``shown_unit`` is that of the reader (:mod:`valvetrain.units.reader`).
 
     >>> definition_of("mode_2_frequency").label
     'mode 2 frequency'
     """
+    return _definition(name) if shown_system() == "si" else _for_reader(name, shown_system())
+
+
+@cache
+def _for_reader(name: str, system: str) -> QuantityRow:
+    """The row of ``name`` in a ``system`` of units, which is the one in use."""
+    one = _definition(name)
+    return replace(one, shown_unit=reader_unit(one.shown_unit))
+
+
+@cache
+def _definition(name: str) -> QuantityRow:
     exact, templates = _index()
     if name in exact:
         return exact[name]
@@ -194,7 +206,7 @@ def definition_of(name: str) -> QuantityRow:
                 definition=one.definition.format(**parts),
             )
     first, _, rest = name.partition("_")
-    if first in NESTED and (whole := definition_of(rest)).definition:
+    if first in NESTED and (whole := _definition(rest)).definition:
         return replace(
             whole,
             name=name,

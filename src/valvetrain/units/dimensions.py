@@ -83,6 +83,7 @@ pascal = newton / meter ** 2 = Pa
 bar = 1e5 * pascal
 joule = newton * meter = J
 watt = joule / second = W
+horsepower = 550 * foot * pound_force / second = hp
 inch = 0.0254 * meter = in = inches
 foot = 12 * inch = ft
 thou = 0.001 * inch = mil

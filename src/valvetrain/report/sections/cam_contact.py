@@ -21,7 +21,7 @@ from valvetrain.report.run_charts import (
     panels_chart,
 )
 from valvetrain.report.sections.lift_by_speed import picked
-from valvetrain.report.text import number, speed_text
+from valvetrain.report.text import amount, number, speed_text
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -97,7 +97,7 @@ def margin_chart(study: Study, runs: list[Solution], key: str, title: str) -> Ch
     )
     caption = (
         "Spring force at rest and inertia of rigid parts at the valve, less weight and gas: what presses the train on its cam. Least: "
-        f"{number(low, 4)} N at {number(at, 4)} cam degrees and {speed_text(speed)}; on the flanks the cam pushes, and the line leaves the figure."
+        f"{amount(low, 'N')} at {number(at, 4)} cam degrees and {speed_text(speed)}; on the flanks the cam pushes, and the line leaves the figure."
     )
     return Chart(key, title, caption, (panel,), height=330)
 
@@ -132,7 +132,7 @@ def pressure_chart(study: Study, runs: list[Solution], key: str, title: str) -> 
     top, angle = max(peaks)
     caption = (
         "Line contact of cam and follower by Hertz over the width of the cam, p0 = sqrt(F E* / (pi b R)), both with the cam's elastic data, "
-        f"edges and crowning left out. Largest: {number(top * 1e-6, 4)} MPa at {number(angle, 4)} cam degrees."
+        f"edges and crowning left out. Largest: {amount(top * 1e-6, 'MPa')} at {number(angle, 4)} cam degrees."
     )
     return panels_chart(key, title, caption, panels, 270)
 

@@ -9,7 +9,7 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Panel, Rule, thin
 from valvetrain.report.page import Block, SectionSpec, Tabs, figure_or_gap
 from valvetrain.report.run_charts import ANGLE_LABEL, drawable, event_bands, line_styles
-from valvetrain.report.text import number, speed_text
+from valvetrain.report.text import amount, number, speed_text
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -83,7 +83,7 @@ def stacked_chart(study: Study, label: str, key: str, title: str) -> Chart | Non
         )
     )  # fmt: skip
     caption = (
-        f"Each engine speed begins on its own zero. Largest difference to rigid parts: {number(off, 3)} mm; above zero over the nose the "
+        f"Each engine speed begins on its own zero. Largest difference to rigid parts: {amount(off, 'mm', 3)}; above zero over the nose the "
         "valve is lofted, below it parts give way; after closing it bounces."
     )
     return Chart(key, title, caption, panels, 2, 200 + 36 * len(runs))

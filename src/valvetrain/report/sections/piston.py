@@ -14,7 +14,7 @@ from valvetrain.report.run_charts import (
     over_angle,
     panels_chart,
 )
-from valvetrain.report.text import number, speed_text
+from valvetrain.report.text import amount, number, speed_text
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -77,7 +77,7 @@ def clearance_chart(study: Study, runs: list[Solution], key: str, title: str) ->
     side = "after" if at >= 0 else "before"
     caption = (
         "Distance of valve and piston crown along the cylinder about top dead centre of gas exchange. Least: "
-        f"{number(1e3 * gap, 4)} mm at {number(abs(at), 3)} crank degrees {side} it."
+        f"{amount(1e3 * gap, 'mm')} at {number(abs(at), 3)} crank degrees {side} it."
     )
     return panels_chart(key, title, caption, panels, 270)
 

@@ -12,9 +12,10 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.page import Block, SectionSpec, figure_or_gap
 from valvetrain.report.run_charts import line_styles
-from valvetrain.report.text import number, speed_text
+from valvetrain.report.text import amount, number, speed_text
 from valvetrain.solution.definition import NESTED
 from valvetrain.solution.study import Study
+from valvetrain.units.reader import reader_factor
 
 PEAK, LEAST = "nominal_peak_shear_stress", "nominal_minimum_shear_stress"
 UNCORRECTED = "uncorrected_peak_shear_stress"
@@ -50,21 +51,22 @@ def strength_chart(study: Study) -> Chart | None:
             layers.append(
                 Marks(
                     least, peak, whose, known[label].colour, SYMBOLS[place], filled=True, size=7,
-                    hints=tuple(f"{one}: {number(high, 4)} MPa" for one, high in zip(speeds, peak, strict=True)),
+                    hints=tuple(f"{one}: {amount(high, 'MPa')}" for one, high in zip(speeds, peak, strict=True)),
                 )
             )  # fmt: skip
             most = float(limit[0] * peak[0] / plain[0])  # of one wire the factor is the same
-            bounds.setdefault(f"{spring[:-1]} static limit {number(most, 4)} MPa".strip(), most)
+            bounds.setdefault(f"{spring[:-1]} static limit {amount(most, 'MPa')}".strip(), most)
             top = int(np.argmax(plain / limit))
+            highest = number(float(plain[top]) * reader_factor("MPa"), 4)
             worst.append(
-                (float(plain[top] / limit[top]), f"{whose} at {speeds[top]}, {number(float(plain[top]), 4)} of {number(float(limit[top]), 4)} MPa")
+                (float(plain[top] / limit[top]), f"{whose} at {speeds[top]}, {highest} of {amount(float(limit[top]), 'MPa')}")
             )  # fmt: skip
     if not worst:
         return None
     layers += [
         Marks(
             np.array([low]), np.array([top]), f"fatigue strength, {surface} (Zimmerli 1957)", theme.MUTED, "square", size=7,
-            hints=(f"{number(low, 3)} to {number(top, 3)} MPa",),
+            hints=(f"{amount(low, 'MPa', 3)} to {amount(top, 'MPa', 3)}",),
         )
         for surface, (low, top) in ((one, (1e-6 * some[0], 1e-6 * some[1])) for one, some in FATIGUE_RANGES.items())
     ]  # fmt: skip

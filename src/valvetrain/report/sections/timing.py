@@ -9,7 +9,7 @@ from valvetrain.quantities.table import EVENT_LIFTS, OPENERS
 from valvetrain.report.clauses import quantity_text
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, text
 from valvetrain.report.run_charts import line_styles
-from valvetrain.report.text import number, speed_text
+from valvetrain.report.text import amount, number, speed_text
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -129,9 +129,7 @@ def cause_blocks(study: Study, runs: Sequence[Solution]) -> tuple[Block, ...]:
 def _largest(events: Sequence[Event]) -> str:
     one = max(events, key=lambda event: event.size)
     return (
-        f"{number(1e6 * one.size, 3)} µm"
-        if one.unit == "m"
-        else f"{number(one.size, 3)} {one.unit}"
+        amount(1e6 * one.size, "um", 3) if one.unit == "m" else f"{number(one.size, 3)} {one.unit}"
     )
 
 

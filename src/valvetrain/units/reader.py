@@ -1,0 +1,83 @@
+"""Units of the reader: which unit is printed in place of a metric one. Values inside, files and JSON
+stay SI; only what a person reads, within :func:`for_reader`, is in the units requested.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+from valvetrain.errors import InputError
+from valvetrain.units.text import dimension_of, unit_factor
+
+#: Systems of units that a reader may request.
+SYSTEMS = ("si", "imperial")
+#: Dimension -> unit of readers of inches and pounds; masses of valve gear are weighed in grams there too.
+IMPERIAL = {
+    "length": "in", "force": "lbf", "stiffness": "lbf/in", "pressure": "ksi", "modulus": "ksi", "moment": "lbf in", "energy": "lbf in",
+    "impulse": "lbf s", "velocity": "in/s", "acceleration": "in/s^2", "cam velocity": "in/deg", "cam acceleration": "in/deg^2",
+    "power": "hp", "line stiffness": "ksi",
+}  # fmt: skip
+#: Units as pages print them -> as they are read.
+_WRITTEN = {"m/s2": "m/s^2"}
+_REQUESTED: ContextVar[str] = ContextVar("requested_units", default="si")
+_SHOWN: ContextVar[str] = ContextVar("shown_units", default="si")
+
+
+def request_units(system: str) -> None:
+    """Choose the system of what :func:`for_reader` encloses. Raises :class:`InputError` for an unknown
+    one.
+
+    >>> request_units("furlongs")
+    Traceback (most recent call last):
+    ...
+    valvetrain.errors.InputError: --units: units 'furlongs' are unknown; use si or imperial
+    """
+    if system not in SYSTEMS:
+        raise InputError(
+            f"units '{system[:20]}' are unknown; use {' or '.join(SYSTEMS)}", "--units"
+        )
+    _REQUESTED.set(system)
+
+
+@contextmanager
+def for_reader() -> Iterator[None]:
+    """What is formatted within is in the units requested."""
+    before = _SHOWN.set(_REQUESTED.get())
+    try:
+        yield
+    finally:
+        _SHOWN.reset(before)
+
+
+def shown_system() -> str:
+    """The system in which numbers are formatted here: one of :data:`SYSTEMS`."""
+    return _SHOWN.get()
+
+
+def reader_unit(unit: str) -> str:
+    """The unit printed in place of ``unit``, itself where the reader's is the same.
+
+    >>> request_units("imperial")
+    >>> with for_reader():
+    ...     reader_unit("N/mm"), reader_unit("deg"), reader_unit("g")
+    ('lbf/in', 'deg', 'g')
+    >>> request_units("si")
+    """
+    if _SHOWN.get() == "si" or not unit:
+        return unit
+    try:
+        return IMPERIAL.get(dimension_of(_read(unit)) or "", unit)
+    except InputError:  # a unit of a package's own
+        return unit
+
+
+def reader_factor(unit: str) -> float:
+    """What a number in ``unit`` is multiplied with to stand in :func:`reader_unit`."""
+    shown = reader_unit(unit)
+    return 1.0 if shown == unit else unit_factor(_read(unit)) / unit_factor(shown)
+
+
+def _read(unit: str) -> str:
+    return _WRITTEN.get(unit, unit)
