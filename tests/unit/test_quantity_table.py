@@ -49,7 +49,12 @@ def other_table(monkeypatch):
     from types import ModuleType
 
     def forget() -> None:
-        for cached in (definition.tables, definition._definition, definition._for_reader, definition._index):
+        for cached in (
+            definition.tables,
+            definition._definition,
+            definition._for_reader,
+            definition._index,
+        ):
             cached.cache_clear()
 
     def add(*rows):
