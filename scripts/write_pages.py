@@ -130,8 +130,8 @@ real runs at one engine speed with coarse meshes; a test runs them again and com
 AFTER = """
 Every model also runs from a program (`valvetrain.simulate`, `compare`, `sweep`) and in a case of one's own, with the same reasons
 where it cannot. Without a named model a spring alone runs by `finite-element` and `modal-varied` where its wire is known, by
-`modal-uniform` from a card with a mass and by `massless` from a card without; a train by `multi-mass` with wires and by
-`modal-uniform` with cards. What each model knows and leaves out:
+`modal-uniform` from a card with a mass and by `massless` from a card without; a train by `reduced-rod` with wires (by
+`multi-mass`, with a sentence, where its rod cannot be reduced) and by `modal-uniform` with cards. What each model knows and leaves out:
 """
 
 

@@ -100,6 +100,8 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
     problem = build(case, spring_models=models, spring_set=sets)
     if problem.kind != TRAIN and case.lift_law is not None:
         problem = _with_remembered_lift(problem, case.lift_law)
+    if point.speed is not None and point.request.motion:
+        problem = problem.settled()
     member, engine_speed, request = problem.members[0], point.speed, point.request
     if member.refusal:
         raise InputError(member.refusal)

@@ -389,13 +389,34 @@ class TrainParameters:
 
     def model_of(self, spring_set: str = "") -> str:
         """Name of the spring model of a set: the given one, else modes where all its springs are
-        cards, a chain of masses where one is a wire.
+        cards, the reduced rod where all are wires, a chain of masses :meth:`why_chain` says why.
         """
-        springs = self.springs.get(
-            spring_set or self.spring_set or next(iter(self.springs), ""), ()
-        )
-        cards = bool(springs) and all(spring.wire is None for spring in springs)
-        return self.spring_model or ("modal-uniform" if cards else "multi-mass")
+        if self.spring_model:
+            return self.spring_model
+        springs = self._of(spring_set)
+        if springs and all(spring.wire is None for spring in springs):
+            return "modal-uniform"
+        return "multi-mass" if self.why_chain(spring_set) or not springs else "reduced-rod"
+
+    def why_chain(self, spring_set: str = "") -> str:
+        """Why the reduced rod is not the model of a set in which one is a wire; empty where it is,
+        where a model is given and where all are cards.
+        """
+        springs = self._of(spring_set)
+        if self.spring_model or all(spring.wire is None for spring in springs):
+            return ""
+        for spring in springs:
+            if spring.wire is None:
+                return f"spring '{spring.name}' is known by its card only"
+            if spring.contact.law != "linear":
+                return f"spring '{spring.name}' has a contact law of its own"
+            if spring.options_of("finite-element").get("lifting_ends"):
+                return f"the ends of spring '{spring.name}' lift"
+        return ""
+
+    def _of(self, spring_set: str) -> tuple[InstalledSpring, ...]:
+        chosen = spring_set or self.spring_set or next(iter(self.springs), "")
+        return tuple(self.springs.get(chosen, ()))
 
     @property
     def swept_sets(self) -> tuple[str, ...]:

@@ -283,7 +283,7 @@ class TrainModel(StrictModel):
     spring_set: Name = Field(default="", description="set in use; without it the first")
     spring_model: str = Field(
         default="",
-        description="name of the spring model; without it modal-uniform for cards, multi-mass for wires",
+        description="name of the spring model; without it modal-uniform for cards, reduced-rod for wires",
     )
     rubbing: RubbingModel = RubbingModel()
     lash: Lash = Field(default=0.0, description="play at the valve")

@@ -171,7 +171,7 @@ def case_response(
     ``engine_speeds`` in rad/s of the crank (empty: the case's own). Raises :class:`InputError` for
     a case that cannot run; a run that fails gives no channels.
     """
-    problem = build(case, spring_models=tuple(spring_models))
+    problem = build(case, spring_models=tuple(spring_models)).settled()
     problem.must_run()
     speeds = tuple(engine_speeds) or problem.engine_speeds
     if not speeds:

@@ -39,7 +39,7 @@ SPRING_MODELS = (
     "wave-rod-clash",
     "finite-element",
 )
-TRAIN_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod")
+TRAIN_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod", "reduced-rod")
 #: Steps of the curves next to that of a solid (straight lines between them are exact to 0.01 % of
 #: the force), and of others.
 FINE_STEPS, STEPS = 160, 64
@@ -66,9 +66,7 @@ def compare_study(
     status in its runs. Raises :class:`InputError` for what cannot be built and when no model can
     run, :class:`MissingExtraError` for solids without their solver.
     """
-    chosen = tuple(dict.fromkeys(spring_models)) or _default_models(
-        case.springs, case.train is not None
-    )
+    chosen = tuple(dict.fromkeys(spring_models)) or _default_models(case, spring_sets)
     in_motion = engine_speeds is not None and case.train is None
     moving = tuple(
         word
@@ -128,14 +126,16 @@ def compare_study(
     return done
 
 
-def _default_models(springs: tuple[InstalledSpring, ...], in_a_train: bool) -> tuple[str, ...]:
-    """The default models, of a spring alone those that can represent it."""
-    if in_a_train:
-        return TRAIN_MODELS
+def _default_models(case: Case, spring_sets: Sequence[str]) -> tuple[str, ...]:
+    """The default models that can represent the springs."""
+    models: tuple[str, ...] = SPRING_MODELS
+    springs = case.springs
+    if (train := case.train) is not None:
+        sets = tuple(spring_sets) or ("",)
+        models = TRAIN_MODELS
+        springs = tuple(spring for name in sets for spring in train.spring_parts(name))
     return tuple(
-        word
-        for word in SPRING_MODELS
-        if not any(spring_model(word).why_not(spring) for spring in springs)
+        word for word in models if not any(spring_model(word).why_not(spring) for spring in springs)
     )
 
 

@@ -76,6 +76,10 @@ def chain_notes(members: Iterable[Member]) -> tuple[str, ...]:
     """A sentence per wire that a chain of masses stands for: what it has from the rod, and what not."""
     found: dict[str, None] = {}
     for member in members:
+        if member.instead:
+            found[
+                f"Runs by {member.model.word}, not by the default reduced-rod: {member.instead}."
+            ] = None
         for spring in member.springs if member.model.word == "multi-mass" else ():
             if spring.wire is not None and (text := _chain_note(member, spring)):
                 found[text] = None
@@ -105,7 +109,7 @@ def _chain_note(member: Member, spring: InstalledSpring) -> str:
     high = "" if second is None else f", second frequency {percent(second)} off"
     return (
         f"Chain of '{spring.name}': rate and first frequency ({compared.surge_frequency:.0f} Hz) of its rod, force at rest within "
-        f"{percent(force_error)}{high}; surge and clash are estimates (right: reduced-rod)."
+        f"{percent(force_error)}{high}; surge and clash are estimates (right: {'finite-element' if member.instead else 'reduced-rod'})."
     )
 
 

@@ -86,7 +86,7 @@ def refine_trains(
     A run on finite-element springs takes seconds and a finer one many times as long: those get two
     grids of each kind instead of three (:func:`two_grids`).
     """
-    problem = build(case)
+    problem = build(case).settled()
     speeds = checked_speeds(problem, engine_speeds, implausible)
     variants, failures = _prepare_variants(case, problem)
     jobs = [
@@ -149,7 +149,7 @@ def _prepare_variants(
     for name, (other, factor) in _problems(case, problem).items():
         found[name] = {}
         try:
-            built = build(other) if isinstance(other, Case) else other
+            built = build(other).settled() if isinstance(other, Case) else other
         except FAILURES as error:
             failures.append(f"{name}: {reason(error)}")
             continue

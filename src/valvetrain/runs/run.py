@@ -246,7 +246,7 @@ def run_problem(
     KeyboardInterrupt, with what is finished when it is stopped.
     """
     begun, failures = time.perf_counter(), PartialFailures()
-    speeds = tuple(float(speed) for speed in engine_speeds)
+    problem, speeds = problem.settled(), tuple(float(speed) for speed in engine_speeds)
     refuse_speeds(problem, speeds)
     problem.must_run()
     if not implausible:

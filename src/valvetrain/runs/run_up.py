@@ -143,7 +143,7 @@ def run_up_study(
             f"this run-up holds {revolutions:.2g} cam revolutions, and its values are of whole ones; take a longer time",
             "duration",
         )
-    problem = build(case, spring_models=spring_models, spring_set=spring_sets)
+    problem = build(case, spring_models=spring_models, spring_set=spring_sets).settled()
     if problem.kind != TRAIN:
         raise InputError(
             f"case '{problem.record.name}' holds no train, and a run-up is of a train; sweep a spring instead"

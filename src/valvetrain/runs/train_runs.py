@@ -209,7 +209,7 @@ def train_modes(
     ('closed', 'valve 53 %, pushrod 24 %, lever 23 %')
     """
     problem = build(case, spring_models=spring_models, spring_set=spring_set)
-    return problem_modes(problem)
+    return problem_modes(problem.settled())
 
 
 def problem_modes(problem: Problem) -> tuple[TrainModes, ...]:

@@ -210,6 +210,10 @@ class TabulatedSpring(Protocol):
         """The model with tables up to a lift (m) and a little more."""
         ...
 
+    def make_tables(self) -> None:
+        """Make or read the tables; raises where there are none."""
+        ...
+
 
 def outputs_at(
     spring: SpringModel, states: Array, displacements: Array, velocities: Array

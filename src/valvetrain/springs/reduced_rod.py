@@ -127,6 +127,10 @@ class ReducedRod:
         numbers = (rod.precompression, rod.retainer_rotation, contact, self.largest_lift)
         return tables_of(rod.mesh, numbers, self._made)
 
+    def make_tables(self) -> None:
+        """Make or read the tables. Raises :class:`InputError` for a rod without equilibria."""
+        _ = self.tables
+
     def _made(self) -> ReducedTables:
         rod = self.rod
         top = NEARLY_SOLID * (
@@ -141,6 +145,12 @@ class ReducedRod:
             self.statics, rod.installed, below, coarse * PARTS - below, spacing
         )
         start = path[0].state.compression - rod.installed.state.compression
+        reach = start + (len(path) - 1) * spacing
+        if self.largest_lift is not None and reach < min(top, self.largest_lift) - PARTS * spacing:
+            raise InputError(
+                f"the rod of spring '{rod.definition.name}' has no equilibria beyond {reach * 1e3:.3g} mm of lift and cannot be reduced; "
+                "use multi-mass"
+            )
         return reduce_rod(self.statics, path, start, spacing, rod.definition.total_coils)
 
     @property

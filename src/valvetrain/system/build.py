@@ -198,12 +198,10 @@ def _train_members(
                 word,
             )
             for chosen in sets or (train.spring_set,)
-            for word in [spec.word for spec in specs] or [train.model_of(chosen)]
+            for word in [spec.word for spec in specs] or [""]
         )
     else:
-        variants = train.variants or (
-            TrainVariant(train.model_of(), train.spring_set, train.model_of()),
-        )
+        variants = train.variants or (TrainVariant(train.model_of(), train.spring_set),)
     if train.crank is not None and train.crank.top_dead_centre is None:
         train = train.replace(crank=_placed_crank(train.crank, law))
     gears: dict[TrainParameters, Gear] = {}
@@ -237,6 +235,8 @@ def _train_members(
                 _rubbing(own.rubbing),
                 case.name,
                 variant.note,
+                not own.spring_model,
+                own.why_chain(chosen),
             )
         )
     return tuple(members)

@@ -28,6 +28,8 @@ RUBBING = (
     "solid finite elements move each spring of a pair by itself, and these two rub on one another; leave rubbing out, "
     "or use finite-element"
 )
+#: What stands for a wire whose rod cannot be reduced.
+CHAIN = "multi-mass"
 #: Springs at rest by the installed spring they represent.
 Rest = Mapping[InstalledSpring, SpringAtRest]
 #: Models by word, installed spring (its options included) and, for models that need it, the spring
@@ -49,7 +51,8 @@ class Gear:
 @dataclass(frozen=True, eq=False)
 class Member:
     """One variant of a problem: which springs by which model, in which train (none: prescribed
-    motion). ``note`` is printed next to the results.
+    motion). ``note`` is printed next to the results. ``by_default``: nobody named the model;
+    ``instead``: why it is a chain of masses then, where it would be the reduced rod.
     """
 
     label: str
@@ -61,6 +64,8 @@ class Member:
     rubbing: RadialRubbing | None = None
     name: str = ""
     note: str = ""
+    by_default: bool = False
+    instead: str = ""
 
     @property
     def kind(self) -> str:
@@ -153,6 +158,13 @@ class Problem:
         if self.members and all(member.refusal for member in self.members):
             raise InputError(self.members[0].refusal, "spring_models")
 
+    def settled(self) -> Problem:
+        """The problem as it runs: members whose default model has no tables are chains of masses,
+        which say why.
+        """
+        found = tuple(_settled(member, self.built) for member in self.members)
+        return self if found == self.members else replace(self, members=found)
+
     def only(self, keep: Callable[[Member], bool]) -> tuple[Member, ...]:
         """Members that ``keep`` says."""
         return tuple(member for member in self.members if keep(member))
@@ -164,6 +176,23 @@ class Problem:
         :class:`InputError` where it cannot represent it.
         """
         return _once(self.built, spring_model(word), spring, rest)
+
+
+def _settled(member: Member, built: BuiltModels) -> Member:
+    if not member.by_default or member.refusal:
+        return member
+    for spring in member.springs:
+        try:
+            model = _reaching(built, member, spring, None)
+            if isinstance(model, TabulatedSpring):
+                model.make_tables()
+        except (InputError, ArithmeticError, ValueError) as error:
+            if not spring.wire or member.model.word == CHAIN:
+                return member
+            label = CHAIN if member.label == member.model.word else member.label
+            reason = str(error).partition(";")[0]
+            return replace(member, label=label, model=spring_model(CHAIN), instead=reason)
+    return member
 
 
 def _reaching(

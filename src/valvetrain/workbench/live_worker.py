@@ -167,7 +167,9 @@ class LiveCase:
         if key not in self._built:
             given = dict(read_assignment(f"{path}={text}", path) for path, text in changes.items())
             case = parse_case(self.case_text, "case", self.folder, "case", given or None)
+            # tables of a reduced rod take a second or two for each place of a slider
             own = CHAIN if case.train is None else case.train.model_of()
+            own = CHAIN if own == "reduced-rod" else own
             problem = build(case, spring_models=(self.spring_model or own,))
             member = problem.members[0]
             rest = member_statics(problem, member) if member.gear is not None else {}
