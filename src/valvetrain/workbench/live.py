@@ -63,8 +63,8 @@ class LiveChain:
     Parameters
     ----------
     case_text : the case (TOML)
-    spring_model : ``multi-mass``, ``massless`` or ``wave-rod``; empty: the chain of
-        masses, of a train the model that its runs take
+    spring_model : ``multi-mass``, ``massless`` or ``wave-rod``; empty: the chain of masses, of a train
+        the model that its runs take unless that is the reduced rod, whose tables take seconds
     engine_speed : crank speed, such as ``"5600 rpm"``; empty: the highest of the case
     folder : where files that the case names lie
 

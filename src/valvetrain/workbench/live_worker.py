@@ -64,7 +64,8 @@ class LiveCase:
     ----------
     case_text : the case (TOML)
     folder : where files that it names lie
-    spring_model : name of the model that runs; empty: a chain of masses, of a train its own model
+    spring_model : name of the model that runs; empty: a chain of masses, of a train its own model unless
+        that is the reduced rod
     """
 
     def __init__(self, case_text: str, folder: Path, spring_model: str) -> None:
