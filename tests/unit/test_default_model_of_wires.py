@@ -1,0 +1,87 @@
+"""The model of a train that names none: the reduced rod of wires, the chain with a sentence where
+the rod cannot be reduced.
+
+Evidence: contract of the case files; by name the same is refused with the same reason.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+
+import pytest
+
+import valvetrain as vt
+from valvetrain.errors import InputError
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import template_text
+from valvetrain.springs import reduced_rod_cache
+from valvetrain.springs.reduced_rod import ReducedRod
+from valvetrain.system.build import build
+
+TRAIN = template_text("direct")
+HEIGHT = 'installed_height = "36 mm"'
+CARD = (
+    '[[train.springs.stock]]\nname = "inner"\npreload = "100 N"\nrate = "12 N/mm"\nmass = "20 g"\n'
+)
+
+
+def test_wires_run_by_their_reduced_rod_and_cards_by_modes():
+    case = parse_case(TRAIN, "case")
+    assert case.train.why_chain() == ""
+    labels = [
+        build(case, spring_set=chosen).members[0].model.word for chosen in ("", "stock", "stiff")
+    ]
+    assert labels == ["reduced-rod", "reduced-rod", "modal-uniform"]
+    named = case.replace(train=case.train.replace(spring_model="wave-rod"))
+    assert build(named).members[0].model.word == "wave-rod"
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (TRAIN.replace(HEIGHT, f'{HEIGHT}\nend_contact = "lifting"'), "the ends of spring 'spring' lift"),
+        (TRAIN.replace("# Another set", f"{CARD}\n# Another set"), "spring 'inner' is known by its card only"),
+    ],
+    ids=["lifting", "a card beside the wire"],
+)  # fmt: skip
+def test_a_set_that_no_reduced_rod_knows_runs_by_the_chain_and_says_why(text, reason):
+    study = vt.simulate(parse_case(text, "case"), "2000 rpm", workers=1)
+    assert [run.label for run in study.solutions] == ["multi-mass"]
+    assert f"Runs by multi-mass, not by the default reduced-rod: {reason}." in study.notes
+
+
+def test_a_wire_whose_tables_cannot_be_made_runs_by_the_chain_and_by_name_is_refused(monkeypatch):
+    def without(_: ReducedRod) -> None:
+        raise InputError("the rod has too few equilibria; compress the spring less")
+
+    monkeypatch.setattr(ReducedRod, "_made", without)
+    monkeypatch.setattr(reduced_rod_cache, "_MADE", OrderedDict())
+    monkeypatch.setattr(reduced_rod_cache, "_folder", lambda: None)
+    case = parse_case(TRAIN, "case")
+    study = vt.simulate(case, "2000 rpm", workers=1)
+    (run,) = study.solutions
+    said = "Runs by multi-mass, not by the default reduced-rod: the rod has too few equilibria."
+    assert (run.label, run.model, run.status.code) == ("multi-mass", "multi-mass", "completed")
+    assert said in study.notes
+    assert any("right: finite-element" in note for note in study.notes)
+    (run,) = vt.simulate(case, "2000 rpm", spring_models="reduced-rod", workers=1).solutions
+    assert run.status.code == "refused" and "too few equilibria" in run.status.message
+
+
+def test_a_lift_that_the_equilibria_do_not_reach_is_no_table(monkeypatch):
+    """Beyond its tables a reduced rod would go on along their last slope."""
+    from valvetrain.springs import reduced_rod
+
+    whole = reduced_rod.path_of_equilibria
+
+    def half(*given):
+        path = whole(*given)
+        return path[: len(path) // 2]
+
+    monkeypatch.setattr(reduced_rod, "path_of_equilibria", half)
+    monkeypatch.setattr(reduced_rod_cache, "_MADE", OrderedDict())
+    monkeypatch.setattr(reduced_rod_cache, "_folder", lambda: None)
+    wire = vt.parameters.cylindrical("4 mm", "24 mm", total_coils=5, free_length="40 mm")
+    rod = vt.springs.FiniteElementRod(wire, "7 mm", elements_per_coil=12)
+    with pytest.raises(InputError, match=r"no equilibria beyond .* mm of lift"):
+        ReducedRod(rod, 6e-3).make_tables()
