@@ -179,8 +179,8 @@ def test_stress_beside_the_strength_of_the_wire():
         .compare("6000 rpm", "massless")
     )
     chart = strength.strength_chart(done)
-    point, *published = [layer for layer in chart.panels[0].layers if hasattr(layer, "symbol")]
-    assert [layer.y[0] for layer in published] == [620.5, 930.8]
+    point, published = [layer for layer in chart.panels[0].layers if hasattr(layer, "symbol")]
+    assert published.y.tolist() == [620.5, 930.8] and published.labels[1] == "shot-peened"
     found = done.solutions[0].quantities
     assert point.x[0] == pytest.approx(found["nominal_minimum_shear_stress"] * 1e-6)
     assert point.y[0] == pytest.approx(found["nominal_peak_shear_stress"] * 1e-6)

@@ -63,13 +63,13 @@ def strength_chart(study: Study) -> Chart | None:
             )  # fmt: skip
     if not worst:
         return None
-    layers += [
+    borne = 1e-6 * np.array(list(FATIGUE_RANGES.values()))
+    layers.append(
         Marks(
-            np.array([low]), np.array([top]), f"fatigue strength, {surface} (Zimmerli 1957)", theme.MUTED, "square", size=7,
-            hints=(f"{amount(low, 'MPa', 3)} to {amount(top, 'MPa', 3)}",),
+            borne[:, 0], borne[:, 1], "fatigue strength (Zimmerli 1957)", theme.MUTED, "diamond", labels=tuple(FATIGUE_RANGES), size=7,
+            hints=tuple(f"{amount(one, 'MPa', 3)} to {amount(other, 'MPa', 3)}" for one, other in borne),
         )
-        for surface, (low, top) in ((one, (1e-6 * some[0], 1e-6 * some[1])) for one, some in FATIGUE_RANGES.items())
-    ]  # fmt: skip
+    )  # fmt: skip
     high = 1.08 * max([*bounds.values(), *(float(np.max(one.y)) for one in layers)])
     low = min(0.0, *(float(np.min(one.x)) for one in layers))
     layers.insert(
@@ -87,7 +87,7 @@ def strength_chart(study: Study) -> Chart | None:
     )
     caption = (
         "Corrected shear by EN 13906-1 of every run; the higher above the dotted line, the larger the swing, which fatigues the "
-        "wire. Squares: swings that spring steels below 10 mm bore without end (Zimmerli 1957), no verdict on the life of this one. "
+        "wire. Open marks: swings that spring steels below 10 mm bore without end (Zimmerli 1957), no verdict on the life of this one. "
         "Line across: where the uncorrected shear is 0.56 of the least tensile strength (EN 13906-1, at rest). Nearest to it: "
         f"{label} uncorrected, {number(100 * share, 3)} %."
     )
