@@ -63,7 +63,7 @@ def test_every_command_of_the_page_is_a_step():
 def test_the_gain_that_the_page_tells_is_that_of_its_tables():
     """20 lbf more: the nominal speeds of float and of the first loss of contact."""
     gain = {}
-    for row in ("Float from", "Loss of contact from"):
+    for row in ("Float speed", "Contact-loss speed"):
         before, after = (
             float(value) for value in re.findall(rf"^{row} +rpm +(\d+) \(", PAGE, re.MULTILINE)
         )
@@ -71,7 +71,7 @@ def test_the_gain_that_the_page_tells_is_that_of_its_tables():
     told = re.search(
         r"The float moves up by some (\d+) rpm, the first loss of contact by (\d+)", PAGE
     )
-    assert [gain["Float from"], gain["Loss of contact from"]] == [
+    assert [gain["Float speed"], gain["Contact-loss speed"]] == [
         float(value) for value in told.groups()
     ]
 

@@ -30,7 +30,7 @@ def test_a_speed_that_is_never_reached_is_said_in_words():
     assert math.isnan(never.engine_speed)
     study = vt.Study(CaseRecord("own"), critical_speeds=CriticalSpeeds((never,)))
     for shown in (repr(never), repr(study), study._repr_html_()):
-        assert "never up to 9000" in shown and "nan" not in shown and "inf" not in shown
+        assert "none up to 9000" in shown and "nan" not in shown and "inf" not in shown
 
 
 def test_a_study_says_until_when_control_is_lost_and_where_again():

@@ -88,7 +88,7 @@ def test_a_never_that_other_damping_makes_a_loss_is_not_a_plain_never() -> None:
     one = found(dip(300), {"damping": [dip(450), dip(200)]})
     assert not one.found and one.damping is not None
     assert 7000 < one.damping.lower_engine_speed < 7500
-    assert one.text.startswith("never up to") and "or more over damping" in one.text
+    assert one.text.startswith("none up to") and "or more over damping" in one.text
     assert found(dip(300), {"damping": [dip(320), dip(200)]}).onset == ""
 
 
@@ -124,7 +124,7 @@ def test_one_form_is_printed_and_json_carries_its_parts() -> None:
         damping=SpeedBracket(7212.3 * RPM, math.inf),
         onset="sharp",
     )
-    text = "7302 (7301–7302 numerical, 7212 or more over damping ×0.6 to ×1.5), sharp"
+    text = "7302 (7301–7302 over step and mesh, 7212 or more over damping ×0.6 to ×1.5)"
     assert one.text == text
     carried = _critical_object(one)
     assert carried["text"] == text and carried["onset"] == "sharp"

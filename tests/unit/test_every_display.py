@@ -343,7 +343,7 @@ def test_critical_speeds_in_words_and_as_a_frame():
     assert (
         lost.text == "7000–7010, at the cam"
         and early.text == "below 1000"
-        and never.text == "never up to 9000"
+        and never.text == "none up to 9000"
     )
     assert lost.engine_speed == pytest.approx(7010 * RPM) and early.engine_speed == pytest.approx(
         1000 * RPM

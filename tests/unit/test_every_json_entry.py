@@ -290,7 +290,7 @@ def test_critical_speeds_are_told_bracket_by_bracket():
     }
     assert (floats["limit"], floats["place"], floats["ends"]) == (known(5e-5, "m"), "valve", None)
     assert bounce == each | unknown | {
-        "text": "never up to 8000",
+        "text": "none up to 8000",
         "kind": "bounce",
         "place": "",
         "limit": known(1e-4, "m"),

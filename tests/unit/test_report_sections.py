@@ -401,7 +401,7 @@ def test_the_five_largest_clashes_are_named_and_all_are_counted():
         if isinstance(block, Grid)
     )
     assert "5 of 7 clashes" in grid.rows[0][0][0].text and len(grid.rows) == 6
-    assert [cell.text for cell in grid.rows[1][0]] == ["1–2", "250", "31", "17", "345"]
+    assert [cell.text for cell in grid.rows[1][0]] == ["1–2", "250", "251", "31", "17", "345"]
 
 
 def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():

@@ -160,8 +160,7 @@ def test_the_terminal_says_from_where_contact_is_lost(tmp_path):
         if line
     }
     assert (
-        6800 < float(told["Loss of contact from"]) < 7000
-        and 7000 < float(told["Float from"]) < 7400
+        6800 < float(told["Contact-loss speed"]) < 7000 and 7000 < float(told["Float speed"]) < 7400
     )
 
 

@@ -128,7 +128,7 @@ def test_sweep_tells_where_contact_is_lost(folder):
     assert (target / "run.json").is_file() and (target / "report.html").is_file()
     printed = call(*words, "--output", str(target), "--no-report", "--workers", "1").stdout
     assert re.search(
-        r"Loss of contact from +rpm +7\d\d\d \(7\d\d\d–7\d\d\d numerical, 7\d\d\d", printed
+        r"Contact-loss speed +rpm +7\d\d\d \(7\d\d\d–7\d\d\d over step and mesh, 7\d\d\d", printed
     )
 
 

@@ -20,6 +20,7 @@ from valvetrain.report.headlines import (
     largest_clash_rows,
 )
 from valvetrain.report.key_figures import key_figures
+from valvetrain.report.run_charts import set_and_model
 from valvetrain.report.run_summary import (
     CRITICAL_LEGEND,
     control_legend,
@@ -30,7 +31,7 @@ from valvetrain.report.run_summary import (
     share,
     unsettled_text,
 )
-from valvetrain.report.text import rpm
+from valvetrain.report.text import rpm, rpm_text
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import label_of, names_for
 from valvetrain.units.reader import reader_unit
@@ -179,9 +180,8 @@ def _over_speeds(
     """A row per question, a column per label with its worst value and the engine speed (rpm) where
     that stands; ``first``: its column.
     """
-    table = plain_table(
-        ("", "", *(column.label for column in columns)), (), right=range(2, 2 + len(columns))
-    )
+    heads = [set_and_model(study, column.label) for column in columns]
+    table = plain_table(("", "", *heads), (), right=range(2, 2 + len(columns)))
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
     known = {row.name: row for row in rows}
     control = critical_rows(study, [column.label for column in columns]) if searched(study) else []
@@ -393,7 +393,7 @@ def published_summary(rows: Sequence[Comparison]) -> str:
 
 
 def _at_speed(value: float | None, engine_speed: float | None) -> str:
-    return _cell(value) + ("" if engine_speed is None else f" at {rpm(engine_speed):g}")
+    return _cell(value) + ("" if engine_speed is None else f" at {rpm_text(engine_speed)}")
 
 
 def _range(values: Sequence[float | None]) -> str:

@@ -153,7 +153,11 @@ def _show(outcome: Outcome) -> tuple[str, ...]:
         with for_reader():
             outcome.show(console)
         if outcome.verdict:
-            console.print(f"\n{outcome.verdict}")
+            from valvetrain.report.page import sentences
+
+            first, *more = sentences(outcome.verdict)
+            console.print()
+            console.print(Text.assemble((first, "bold"), *(f" {one}" for one in more)))
     except (OSError, InputError, typer.Exit):
         raise
     except Exception as error:

@@ -13,6 +13,7 @@ from valvetrain.cam.contract import LiftLaw
 from valvetrain.integrate.clash import RECORDED, PairSeries, find_clashes, steps_between
 from valvetrain.integrate.contract import STEP_FRACTION, Cycles, Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.leapfrog_kernel import advance
+from valvetrain.parameters.summary import share_text
 from valvetrain.solution.channels import FINE, ChannelArrays, spring_channels
 from valvetrain.solution.later import Later
 from valvetrain.solution.provenance import Provenance
@@ -247,7 +248,8 @@ def run_status(
             "give a smaller time step or a softer coil contact, or check the lift law for jumps",
         )
     if isinstance(until, Periodic) and change > tolerance:
-        message = f"after {turn + 1} cam revolutions the forces still change by {change:.1e} of their span (accepted: {tolerance:.0e})"
+        size, accepted = share_text(change), share_text(tolerance)
+        message = f"after {turn + 1} cam revolutions the forces still change by {size} of their span (accepted: {accepted})"
         return Status(
             "not-converged",
             message,

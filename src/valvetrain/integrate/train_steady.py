@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from valvetrain.integrate.steady import SteadyState, accelerate, repeat_cycles
 from valvetrain.integrate.train_channels import COMPARED, LONG_SEARCH, Scatter, scatter_of
 from valvetrain.integrate.train_run import OFF_CAM, CycleRecord, TrainRunner, TrainState
+from valvetrain.parameters.summary import share_text
 from valvetrain.solution.status import Status
 
 Array = NDArray[np.float64]
@@ -71,7 +72,7 @@ class SteadyTrain:
                 f"the valve repeats to {spread}; the motion of all parts {message}, see the scatter",
             )
         cycles, last = self.search.cycles, self.search.residuals[-1]
-        change = f"after {cycles} cycles it still changes by {last:.1e} of its size (accepted: {self.tolerance:.0e})"
+        change = f"after {cycles} cycles it still changes by {share_text(last)} of its size (accepted: {share_text(self.tolerance)})"
         reached = self.search.cycles * self.runner.steps * self.runner.time_step
         return Status(
             "not-converged",

@@ -120,6 +120,16 @@ def _read_block(entry: Any, path: tuple[int, ...], which: str) -> WireBlock | Ca
             ),
             path,
         )
+    if (
+        "total_coils" in entry
+        and _LOADS & entry.keys()
+        and not (_WIRE_KEYS - {"total_coils"}) & entry.keys()
+    ):
+        raise problem(
+            "total_coils is of a spring known by its wire or of a pair (loads_of = 'pair'); on a card with its loads give active_coils, two "
+            "fewer where both ends are closed and ground, or leave it out: rate, wire and diameter tell them",
+            (*path, "total_coils"),
+        )
     return (
         validate_as(CardBlock, entry, path)
         if is_card(entry)

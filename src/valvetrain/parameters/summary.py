@@ -15,6 +15,8 @@ from valvetrain.parameters.material import Material
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.units import dimension_of, parse_quantities, si, unit_factor
 
+#: Size below which a number, in any unit that is shown, is rounding alone.
+ROUNDING = 1e-12
 #: Last word of a key path -> unit shown.
 _UNITS = {
     "wire_diameter": "mm", "mean_diameter": "mm", "outer_diameter": "mm", "pitch": "mm", "precompression": "mm", "installed_height": "mm",
@@ -218,15 +220,15 @@ def in_unit(value: float, unit: str) -> float:
 
 def number(value: float | None, digits: int = 4) -> str:
     """A number with ``digits`` significant digits, a real minus sign, and powers of ten as such; a
-    dash for None.
+    dash for None, 0 for what rounding of sums leaves (below :data:`ROUNDING`).
     """
     if value is None or math.isnan(value):
         return "–"
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
-    if value == 0:
-        return "0"
     size = abs(value)
+    if size < ROUNDING:
+        return "0"
     if size >= 1e6 or size < 1e-4:
         mantissa, power = f"{value:.{max(digits - 2, 1)}e}".split("e")
         return _scientific(mantissa, int(power))
@@ -235,6 +237,15 @@ def number(value: float | None, digits: int = 4) -> str:
     if "." in text:
         text = text.rstrip("0").rstrip(".")
     return text.replace("-", "−")
+
+
+def share_text(share: float) -> str:
+    """A share in per cent with two digits.
+
+    >>> share_text(0.264), share_text(1e-5)
+    ('26 %', '0.001 %')
+    """
+    return f"{number(100 * share, 2)} %"
 
 
 def unit_text(unit: str) -> str:

@@ -174,6 +174,8 @@ def find_clash_window(
     if len(peaks) == 0:
         return None
     height = part[peaks] - force.base
+    if not np.max(height) > 0:  # of ends that lift, no spike rises above the base circle's force
+        return None
     main = peaks[int(np.flatnonzero(height >= MAIN_SHARE * np.max(height))[0])]
     centre = float(force.cam_angle[late][main])
     reach = WINDOW_SHARE * cycle.solution.engine_speed / 2 / surge_frequency

@@ -4,7 +4,7 @@ balance of a run.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Cycle, Frame
 from valvetrain.quantities.signal import BANDWIDTHS, extreme_series, fine_filtered, fine_series
+from valvetrain.solution.definition import NESTED
 from valvetrain.solution.result import Solution
 
 #: Channel of an end force -> the word of it in a quantity's name.
@@ -87,9 +88,7 @@ def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
 
 
 def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:
-    """Maximum lift (m) of the cycle and the clearance to coil bind, the smallest of the springs
-    with a known solid height.
-    """
+    """Maximum lift (m) of the cycle and the clearance to coil bind."""
     if not cycle.solution.has("valve_lift"):
         return {}
     logged = cycle.solution.statistics.get("peak_valve_lift")
@@ -98,10 +97,18 @@ def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[
         if isinstance(logged, (int, float))
         else float(np.max(cycle.channel("valve_lift")))
     )
-    rooms = [spring.room for spring in springs if spring.room is not None]
-    return {"peak_valve_lift": largest} | (
-        {"coil_bind_clearance": min(rooms) - largest} if rooms else {}
-    )
+    return {"peak_valve_lift": largest, **bind_clearances(springs, largest)}
+
+
+def bind_clearances(springs: Sequence[InstalledSpring], largest: float) -> dict[str, float]:
+    """Clearance (m) to coil bind at the ``largest`` lift (m), the least of the springs with a known
+    solid height; of a pair that of each too.
+    """
+    found = {spring.name: spring.room - largest for spring in springs if spring.room is not None}
+    if not found:
+        return {}
+    each = {f"{name}_coil_bind_clearance": one for name, one in found.items() if name in NESTED}
+    return {"coil_bind_clearance": min(found.values()), **(each if len(springs) > 1 else {})}
 
 
 Array = NDArray[np.float64]

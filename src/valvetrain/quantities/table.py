@@ -402,13 +402,13 @@ SCATTER: tuple[QuantityRow, ...] = tuple(
 
 #: Engine speeds at which control is lost, of a sweep and by rigid theory.
 SWEEP: tuple[QuantityRow, ...] = (
-    train("contact_loss_engine_speed", "loss of contact from",
+    train("contact_loss_engine_speed", "contact-loss speed",
         "Lowest engine speed found at which a contact of the drive opens while the valve is open by more than a tenth of its lift, "
         "every speed from rest; the nominal value, which moves smoothly with the inputs.", sense=MORE, topic=CONTROL, uses=("sweep",)),
-    train("float_engine_speed", "float from",
+    train("float_engine_speed", "float speed",
         "Lowest engine speed found at which the valve runs above its rigid lift by more than a limit (50 µm) with a contact of the "
         "drive open, every speed from rest; the nominal value.", sense=MORE, topic=CONTROL, uses=("sweep",)),
-    train("bounce_engine_speed", "bounce from",
+    train("bounce_engine_speed", "bounce speed",
         "Lowest engine speed found at which the valve leaves its seat again by more than a limit (0.1 mm), every speed "
         "from rest; the nominal value.", sense=MORE, topic=CONTROL, uses=("sweep",)),
     train("rigid_contact_loss_engine_speed", "float speed, rigid parts",

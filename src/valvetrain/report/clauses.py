@@ -18,6 +18,8 @@ from valvetrain.units.reader import reader_factor, reader_unit
 STRESS = "nominal_peak"
 #: Share of a value above which its error bar is named.
 COARSE = 0.05
+#: Words of the first sentence of a verdict over engine speed, which pages show in bold.
+MAX_LEAD = 60
 #: Status -> what the run did.
 ENDED = {
     "not-converged": "did not settle", "diverged": "diverged", "out-of-range": "left the range of its tables",
@@ -185,6 +187,22 @@ def sentence(parts: Sequence[str], condition: str = "") -> str:
     text = "; ".join(part for part in parts if part)
     text = f"{condition}, {text}" if condition and text else text
     return f"{text[:1].upper()}{text[1:]}." if text else ""
+
+
+def parted(lead: Sequence[str], more: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Parts of a first sentence of at most :data:`MAX_LEAD`, of one part at least, and all others.
+
+    >>> parted(["word " * 40, "word " * 30], ["more"])[1][1:]
+    ['more']
+    """
+    first, count = list[str](), 0
+    lead = [part for part in lead if part]
+    for part in lead:
+        count += len(part.split())
+        if first and count > MAX_LEAD:
+            break
+        first.append(part)
+    return first, [*lead[len(first) :], *filter(None, more)]
 
 
 def clause_texts(clauses: Sequence[Clause], runs: Runs) -> list[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from valvetrain.quantities.limits import MARK, PassedLimit, passed_limits
 from valvetrain.report.run_summary import critical_rows, searched
-from valvetrain.report.text import number, quantity_label, rpm, speed_text
+from valvetrain.report.text import number, quantity_label, rpm_text, speed_text
 from valvetrain.solution.definition import definition_of, names_for, shown, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -17,8 +17,8 @@ from valvetrain.units.reader import reader_factor, reader_unit
 
 #: What is nothing but rounding, in any shown unit.
 _ROUNDING = 1e-9
-#: Quantity that a column has where its springs are a nested pair.
-OUTER_SURGE = "outer_surge_frequency"
+#: Quantities that are said of each spring of a nested pair, not of both.
+OF_EACH = ("surge_frequency", "coil_bind_clearance")
 #: What is lost, left out where it is negative: a valve that flies loses no lift, its flight has a row.
 LOSSES = ("lift_loss_displacement",)
 #: Clashes that are named one by one, per run.
@@ -48,7 +48,7 @@ class HeadlineRow:
 
     ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that
     does not apply. ``cells``: what is shown where a number alone does not tell it (a bracket,
-    "never up to 9000"), empty elsewhere. ``passed``: whether a value passes its limit.
+    "none up to 9000"), empty elsewhere. ``passed``: whether a value passes its limit.
     """
 
     topic: str
@@ -96,9 +96,9 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
     for topic, names in topics().items():
         for name in names:
             found = [_value(study, column, name) for column in columns]
-            if name == "surge_frequency":  # of a pair said of each spring
+            if name in OF_EACH:
                 found = [
-                    (None, None) if _value(study, column, OUTER_SURGE)[0] is not None else one
+                    (None, None) if _value(study, column, f"outer_{name}")[0] is not None else one
                     for column, one in zip(columns, found, strict=True)
                 ]
             if name in cells or any(value is not None for value, _ in found):
@@ -138,7 +138,7 @@ def limit_sentences(study: Study, reasons: bool = True) -> tuple[str, ...]:
                     worst[name] = one, run
         for one, run in worst.values():
             reason = f": {one.reason}." if reasons else ""
-            found.append(f"{label}, {rpm(run.engine_speed):.6g} rpm: {one.comparison}{reason}")
+            found.append(f"{label}, {rpm_text(run.engine_speed)} rpm: {one.comparison}{reason}")
     return tuple(found)
 
 
@@ -190,7 +190,7 @@ def largest_clash_rows(
             "",
             tuple("–" if one is None else clash_pair(one) for one in events),
         ),
-        ("at cam angle", "deg", _cells(angles)),
+        ("its peak at cam angle", "deg", _cells(angles)),
     ]
     sizes = [None if one is None else clash_size(one, "impulse") for one in events]
     if any(size is not None for size in sizes):

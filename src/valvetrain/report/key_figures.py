@@ -10,8 +10,9 @@ from dataclasses import replace
 
 from valvetrain.quantities.table import EVENT_LIFTS
 from valvetrain.report.clauses import Runs, Worst, figure, quantity_text
+from valvetrain.report.control import controlled_to
 from valvetrain.report.run_clauses import judged_runs, worst_run
-from valvetrain.report.sweep_verdict import NO_SURGE, controlled_to, runs_over_speed
+from valvetrain.report.sweep_verdict import NO_SURGE, runs_over_speed
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import FLOAT_LIFT
 from valvetrain.solution.definition import NESTED

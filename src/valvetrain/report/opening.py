@@ -77,7 +77,7 @@ def run_chart(study: Study) -> Chart | None:
     worst = ", the worst speed" if len(study.engine_speeds) > 1 else ""
     what = "Valve lift and cam force" if train else "Spring force"
     caption = (
-        "Dashed: rigid parts. Where the cam force reaches zero, contact is lost."
+        "Dashed: rigid parts. Where the cam force reaches zero in the lift event, contact is lost."
         if train
         else "On the cylinder head."
     )
@@ -121,7 +121,7 @@ def _from_zero(panel: Panel) -> Panel:
     every = np.concatenate([np.asarray(one.y, dtype=float) for one in panel.layers])
     low, high = min(float(np.nanmin(every)), 0.0), max(float(np.nanmax(every)), 1.0)
     room = 0.07 * (high - low)
-    rules = (Rule("y", 0.0, "contact lost"),)
+    rules = (Rule("y", 0.0),)  # on the base circle no contact is lost, so the line has no name
     return replace(panel, rules=rules, y_range=(low - room, high + room))
 
 

@@ -84,6 +84,27 @@ def _label(label: str, run: Solution) -> str:
     return theme.model_label(label) if label == run.model else label
 
 
+def with_between(study: Study, label: str, name: str) -> tuple[Array, Array]:
+    """A quantity of a label over engine speed (rad/s), SI; that of the runs between the swept speeds too, which the
+    verdict is of.
+    """
+    speeds, values = study.series(label, name)
+    known = dict(zip(speeds.tolist(), values.tolist(), strict=True))
+    for run in study.between:
+        if run.label == label:
+            known.setdefault(run.engine_speed, run.quantities.get(name, np.nan))
+    ordered = sorted(known)
+    return np.array(ordered), np.array([known[one] for one in ordered], dtype=float)
+
+
+def set_and_model(study: Study, label: str, in_prose: bool = False) -> str:
+    """A label with the spring model, as pages call it ``in_prose``, where it is the name of a spring set alone."""
+    run = next((one for one in study.solutions if one.label == label), None)
+    if run is None or label != run.spring_set:
+        return label
+    return f"{label}, {theme.model_label(run.model) if in_prose else run.model}"
+
+
 def drawable(run: Solution) -> bool:
     """Whether a run has channels with enough samples to draw."""
     return bool(run.arrays.variables) and len(run.time) > 4

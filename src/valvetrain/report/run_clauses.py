@@ -132,24 +132,25 @@ def ends_that_pull(runs: Runs) -> list[Solution]:
 
 
 def bind_clause(runs: Runs) -> Clause | None:
-    """Room to coil bind of the spring that has the least."""
+    """Room to coil bind of the spring that has the least, of a pair with its name."""
     found = [
         (one, spring)
-        for spring in ("", *NESTED)
+        for spring in (*NESTED, "")
         if (one := runs.worst(f"{spring}_coil_bind_clearance".strip("_"), least=True)) is not None
     ]
     if not found:
         return None
     one, spring = min(found, key=lambda pair: pair[0].value)
-    whose = f"{spring} spring " if spring else ""
+    pair = [name for _, name in found if name]
+    whose = f" ({spring} spring{' first' if len(pair) > 1 else ''})" if spring else ""
     if 0 <= one.value < NEAR:
-        return Clause(f"{whose}only {runs.text(one)} clear of coil bind", one.run)
+        return Clause(f"only {runs.text(one)} clear of coil bind{whose}", one.run)
     if one.value >= 0:
         clash = any(strike_count(runs, run) > 0 for run in runs.solutions)
         still = " at full lift (at rest)" if clash else ""  # coils clash in spite of it
-        return Clause(f"{whose}clear of coil bind by {runs.text(one)}{still}", one.run)
+        return Clause(f"clear of coil bind by {runs.text(one)}{still}{whose}", one.run)
     short = runs.text(Worst(one.name, -one.value, one.run))
-    return Clause(f"{whose}{SOLID} {short} before the largest lift", one.run)
+    return Clause(f"{SOLID} {short} before the largest lift{whose}", one.run)
 
 
 def _is_solid(bind: Sequence[Clause]) -> bool:

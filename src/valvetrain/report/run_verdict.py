@@ -15,6 +15,7 @@ from valvetrain.report.clauses import (
     ended_clauses,
     figure,
     joined,
+    parted,
     quantity_text,
     sentence,
 )
@@ -46,8 +47,9 @@ def study_verdict(study: Study) -> str:
     if study.command == "compare-springs" and len(study.labels) == 2:
         return springs_verdict(study)
     if study.over_speed:
-        parts = [*rest_failures(study), *sweep_clauses(study), published]
-        return sentence(parts, condition_of(runs_over_speed(study, worst_label(study))))
+        lead, more = sweep_clauses(study)
+        condition = condition_of(runs_over_speed(study, worst_label(study)))
+        return in_sentences(*parted([*rest_failures(study), *lead], more), published, condition)
     judged = judged_runs(study)
     found = [
         *ended_clauses(study.solutions),
@@ -56,11 +58,16 @@ def study_verdict(study: Study) -> str:
         _power(study),
         _spread(study),
     ]
-    # what is published of a case is a sentence of its own, behind what the spring does
-    said = (
-        sentence(found, condition_of(judged)),
-        sentence([published and f"beside the source: {published}"]),
-    )
+    return in_sentences(found, [], published, condition_of(judged))
+
+
+def in_sentences(lead: list[str], more: list[str], published: str, condition: str) -> str:
+    """Parts of the first sentence, which pages show in bold, of the second, and what is published of a case
+    as one of its own, behind what the spring does.
+    """
+    source = [published and f"beside the source: {published}"]
+    first, second = (lead, more) if lead else (more, [])
+    said = (sentence(first, condition), sentence(second), sentence(source))
     return " ".join(filter(None, said))
 
 

@@ -12,8 +12,10 @@ from valvetrain.report.clauses import (
     Worst,
     ended_clauses,
     joined,
+    parted,
     sentence,
 )
+from valvetrain.report.control import Control, control_of, span_text
 from valvetrain.report.run_clauses import bind_clause, condition_of
 from valvetrain.report.springs_stress import stress_clause
 from valvetrain.report.sweep_verdict import runs_over_speed
@@ -28,13 +30,13 @@ SAID = {
     "clash_energy": ("clashes less", "clash energy", 1e-5),
 }
 STRESS = "nominal_peak_shear_stress"
+#: Share below which two numbers are not told apart, and how the sentence says it.
+ALIKE, WITHIN = 0.01, " within 1 %"
 #: Kind of critical speed -> what the better spring does, what both do.
 LATER = {
-    "contact-loss": ("keeps contact longer", "both lose contact", "neither loses contact"),
-    "float": ("floats later", "both float", "neither floats"),
+    "contact-loss": ("keeps contact longer", f"both lose contact{WITHIN}", "neither loses contact"),
+    "float": ("floats later", f"both float{WITHIN}", "neither floats"),
 }
-#: Share below which two numbers are not told apart.
-ALIKE = 0.01
 
 
 def springs_verdict(study: Study) -> str:
@@ -43,20 +45,30 @@ def springs_verdict(study: Study) -> str:
     pair = _alike_speeds([runs_over_speed(study, label) for label in study.labels[:2]])
     found = ended_clauses([run for run in study.solutions if run.status.code != "not-converged"])
     found.append(_named(study.interruption, study, names))
-    found.append(stress_clause(names, pair))
+    stress, why = stress_clause(names, pair)
+    found.append(stress)
     if len(study.critical_speeds):
         found += [_later_text(kind, study, names) for kind in LATER]
     found += _near_bind(names, pair)
     for quantity in SAID:
         found.append(_better(quantity, names, pair))
     found.append(_unknown(names, pair))
-    condition = next(filter(None, map(condition_of, pair)), "")
-    text = sentence([one for one in found if one], condition)
-    first = next((one for one in found if one), "")
-    if not text:
+    first, rest = parted(found, [])
+    if not first:
         return "No difference between the two springs."
-    # A name keeps its letters.
-    return first + text[len(first) :] if not condition and first.startswith(tuple(names)) else text
+    condition = next(filter(None, map(condition_of, pair)), "")
+    more = [one for one in (why, *rest) if one]
+    if more and more[0].startswith(tuple(names)):
+        more[0] = f"also {more[0]}"  # a sentence begins with a capital, a name keeps its letters
+    return f"{_sentence(first, names, condition)} {_sentence(more, names)}".strip()
+
+
+def _sentence(parts: list[str], names: list[str], condition: str = "") -> str:
+    """Parts as a sentence in which a name keeps its letters."""
+    text = sentence(parts, condition)
+    if condition or not parts or not parts[0].startswith(tuple(names)):
+        return text
+    return parts[0] + text[len(parts[0]) :]
 
 
 def _better(quantity: str, names: list[str], pair: list[Runs]) -> str:
@@ -114,24 +126,40 @@ def _later_text(kind: str, study: Study, names: list[str]) -> str:
         missing = [name for name, one in zip(names, rows, strict=True) if one is None]
         noun = "contact loss" if kind == "contact-loss" else kind
         return f"{noun} of {joined(missing)} not computed" if known else ""
-    speeds = [one.engine_speed if one.found else math.inf for one in known]
+    controls = [control_of(study, label) for label in study.labels[:2]]
+    speeds = [one.begin(kind) for one in controls]
+    last = f"{rpm(known[0].last_engine_speed):.5g} rpm"
+    islands = [_islands_text(one) if kind == "contact-loss" else "" for one in controls]
+    if all(map(math.isinf, speeds)) and not any(islands):
+        return f"{neither} up to {last}"
+    if all(one == 0 for one in speeds):
+        return f"{both.removesuffix(WITHIN)} below {rpm(known[0].first_engine_speed):.5g} rpm"
+    texts = [
+        _speed_text(row, speed) + island
+        for row, speed, island in zip(known, speeds, islands, strict=True)
+    ]
+    if texts[0] == texts[1]:
+        return f"{both.removesuffix(WITHIN)} from {texts[0]}"
     if all(map(math.isinf, speeds)):
-        return f"{neither} up to {rpm(known[0].last_engine_speed):.5g} rpm"
-    texts = [_speed_text(one) for one in known]
+        return f"{neither} up to {last} but for short ranges ({texts[0]} against {texts[1]})"
     if abs(speeds[0] - speeds[1]) <= ALIKE * min(speeds):
-        return f"{both} from {texts[0]}" if texts[0][0].isdigit() else f"{both} {texts[0]}"
+        return f"{both} ({names[0]} from {texts[0]}, {names[1]} from {texts[1]})"
     place = 0 if speeds[0] > speeds[1] else 1
     red_line = study.record.red_line
     mark = "" if red_line is None else f", red line {rpm(red_line):.6g}"
     return f"{names[place]} {later} ({texts[place]} against {texts[1 - place]}{mark})"
 
 
-def _speed_text(one: CriticalSpeed) -> str:
+def _speed_text(one: CriticalSpeed, speed: float) -> str:
     """``7843 rpm``, ``below 4000 rpm`` or ``never up to 8000 rpm``."""
-    if not one.found:
+    if math.isinf(speed):
         return f"never up to {rpm(one.last_engine_speed):.5g} rpm"
-    below = one.begins is None and not math.isfinite(one.nominal_engine_speed)
-    return f"{'below ' if below else ''}{rpm(one.engine_speed):.0f} rpm"
+    return f"{rpm(speed):.0f} rpm" if speed > 0 else f"below {rpm(one.first_engine_speed):.5g} rpm"
+
+
+def _islands_text(one: Control) -> str:
+    """`` but for 5218 to 5258 rpm``: short ranges of lost contact below the loss that stays."""
+    return f" but for {joined([span_text(gap) for gap in one.islands])} rpm" if one.islands else ""
 
 
 def _alike_speeds(pair: list[Runs]) -> list[Runs]:

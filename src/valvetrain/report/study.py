@@ -35,7 +35,7 @@ from valvetrain.report.page import (
     sentences,
 )
 from valvetrain.report.reader_charts import chart_for_reader
-from valvetrain.report.run_charts import covered_by_source, line_styles
+from valvetrain.report.run_charts import covered_by_source, line_styles, set_and_model
 from valvetrain.report.run_summary import unsettled_text
 from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
@@ -148,7 +148,8 @@ def _section(spec: SectionSpec, study: Study) -> Section | None:
 
 def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     speeds, known = study.engine_speeds, line_styles(study)
-    names = [look.label for look in known.values()]
+    sets = {label: set_and_model(study, label, True) for label in known}
+    names = [sets[label] if sets[label] != label else look.label for label, look in known.items()]
     mark = "; " if any("," in name for name in names) else ", "
     digits = 4 if study.command == "run-up" else 10  # a revolution of a run-up has a mean speed
     listed = ", ".join(f"{rpm(speed):.{digits}g}" for speed in speeds)

@@ -9,14 +9,9 @@ import math
 import numpy as np
 
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
-from valvetrain.report.run_charts import MAX_LINES, Array, line_styles
-from valvetrain.report.sweep_verdict import (
-    controlled_to,
-    first_losses,
-    runs_over_speed,
-    worst_label,
-    worst_surge,
-)
+from valvetrain.report.control import control_of, first_losses
+from valvetrain.report.run_charts import MAX_LINES, Array, line_styles, with_between
+from valvetrain.report.sweep_verdict import runs_over_speed, worst_label, worst_surge
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import CriticalSpeed
 from valvetrain.solution.definition import label_of, shown
@@ -84,10 +79,17 @@ def regime_chart(study: Study) -> Chart | None:
 def _marks(study: Study, label: str, train: bool) -> tuple[Rule, ...]:
     """The speeds of the verdict as lines across a panel, of two springs with the name of theirs."""
     name = f"{study.runs(label)[0].spring_set} " if study.command == "compare-springs" else ""
-    rules = [
-        Rule("x", rpm(one.engine_speed), f"{name}{_MARKS[one.kind]} {rpm(one.engine_speed):.0f}")
+    marked = [
+        (one.kind, one.engine_speed)
         for one in study.critical_speeds
         if one.label == label and one.found
+    ]
+    control = control_of(study, label)
+    if control.islands:  # the loss that stays has a mark too
+        stays = [one for one in control.losses if one.row is control.contact]
+        marked += [("contact-loss", one.begin) for one in stays]
+    rules = [
+        Rule("x", rpm(speed), f"{name}{_MARKS[kind]} {rpm(speed):.0f}") for kind, speed in marked
     ]
     runs = runs_over_speed(study, label)
     if train and not study.critical_speeds:
@@ -134,7 +136,7 @@ def _with_searched(study: Study, label: str, name: str) -> tuple[Array, Array]:
     """A quantity over engine speed (rad/s), of the cam force with the runs of the search: where control is lost
     the curve has to show it.
     """
-    speeds, values = study.series(label, name)
+    speeds, values = with_between(study, label, name)
     row = study.critical_speeds.of("contact-loss", label)
     if row is None or not name.startswith("minimum_cam"):
         return speeds, values
@@ -168,11 +170,7 @@ def _regimes(study: Study, label: str, several: bool) -> Panel:
     labels = []
     for level, (kind, row) in enumerate(reversed(searched.items())):
         name, colour = REGIMES[kind]
-        spans = (
-            [(first, min(rpm(controlled_to(study, label)), last))]
-            if row is None
-            else _spans(row, last)
-        )
+        spans = _controlled(study, label) if row is None else _spans(row, last)
         labels.append((float(level), name if spans else f"no {name}"))
         x = np.array([value for low, high in spans for value in (low, high, math.nan)])
         y = np.where(np.isnan(x), np.nan, float(level))
@@ -192,6 +190,14 @@ def _regimes(study: Study, label: str, several: bool) -> Panel:
         row_labels=tuple(labels),
         weight=REGIMES_WEIGHT,
     )
+
+
+def _controlled(study: Study, label: str) -> list[tuple[float, float]]:
+    """Speeds (rpm) at which a label is controlled, the short ranges of lost contact left out."""
+    (first, last), control = _reach(study), control_of(study, label)
+    gaps = [(rpm(one.lower_engine_speed), rpm(one.upper_engine_speed)) for one in control.islands]
+    ends = [low for low, _ in gaps], [high for _, high in gaps]
+    return list(zip([first, *ends[1]], [*ends[0], min(rpm(control.limit), last)], strict=True))
 
 
 def _spans(row: CriticalSpeed, last: float) -> list[tuple[float, float]]:

@@ -25,6 +25,16 @@ def rpm(engine_speed: float) -> float:
     return round(engine_speed * 30 / math.pi, 6)
 
 
+def rpm_text(engine_speed: float) -> str:
+    """An engine speed (rad/s) of a table in rpm: whole ones from 100 rpm on.
+
+    >>> rpm_text(684.77), rpm_text(7.33)
+    ('6539', '70')
+    """
+    speed = rpm(engine_speed)
+    return f"{speed:.0f}" if speed >= 100 else f"{speed:.4g}"
+
+
 def speed_text(engine_speed: float) -> str:
     """An engine speed as text, such as ``5600 rpm``."""
     return f"{rpm(engine_speed):.10g} rpm"

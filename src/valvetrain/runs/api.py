@@ -315,8 +315,8 @@ def critical_speeds(
     >>> vt.critical_speeds("tdi-pushrod", "6800:7600:200 rpm", spring_models="massless", spring_set="stock", ranges=False)
     critical engine speeds (rpm)
       massless, contact-loss: 7121 (nominal), at the cam; until 7600 or more
-      massless, float: never up to 7600
-      massless, bounce: never up to 7600
+      massless, float: none up to 7600
+      massless, bounce: none up to 7600
     """
     found = sweep(
         case,

@@ -8,7 +8,7 @@ import numpy as np
 
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.forces import force_quantities
+from valvetrain.quantities.forces import bind_clearances, force_quantities
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 
@@ -43,10 +43,12 @@ def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
         "run slower, or fit a spring that holds the valve and has more room to its solid height"
     )
     status = Status("coil-bind", message, float(solution.time[index]), spring.name, remedy)
-    return replace(_until(solution, index, travel), status=status)
+    return replace(_until(solution, index, travel, springs), status=status)
 
 
-def _until(solution: Solution, index: int, travel: float) -> Solution:
+def _until(
+    solution: Solution, index: int, travel: float, springs: tuple[InstalledSpring, ...]
+) -> Solution:
     """The run before sample ``index``, at which the lift passes ``travel`` (m)."""
     end = float(solution.time[index])
     statistics = {
@@ -56,7 +58,7 @@ def _until(solution: Solution, index: int, travel: float) -> Solution:
     }
     channels = solution.arrays.at({"sample": range(index)})
     cut = replace(solution, channels=channels, statistics=statistics)
-    found = {"peak_valve_lift": travel, "coil_bind_clearance": 0.0}
+    found = {"peak_valve_lift": travel, **bind_clearances(springs, travel)}
     if index > 2:
         forces = force_quantities(reported_cycle(cut))
         found |= {name: force for name, force in forces.items() if not name.startswith("below_")}

@@ -34,6 +34,8 @@ from valvetrain.solution.critical import (
     BOUNCE_HEIGHT,
     FLOAT_LIFT,
     KINDS,
+    MAX_AGAIN,
+    NARROW,
     CriticalSpeed,
     CriticalSpeeds,
     Crossing,
@@ -320,10 +322,7 @@ def critical_speed(
     end = search.end(kind, from_speed)
     begins = None if isinstance(onset, float) else search.crossing(kind, onset)
     ends = None if end is None else Crossing(end)
-    again = _further(search, kind, from_speed)
-    if again:  # the speeds of a sweep do not say where it begins
-        search.narrowed(kind, again[0].lower_engine_speed)
-        again = _further(search, kind, from_speed)
+    again = _narrowed(search, kind, from_speed)
     return replace(
         none,
         found=True,
@@ -333,6 +332,28 @@ def critical_speed(
         again=again,
         runs_count=search.runs_count - before,
     )
+
+
+def _narrowed(search: Search, kind: str, engine_speed: float) -> tuple[SpeedBracket, ...]:
+    """The ranges of loss above a speed (rad/s); the speeds of a sweep do not say where they begin and end, so
+    those up to the first that is not short are narrowed to the resolution.
+    """
+    place = 0
+    while place < min(len(again := _further(search, kind, engine_speed)), MAX_AGAIN):
+        search.narrowed(kind, again[place].lower_engine_speed)
+        again = _further(search, kind, engine_speed)
+        if _is_long(again[place]):
+            break
+        search.end(kind, again[place].lower_engine_speed)
+        again = _further(search, kind, engine_speed)
+        if _is_long(again[place]):
+            break
+        place += 1
+    return again
+
+
+def _is_long(one: SpeedBracket) -> bool:
+    return one.upper_engine_speed - one.lower_engine_speed > NARROW * one.lower_engine_speed
 
 
 def _further(search: Search, kind: str, engine_speed: float) -> tuple[SpeedBracket, ...]:

@@ -17,6 +17,7 @@ from valvetrain.integrate.train_run import CycleRecord, TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.quantities.forces import bind_clearances
 from valvetrain.quantities.train_numbers import OpenWindow, turn_quantities
 from valvetrain.runs.cost import limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import CriticalOptions
@@ -275,10 +276,7 @@ def bind_clearance(
     """Least clearance (m) to coil bind at the largest lift of a revolution; none where no spring
     has one.
     """
-    travels = [spring.room for spring in springs if spring.room is not None]
-    if not travels:
-        return {}
-    return {"coil_bind_clearance": min(travels) - float(record.q[:, system.arrays.retainer].max())}
+    return bind_clearances(springs, float(record.q[:, system.arrays.retainer].max()))
 
 
 def _lost(study: Study, label: str) -> dict[str, float]:

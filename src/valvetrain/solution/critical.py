@@ -28,6 +28,12 @@ FLOAT_LIFT, BOUNCE_HEIGHT = 50e-6, 100e-6
 DAMPING_FACTORS = (0.6, 1.5)
 #: Further ranges of lost control that are named one by one.
 MAX_AGAIN = 3
+#: Width of a range of lost control, over its speed, up to which it is a short one: an engine passes it at once.
+NARROW = 0.02
+#: What the range ``numerical`` is over.
+OVER_NUMERICS = "over step and mesh"
+#: Kind of onset -> what the text says of it; nothing of a sharp one.
+ONSETS = {"graze": "just touching zero", "non-repeating": "motion does not repeat"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,12 +177,12 @@ class CriticalSpeed:
 
     @property
     def text(self) -> str:
-        """The result in rpm as terminal, page and Python print it: ``7302 (7301–7304 numerical,
-        7240–7371 over damping ×0.6 to ×1.5), sharp``, ``below 7000, at the cam``, ``never up to
-        9000``; ``(nominal)`` where nothing was repeated.
+        """The result in rpm as terminal, page and Python print it: ``7302 (7301–7304 over step and mesh,
+        7240–7371 over damping ×0.6 to ×1.5)``, ``below 7000, at the cam``, ``none up to 9000``;
+        ``(nominal)`` where nothing was repeated.
         """
         if not self.found:
-            speed = f"never up to {self.last_engine_speed / RPM:.6g}"
+            speed = f"none up to {self.last_engine_speed / RPM:.6g}"
         elif self.begins is None:
             speed = f"below {self.first_engine_speed / RPM:.6g}"
         elif math.isfinite(self.nominal_engine_speed):
@@ -187,7 +193,7 @@ class CriticalSpeed:
         over = "over damping " + " to ".join(f"×{factor:g}" for factor in DAMPING_FACTORS)
         ranges = [
             f"{_range_text(one, low, high)} {name}"
-            for one, name in ((self.numerical, "numerical"), (self.damping, over))
+            for one, name in ((self.numerical, OVER_NUMERICS), (self.damping, over))
             if one is not None
         ]
         if ranges:
@@ -195,7 +201,7 @@ class CriticalSpeed:
         elif math.isfinite(self.nominal_engine_speed):
             speed += " (nominal)"
         place = f"at the {self.place}" if self.found and self.kind == "contact-loss" else ""
-        return ", ".join(filter(None, (speed, self.onset, place)))
+        return ", ".join(filter(None, (speed, ONSETS.get(self.onset), place)))
 
 
 def _range_text(one: SpeedBracket, first: float, last: float) -> str:
@@ -217,7 +223,7 @@ class CriticalSpeeds(Saveable):
     >>> never = CriticalSpeed("stock", "float", 5e-5, 700.0, 300 * math.pi, 1.0)
     >>> CriticalSpeeds((never,))
     critical engine speeds (rpm)
-      stock, float: never up to 9000
+      stock, float: none up to 9000
     """
 
     rows: tuple[CriticalSpeed, ...] = ()

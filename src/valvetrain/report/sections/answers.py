@@ -19,6 +19,7 @@ from valvetrain.report.headlines import (
     headline_rows,
     largest_clash_rows,
     limit_sentences,
+    peak_angle,
 )
 from valvetrain.report.page import (
     Block,
@@ -34,7 +35,7 @@ from valvetrain.report.page import (
 )
 from valvetrain.report.run_charts import line_styles
 from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for, share, speed_axis
-from valvetrain.report.text import number, quantity_label, rpm, speed_text, unit_text
+from valvetrain.report.text import number, quantity_label, rpm_text, speed_text, unit_text
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import topics
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, FidelityMap, FidelityRow
@@ -48,7 +49,16 @@ MAX_COLUMNS = 8
 OPEN_LISTS = 2
 #: Letters of a note that stands open whole.
 LONG_NOTE = 140
-_CLASH_HEADERS = ("coils", "cam angle (deg)", "impulse (mN s)", "energy (mJ)", "peak force (N)")
+_CLASH_HEADERS = (
+    "coils",
+    "first touch (cam deg)",
+    "hardest (cam deg)",
+    "impulse (mN s)",
+    "energy (mJ)",
+    "peak force (N)",
+)
+#: What the angles of a clash are.
+_CLASH_ANGLES = "They begin at the first touch; hardest is the angle of the peak force, which the verdict gives."
 
 
 def answers_blocks(study: Study) -> tuple[Block, ...]:
@@ -129,7 +139,7 @@ def _name(label: str, unit: str) -> str:
 def _values(row: HeadlineRow) -> tuple[str, ...]:
     pairs = zip(row.values, row.engine_speeds, strict=True)
     return row.cells or tuple(
-        number(value) + row.mark(place) + ("" if speed is None else f" at {rpm(speed):.6g} rpm")
+        number(value) + row.mark(place) + ("" if speed is None else f" at {rpm_text(speed)} rpm")
         for place, (value, speed) in enumerate(pairs)
     )
 
@@ -155,7 +165,7 @@ def _clashes(study: Study) -> tuple[Block, ...]:
     several = Grid(
         _CLASH_HEADERS,
         tuple(rows),
-        caption="Largest coil clashes by energy; the cam angle is that of the first touch.",
+        caption=f"Largest coil clashes by energy. {_CLASH_ANGLES}",
     )
     if len(found) <= OPEN_LISTS:
         return (several,)
@@ -163,14 +173,15 @@ def _clashes(study: Study) -> tuple[Block, ...]:
     largest = Grid(
         ("largest clash", *_CLASH_HEADERS),
         first,
-        caption="Largest coil clash of each run by energy; the cam angle is that of first touch.",
+        caption=f"Largest coil clash of each run by energy. {_CLASH_ANGLES}",
     )
     return (largest, Details(f"The {NAMED_CLASHES} largest clashes of each run", (several,)))
 
 
 def _clash_cells(event: Event) -> tuple[Cell, ...]:
     angle = float(np.degrees(event.cam_angle)) % 360
-    sizes = (angle, clash_size(event, "impulse"), clash_size(event, "energy"), event.size)
+    energies = (clash_size(event, name) for name in ("impulse", "energy"))
+    sizes = (angle, peak_angle(event), *energies, event.size)
     return (Cell(clash_pair(event)), *(Cell(number(value), "number") for value in sizes))
 
 

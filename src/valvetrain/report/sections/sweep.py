@@ -23,7 +23,15 @@ from valvetrain.report.page import (
     figure_or_gap,
     text,
 )
-from valvetrain.report.run_charts import MAX_LINES, Array, bars, line_styles, panels_chart, runs_at
+from valvetrain.report.run_charts import (
+    MAX_LINES,
+    Array,
+    bars,
+    line_styles,
+    panels_chart,
+    runs_at,
+    with_between,
+)
 from valvetrain.report.run_summary import CRITICAL_LEGEND, critical_notes, critical_rows, searched
 from valvetrain.report.text import axis_label, number, rpm, speed_text
 from valvetrain.solution.definition import definition_of, names_for, shown
@@ -180,7 +188,7 @@ def sweep_chart(study: Study, topic: str, names: Sequence[str], place: int) -> C
         ]
     if not panels:
         return None
-    caption = "Each engine speed on its own. Open marks: the motion did not repeat there, its last cycle is shown."
+    caption = "Each engine speed on its own, those between the swept ones too. Open marks: the motion did not repeat there, its last cycle is shown."
     if study.command == "run-up":
         caption = (
             "One value per cam revolution, at its mean engine speed: the envelope of the run-up."
@@ -195,13 +203,12 @@ def _panel(study: Study, name: str, labels: list[str]) -> Panel:
     known, unit = line_styles(study), ""
     layers: list[Layer] = []
     for label in labels:
-        speeds, values = study.series(label, name)
+        speeds, values = with_between(study, label, name)
         values, unit = shown(name, values)
         x, look = np.array([rpm(speed) for speed in speeds]), known[label]
         layers.append(Line(x, values, look.label, look.colour, 1.6, look.dash))
-        restless = np.array([not run.status.completed for run in study.runs(label)]) & np.isfinite(
-            values
-        )
+        open_runs = [run.engine_speed for run in study.runs(label) if not run.status.completed]
+        restless = np.isin(speeds, open_runs) & np.isfinite(values)
         if restless.any():
             layers.append(
                 Marks(

@@ -1,0 +1,204 @@
+"""Unit: how the verdict of a sweep and of two springs says up to where a train is controlled: short ranges
+of lost contact, single speeds, ranges over numerics and damping, what binds first and which stress tells.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from synthetic_study import train_study
+from valvetrain.quantities.forces import bind_clearances
+from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE
+from valvetrain.report.clauses import MAX_LEAD, parted
+from valvetrain.report.control import control_of, controlled_to
+from valvetrain.report.sweep_chart import regime_chart
+from valvetrain.runs.critical_search import Search, SpeedSample
+from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed
+from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
+from valvetrain.solution.study import Study
+
+RPM = np.pi / 30
+LABEL = "stock, modal-uniform"
+
+
+def run(
+    speed: float, name: str = "stock", events: tuple[Event, ...] = (), **values: float
+) -> Solution:
+    """A run of a spring set at a speed (rpm)."""
+    first = train_study().solutions[0]
+    held = {"loss_of_contact_duration": 0.0, "minimum_cam_contact_force": 40.0, **values}
+    origin = replace(first.provenance, engine_speed=speed * RPM, label=f"{name}, modal-uniform", spring_set=name, model="modal-uniform")  # fmt: skip
+    return replace(first, events=events, quantities=held, provenance=origin)
+
+
+def bracket(low: float, high: float) -> SpeedBracket:
+    return SpeedBracket(low * RPM, high * RPM)
+
+
+def lost(
+    kind: str, begin: float, end: float = math.inf, *again: SpeedBracket, **more: object
+) -> CriticalSpeed:
+    """Control lost from ``begin`` to ``end`` (rpm) of a search from 4000 to 8000 rpm."""
+    ends = None if math.isinf(end) else Crossing(bracket(end, end + 10))
+    place = {"contact-loss": "cam", "float": "valve", "bounce": "seat"}[kind]
+    row = CriticalSpeed(LABEL, kind, 0.0, 4000 * RPM, 8000 * RPM, 10 * RPM, True, place,
+                        Crossing(bracket(begin - 5, begin)), ends, again, nominal_engine_speed=begin * RPM)  # fmt: skip
+    return replace(row, **more)
+
+
+def sweep(*rows: CriticalSpeed, runs: tuple[Solution, ...] = ()) -> Study:
+    swept = runs or (run(4000), run(8000))
+    return Study(CaseRecord("own"), "sweep", swept, critical_speeds=CriticalSpeeds(rows))
+
+
+SURGE = {"cause": CAUSE_SURGE, "spring_force_loss": 54.6, "surge_order": 6}
+
+
+def test_a_short_range_of_lost_contact_is_named_and_does_not_end_control():
+    """40 rpm in which contact is lost for a moment made it "controlled to 5218 rpm"."""
+    inertia = Event("loft", 4.0, 0.01, 1e-3, 1e-4, "m", "cam", {"cause": CAUSE_INERTIA})
+    runs = (run(4000), run(6250, events=(inertia,), loss_of_contact_duration=1e-3), run(8000))
+    found = lost("contact-loss", 5218, 5258, bracket(6100, 8000), **SURGE)
+    study = sweep(found, lost("float", 6917), runs=runs)
+    assert study.verdict.startswith(
+        "Controlled to 6100 rpm, where contact is lost at the cam because inertia exceeds the spring force, apart from "
+        "5218 to 5258 rpm, where contact is lost at the cam because surge lowers the spring force by 54.6 N (order 6); "
+        "floats from 6917 rpm."
+    )
+    assert controlled_to(study, LABEL) == pytest.approx(6100 * RPM)
+    bars = {layer.name: layer.x for layer in regime_chart(study).panels[1].layers}
+    assert bars["controlled"][np.isfinite(bars["controlled"])] == pytest.approx([4000, 5218, 5258, 6100])  # fmt: skip
+    alone = sweep(lost("contact-loss", 5218, 5258, **SURGE))
+    assert alone.verdict.startswith(
+        "Controlled up to 8000 rpm, the highest speed searched, apart from 5218 to 5258 rpm, where contact is lost at the cam "
+        "because surge lowers the spring force by 54.6 N (order 6), minimum cam force 40 N."
+    )
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        (lost("contact-loss", 5218, 5400, bracket(6100, 8000)),),  # 3.5 % wide
+        (lost("contact-loss", 5218, 5258, bracket(6100, 8000)), lost("float", 5230, 5240)),
+        (lost("contact-loss", 5218, 5258, bracket(6100, 8000)), lost("bounce", 5000)),
+        (lost("contact-loss", 5218, 5258, *(bracket(at, at + 20) for at in (5400, 5600, 6100))),),
+        (lost("contact-loss", 7980),),  # up to the last speed searched
+        (lost("bounce", 5218, 5258),),
+    ],
+)
+def test_what_is_wide_or_floats_or_bounces_or_comes_often_ends_control(rows):
+    begin = min(one.engine_speed for one in rows)
+    study = sweep(*rows)
+    assert controlled_to(study, LABEL) == pytest.approx(begin) and not control_of(study, LABEL).islands  # fmt: skip
+    assert study.verdict.startswith(f"Controlled to {begin / RPM:.0f} rpm, ")
+
+
+def test_one_speed_is_printed_once():
+    """A sweep "floats from 7367 to 7367"."""
+    said = sweep(lost("contact-loss", 6000), lost("float", 7367, 7367, bracket(7800, 8000))).verdict
+    assert "floats at 7367 and again from 7800 rpm." in said
+    only = sweep(lost("float", 7367, 7367)).verdict
+    assert only.startswith("Controlled to 7367 rpm, where the valve floats, at this speed alone.")
+
+
+def test_a_range_says_what_it_is_over_and_is_rounded_outwards():
+    """It was "with other damping or division", 8106 where the table had 8105."""
+    ranges = {"numerical": bracket(6999.6, 7000.2), "damping": bracket(6400.4, 7000.2)}
+    said = sweep(lost("contact-loss", 7000, **ranges)).verdict
+    assert said.startswith("Controlled to 7000 rpm (6400 to 7001 over step, mesh and damping), where contact is lost")  # fmt: skip
+    never = sweep(lost("contact-loss", 7000, damping=SpeedBracket(6400 * RPM, math.inf))).verdict
+    assert "(6400 to above 8000 over step, mesh and damping)" in never and "never" not in never
+
+
+def test_ends_that_would_lift_are_said_where_they_do():
+    """ "From 6500 rpm" rested on the one resonance that was run there."""
+    pull = (Event("end-pull", 4.0, 0.01, 1e-3, 0.0, "N", "retainer"),)
+    some = sweep(runs=(run(6000), run(6500, events=pull), run(7000), run(7500)))
+    assert " At 6500 rpm the ends of the spring would lift" in some.verdict
+    many = [run(speed, events=pull if speed > 6000 else ()) for speed in range(6000, 8000, 250)]
+    assert " From 6250 to 7750 rpm the ends of the spring would lift" in sweep(runs=tuple(many)).verdict  # fmt: skip
+
+
+def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
+    """The speeds of a sweep made the width of a range above the first one."""
+
+    def margin(speed: float) -> float:
+        short = 5018 < speed < 5060 or 5490 < speed < 5530
+        return -1.0 if short or 6512 < speed < 7333 else 100.0
+
+    def at(speed: float, orbit: object = None) -> SpeedSample:
+        value = margin(speed / RPM)
+        return SpeedSample({"contact-loss": max(value, 0.0)}, {"contact-loss": "cam"}, None, {"contact-loss": value})  # fmt: skip
+
+    swept = (4000, 4500, 5040, 5300, 5500, 6000, 6600, 7000, 8000)
+    options = CriticalOptions()
+    search = Search(at, {one * RPM: at(one * RPM) for one in swept}, options.limits, 10 * RPM)
+    row = critical_speed(search, "contact-loss", LABEL, 4000 * RPM, 8000 * RPM, options)
+    first, second = row.again
+    assert first.lower_engine_speed / RPM == pytest.approx(5495, abs=5.5)
+    assert first.upper_engine_speed / RPM == pytest.approx(5525, abs=5.5)
+    assert second.lower_engine_speed / RPM == pytest.approx(6517, abs=5.5)
+    study = sweep(replace(row, nominal_engine_speed=row.begins.from_rest.upper_engine_speed))
+    assert controlled_to(study, LABEL) == second.lower_engine_speed
+
+
+def test_the_first_sentence_has_some_sixty_words():
+    """Pages show it in bold; the one of a sweep had 75."""
+    part = "one two three four five " * 5
+    lead, more = parted([part.strip()] * 4, ["end"])
+    assert len(lead) == 2 and len(more) == 3 and len(" ".join(lead).split()) <= MAX_LEAD
+    assert parted(["word " * 70], [])[0], "one part stands whatever its length"
+
+
+def test_a_pair_says_which_of_its_springs_binds_first():
+    """The clearance of both was named without the spring that has it."""
+    names = {"coil_bind_clearance": 1.3e-4, "outer_coil_bind_clearance": 3.6e-3, "inner_coil_bind_clearance": 1.3e-4}  # fmt: skip
+    said = Study(CaseRecord("own"), "run", (run(6000, **names),)).verdict
+    assert "only 0.13 mm clear of coil bind (inner spring first)" in said.lower()
+    outer = {name: value for name, value in names.items() if "inner" not in name}
+    alone = Study(CaseRecord("own"), "run", (run(6000, **outer | {"coil_bind_clearance": 3.6e-3}),))
+    assert "lear of coil bind by 3.6 mm (outer spring)" in alone.verdict
+    assert bind_clearances((), 0.01) == {}
+
+
+def two(light: dict[str, float], heavy: dict[str, float], *rows: CriticalSpeed) -> Study:
+    runs = tuple(run(speed, name, **values) for name, values in (("light", light), ("heavy", heavy)) for speed in (4000, 8000))  # fmt: skip
+    return Study(CaseRecord("own"), "compare-springs", runs, critical_speeds=CriticalSpeeds(rows))
+
+
+def test_speeds_that_the_table_tells_apart_are_both_printed():
+    """ "Both lose contact from 6781 rpm" stood above a table with 6781 and 6843."""
+    rows = tuple(
+        lost("contact-loss", speed, label=f"{name}, modal-uniform")
+        for name, speed in (("light", 6781), ("heavy", 6843))
+    )
+    said = two({}, {}, *rows).verdict
+    assert said == "Both lose contact within 1 % (light from 6781 rpm, heavy from 6843 rpm)."
+    same = [replace(one, nominal_engine_speed=6781 * RPM) for one in rows]
+    assert two({}, {}, *same).verdict == "Both lose contact from 6781 rpm."
+    gap = replace(rows[0], ends=Crossing(bracket(6820, 6830)), again=(bracket(7300, 8000),))
+    assert two({}, {}, gap, rows[1]).verdict == (
+        "light keeps contact longer (7300 rpm but for 6781 to 6820 rpm against 6843 rpm)."
+    )
+
+
+@pytest.mark.parametrize(("share", "tells"), [(1.01, False), (1.04, False), (1.08, True)])
+def test_a_small_difference_of_stress_does_not_tell_which_breaks_first(share, tells):
+    """One per cent of stress amplitude was "so of equal wires it breaks first"."""
+    stress = {
+        "nominal_peak_shear_stress": 900e6,
+        "nominal_minimum_shear_stress": 300e6,
+        "minimum_spring_force": 200.0,
+        "peak_spring_force": 600.0,
+    }
+    more = {name: value * (share if "stress" in name else 1.0) for name, value in stress.items()}
+    said = two(stress, more).verdict
+    assert ("heavy is stressed more, so of equal wires it breaks first" in said) == tells
+    assert ("stress does not tell which breaks first (amplitude" in said.lower()) != tells
