@@ -145,7 +145,7 @@ def worst_label(study: Study) -> str:
     return min(study.labels, key=key)
 
 
-def limits_over_speed(runs: Runs) -> list[str]:
+def limits_over_speed(runs: Runs) -> dict[str, str]:
     """Limits passed: from which engine speed run, or where alone."""
     passed: dict[str, list[Solution]] = {}
     for run in runs.solutions:
