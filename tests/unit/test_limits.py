@@ -14,7 +14,7 @@ from rich.console import Console
 import valvetrain as vt
 from valvetrain.cli.answers import show_study
 from valvetrain.parameters.material import material_by_name, tensile_strength
-from valvetrain.quantities.limits import passed_limits
+from valvetrain.quantities.limits import OF_CASE, passed_limits
 from valvetrain.report.json import study_json
 from valvetrain.report.read_page import read_page
 from valvetrain.report.study import study_page, write_page
@@ -71,6 +71,25 @@ def test_terminal_json_page_and_workbench_say_it(study, tmp_path):
     # the workbench shows the sections of the page as they are
     shown = " ".join(str(section) for section in read_page(page))
     assert "above 1070 MPa: what EN 13906-1 permits" in shown and " !'" in shown
+
+
+def test_a_case_sets_its_own_limit_of_the_seating_velocity_and_nothing_moves():
+    """Contract: over speed, too, the sentence ends with it; the motion is the same to the last bit."""
+    law = {"kind": "cam-card", "angle_of": "crank", "valve_lift": "8.3 mm", "duration": "244 deg", "duration_lift": "1 mm"}  # fmt: skip
+    train = {
+        "kind": "direct", "contacts": "steel", "cam": {"base_radius": "14 mm", "width": "9 mm"}, "follower": {"shape": "flat", "mass": "16 g"},
+        "valve": {"mass": "32 g"}, "springs": {"one": [{"preload": "230 N", "rate": "36 N/mm", "mass": "25 g"}]}, "spring_model": "massless",
+    }  # fmt: skip
+    case = vt.Case(name="own", lift_law=law, train=train)
+    own = case.set({"train.valve.permitted_seating_velocity": "10 mm/s"})
+    runs = [one.run("6000 rpm") for one in (case, own)]
+    assert "smooth" not in runs[0].verdict and not passed_limits(runs[0].quantities)
+    assert runs[1].verdict.endswith("above its limit of 0.01 m/s.")
+    assert passed_limits(runs[1].quantities)["seating_velocity"].reason == OF_CASE
+    velocity = [run.quantities["seating_velocity"] for run in runs]
+    assert velocity[0] == velocity[1] > 0.01
+    swept = own.sweep("5000:6000:500 rpm", critical_speeds=False)
+    assert swept.verdict.endswith("seating velocity above its limit of 0.01 m/s at every speed.")
 
 
 @pytest.mark.parametrize(
