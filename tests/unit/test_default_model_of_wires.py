@@ -20,6 +20,13 @@ from valvetrain.system.build import build
 
 TRAIN = template_text("direct")
 HEIGHT = 'installed_height = "36 mm"'
+INNER = (
+    '[[train.springs.stock]]\nname = "inner"\nwire_diameter = "2.6 mm"\nmean_diameter = "14.5 mm"\ntotal_coils = 8.5\n'
+    'pitch = { formula = "closed-ends", pitch = "5.6 mm" }\nmaterial = "OTEVA 90 SC"\ninstalled_height = "34 mm"\n'
+)
+RUBBING = TRAIN.replace(
+    "[train]\n", '[train]\nrubbing = { coefficient = 0.1, normal_force = "30 N" }\n'
+)
 CARD = (
     '[[train.springs.stock]]\nname = "inner"\npreload = "100 N"\nrate = "12 N/mm"\nmass = "20 g"\n'
 )
@@ -41,8 +48,9 @@ def test_wires_run_by_their_reduced_rod_and_cards_by_modes():
     [
         (TRAIN.replace(HEIGHT, f'{HEIGHT}\nend_contact = "lifting"'), "the ends of spring 'spring' lift"),
         (TRAIN.replace("# Another set", f"{CARD}\n# Another set"), "spring 'inner' is known by its card only"),
+        (RUBBING.replace("# Another set", f"{INNER}\n# Another set"), "springs 'outer' and 'inner' rub on one another"),
     ],
-    ids=["lifting", "a card beside the wire"],
+    ids=["lifting", "a card beside the wire", "rubbing"],
 )  # fmt: skip
 def test_a_set_that_no_reduced_rod_knows_runs_by_the_chain_and_says_why(text, reason):
     study = vt.simulate(parse_case(text, "case"), "2000 rpm", workers=1)

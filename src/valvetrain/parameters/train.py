@@ -405,6 +405,9 @@ class TrainParameters:
         springs = self._of(spring_set)
         if self.spring_model or all(spring.wire is None for spring in springs):
             return ""
+        rubbing = self.rubbing
+        if len(springs) == 2 and rubbing.coefficient > 0 and rubbing.normal_force > 0:
+            return f"springs '{springs[0].name}' and '{springs[1].name}' rub on one another"
         for spring in springs:
             if spring.wire is None:
                 return f"spring '{spring.name}' is known by its card only"
