@@ -14,13 +14,16 @@ from valvetrain.integrate.clash import runs
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_top
+from valvetrain.quantities.valve_events import OPEN_SHARE
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Detail, Event
 
 Array = NDArray[np.float64]
 
 SMALLEST_GAP = 2e-6
-"""Gaps below this (m) are vibration of a contact, not an event."""
+"""Gaps below this (m) are vibration of a contact, not an event, while the valve is near its seat; wide
+open any gap is one, as in the search over engine speed.
+"""
 MARGINAL = 2.5 * SMALLEST_GAP
 
 #: Place whose gap can open while the valve should be driven -> kind of that event.
@@ -44,7 +47,8 @@ NEXT_TO = 1e-9
 class RigidCycle:
     """Rigid motion at the samples of a run (S,): lift (m), acceleration (m/s2), contact force at
     the cam (N); ``top`` (m) and ``nose`` (cam rad): its largest lift and where it stands, whatever
-    the samples; ``open_spans``: begin and end (cam rad) of the stretches off the seat.
+    the samples; ``open_spans``: begin and end (cam rad) of the stretches off the seat; ``wide_open``: of
+    that around the nose in which it stands above :data:`OPEN_SHARE` of its largest lift.
     """
 
     valve_lift: Array
@@ -53,6 +57,7 @@ class RigidCycle:
     top: float
     nose: float
     open_spans: tuple[Span, ...]
+    wide_open: tuple[Span, ...]
 
 
 def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
@@ -63,9 +68,10 @@ def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
     )
     opened = rigid.open_spans or tuple(spans_above(rigid.cam_angle, rigid["valve_lift"]))
     lift = rigid["valve_lift"]
-    return RigidCycle(
-        moved, slowed, pressed, ring_peak(lift), ring_top(rigid.cam_angle, lift), opened
-    )
+    top, nose = ring_peak(lift), ring_top(rigid.cam_angle, lift)
+    high = spans_above(rigid.cam_angle, lift, OPEN_SHARE * top)
+    wide = tuple((begin, end) for begin, end in high if (nose - begin) % TURN <= end - begin)
+    return RigidCycle(moved, slowed, pressed, top, nose, opened, wide)
 
 
 def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
@@ -93,8 +99,8 @@ def marginal_duration(events: Iterable[Event]) -> float:
 
 
 def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
-    """Loft at the cam and losses of contact elsewhere while the rigid valve is open; size is the
-    largest gap (m).
+    """Loft at the cam and losses of contact elsewhere while the rigid valve is open: wide open by any
+    gap, as the search over engine speed counts them; size is the largest gap (m).
     """
     logged = solution.statistics.get(CONTACTS_LOGGED) == 1
     if logged and not any(event.kind in LOGGED for event in solution.events):
@@ -112,7 +118,8 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
             for part in shared([(begin, end)], rigid.open_spans):
                 whole = part[1] - part[0] >= (end - begin) * (1 - 1e-9)
                 size = largest if whole else _largest_within(solution.cam_angle, gap, part)
-                if size > SMALLEST_GAP:
+                least = 0.0 if shared([part], rigid.wide_open) else SMALLEST_GAP
+                if size > least:
                     details = _loss_details(solution, rigid, place, part)
                     found.append(_event(solution, kind, part, size, name, details))
     return found

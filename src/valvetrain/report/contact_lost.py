@@ -43,6 +43,28 @@ def worst_loss(runs: Runs, name: str) -> Worst | None:
     return Worst(name, value, None if alike else run)
 
 
+def time_lost(run: Solution) -> float:
+    """Time (s) without contact that counts in a run; of a turn without that number its loft (m), NaN
+    where neither is known.
+    """
+    value = run.quantities.get(DURATION, math.nan)
+    return _counted(run, DURATION, value) if math.isfinite(value) else run.quantities.get(GAP, value)
+
+
+def loss_near_seat(runs: Runs) -> tuple[Event, Solution] | None:
+    """The largest gap of a contact that opens on a ramp alone, the valve open by less than a tenth of its
+    lift, and its run; None without one.
+    """
+    found = [
+        (event, run)
+        for run in runs.solutions
+        if run.quantities.get(DURATION, 0.0) > 0
+        for event in run.events
+        if event.kind in PLACES.values() and not _is_open(run, event)
+    ]
+    return max(found, key=lambda pair: pair[0].size, default=None)
+
+
 def _counted(run: Solution, name: str, value: float) -> float:
     """A number of all losses, of those while the valve is open alone where others are among them."""
     every = [event for event in run.events if event.kind in PLACES.values()]
@@ -56,10 +78,13 @@ def _counted(run: Solution, name: str, value: float) -> float:
 
 
 def _is_open(run: Solution, event: Event) -> bool:
-    """Whether the valve stands above a tenth of its lift anywhere in an event; True without its lift."""
-    if not run.has("valve_lift"):
+    """Whether the rigid valve, of a run without it the valve, stands above a tenth of its lift anywhere in
+    an event, as in the search over engine speed; True without any lift.
+    """
+    name = next((one for one in ("rigid_valve_lift", "valve_lift") if run.has(one)), None)
+    if name is None:
         return True
-    lift = run.channel("valve_lift")
+    lift = run.channel(name)
     turned = event.duration * run.engine_speed / 2
     angles = event.cam_angle + np.linspace(0.0, turned, 9)
     there = np.interp(angles, run.cam_angle, lift, period=TURN)

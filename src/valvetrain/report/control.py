@@ -8,8 +8,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from valvetrain.quantities.train_events import PLACES
 from valvetrain.report.clauses import Runs, joined
+from valvetrain.report.contact_lost import losses_while_open, time_lost
 from valvetrain.report.run_clauses import cause_phrase, cause_text
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
@@ -274,8 +274,11 @@ def _cause_in(run: Solution, kind: str, limit: float, place: str = "", size: boo
     """Why a run loses control in one way, in its largest event above a ``limit`` (m), at the ``place``
     where it has one there.
     """
-    kinds = tuple(PLACES.values()) if kind == "contact-loss" else (kind,)
-    events = [one for one in run.events if one.kind in kinds and one.size > limit]
+    events = (
+        losses_while_open(run)  # of a force of zero alone the gap is none
+        if kind == "contact-loss"
+        else [one for one in run.events if one.kind == kind and one.size > limit]
+    )
     events = [one for one in events if one.where in place.split(", ")] or events
     if not events:
         return ""
@@ -308,9 +311,8 @@ def first_losses(runs: Runs) -> dict[str, Solution]:
     """
     first: dict[str, Solution] = {}
     for run in sorted(runs.solutions, key=lambda one: one.engine_speed):
-        lost = run.quantities.get("loss_of_contact_duration", run.quantities.get("loft_gap", 0.0))
         for kind, value, limit in (
-            ("contact-loss", lost, 0.0),
+            ("contact-loss", time_lost(run), 0.0),
             ("float", run.quantities.get("float_excess_lift", 0.0), FLOAT_LIFT),
         ):
             if value > limit:

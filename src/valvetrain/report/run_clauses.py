@@ -23,7 +23,13 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
-from valvetrain.report.contact_lost import DURATION, GAP, losses_while_open, worst_loss
+from valvetrain.report.contact_lost import (
+    DURATION,
+    GAP,
+    loss_near_seat,
+    losses_while_open,
+    worst_loss,
+)
 from valvetrain.runs.notes import rings
 from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT
@@ -174,7 +180,7 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             lost=True,
         )
     elif lost is not None:
-        yield Clause("no loft")
+        yield Clause(f"no loft{_on_ramps(runs)}")
     over = runs.worst("float_excess_lift", False)
     if over is not None and over.value > FLOAT_LIFT:
         yield Clause(f"floats {runs.text(over)} above the rigid lift", over.run, lost=True)
@@ -202,6 +208,18 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             piston.run,
             lost=piston.value <= 0,
         )
+
+
+def _on_ramps(runs: Runs) -> str:
+    """`` but on a ramp (7.77 µm)`` of contacts that open near the seat alone, which loses no control."""
+    found = loss_near_seat(runs)
+    if found is None:
+        return ""
+    event, run = found
+    gap = f"{quantity_text(GAP, event.size)} at {math.degrees(event.cam_angle) % 360:.0f} cam deg"
+    where = f" at the {event.where}" if event.where != "cam" else ""
+    place = f" {runs.place(run)}" if len(runs.solutions) > 1 else ""
+    return f" but on a ramp{where} ({gap}{place})"
 
 
 def _flex_clause(runs: Runs) -> Clause | None:
