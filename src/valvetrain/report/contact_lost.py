@@ -81,6 +81,10 @@ def _is_open(run: Solution, event: Event) -> bool:
     """Whether the rigid valve, of a run without it the valve, stands above a tenth of its lift anywhere in
     an event, as in the search over engine speed; True without any lift.
     """
+    least = [run.statistics.get(f"least_{place}_contact_force") for place in PLACES]
+    forces = [one for one in least if isinstance(one, float)]
+    if forces and min(forces) > 0:  # of every step with the rigid valve open so far
+        return False
     name = next((one for one in ("rigid_valve_lift", "valve_lift") if run.has(one)), None)
     if name is None:
         return True
