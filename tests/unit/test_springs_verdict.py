@@ -204,7 +204,7 @@ def test_the_table_of_a_sweep_has_the_runs_between_its_speeds_as_the_sentence():
 
 def test_a_sweep_says_why_control_is_lost():
     def event(kind: str, size: float, cause: str, **details: float) -> Event:
-        return Event(kind, 4.0, 0.01, 1e-3, size, "m", "cam", {"cause": cause, **details})
+        return Event(kind, np.pi, 0.01, 1e-3, size, "m", "cam", {"cause": cause, **details})
 
     lost = event("loft", 1e-4, CAUSE_SURGE, spring_force_loss=215.0)
     flies = event("float", 2e-4, CAUSE_INERTIA)

@@ -114,9 +114,11 @@ def test_the_log_of_the_integrator_is_the_truth_of_a_seating():
 
 def test_losses_of_contact_are_those_of_the_log_and_stay_so():
     """Between two samples, a quarter of a degree apart, the cam opens and closes; a stretch of lash
-    counts from the rigid opening on.
+    counts from the rigid opening on. A gap of 1 µm counts with the valve open by more than a tenth of its
+    lift, as in the search over engine speed, and is vibration on a ramp.
     """
-    seen = [(150.05, 150.2, 5e-5), (-20.0, 90.4, 1e-4), (210.0, 212.0, 1e-6)]
+    small = [(210.0, 212.0, 1e-6), (93.0, 93.5, 1e-6)]
+    seen = [(150.05, 150.2, 5e-5), (-20.0, 90.4, 1e-4), *small]
     logged = tuple(
         Event(
             "touch",
@@ -134,10 +136,10 @@ def test_losses_of_contact_are_those_of_the_log_and_stay_so():
     run = found(train(events=logged, statistics={"contacts_logged_ratio": 1.0}, cam_gap=gap))
     lofts = of_kind(run.events, "loft")
     assert [np.degrees(event.cam_angle) for event in lofts] == pytest.approx(
-        [90.0, 150.05], abs=0.01
+        [90.0, 150.05, 210.0], abs=0.01
     )
     assert run.quantities["loss_of_contact_duration"] == pytest.approx(
-        np.radians(0.4 + 0.15) / CAM_SPEED, rel=0.01
+        np.radians(0.4 + 0.15 + 2.0) / CAM_SPEED, rel=0.01
     )
     assert found(run).quantities == run.quantities and found(run).events == run.events
 

@@ -197,8 +197,8 @@ def followed_sentence(trains: Sequence[TrainModes]) -> str:
                 for table, at in ((closed[one.label], before), (one, place))
             )
             text += (
-                f"; closed mode {before + 1} ({first}) becomes {place + 1} ({last}) at full lift, "
-                f"overlap {100 * one.overlap[place]:.0f} %"
+                f"; closed mode {before + 1} ({first}) is called {place + 1} ({last}) at full lift, "
+                f"the nearest by shape, overlap {100 * one.overlap[place]:.0f} %"
             )
             break
     return f"{text}."

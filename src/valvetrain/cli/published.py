@@ -136,6 +136,8 @@ def tally(rows: Sequence[Comparison], role: str) -> str:
 NARROW = 80
 #: Digits of a value that are shown, and of its bar.
 DIGITS, BAR_DIGITS = 4, 2
+#: Share of a value from which a bar stands where others find no room.
+LARGE = 0.05
 #: Smallest bar that is shown; a power of ten would be as wide as a column.
 MIN_BAR = 1e-4
 
@@ -143,11 +145,12 @@ MIN_BAR = 1e-4
 @dataclass(frozen=True)
 class ErrorBars:
     """Stored uncertainties by quantity; ``between`` is the text around the ± sign, None hides the
-    bars.
+    bars; ``least``: share of a value up to which its bar is hidden.
     """
 
     rows: Mapping[str, Sequence[Uncertainty]] = field(default_factory=dict)
     between: str | None = " "
+    least: float = 0.0
 
     @classmethod
     def of(cls, study: Study) -> ErrorBars:
@@ -188,18 +191,19 @@ class ErrorBars:
                 )
                 return (
                     f"{label}{self.between}±{self.between}{number(bar, BAR_DIGITS)}"
-                    if near and bar >= max(last / 2, MIN_BAR)
+                    if near and bar >= max(last / 2, MIN_BAR, self.least * abs(value))
                     else label
                 )
         return label
 
 
 def fitting(bars: ErrorBars, width: Callable[[ErrorBars], int]) -> ErrorBars:
-    """The bars as they fit into :data:`NARROW` columns by the ``width`` of their table: with
-    spaces, without, or none at all.
+    """The bars as they fit by the ``width`` of their table, which is :data:`NARROW` or what values take: with
+    spaces, without, those above :data:`LARGE` alone, or none at all.
     """
-    for between in (" ", "", None):
-        found = ErrorBars(bars.rows, between)
-        if width(found) <= NARROW:
+    room = max(NARROW, width(ErrorBars(bars.rows, None)))
+    for between, least in ((" ", 0.0), ("", 0.0), ("", LARGE), (None, 0.0)):
+        found = ErrorBars(bars.rows, between, least)
+        if width(found) <= room:
             break
     return found

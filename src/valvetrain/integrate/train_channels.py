@@ -297,19 +297,23 @@ settle.
 SMALLEST_HEIGHT = 2e-6
 """Openings of the seat below this (m) are vibration, no bounce."""
 PREFIX = "cycle_scatter_"
+LEAST_LANDING, LARGEST_LANDING = "least_landing_cam_angle", "largest_landing_cam_angle"
+"""Cam angles (rad) between which the largest flight of each compared cycle lands on the cam."""
 
 
 @dataclass(frozen=True)
 class Scatter:
     """Over :data:`COMPARED` cycles: ``valve`` (m), largest spread of the valve lift at one cam
     angle; ``peak_valve_lift`` (m), the largest; ``numbers``: largest less least value of each
-    number (SI) by the name of its quantity; ``on_cam``: whether the cam touches in one of them.
+    number (SI) by the name of its quantity; ``on_cam``: whether the cam touches in one of them;
+    ``landings``: cam angles (rad) at which the largest flight off the cam of each ends.
     """
 
     valve: float
     peak_valve_lift: float
     numbers: dict[str, float]
     on_cam: bool = True
+    landings: tuple[float, ...] = ()
 
     @property
     def repeats(self) -> bool:
@@ -319,8 +323,16 @@ class Scatter:
     @property
     def statistics(self) -> dict[str, float]:
         """The scatter by the names of docs/quantities.md."""
-        return {PREFIX + "valve_lift": self.valve} | {
+        found = {PREFIX + "valve_lift": self.valve} | {
             PREFIX + name: value for name, value in self.numbers.items()
+        }
+        if not self.landings:
+            return found
+        last, turn = self.landings[-1], 2 * np.pi
+        apart = [(one - last + np.pi) % turn - np.pi for one in self.landings]
+        return found | {
+            LEAST_LANDING: (last + min(apart)) % turn,
+            LARGEST_LANDING: (last + max(apart)) % turn,
         }
 
 
@@ -362,6 +374,18 @@ def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
     return found if velocity is None else found | {"seating_velocity": velocity}
 
 
+def landing_angle(system: TrainSystem, record: CycleRecord) -> float | None:
+    """Cam angle (rad) at which the largest flight off the cam ends, the rigid valve being off its seat at
+    its largest gap; None without a flight.
+    """
+    kinematics = system.mechanism.kinematics
+    if "cam" not in system.interaction_names or kinematics is None:
+        return None
+    found = record.transitions.open_stretches(system.interaction_names.index("cam"))
+    found = found.where(kinematics.valve_lift(found.largest_gap_cam_angle) > 0)
+    return float(found.cam_angle[np.argmax(found.largest_gap)]) if len(found) else None
+
+
 def scatter_of(
     runner: TrainRunner, start: TrainState, unless_equal: bool = False
 ) -> tuple[Scatter | None, TrainState]:
@@ -373,12 +397,14 @@ def scatter_of(
     )
     valve = runner.system.mechanism.index(runner.system.mechanism.valve)
     lifts, numbers, state, first, on_cam = [], [], start, start, False
+    landings: list[float | None] = []
     for _ in range(COMPARED):
         first = state
         end, record = bare.cycle(state, judged=False)
         state = replace(end, cam_angle=0.0)
         lifts.append(record.q[:, valve])
         numbers.append(cycle_numbers(runner.system, record))
+        landings.append(landing_angle(runner.system, record))
         on_cam = on_cam or record.touches(runner.system, "cam")
         if unless_equal and len(numbers) == 2 and numbers[0].keys() == numbers[1].keys():
             before, after = (np.array(list(one.values())) for one in numbers)
@@ -391,6 +417,7 @@ def scatter_of(
         float(np.max(lifts)),
         {name: _range(one[name] for one in numbers) for name in names},
         on_cam,
+        tuple(one for one in landings if one is not None),
     ), first
 
 

@@ -93,8 +93,12 @@ class Runs:
         value, bar = quantity_text(found.name, found.value, digits), self.bar(found)
         if not bar:
             return value
-        size = quantity_text(found.name, bar, 2)
-        unit = size.partition(" ")[2]
+        # both in the unit of the larger, so that neither has needless noughts
+        unit = quantity_text(found.name, max(abs(found.value), bar)).rpartition(" ")[2]
+        value, size = (
+            quantity_text(found.name, one, count, whole=unit == "mm")
+            for one, count in ((found.value, digits), (bar, 2))
+        )
         return f"{value.removesuffix(f' {unit}') if unit else value} ± {size}"
 
     def bounded(self, found: Worst) -> str:
@@ -162,11 +166,13 @@ def amount_text(value: float, unit: str, digits: int = 3) -> str:
     return f"{figure(value * reader_factor(unit), digits)} {unit_text(reader_unit(unit))}".strip()
 
 
-def quantity_text(name: str, value: float, digits: int = 3) -> str:
-    """An SI value with the unit of its tables; what is less than a tenth of a millimetre in µm."""
+def quantity_text(name: str, value: float, digits: int = 3, whole: bool = False) -> str:
+    """An SI value with the unit of its tables; what is less than a tenth of a millimetre in µm but where it
+    stands beside ``whole`` ones.
+    """
     found, unit = shown(name, value)
     number_shown = float(found)
-    if unit == "mm" and 0 < abs(number_shown) < 0.1:
+    if unit == "mm" and not whole and 0 < abs(number_shown) < 0.1:
         number_shown, unit = 1e3 * number_shown, "um"
     return f"{figure(number_shown, digits)} {unit_text(unit)}".strip()
 

@@ -48,7 +48,9 @@ def time_lost(run: Solution) -> float:
     where neither is known.
     """
     value = run.quantities.get(DURATION, math.nan)
-    return _counted(run, DURATION, value) if math.isfinite(value) else run.quantities.get(GAP, value)
+    return (
+        _counted(run, DURATION, value) if math.isfinite(value) else run.quantities.get(GAP, value)
+    )
 
 
 def loss_near_seat(runs: Runs) -> tuple[Event, Solution] | None:

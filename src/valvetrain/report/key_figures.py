@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from valvetrain.quantities.table import EVENT_LIFTS
-from valvetrain.report.clauses import Runs, Worst, figure, quantity_text
+from valvetrain.report.clauses import Runs, Worst, figure, joined, quantity_text
 from valvetrain.report.control import controlled_to
 from valvetrain.report.run_clauses import judged_runs, worst_run
 from valvetrain.report.sweep_verdict import NO_SURGE, runs_over_speed
@@ -24,7 +24,7 @@ from valvetrain.system.contract import TRAIN
 
 #: Heights of the valve at which a card gives its duration.
 CARD_LIFTS = ("50_thou", "1_mm")
-#: What is open for a duration at 0.050 in, beside the valve of the run.
+#: What is open for a duration at each of these heights, beside the valve of the run.
 ALSO_OPEN = {"lobe": "lobe", "rigid_valve": "rigid valve"}
 POWER = "mean_cam_power"
 #: What is said of a power at a speed at which control is lost.
@@ -163,17 +163,21 @@ def _preload(runs: Runs, run: Solution) -> float:
 
 
 def _also_open(runs: Runs, run: Solution) -> str:
-    """Durations of lobe and rigid valve at 0.050 in, which a card may mean; empty where none is known."""
-    known = {
-        word: runs.value(run, f"{subject}_50_thou_open_crank_angle_range")
-        for subject, word in ALSO_OPEN.items()
-    }
-    texts = [
-        f"{word} {figure(math.degrees(angle), 4)}"
-        for word, angle in known.items()
-        if math.isfinite(angle)
-    ]
-    return f" ({', '.join(texts)} at 0.050 in)" if texts else ""
+    """Durations of lobe and rigid valve at the same heights, which a card may mean; empty where none is
+    known, or where runs differ in them.
+    """
+    texts = []
+    for subject, word in ALSO_OPEN.items():
+        names = [f"{subject}_{lift}_open_crank_angle_range" for lift in CARD_LIFTS]
+        known = [angle for name in names if math.isfinite(angle := runs.value(run, name))]
+        alike = all(
+            runs.value(one, name) == runs.value(run, name)
+            for one in runs.solutions
+            for name in names
+        )
+        if len(known) == len(names) and alike:
+            texts.append(f"{word} {joined([figure(math.degrees(one), 4) for one in known])}")
+    return f" ({', '.join(texts)})" if texts else ""
 
 
 def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]:
@@ -183,8 +187,7 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
         if math.isfinite(angle := runs.value(worst, f"valve_{lift}_open_crank_angle_range"))
     ]
     if open_for:
-        also = _also_open(runs, worst) if len(runs.solutions) == 1 else ""
-        yield "valve open, crank deg", worst, ", ".join(open_for) + also
+        yield "valve open, crank deg", worst, ", ".join(open_for) + _also_open(runs, worst)
     if (power := runs.worst(POWER, least=False)) is not None:
         yield "cam power", power.run or worst, f"{runs.text(power)}{_impacts(runs, power)}"
     floats = runs.value(worst, "rigid_contact_loss_engine_speed")

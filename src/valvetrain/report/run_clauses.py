@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from valvetrain.integrate.train_channels import LARGEST_LANDING, LEAST_LANDING
 from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.limits import PassedLimit, passed_limits
 from valvetrain.quantities.train_events import (
     CAUSE_INERTIA,
     CAUSE_SURGE,
     CAUSE_VIBRATION,
+    SMALLEST_GAP,
 )
 from valvetrain.report.clash_clauses import clash_clauses, strike_count
 from valvetrain.report.clauses import (
@@ -50,6 +52,8 @@ SEATING = "seating_velocity"
 SURGE_ORDER = "surge_amplitude_cam_order"
 #: Crank angle (rad) of the open valve above which its loss to flex is named.
 FLEX_ANGLE = math.radians(1.0)
+#: Gap (m) from which a loss of contact is a flight, whose cause and angles are said.
+FLIGHT = 10 * SMALLEST_GAP
 #: Room to coil bind (m) below which it is called close (docs/limits.md), that to the piston too.
 NEAR = 1e-3
 #: What is said of a model whose springs would pull.
@@ -269,7 +273,7 @@ def _why_lost(runs: Runs, lost: Worst) -> str:
     """Why contact is lost, in the largest gap."""
     for event in _losses(runs, lost):
         cause = cause_text(lost.run or runs.solutions[0], event)
-        if cause and (event.size > FLOAT_LIFT or cause != CAUSES[CAUSE_VIBRATION]):
+        if cause and (event.size > FLIGHT or cause != CAUSES[CAUSE_VIBRATION]):
             return f" because {cause}"
     return ""
 
@@ -296,23 +300,33 @@ def cause_phrase(cause: str, loss: float, order: int, where: str = "") -> str:
 
 def _flight(runs: Runs, loft: Worst | None) -> str:
     """Where the follower leaves the cam and lands in its largest loft, and whether it does so again."""
-    if loft is None or loft.value < FLOAT_LIFT:
+    if loft is None or loft.value < FLIGHT:
         return ""
     for event in _losses(runs, loft):
         landing = event.details.get("landing_cam_angle")
         if event.where == "cam" and landing is not None:
             begin, end = (math.degrees(float(one)) % 360 for one in (event.cam_angle, landing))
-            again = _repeats(runs.value(loft.run or runs.solutions[0], "motion_period_count"))
+            again = _repeats(loft.run or runs.solutions[0])
             return f", leaves the cam at {begin:.0f} cam deg, lands at {end:.0f} cam deg{again}"
     return ""
 
 
-def _repeats(period: float) -> str:
-    """Whether a motion of a period (cycles; 0: none found; NaN: not known) is that of every cycle."""
+def _repeats(run: Solution) -> str:
+    """Whether a motion lands there in every cycle, and between which angles where it does not repeat; empty
+    where that is not known.
+    """
+    period = run.quantities.get("motion_period_count", math.nan)  # 0: none was found
     if not period >= 0:
         return ""
-    cycles = round(period)
-    alike = {0: ", elsewhere in other cycles", 1: " in every cycle"}
+    ends = [run.statistics.get(name) for name in (LEAST_LANDING, LARGEST_LANDING)]
+    low, high = (math.degrees(one) if isinstance(one, float) else math.nan for one in ends)
+    cycles, apart = round(period), (high - low) % 360
+    other = ", elsewhere in other cycles"
+    if apart >= 1:
+        other = f" ({low:.0f} to {high:.0f} in other cycles)"
+    elif math.isfinite(apart):
+        other = " within 1 deg in every cycle"
+    alike = {0: other, 1: " in every cycle"}
     return alike.get(cycles, f", again after {cycles} cycles")
 
 
