@@ -573,6 +573,7 @@ def test_modes_end_with_what_orders_mean_and_which_mode_became_another():
     closed = TrainModes("own", "closed", 0.0, 0.0, np.array([420.0, 800.0, 3269.0]), ("valve",), ("valve",), told, told)  # fmt: skip
     lifted = replace(closed, state="full_lift", natural_frequency=last, closed_mode=(0, 2, 1), overlap=(0.99, 0.36, 0.9))  # fmt: skip
     assert followed_sentence((closed, lifted)) == (
-        "Orders are those of the cam, amplitudes 0 to peak; closed mode 3 (3269 Hz) is called 2 (1419 Hz) at full lift, the nearest by shape, overlap 36 %."
+        "Orders are those of the cam, amplitudes 0 to peak; closed mode 3 (3269 Hz) is called 2 (1419 Hz) "
+        "at full lift, the nearest by shape, overlap 36 %."
     )
     assert followed_sentence(()) == ""

@@ -297,7 +297,7 @@ settle.
 SMALLEST_HEIGHT = 2e-6
 """Openings of the seat below this (m) are vibration, no bounce."""
 PREFIX = "cycle_scatter_"
-LEAST_LANDING, LARGEST_LANDING = "least_landing_cam_angle", "largest_landing_cam_angle"
+LANDING_ENDS = "least_landing_cam_angle", "largest_landing_cam_angle"
 """Cam angles (rad) between which the largest flight of each compared cycle lands on the cam."""
 
 
@@ -330,10 +330,8 @@ class Scatter:
             return found
         last, turn = self.landings[-1], 2 * np.pi
         apart = [(one - last + np.pi) % turn - np.pi for one in self.landings]
-        return found | {
-            LEAST_LANDING: (last + min(apart)) % turn,
-            LARGEST_LANDING: (last + max(apart)) % turn,
-        }
+        ends = ((last + one) % turn for one in (min(apart), max(apart)))
+        return found | dict(zip(LANDING_ENDS, ends, strict=True))
 
 
 def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:

@@ -298,6 +298,8 @@ def carried_blocks(carried: LiftBandStudy) -> tuple[Block, ...]:
 
 #: Cam degrees between the rows of the curves.
 STEP = 0.25
+#: First line of the law for a case file.
+AS_MEASURED = "# Stations as measured; noise and band of 0 are found from them in each run.\n"
 
 
 def lift_parameters(
@@ -349,7 +351,7 @@ def write_lift(lobes: Sequence[LobeResult], folder: Path) -> list[Path]:
         files.append(
             write_text(
                 folder / f"{name}.toml",
-                toml_text(resolved({"lift_law": {}}, lift_parameters(lobe))),
+                AS_MEASURED + toml_text(resolved({"lift_law": {}}, lift_parameters(lobe))),
             )
         )
     return files

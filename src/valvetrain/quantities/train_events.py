@@ -122,7 +122,31 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
                 if size > least:
                     details = _loss_details(solution, rigid, place, part)
                     found.append(_event(solution, kind, part, size, name, details))
+        found += _unloaded(solution, rigid, place, found)
     return found
+
+
+def _unloaded(
+    solution: Solution, rigid: RigidCycle, place: str, found: Sequence[Event]
+) -> list[Event]:
+    """Losses of a contact that carries no force with the valve wide open and yet has no gap: its damping
+    holds it back. To the samples, of no gap; nothing beside a loss that was ``found`` there.
+    """
+    least = solution.statistics.get(f"least_{place}_contact_force", np.nan)
+    name, turn = place.replace("_", " "), _period(solution)
+    known = lost_spans([one for one in found if one.where == name], turn)
+    if not (float(least) <= 0 and rigid.wide_open) or shared(known, rigid.wide_open):
+        return []
+    angle, (begin, end) = solution.cam_angle, rigid.wide_open[0]
+    inside = (angle - begin) % TURN <= end - begin
+    force = np.where(inside, solution.channel(f"{place}_contact_force"), np.inf)
+    none = force <= max(0.0, float(np.min(force)))  # between samples: at the one next to it
+    return [
+        _event(
+            solution, PLACES[place], part, 0.0, name, _loss_details(solution, rigid, place, part)
+        )
+        for part in spans_above(angle, np.where(none, 1.0, -1.0))
+    ]
 
 
 def _logged_spans(solution: Solution, name: str, gap: Array) -> list[tuple[float, float, float]]:

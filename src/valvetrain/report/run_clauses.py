@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from valvetrain.integrate.train_channels import LARGEST_LANDING, LEAST_LANDING
+from valvetrain.integrate.train_channels import LANDING_ENDS
 from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.limits import PassedLimit, passed_limits
 from valvetrain.quantities.train_events import (
@@ -318,7 +318,7 @@ def _repeats(run: Solution) -> str:
     period = run.quantities.get("motion_period_count", math.nan)  # 0: none was found
     if not period >= 0:
         return ""
-    ends = [run.statistics.get(name) for name in (LEAST_LANDING, LARGEST_LANDING)]
+    ends = [run.statistics.get(name) for name in LANDING_ENDS]
     low, high = (math.degrees(one) if isinstance(one, float) else math.nan for one in ends)
     cycles, apart = round(period), (high - low) % 360
     other = ", elsewhere in other cycles"

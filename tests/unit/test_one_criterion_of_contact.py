@@ -1,0 +1,135 @@
+"""Contact is lost by one criterion in a run, a sweep with and one without search, and what a sentence
+says of it is what the table has.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import valvetrain as vt
+from synthetic_study import train_study
+from valvetrain.integrate.train_channels import Scatter
+from valvetrain.quantities.train_events import CAUSE_SURGE, CAUSE_VIBRATION
+from valvetrain.report.clauses import Runs, Worst
+from valvetrain.report.contact_lost import time_lost
+from valvetrain.report.key_figures import beyond_control, key_figures
+from valvetrain.runs.error_bars import Uncertainty
+from valvetrain.solution.channels import Variable
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.status import Event
+from valvetrain.solution.study import Study
+
+RPM = math.pi / 30
+
+
+def train(**values: float) -> vt.Solution:
+    """A run of a train with these quantities among calm ones."""
+    run = train_study().solutions[0]
+    calm = {"coil_bind_clearance": 2.2e-3, "bounce_count": 0.0, "minimum_cam_contact_force": 35.0}
+    return replace(run, quantities={**calm, **values})
+
+
+def study_of(run: vt.Solution, command: str = "run", **changes: object) -> Study:
+    return Study(CaseRecord("own"), command, solutions=(replace(run, **changes),))
+
+
+def loss(kind: str, degrees: float, gap: float, cause: str = CAUSE_SURGE, **more: float) -> Event:
+    return Event(kind, math.radians(degrees), 0.01, 2e-4, gap, "m", "cam", {"cause": cause, **more})
+
+
+def test_a_run_loses_contact_where_the_search_over_speed_does():
+    """Contract: a run said no loft and a cam force of 0 N at a speed that the search called lost: it
+    counted gaps above 2 µm, the search any force of zero.
+    """
+    found = vt.critical_speeds(
+        "tdi-pushrod", "6800:7000:200 rpm", spring_models=["multi-mass"], spring_set="stock", ranges=False, workers=1
+    )  # fmt: skip
+    onset = found.of("contact-loss").nominal_engine_speed / RPM
+    for engine_speed, lost in ((onset - 1, False), (onset + 1, True)):
+        study = vt.simulate("tdi-pushrod", f"{engine_speed} rpm", spring_models=["multi-mass"], spring_set="stock", workers=1)  # fmt: skip
+        (run,) = study.solutions
+        assert (run.statistics["least_cam_contact_force"] <= 0) == lost
+        assert (time_lost(run) > 0) == lost == beyond_control(run)
+        assert ("contact lost for" in study.verdict) == lost == ("no loft" not in study.verdict)
+        if lost:  # by less than any vibration of a contact on a ramp may open
+            assert run.quantities["loft_gap"] < 2e-6
+            assert 0 < time_lost(run) < 1e-4
+
+
+def test_a_contact_that_opens_on_a_ramp_alone_is_no_loss_in_run_or_sweep():
+    """Contract: 2.4 µm at 152 cam deg, on the opening ramp, were "contact is lost first" in a sweep, "no
+    loft" in the sentence of a run, and 0.06 ms in its table.
+    """
+    values = {"loss_of_contact_duration": 2e-4, "loft_gap": 2.4e-6}
+    run = train(**values)
+    lift = np.maximum(0.0, np.cos(run.cam_angle - math.pi) - 0.5) * 0.02
+    open_at = {"least_cam_contact_force": 239.0}
+    ramp = loss("loft", 122.0, 2.4e-6, CAUSE_VIBRATION)
+    with_lift = run.with_channels(
+        {"valve_lift": Variable(("sample",), lift, {"units": "m", "long_name": "lift"})}
+    )
+    for kept in (with_lift, replace(run, statistics=open_at)):
+        assert (
+            "no loft but on a ramp (2.4 µm at 122 cam deg)"
+            in study_of(kept, events=(ramp,)).verdict
+        )
+        assert study_of(kept, "sweep", events=(ramp,)).verdict.startswith("In contact from")
+    nose = loss("loft", 180.0, 2.4e-6)
+    assert "oft of 2.4 µm, 0.2 ms without contact" in study_of(with_lift, events=(nose,)).verdict
+    assert "lost already" in study_of(with_lift, "sweep", events=(nose,)).verdict
+
+
+def test_a_flight_that_does_not_repeat_says_between_which_angles_it_lands():
+    """Closed form: least and largest of landings on both sides of the end of a turn."""
+    landings = tuple(np.radians([355.0, 8.0, 2.0]))
+    found = Scatter(1e-4, 9e-3, {"loft_gap": 1e-4}, True, landings).statistics
+    ends = [math.degrees(found[f"{name}_landing_cam_angle"]) for name in ("least", "largest")]
+    assert ends == pytest.approx([355.0, 8.0])
+    assert "least_landing_cam_angle" not in Scatter(1e-4, 9e-3, {}).statistics
+    values = {"loss_of_contact_duration": 2e-4, "loft_gap": 3e-5, "motion_period_count": 0.0}
+    run = train(**values)
+    flight = loss("loft", 180.0, 3e-5, CAUSE_VIBRATION, landing_cam_angle=math.radians(278))
+
+    def said(low: float, high: float) -> str:
+        ends = {
+            f"{name}_landing_cam_angle": math.radians(one)
+            for name, one in (("least", low), ("largest", high))
+        }
+        return study_of(run, events=(flight,), statistics=ends).verdict
+
+    assert "because the train vibrates, leaves the cam at 180 cam deg" in said(262, 291)
+    assert "lands at 278 cam deg (262 to 291 in other cycles)" in said(262, 291)
+    assert "lands at 278 cam deg within 1 deg in every cycle" in said(277.8, 278.4)
+
+
+def test_a_value_and_its_bar_have_one_unit():
+    """Contract: "29.4 µm ± 0.15 mm" was said."""
+    run = train(loft_gap=2.94e-5)
+
+    def said(value: float, bar: float) -> str:
+        row = Uncertainty("loft_gap", run.engine_speed, value, bar, None, value, 0.0, (value, value), (value, value), run.label)  # fmt: skip
+        return Runs((run,), bars=(row,)).text(Worst("loft_gap", value, run))
+
+    assert said(2.94e-5, 1.5e-4) == "0.0294 ± 0.15 mm"
+    assert said(2.94e-5, 1.5e-5) == "29.4 ± 15 µm"
+    assert said(1.2e-3, 9e-5) == "1.2 ± 0.09 mm"
+
+
+def test_a_train_says_how_far_its_energy_closes_and_from_which_preload_it_begins():
+    """Property: work of the cam is what contacts and springs lose where the motion repeats; a solver that
+    added energy would show. The preload is that of the card.
+    """
+    study = vt.simulate("tdi-pushrod", "3000 rpm", spring_models=["multi-mass"], spring_set="stock", workers=1)  # fmt: skip
+    figures = dict(key_figures(study))
+    (run,) = study.solutions
+    work, lost, heat = (run.quantities[name] for name in ("cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy"))  # fmt: skip
+    assert abs(work - lost - heat) < 1e-3 * work
+    assert "energy closes to" in figures["stable time step"]
+    assert figures["begins at rest, at a preload of"] == "196 N"
+    never = replace(run, quantities={**run.quantities, "motion_period_count": 0.0})
+    told = dict(key_figures(replace(study, solutions=(never,))))
+    assert "energy" not in told["stable time step"]
