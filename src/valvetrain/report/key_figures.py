@@ -39,6 +39,8 @@ EACH = {
 }
 #: Share of the work below which a gap of the energy balance is given as that.
 CLOSED = 1e-5
+#: Lift (m) up to which a valve stands on its seat.
+SHUT = 1e-5
 #: Work of the cam in one cycle, and what leaves a train that repeats: of contacts and guides, of springs.
 CYCLE_ENERGIES = ("cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy")
 #: Labels of which each is listed.
@@ -156,10 +158,12 @@ def _preload(runs: Runs, run: Solution) -> float:
     lift, force = "valve_lift", "static_retainer_force"
     if run.provenance.system != TRAIN:
         return runs.value(run, "preload")
-    if not run.has(lift, force):
+    if not run.has(lift, force) or runs.labels > 1:  # of several sets each has its own
         return math.nan
     # the seat gives way under the load: at no lift, not at the lowest
-    return float(run.channel(force)[np.argmin(np.abs(run.channel(lift)))])
+    off = np.abs(run.channel(lift))
+    shut = int(np.argmin(off))
+    return float(run.channel(force)[shut]) if off[shut] < SHUT else math.nan
 
 
 def _also_open(runs: Runs, run: Solution) -> str:
@@ -187,7 +191,8 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
         if math.isfinite(angle := runs.value(worst, f"valve_{lift}_open_crank_angle_range"))
     ]
     if open_for:
-        yield "valve open, crank deg", worst, ", ".join(open_for) + _also_open(runs, worst)
+        also = _also_open(runs, worst) if runs.labels == 1 else ""
+        yield "valve open, crank deg", worst, ", ".join(open_for) + also
     if (power := runs.worst(POWER, least=False)) is not None:
         yield "cam power", power.run or worst, f"{runs.text(power)}{_impacts(runs, power)}"
     floats = runs.value(worst, "rigid_contact_loss_engine_speed")

@@ -366,7 +366,7 @@ def _sentences(
             f"{max(one, 1 / one):.3g} times {'finer' if one > 1 else 'coarser'}" for one in ways
         )
         end = f"; {none}." if undivided else "."
-        yield f"± from runs {divided_by}, where digits show it and columns allow (all: --json){end}"
+        yield f"± from runs {divided_by}, where columns allow (all: --json){end}"
     elif undivided and not rows:
         yield f"No error bars: {none}, whose spring has no division."
     large = sorted(
