@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ import valvetrain as vt
 from synthetic_study import own_study, rod_run, sweep_study, train_study
 from valvetrain.cam.event import LiftEvent
 from valvetrain.cli.answers import _tables
+from valvetrain.explore.damping_found import damping_meanings
+from valvetrain.explore.identification_file import read_request
 from valvetrain.parameters.summary import number
 from valvetrain.quantities import clash
 from valvetrain.quantities.cycle import reported_cycle
@@ -21,6 +24,7 @@ from valvetrain.report.sections.sweep import curve_topics, sweep_chart
 from valvetrain.report.study import study_page
 
 RPM = np.pi / 30
+ROOT = Path(__file__).parents[2]
 
 
 def test_what_rounding_leaves_is_printed_as_zero():
@@ -83,6 +87,15 @@ def test_total_coils_on_a_card_are_refused_by_their_own_name():
     with pytest.raises(vt.InputError, match="on a card with its loads give active_coils") as error:
         vt.Case({"spring": card})
     assert "preload" not in str(error.value)
+
+
+def test_an_identified_damping_is_said_as_a_share_of_critical():
+    """Closed form: a stiffness damping is pi f beta of critical at f; 12 us alone tells an engineer nothing."""
+    request = read_request(ROOT / "examples/how-to/damping-from-rig.toml")
+    (said,) = damping_meanings(request, {"stiffness_damping": 12e-6}).values()
+    share, _, _, _, _, frequency, _ = said.split()
+    assert float(share) == pytest.approx(100 * np.pi * float(frequency) * 12e-6, abs=0.05)
+    assert said.endswith("of critical at 401 Hz")
 
 
 def test_spikes_below_the_base_are_no_main_clash(monkeypatch):

@@ -194,7 +194,8 @@ def identified_verdict(found: Identified) -> str:
             shown(value, one.unit, 4) for value in (interval.low, interval.best, interval.high)
         )
         parts.append(
-            f"{_plain_name(one.name)} {best} {unit_text(one.unit)}".rstrip() + f" ({low} to {high})"
+            f"{_plain_name(one.name)} {best} {unit_text(one.unit)}".rstrip()
+            + f" ({low} to {high}{f'; {meaning}' if (meaning := found.meanings.get(one.name)) else ''})"
         )
     if len(known) > MAX_NAMED:
         parts.append(f"{len(known) - MAX_NAMED} more")

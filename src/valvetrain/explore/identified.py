@@ -250,7 +250,8 @@ class Identified(Reported):
     ``conflicts``: what meeting a missed measurement
     costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its
     error (NaN where it was not found);
-    ``notes`` on the search; ``chains``: walkers whose draws take turns; ``evaluations``: points that were computed, ``reused``: those of an
+    ``notes`` on the search; ``meanings``: what likeliest values amount to, by quantity;
+    ``chains``: walkers whose draws take turns; ``evaluations``: points that were computed, ``reused``: those of an
     earlier start; ``whole``: False where
     it was cut short.
 
@@ -288,6 +289,7 @@ class Identified(Reported):
     name: str = ""
     conflicts: tuple[Conflict, ...] = ()
     chains: int = 1
+    meanings: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def fit(self) -> Fit | None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import nominal
+from valvetrain.explore.damping_found import damping_meanings
 from valvetrain.explore.draws import Report, silent
 from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.executors import LocalExecutor
@@ -255,7 +256,7 @@ def identify_request(
             (left * seconds + later) / count,
         )
         compared = None if compare is None else journal.through(compare, b"compared")
-        return solve(
+        found = solve(
             posterior,
             request.search,
             journal,
@@ -266,6 +267,7 @@ def identify_request(
             compare=compared,
             units={one.key: one.unit for one in request.targets},
         )
+    return replace(found, meanings=damping_meanings(request, found.best))
 
 
 @contextmanager
