@@ -63,7 +63,9 @@ SURGE = {"cause": CAUSE_SURGE, "spring_force_loss": 54.6, "surge_order": 6}
 
 def test_a_short_range_of_lost_contact_is_named_and_does_not_end_control():
     """40 rpm in which contact is lost for a moment made it "controlled to 5218 rpm"."""
-    inertia = Event("loft", 4.0, 0.01, 1e-3, 1e-4, "m", "cam", {"cause": CAUSE_INERTIA})
+    first = train_study().solutions[0]
+    open_wide = float(first.cam_angle[np.argmax(first.channel("valve_lift"))])
+    inertia = Event("loft", open_wide, 0.0, 1e-3, 1e-4, "m", "cam", {"cause": CAUSE_INERTIA})
     runs = (run(4000), run(6250, events=(inertia,), loss_of_contact_duration=1e-3), run(8000))
     found = lost("contact-loss", 5218, 5258, bracket(6100, 8000), **SURGE)
     study = sweep(found, lost("float", 6917), runs=runs)

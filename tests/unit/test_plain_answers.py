@@ -14,6 +14,7 @@ from valvetrain.cam.event import LiftEvent
 from valvetrain.cli.answers import _tables
 from valvetrain.explore.damping_found import damping_meanings
 from valvetrain.explore.identification_file import read_request
+from valvetrain.parameters.loading import case_of
 from valvetrain.parameters.summary import number
 from valvetrain.quantities import clash
 from valvetrain.quantities.cycle import reported_cycle
@@ -22,6 +23,7 @@ from valvetrain.report.page import Details, Grid
 from valvetrain.report.sections.answers import answers_blocks
 from valvetrain.report.sections.sweep import curve_topics, sweep_chart
 from valvetrain.report.study import study_page
+from valvetrain.system.build import build
 
 RPM = np.pi / 30
 ROOT = Path(__file__).parents[2]
@@ -87,6 +89,12 @@ def test_total_coils_on_a_card_are_refused_by_their_own_name():
     with pytest.raises(vt.InputError, match="on a card with its loads give active_coils") as error:
         vt.Case({"spring": card})
     assert "preload" not in str(error.value)
+
+
+def test_two_spring_sets_are_labelled_with_their_models():
+    """Sets whose case names no model were labelled "stock, "."""
+    both = build(case_of("tdi-pushrod"), spring_set=("stock", "performance"))
+    assert all(one.label == f"{one.spring_set}, {one.model.word}" for one in both.members)
 
 
 def test_an_identified_damping_is_said_as_a_share_of_critical():

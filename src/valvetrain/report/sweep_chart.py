@@ -62,7 +62,8 @@ def regime_chart(study: Study) -> Chart | None:
     if found:
         caption += (
             " Bars: speeds at which contact is lost, the valve floats or bounces; thin: where that begins with another "
-            "damping of the springs, a finer mesh or half the time step. The curve holds the runs of that search too. Open marks: the motion did not settle."
+            "damping of the springs, a finer mesh or half the time step. The curve holds the runs of that search too. Open marks: the motion "
+            "did not settle."
         )
     rows = sum(panel.weight for panel in drawn)
     return Chart(

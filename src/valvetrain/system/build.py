@@ -189,7 +189,7 @@ def _train_members(
     if specs or sets:
         variants: tuple[TrainVariant, ...] = tuple(
             TrainVariant(
-                f"{chosen}, {plain_name(word)}"
+                f"{chosen}, {plain_name(word or train.model_of(chosen))}"
                 if len(sets) > 1
                 else plain_name(word)
                 if specs
