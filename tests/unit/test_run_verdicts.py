@@ -293,7 +293,7 @@ def test_a_sweep_says_up_to_where_it_is_controlled():
     said = sweep_study().verdict
     assert said.startswith(
         "Worst (stock): controlled to 6217 rpm, where contact is lost at the cam, until 6494 and again from 6589 rpm; "
-        "floats from 6688 rpm. "
+        "floats from 6688 rpm; no bounce to 8000 rpm. "
     )
     assert (
         ". Worst surge amplitude 65 N at 7455 rpm, beyond control, below that 64.7 N at 4182 rpm; "

@@ -221,7 +221,7 @@ def test_a_sweep_says_why_control_is_lost():
     said = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds(tuple(found))).verdict  # fmt: skip
     assert said.startswith(
         "Controlled to 6140 rpm, where contact is lost at the cam because surge lowers the spring force by 215 N "
-        "at 6250 rpm (order 8); floats from 6917 rpm (inertia exceeds the spring force). "
+        "at 6250 rpm (order 8); floats from 6917 rpm (inertia exceeds the spring force); contact opens at 180 cam deg (run at 6250 rpm). "
     )
     none = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds()).verdict
     assert none.startswith("Contact is lost first at 6250 rpm because surge lowers the spring force by 215 N at 6250 rpm (order 8)")  # fmt: skip

@@ -143,7 +143,29 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
     begun += _until(lost)
     others = [_loses(one, runs, cause) for one in control.losses[1:]]
     unit = " rpm" if others and not others[-1].endswith(")") else ""
-    return [f"{begun}{apart}", *([f"{joined(others)}{unit}"] if others else [])]
+    also = [one for one in (_first_angle(lost, runs), _no_bounce(study, label, last)) if one]
+    return [f"{begun}{apart}", *([f"{joined(others)}{unit}"] if others else []), *also]
+
+
+def _first_angle(lost: Loss, runs: Runs) -> str:
+    """``contact opens at 242 cam deg (run at 7000 rpm)``: where contact is lost in the first run from there on that
+    shows it; empty of another loss.
+    """
+    if lost.row.kind != "contact-loss":
+        return ""
+    for run in runs.solutions:
+        places = lost.row.place.split(", ")
+        events = [one for one in losses_while_open(run) if one.where in places]
+        if run.engine_speed >= lost.begin and events:
+            angle = math.degrees(events[0].cam_angle) % 360
+            return f"contact opens at {angle:.0f} cam deg (run at {_speed(run)})"
+    return ""
+
+
+def _no_bounce(study: Study, label: str, last: float) -> str:
+    """``no bounce to 8000 rpm`` where a search found none."""
+    row = study.critical_speeds.of("bounce", label)
+    return f"no bounce to {rpm(last):.6g} rpm" if row is not None and not row.found else ""
 
 
 def _apart(control: Control, runs: Runs) -> tuple[str, str]:
