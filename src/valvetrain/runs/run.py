@@ -315,6 +315,7 @@ def run_problem(
         created_at=created_at,
         citations=problem.record.citations,
     )
+    by_speed = sorted((*solutions, *between), key=lambda run: (run.label, run.engine_speed))
     study = Study(
         problem.record,
         command,
@@ -322,7 +323,7 @@ def run_problem(
         rest,
         still,
         notes=between_notes(solutions, between)
-        + failures.part("notes", (), pulling_end_notes, solutions)
+        + failures.part("notes", (), pulling_end_notes, by_speed)
         + failures.part("notes", (), driven_notes, solutions)
         + failures.part("notes", (), spike_notes, solutions),
         lift_event=problem.lift_event,
