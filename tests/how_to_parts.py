@@ -4,6 +4,7 @@ numbers that the command gives.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -26,6 +27,8 @@ PAGES = sorted(FOLDER.glob("[0-9][0-9]-*.md"))
 #: Words of a page -> state of a train whose modes are told.
 STATES = {"valve closed": "closed", "full lift": "full_lift"}
 _NUMBER = re.compile(r"^([-−+]?[\d.]+)(?: to ([-−]?[\d.]+))?\s*(.*)$")
+#: An engine speed of a study that does not vary it.
+SPEED = re.compile(r"[\d.]+ rpm")
 _COMMANDS_WITHOUT_PAGE = ("run", "sweep")
 
 
@@ -201,7 +204,7 @@ def _is_at(run: Mapping[str, Any], place: str) -> bool:
 def _inputs(row: Row) -> dict[str, tuple[float, str]]:
     """Key -> value and unit of what a row of a study was computed at."""
     found = {}
-    for place in row.place:
+    for place in (one for one in row.place if not SPEED.fullmatch(one)):
         key, _, rest = place.partition(" ")
         given = _NUMBER.match(rest)
         assert given is not None, place
@@ -211,7 +214,11 @@ def _inputs(row: Row) -> dict[str, tuple[float, str]]:
 
 def _of_study(answer: Mapping[str, Any], row: Row) -> float:
     keys, wanted = [one["key"] for one in answer["varied"]], _inputs(row)
+    speeds = [float(one.split()[0]) for one in row.place if SPEED.fullmatch(one)]
     for one in answer["rows"]:
+        own = answer["runs"][one["run"]]["engine_speed"]
+        if speeds and not math.isclose(own, speeds[0] * math.pi / 30, rel_tol=1e-6):
+            continue
         given = {
             key: in_unit(value, wanted[key][1])
             for key, value in zip(keys, one["inputs"], strict=True)
@@ -231,14 +238,25 @@ def rows_of_study(guide: Guide) -> dict[str, Any]:
     plan = read_plan(read_study_file(ROOT / guide.words[1]))
     draws = plan.sampler.first(plan.varied, plan.options)
     outputs, varied = list(plan.outputs), [{"key": one.key} for one in plan.varied]
-    answer: dict[str, Any] = {"command": "study", "varied": varied, "outputs": outputs, "rows": []}
-    for draw in draws:
-        nothing = {"inputs": list(draw), "outputs": [0.0] * len(outputs)}
+    runs = [{"engine_speed": run[0]} for run in plan.runs]
+    answer: dict[str, Any] = {
+        "command": "study",
+        "varied": varied,
+        "outputs": outputs,
+        "runs": runs,
+        "rows": [],
+    }
+    for draw, run in itertools.product(draws, range(len(runs))):
+        nothing = {"inputs": list(draw), "outputs": [0.0] * len(outputs), "run": run}
         if any(_stands({**answer, "rows": [nothing]}, row) for row in guide.rows):
-            outcome = plan.experiment.evaluate(draw, plan.runs[0])
+            outcome = plan.experiment.evaluate(draw, plan.runs[run])
             assert outcome.status.completed, outcome.status.sentence()
             answer["rows"].append(
-                {"inputs": list(draw), "outputs": [outcome.values[name] for name in outputs]}
+                {
+                    "inputs": list(draw),
+                    "outputs": [outcome.values[name] for name in outputs],
+                    "run": run,
+                }
             )
     return answer
 

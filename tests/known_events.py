@@ -18,6 +18,7 @@ from valvetrain.quantities.valve_events import rigid_events
 from valvetrain.solution.status import Event
 
 DEG, THOU = np.pi / 180, 1.27e-3
+RIGID_TOP = 9e-3  # largest lift of rigid parts where flex takes some of it
 
 
 def events(
@@ -40,12 +41,18 @@ def valve_events():
     touch = Event("touch", 268 * DEG, 268 * DEG / CAM_SPEED, 0.0, 0.3, "m/s", "seat", told)
     made = train((touch,), statistics={"cycle_work_energy": 3.4}, valve_velocity=velocity)
     inertia = np.where(degrees(135, 225), -300.0, 200.0)
-    table = rigid(spring_margin=np.where(degrees(149, 151), 77.0, 400.0), inertia_force=inertia)
+    table = rigid(
+        spring_margin=np.where(degrees(149, 151), 77.0, 400.0),
+        inertia_force=inertia,
+        valve_lift=lift_of(ANGLE) * RIGID_TOP / 8e-3,
+    )
     found = evaluate(made, Frame(rigid=table)).quantities
     known = events("valve", "lash", 91.5 * DEG, 268 * DEG, 1e-9)
     for word, height in (("1_mm", 1e-3), ("50_thou", THOU)):
         away = math.asin(math.sqrt(height / 8e-3))
         known |= events("valve", word, np.pi / 2 + away, 1.5 * np.pi - away, 1e-7)
+        higher = math.asin(math.sqrt(height / RIGID_TOP))
+        known[f"valve_{word}_lost_crank_angle_range"] = (4 * (away - higher), 1e-6)
     assert len(ANGLE) == COUNT and lift_of(np.array(np.pi)) == 8e-3
     known |= {
         "minimum_spring_margin_force": 77.0,

@@ -523,3 +523,19 @@ def test_loading_is_quick_and_light():
     assert all(heavy == "False" for _, heavy in results)
     # Half a second is the aim on an idle machine; the bound leaves room for a loaded one.
     assert min(float(seconds) for seconds, _ in results) < 1.0
+
+
+def test_one_of_several_numbers_is_set_by_its_place():
+    """Contract: ``--set`` as docs/studies.md names places; it was refused for numbers written as one text."""
+    key, numbers = (
+        "spring.pitch.clearances",
+        ["0", "0", "1.4", "1.5754", "5.2989", "5.2989", "1.5006"],
+    )
+    whole = load_case("gu2021-beehive-blind")
+    one = load_case("gu2021-beehive-blind", {f"{key}.2": "1.4 mm"})
+    assert (
+        one.springs == load_case("gu2021-beehive-blind", {key: f"{', '.join(numbers)} mm"}).springs
+    )
+    assert one.springs != whole.springs
+    with pytest.raises(InputError, match="no place in a list of 7"):
+        load_case("gu2021-beehive-blind", {f"{key}.7": "1.4 mm"})

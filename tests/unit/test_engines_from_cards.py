@@ -5,6 +5,7 @@ commands; the mass that moves against its formula (closed form).
 from __future__ import annotations
 
 import math
+import re
 import time
 import warnings
 
@@ -19,6 +20,7 @@ from valvetrain.report.clauses import figure
 from valvetrain.runs.compare_springs import with_two_springs
 from valvetrain.runs.measured_cost import sweep_seconds
 from valvetrain.runs.request_cost import RunRequest, planned
+from valvetrain.system.build import build
 
 SOFT = 'name = "soft"\n[spring]\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'
 STIFF = 'name = "stiff"\n[spring]\npreload = "340 N"\nrate = "46 N/mm"\nmass = "50 g"\n'
@@ -67,6 +69,20 @@ def test_friction_at_the_cam_is_added_to_every_template_as_the_guide_says(kind, 
     key = "train.contacts.cam.friction_coefficient"
     case = parse_case(template_text(kind, cards=cards), changes={key: 0.06})
     assert case.train.contact("cam").friction_coefficient == 0.06
+
+
+@pytest.mark.parametrize("kind", ["direct", "finger", "rocker", "pushrod"])
+def test_the_friction_that_a_template_names_is_taken_by_its_train(kind):
+    """Contract: comments named the cam of a roller, which takes none."""
+    text = template_text(kind, cards=True)
+    place, given = re.findall(r"(\w+)\.friction_coefficient = (\d\.\d+)", text)[0]
+    build(parse_case(text, changes={f"train.contacts.{place}.friction_coefficient": float(given)}))
+    if place != "cam":
+        rolls = parse_case(text, changes={"train.contacts.cam.friction_coefficient": 0.06})
+        with pytest.raises(
+            InputError, match=r"rolls.*give train.contacts.valve_tip.friction_coeff"
+        ):
+            build(rolls)
 
 
 def test_the_moving_mass_of_a_card_is_that_of_its_active_turns():

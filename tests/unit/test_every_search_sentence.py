@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from valvetrain.explore import optimum_summary as said
+from valvetrain.explore.doubts import Doubts
 from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitFound, Measure, Objective
 from valvetrain.explore.outputs import LimitSearch
 
@@ -52,7 +53,10 @@ def search(
     goals: tuple[Measure, ...] = (MASS,), maximise: bool = False, **changes: object
 ) -> SimpleNamespace:
     plan = SimpleNamespace(
-        objectives=tuple(Objective(one, maximise) for one in goals), constraints=(), varied=VARIED
+        objectives=tuple(Objective(one, maximise) for one in goals),
+        constraints=(),
+        varied=VARIED,
+        case=None,
     )
     told = {
         "plan": plan, "best": design(), "case": trial(0.05, number=0), "finished": True, "trials": [trial(0.05)] * 41, "feasible": 9,
@@ -270,3 +274,22 @@ def test_another_model_of_an_objective_that_was_put_in_tells_what_is_bounded(mon
     one = SimpleNamespace(label="wave-rod", design=other, case=other, plan=plan)
     told = said.confirmed_text(one, search())
     assert told == "By wave-rod: wire mass 450 g, where the search has 500 g. All bounds are met."
+
+
+def test_what_the_case_misses_stands_behind_what_is_said_of_the_best(monkeypatch):
+    """Contract: two thoughts ran together, "the case misses ...; seat load ... does as well"."""
+    monkeypatch.setattr(said, "best_values", lambda _found: "coil 22 mm")
+    monkeypatch.setattr(said, "_limited", lambda _found: "; bound 1 limits it")
+    found = search(case=trial(0.05, feasible=False, missed=(0.0, 0.1)))
+    assert said.optimum_verdict(found) == (
+        "The least that keeps every bound: wire mass 40 g, with coil 22 mm; bound 1 limits it. The case itself misses: bound 1."
+    )
+
+
+def test_doubtful_designs_are_counted_once(monkeypatch):
+    """Contract: a line each, some twice, hid the answer."""
+    counted = Doubts({3: "at wire = 4 mm: few turns", 5: "at wire = 5 mm: few turns"}, 41)
+    monkeypatch.setattr(said, "doubts", lambda *_: counted)
+    lines = said.trust(search())
+    told = "2 of 41 designs are doubtful, but not the best, such as at wire = 4 mm: few turns."
+    assert lines[1] == told and sum("doubtful" in one for one in lines) == 1

@@ -45,10 +45,34 @@ def test_better_and_worse_go_by_the_sense_of_a_quantity_at_its_worst():
         answer(lift_loss_displacement=9e-5, minimum_cam_contact_force=150.0),
     )
     changes = headline_changes(*pair)
-    assert [(one.quantity, one.better) for one in changes] == [("minimum_cam_contact_force", False), ("lift_loss_displacement", True)]  # fmt: skip
-    assert changes[0].a == 200.0 and changes[1].a == pytest.approx(1.1e-4)
+    assert [(one.quantity, one.better) for one in changes] == [("lift_loss_displacement", True), ("minimum_cam_contact_force", False)]  # fmt: skip
+    assert changes[1].a == 200.0 and changes[0].a == pytest.approx(1.1e-4)
     said = runs_verdict(changes)
     assert said.startswith("From A to B better: lift lost 0.11 -> 0.099 mm (−10.0 %); worse: minimum cam")  # fmt: skip
+
+
+def test_lift_and_timing_are_named_before_what_changes_more():
+    """Contract: a sentence on flex left out the timing, for power and surge changed more."""
+    names = (
+        "mean_cam_power",
+        "surge_amplitude_force",
+        "peak_spring_force",
+        "clash_energy",
+        "bounce_height",
+    )
+    first = {
+        "lift_loss_displacement": 1e-4,
+        "valve_50_thou_lost_crank_angle_range": np.radians(3.2),
+    }
+    pair = [
+        answer(**{name: share * value for name, value in first.items()}, **dict.fromkeys(names, other))
+        for share, other in ((1.0, 100.0), (0.9, 50.0))
+    ]  # fmt: skip
+    said = runs_verdict(headline_changes(*pair))
+    assert said.startswith(
+        "From A to B better: lift lost 0.11 -> 0.099 mm (−10.0 %), duration lost at 0.050 in 3.52 -> 3.168 deg (−10.0 %), "
+    )
+    assert "and 3 more" in said
 
 
 def test_a_change_within_the_error_bars_of_both_is_none():

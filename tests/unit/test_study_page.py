@@ -318,8 +318,8 @@ def test_a_list_that_changes_one_quantity_at_a_time_is_drawn_as_change_from_its_
     [
         (
             lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0]),
-            "Best is compression 8 mm, lift factor 1.1: minimum spring force 310 N, 290 N at the worst point; "
-            "it costs peak spring force 620 N (580 N at best).",
+            "Best is compression 8 mm, lift factor 1.1: minimum spring force 310 N against 290 N with "
+            "compression 7 mm, lift factor 1; it costs peak spring force 620 N against 580 N.",
         ),
         (
             lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 290.0]),
@@ -327,8 +327,8 @@ def test_a_list_that_changes_one_quantity_at_a_time_is_drawn_as_change_from_its_
         ),
         (
             lambda: listed([7.0, 8.0, 9.0], [1.0, 1.1, 1.2], [290.0, 310.0, 320.0], failed=(2,)),
-            "1 of 3 points failed; of the others: best is compression 8 mm, lift factor 1.1: minimum spring force 310 N, "
-            "290 N at the worst point; it costs peak spring force 620 N (580 N at best).",
+            "1 of 3 points failed; of the others: best is compression 8 mm, lift factor 1.1: minimum spring force 310 N "
+            "against 290 N with compression 7 mm, lift factor 1; it costs peak spring force 620 N against 580 N.",
         ),
         (
             lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0], failed=(0, 1)),
@@ -374,7 +374,8 @@ def test_the_best_point_is_that_of_what_the_motion_gives_not_of_what_was_put_in(
     names = (put_in, "clash_energy")
     table = listed([7.0, 9.0], [1.0, 1.1], [5.74e-3, 3.74e-3], names=names)
     assert table.verdict.startswith(
-        "Best is compression 9 mm, lift factor 1.1: clash energy 7.48 mJ, 11.48 mJ at the worst point; it costs clearance"
+        "Best is compression 9 mm, lift factor 1.1: clash energy 7.48 mJ against 11.48 mJ with compression 7 mm, "
+        "lift factor 1; it costs clearance"
     )
 
 

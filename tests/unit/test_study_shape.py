@@ -24,7 +24,7 @@ outputs = ["{output}"]
 points = {{ sampler = "grid" }}
 vary = [
   {varied}
-  {{ key = "train.lash", values = "{lashes}", label = "lash" }},
+  {{ key = "{key}", values = "{lashes}", label = "{label}" }},
 ]
 """
 OVER_SPEED = '{ key = "engine_speed", values = "2000, 4000 rpm" },'
@@ -33,17 +33,34 @@ OVER_SPEED = '{ key = "engine_speed", values = "2000, 4000 rpm" },'
 LASHES = "0, 0.1, 0.2, 0.3, 0.4 mm"
 
 
-def told(function, output="seating_velocity", over_speed=True, lashes=LASHES) -> str:
-    """The verdict where the output is a function of lash (mm) and share of the highest speed."""
+def told(
+    function,
+    output="seating_velocity",
+    over_speed=True,
+    lashes=LASHES,
+    key="train.cam.width",
+    angle=None,
+) -> str:
+    """The verdict where the output is a function of lash (mm), here of a width, and share of the highest
+    speed; ``angle``: cam angle (deg) of the touch as such a function.
+    """
     speed = "" if over_speed else 'engine_speeds = "4000 rpm"'
     text = TEXT.format(
-        output=output, varied=OVER_SPEED if over_speed else "", speed=speed, lashes=lashes
+        output=output if angle is None else f'{output}", "seating_cam_angle',
+        varied=OVER_SPEED if over_speed else "",
+        speed=speed,
+        lashes=lashes,
+        key=key,
+        label=key.rpartition(".")[2],
     )
     plan = read_plan(StudyText(text, "study", Path()))
     inputs = plan.sampler.first(plan.varied, plan.options)
     share = inputs[:, 0] / inputs[:, 0].max() if over_speed else np.ones(len(inputs))
     values = np.array(
-        [[function(lash, one)] for lash, one in zip(1e3 * inputs[:, -1], share, strict=True)]
+        [
+            [function(lash, one), *([] if angle is None else [np.radians(angle(lash, one))])]
+            for lash, one in zip(1e3 * inputs[:, -1], share, strict=True)
+        ]
     )
     return study_verdict(StudyTable(plan, inputs, plan.runs * len(inputs), values, (COMPLETED,) * len(inputs)))  # fmt: skip
 
@@ -55,16 +72,16 @@ def ramp(lash: float, speed: float) -> float:
 
 def test_how_far_the_worst_engine_speed_stays_near_its_best():
     assert told(ramp) == (
-        "At every engine speed seating velocity stays within 0.12 m/s up to lash 0.2 mm, but 0.325 m/s at 0.3 mm."
+        "At every engine speed seating velocity stays within 0.12 m/s up to width 0.2 mm, but 0.325 m/s at 0.3 mm."
     )
     fallen = told(lambda lash, speed: speed * (0.1 if lash > 0.15 else 0.9))
-    assert "stays within 0.1 m/s from lash 0.2 mm on, but 0.9 m/s at 0.1 mm" in fallen
+    assert "stays within 0.1 m/s from width 0.2 mm on, but 0.9 m/s at 0.1 mm" in fallen
 
 
 def test_where_more_is_better_the_least_is_what_stays():
     held = told(lambda lash, speed: 300.0 if lash < 0.25 else 100.0 - lash, "minimum_spring_force")
     assert (
-        "minimum spring force stays at 300 N or more up to lash 0.2 mm, but 99.7 N at 0.3 mm"
+        "minimum spring force stays at 300 N or more up to width 0.2 mm, but 99.7 N at 0.3 mm"
         in held
     )
 
@@ -73,15 +90,15 @@ def test_a_finer_grid_moves_the_edge_by_less_than_a_step():
     """Property: the end of the flat part is that of the function, to a step of the coarser grid."""
     fine = ", ".join(f"{0.02 * step:g}" for step in range(21))
     said = told(ramp, lashes=f"{fine} mm")
-    edge = re.search(r"up to lash ([0-9.]+) mm", said)
+    edge = re.search(r"up to width ([0-9.]+) mm", said)
     assert edge and 0.2 <= float(edge[1]) < 0.3
 
 
 @pytest.mark.parametrize(
     ("function", "wanted"),
     [
-        (lambda lash, _: np.exp(-12 * lash), "stays within 0.0907 m/s from lash 0.2 mm on, but 0.301 m/s at 0.1 mm"),
-        (lambda lash, _: np.exp(-12 * (0.4 - lash)), "stays within 0.0907 m/s up to lash 0.2 mm, but 0.301 m/s at 0.3 mm"),
+        (lambda lash, _: np.exp(-12 * lash), "stays within 0.0907 m/s from width 0.2 mm on, but 0.301 m/s at 0.1 mm"),
+        (lambda lash, _: np.exp(-12 * (0.4 - lash)), "stays within 0.0907 m/s up to width 0.2 mm, but 0.301 m/s at 0.3 mm"),
         (lambda lash, _: 1.0 - lash, ""),
         (lambda lash, _: 1.0, ""),
         (lambda lash, _: (lash - 0.2) ** 2, ""),
@@ -95,13 +112,62 @@ def test_only_a_flat_part_at_the_better_end_is_told(function, wanted):
 
 def test_a_slope_over_engine_speeds_has_no_flat_part():
     said = told(lambda lash, speed: speed * (0.1 + lash))
-    assert said.startswith("Best is engine speed 2000 rpm, lash 0 mm")
+    assert "engine speed 2000" not in said and said.endswith("each the worst of 2 engine speeds.")
+    assert said.startswith("Best is width 0 mm: seating velocity 0.1 m/s")
 
 
 def test_a_grid_whose_best_is_the_end_of_its_range_says_from_where_on_little_is_gained():
     """Best was 80 N, the end of what was varied, where from 40 N on nearly nothing is gained."""
     said = told(lambda lash, _: np.exp(-12 * lash), over_speed=False)
     assert said == (
-        "Seating velocity stays within 0.0907 m/s from lash 0.2 mm on, but 0.301 m/s at 0.1 mm and 1 m/s at the worst point; "
-        "lash 0.4 mm brings little more, 0.00823 m/s."
+        "Seating velocity stays within 0.0907 m/s from width 0.2 mm on, but 0.301 m/s at 0.1 mm and 1 m/s at the worst point; "
+        "width 0.4 mm brings little more, 0.00823 m/s."
     )
+
+
+def test_engine_speed_alone_is_told_and_never_chosen():
+    """Contract: of points that differ in engine speed none is best."""
+    text = TEXT.format(
+        output="seating_velocity", varied="", speed="", lashes="2000, 4000, 6000 rpm", key="engine_speed", label="engine speed"
+    )  # fmt: skip
+    plan = read_plan(StudyText(text, "study", Path()))
+    inputs = plan.sampler.first(plan.varied, plan.options)
+    values = np.array([[0.1], [0.2], [0.4]])
+    said = study_verdict(StudyTable(plan, inputs, plan.runs * 3, values, (COMPLETED,) * 3))
+    assert said == (
+        "The seating velocity is between 0.1 m/s with engine speed 2000 rpm and 0.4 m/s with engine speed 6000 rpm."
+    )
+
+
+LASH = {"key": "train.lash", "angle": lambda lash, speed: 150 - 40 * lash - speed}
+
+
+def test_a_train_without_lash_is_no_choice_and_the_sentence_says_where_the_valve_touches():
+    """Closed form: the angle 150 - 40 lash deg, less a degree at full speed, at the edge of the ramp."""
+    fine = "0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3 mm"
+    said = told(lambda lash, speed: 0.0 if lash == 0 else ramp(lash, speed), lashes=fine, **LASH)
+    assert said == (
+        "At every engine speed seating velocity stays within 0.125 m/s up to lash 0.25 mm, touching at 139 cam deg or later, "
+        "but 0.325 m/s at 0.3 mm; without lash a valve that grows warm would stay open, so that is no choice."
+    )
+    sloped = told(lambda lash, speed: speed * (0.1 + lash), **LASH)
+    assert sloped.startswith(
+        "Best is lash 0.1 mm: seating velocity 0.2 m/s, 0.5 m/s at the worst point, touching at 145 to 146 cam deg"
+    )
+    assert "that is no choice" in sloped
+
+
+def test_what_a_grid_adds_is_held_against_none_of_it():
+    """The best force of rubbing was held against the worst, its price against what another has."""
+    grid = told(
+        lambda width, _: 130.0 + 400 * (width - 0.15) ** 2,
+        "surge_amplitude_force",
+        over_speed=False,
+    )
+    assert grid == (
+        "Best is width 0.1 mm (within 1 %: width 0.2 mm): surge amplitude 131 N, only 5.8 % below 139 N with width 0 mm, 155 N at the worst point."
+    )
+    far = told(
+        lambda width, _: 30 + 4000 * (width - 0.15) ** 2, "surge_amplitude_force", over_speed=False
+    )
+    assert "surge amplitude 40 N against 120 N with width 0 mm, 280 N at the worst point" in far

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cached import RememberedLift
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.outputs import DRIVE_FORCE, Outcome
 from valvetrain.explore.space import ENGINE_SPEED, Varied
@@ -85,7 +86,10 @@ def evaluate(point: Point) -> Outcome:
     'completed'
     """
     try:
-        return evaluate_case(vary(point.case, dict(point.values)), point)
+        # what is doubtful of points is counted once, by explore/doubts.py, not told by each
+        with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
+            case = vary(point.case, dict(point.values))
+        return evaluate_case(case, point)
     except FAILURES as error:
         return Outcome(Status("refused", reason(error)))
 

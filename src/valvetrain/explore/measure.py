@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from valvetrain.explore.engine import Engine, Evaluation, PointJob
-from valvetrain.explore.outputs import LimitSearch, Outcome, Run
-from valvetrain.solution.definition import definition_of, not_given, shown
+from valvetrain.explore.outputs import LimitSearch, Outcome, Run, has_pair
+from valvetrain.solution.definition import NESTED, definition_of, not_given, shown
 from valvetrain.solution.status import Status
 
 #: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
@@ -214,11 +214,12 @@ class Measured:
     code: str = "completed"
 
 
-def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
+def measuring(measures: Sequence[Measure], stop: object = None, pair: bool = False) -> Answers:
     """Ask for the points of ``measures`` batch by batch and give their numbers; what a design
     cannot be is found first, at rest.
 
-    ``stop(values)`` may say, before the search for limit speeds, that these are not needed.
+    ``stop(values)`` may say, before the search for limit speeds, that these are not needed. ``pair``: a
+    run has two springs, whose quantities have the name of each in front.
     """
     values: dict[Measure, float] = {}
     for source in (REST, RUNS, LIMIT):
@@ -238,7 +239,9 @@ def measuring(measures: Sequence[Measure], stop: object = None) -> Answers:
                 )
         lacking = [one for one in here if not np.isfinite(values[one])]
         if lacking:
-            return Measured(values, {}, not_given(lacking[0].quantity), "incomplete")
+            name = lacking[0].quantity
+            of_pair = [f"{one}_{name}" for one in NESTED] if pair else ()
+            return Measured(values, {}, not_given(name, of_pair), "incomplete")
     if callable(stop) and stop(values):
         return Measured(values, {})
     limits: dict[Measure, tuple[LimitFound, ...]] = {}
@@ -270,7 +273,7 @@ def _limit(
         if first and not found[0].status.completed:
             return LimitFound(BELOW, 0.0, requested[0]), found[0]
         if first and one.quantity not in found[0].values:
-            missing = Status("incomplete", not_given(one.quantity))
+            missing = Status("incomplete", not_given(one.quantity, found[0].values))
             return LimitFound(BELOW, 0.0, requested[0]), Outcome(missing)
         first = False
         reported = [
@@ -294,6 +297,10 @@ Subject = tuple[Mapping[str, Evaluation], tuple[float, ...]]
 Stop = Callable[[Mapping[Measure, float]], bool]
 
 
+def _has_pair(one: Evaluation) -> bool:
+    return one.case is not None and has_pair(one.case, one.runs)
+
+
 def measure_designs(
     engine: Engine,
     subjects: Sequence[Subject],
@@ -305,7 +312,10 @@ def measure_designs(
     """
     if not measures:
         return [Measured({}, {}) for _ in subjects]
-    running = {index: measuring(measures, stop) for index in range(len(subjects))}
+    running = {
+        index: measuring(measures, stop, any(map(_has_pair, subject[0].values())))
+        for index, subject in enumerate(subjects)
+    }
     requested = {index: next(one, None) for index, one in running.items()}
     done: dict[int, Measured] = {}
     while running:

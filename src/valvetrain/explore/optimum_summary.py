@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from valvetrain.explore.doubts import doubts
 from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitFound, Measure
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, bound_label
 from valvetrain.explore.space import Varied
@@ -103,8 +104,10 @@ def sentences(found: Optimum) -> tuple[str, ...]:
     return (answer(found), *trust(found))
 
 
-def answer(found: Optimum, values: str = "") -> str:
-    """The answer in one sentence, with the ``values`` of the best design where they are given."""
+def answer(found: Optimum, values: str = "", more: str = "") -> str:
+    """The answer in one sentence, with the ``values`` of the best design and what ``more`` is to be said
+    of it where they are given; then what the case itself misses.
+    """
     best = found.best
     if best is None:
         return _nothing(found)
@@ -117,7 +120,7 @@ def answer(found: Optimum, values: str = "") -> str:
                 f"{goal.measure.label} {reported(goal.measure, min(front))} to {reported(goal.measure, max(front))}"
             )
         there = _own(found.case)
-        return f"{len(found.front)} designs beat each other in nothing: {'; '.join(spans)}. {there}"
+        return f"{len(found.front)} designs beat each other in nothing: {'; '.join(spans)}{more}. {there}"
     place = same_as_varied(found, 0)
     one: Measure | AsVaried = (
         goals[0].measure if place is None else AsVaried(found.plan.varied[place])
@@ -125,17 +128,17 @@ def answer(found: Optimum, values: str = "") -> str:
     value, before = float(best.trial.objectives[0]), float(case.objectives[0])
     at = f", with {values}" if values else ""
     if best.trial.number == 0:
-        return f"No trial beats the case itself, whose {one.label} is {reported(one, value)}."
+        return f"No trial beats the case itself, whose {one.label} is {reported(one, value)}{more}."
     confirmed = _confirmed_change(found, one)
     if not case.feasible:
         most = "most" if goals[0].maximise else "least"
-        return f"The {most} that keeps every bound: {one.label} {_own_value(best.trial, one, 0)}{at}. {_own(case)}"
+        return f"The {most} that keeps every bound: {one.label} {_own_value(best.trial, one, 0)}{at}{more}. {_own(case)}"
     verb, least = (
         "rises" if value > before else "falls",
         "at least " if _beyond(best.trial, one) else "",
     )
     ends = f"from {_own_value(case, one, 0)} of the case to {_own_value(best.trial, one, 0)}"
-    said = f"the {one.label} {verb} {ends} ({least}{change(one, value, before)}){at}."
+    said = f"the {one.label} {verb} {ends} ({least}{change(one, value, before)}){at}{more}."
     if confirmed:
         return f"{confirmed}; by the model of the search {said}"
     return f"Within all bounds {said}"
@@ -172,19 +175,18 @@ def _confirmed_change(found: Optimum, one: Measure | AsVaried) -> str:
 
 def optimum_verdict(found: Optimum) -> str:
     """The answer, with the bounds that the best design misses by a finer model, as one sentence."""
-    said = answer(found, best_values(found)).rstrip(".")
     lead = "" if found.finished else f"Stopped after {len(found.trials) - 1} trials: "
-    if found.best is None:
-        return f"{lead}{said}."
-    said += _left_open(found) + _limited(found)
-    for one in found.best.confirmed:
-        if one.design.failure:
-            said += f"; by {one.label} the design cannot be computed"
-        elif missed := [
-            _missed_text(one, k) for k, miss in enumerate(one.design.missed) if miss > 0
-        ]:
-            said += f"; by {one.label} it misses {' and '.join(missed)}"
-    return f"{lead}{said}."
+    more = ""
+    if found.best is not None:
+        more = _left_open(found) + _limited(found)
+        for one in found.best.confirmed:
+            if one.design.failure:
+                more += f"; by {one.label} the design cannot be computed"
+            elif missed := [
+                _missed_text(one, k) for k, miss in enumerate(one.design.missed) if miss > 0
+            ]:
+                more += f"; by {one.label} it misses {' and '.join(missed)}"
+    return f"{lead}{answer(found, best_values(found), more).rstrip('.')}."
 
 
 def _left_open(found: Optimum) -> str:
@@ -301,6 +303,7 @@ def trust(found: Optimum) -> tuple[str, ...]:
     counts = f"{every} keep every bound"
     failed = sum(bool(one.failure) for one in found.trials)
     lines = [counts + (f", {failed} could not be computed." if failed else ".")]
+    lines += _doubtful(found)
     if best is None:
         return tuple(lines)
     trial, varied = best.trial, found.plan.varied
@@ -323,6 +326,18 @@ def trust(found: Optimum) -> tuple[str, ...]:
     lines += [*_seeds(found), *_spread(found)]
     lines += [confirmed_text(one, found) for one in best.confirmed]
     return tuple(lines)
+
+
+def _doubtful(found: Optimum) -> list[str]:
+    """How many designs have doubtful values, and whether the best one has."""
+    trials = found.trials
+    made = doubts(found.plan.case, found.plan.varied, np.array([one.values for one in trials]))
+    remark = ""
+    if found.best is not None:
+        own = any(trials[point] is found.best.trial for point in made.by_point)
+        remark = ", the best among them" if own else ", but not the best"
+    told = made.sentence("designs", remark)
+    return [f"{told}."] if told else []
 
 
 def _limits(best: Design, found: Optimum) -> list[str]:

@@ -220,6 +220,13 @@ class Outputs:
         )
 
 
+def has_pair(case: Case, runs: Sequence[Run]) -> bool:
+    """Whether a run of a train uses two springs, whose quantities have the name of each in front."""
+    springs = case.train.springs if case.train is not None else {}
+    used = [springs.get(one[2], ()) if one[2] else next(iter(springs.values()), ()) for one in runs]
+    return any(len(one) > 1 for one in used)
+
+
 def refuse_limit_name(name: str) -> None:
     """Raise :class:`InputError` for an output that is a limit speed, which no single run has."""
     for kind, (own, *_) in LIMITS.items():

@@ -93,7 +93,7 @@ class LimitColumnsSearch:
             for kind, one in zip(kinds, self.engine.outcomes(jobs), strict=True):
                 if one.status.completed and limit.quantity not in one.values:
                     by = f" by {kind[0]}" if kind[0] else ""
-                    raise InputError(f"{not_given(limit.quantity)}{by}", "limit_speed")
+                    raise InputError(f"{not_given(limit.quantity, one.values)}{by}", "limit_speed")
 
     def columns(self, draws: Array) -> LimitColumns:
         """All limit speeds of the ``draws`` (n, d)."""

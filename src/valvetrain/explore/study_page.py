@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from valvetrain.explore.clearance import clearance_chart, over_clearance
+from valvetrain.explore.doubts import doubts
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity
 from valvetrain.explore.space import Values, Varied
@@ -205,8 +206,12 @@ def sentences(table: StudyTable) -> tuple[str, ...]:
     dropped = max((one.dropped for one in table.sensitivities), default=0)
     rows = "1 base row was" if dropped == 1 else f"{dropped} base rows were"
     left = f", and {rows} left out of the shares of variance" if dropped else ""
+    plan = table.plan
+    doubtful = doubts(plan.case, plan.varied, table.inputs[:: max(1, len(plan.runs))])
+    told = doubtful.sentence("points")
     return (
         *reported,
+        *((f"{told}.",) if told else ()),
         *table.limit_notes,
         *table.not_given,
         *((f"{failed} of {len(table)} points failed{left}.",) if failed else ()),

@@ -63,9 +63,9 @@ def point_names(table: StudyTable) -> tuple[str, ...]:
     return tuple(getattr(table.plan.options, "names", ()))
 
 
-def point_label(table: StudyTable, point: int) -> str:
+def point_label(table: StudyTable, point: int, without: tuple[int, ...] = ()) -> str:
     """What tells a point (from 0) from the others: its name, else the quantities that change, with
-    their values.
+    their values, those of ``without`` left out.
     """
     if names := point_names(table):
         return names[point]
@@ -74,7 +74,7 @@ def point_label(table: StudyTable, point: int) -> str:
         return "first point"
     indices = [alone[point]] if alone else changing(table)
     parts = []
-    for index in indices:
+    for index in (one for one in indices if one not in without):
         one = table.plan.varied[index]
         value = number(one.shown(float(draws_of(table)[point, index])), 5)
         parts.append(f"{one.shown_name} {value} {unit_text(one.unit)}".strip())

@@ -4,6 +4,8 @@ how an output scatters.
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,20 @@ from valvetrain.explore.clearance import clearance_clause, over_clearance
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.sensitivity import Sensitivity
 from valvetrain.explore.study_charts import PERCENTILES, shown_output
+from valvetrain.explore.study_designs import (
+    NO_LASH,
+    baseline,
+    conditions,
+    design_label,
+    frequency_clause,
+    judged,
+    runs_text,
+    speeds_differ,
+    touch_clause,
+    value_text,
+    without_lash,
+    worst,
+)
 from valvetrain.explore.study_points import (
     changed_alone,
     draws_of,
@@ -18,21 +34,28 @@ from valvetrain.explore.study_points import (
     point_label,
     point_names,
 )
-from valvetrain.explore.study_shape import conditions, shape_clause
+from valvetrain.explore.study_shape import Shape, shape_of
 from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.quantities.request import BY_SIZE
+from valvetrain.report.clauses import joined
 from valvetrain.report.text import number, unit_text
-from valvetrain.solution.definition import definition_of
+from valvetrain.solution.definition import definition_of, label_of
 
 Array = NDArray[np.float64]
 #: Outputs whose price at the best point is told.
-MAX_COSTS = 2
+MAX_COSTS = 3
 #: Share within which values are no better than each other, and points of that kind that are named.
 ALIKE, MAX_ALIKE = 0.01, 2
 #: Further changes of a list that are named behind the largest.
 MAX_NEXT = 3
 #: Outputs by which springs are judged before all others, for by them they break.
 STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "nominal_peak_shear_stress")
+#: Share up to which the gain of a grid over what it is held against is called an only.
+LITTLE = 0.1
+#: What makes a stress amplitude larger -> in words.
+REASONS = {"surge_amplitude_force": "it surges more", "clash_energy": "its coils clash harder"}
+#: Durations of the valve of a run.
+DURATION = re.compile(r"valve_\w+_open_crank_angle_range")
 #: Names of what a spring is installed with begin so.
 INSTALLED = ("preload", "installed_")
 
@@ -52,16 +75,16 @@ def study_verdict(table: StudyTable) -> str:
         said = clearance_clause(table, calmed)
     elif not is_chosen(table):
         said = _scatter(table, known[0])
-    elif changed_alone(table) and np.isfinite(_worst(table, name)[0]):
+    elif changed_alone(table) and np.isfinite(worst(table, name)[0]):
         said = _largest_change(table, name)
     else:
-        shape = shape_clause(table, name)
+        shape = shape_of(table, name)
         single = table.plan.sampler.word == "list" and _bare(name) in STRESSES
         best = _stressed if single else _best
         said = (
             best(table, name)
-            if not shape
-            else shape
+            if shape is None
+            else f"{shape.clause}{shape.also}"
             if conditions(table)
             else _flat(table, name, shape)
         )
@@ -95,113 +118,172 @@ def _installed(name: str) -> bool:
     return bare in BY_SIZE or bare.startswith(INSTALLED) or bare == "coil_bind_clearance"
 
 
-def _label(name: str) -> str:
-    return definition_of(name).label
-
-
-def _shown(name: str, value: float) -> str:
-    return f"{number(value, 4)} {unit_text(definition_of(name).shown_unit)}".strip()
-
-
-def _worst(table: StudyTable, name: str) -> Array:
-    """Of every point the worst value of its runs by the sense of the quantity, the mean of those
-    without one; nan where a run failed.
-    """
-    values = shown_output(table, name).reshape(len(draws_of(table)), -1)
-    sense = definition_of(name).sense
-    worst = np.mean if not sense else np.min if sense == "larger is better" else np.max
-    return np.asarray(worst(values, axis=1))
-
-
-def _runs_text(table: StudyTable, name: str) -> str:
-    count = len(table.plan.runs)
-    if count < 2:
-        return ""
-    return f", {'each the worst' if definition_of(name).sense else 'the mean'} of {count} runs"
-
-
 def _best(table: StudyTable, name: str) -> str:
-    """The best point and what other outputs are worse there; the extremes of an output that is
-    neither good nor bad.
+    """The best design, next to the one that others are held against, and what other outputs gain and
+    lose there; the extremes of an output that is neither good nor bad, or of points at engine speeds
+    of their own.
     """
-    values, runs = _worst(table, name), _runs_text(table, name)
+    values, runs = judged(table, name), runs_text(table, name)
     if not np.isfinite(values).any():
-        return f"the {_label(name)} is known at no point for every run"
+        return f"the {label_of(name)} is known at no point for every run"
     low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
     if values[low] == values[high]:
-        return f"the {_label(name)} is {_shown(name, values[low])} at every point{runs}"
+        return f"the {label_of(name)} is {value_text(name, values[low])} at every point{runs}"
     sense = definition_of(name).sense
-    if not sense:
+    if not sense or speeds_differ(table):
         least, most = (
-            f"{_shown(name, values[k])} with {point_label(table, k)}" for k in (low, high)
+            f"{value_text(name, values[k])} with {design_label(table, k)}" for k in (low, high)
         )
-        return f"the {_label(name)} is between {least} and {most}{runs}"
+        return f"the {label_of(name)} is between {least} and {most}{runs}"
     best, other = (high, low) if sense == "larger is better" else (low, high)
-    ends = f"{_shown(name, values[best])}, {_shown(name, values[other])} at the worst point"
-    said = f"best is {point_label(table, best)}{_alike(table, values, best)}: {_label(name)} {ends}"
-    return f"{said}{_costs(table, name, best)}{runs}"
+    frequency, base = frequency_clause(table, best), baseline(table)
+    at = f"{design_label(table, best)}{f' ({frequency})' if frequency else ''}"
+    worst_text = f"{value_text(name, values[other])} at the worst point"
+    ends = f"{value_text(name, values[best])}, {worst_text}"
+    if base is not None and base != best and np.isfinite(values[base]):
+        ends = _against(table, name, values, (best, base))
+        ends += f", {worst_text}" if other != base else ""
+    touch = touch_clause(table, np.array([best]))
+    said = f"best is {at}{_alike(table, values, best)}: {label_of(name)} {ends}{touch}"
+    return f"{said}{_costs(table, name, best, base)}{runs}{_unlashed(table)}"
 
 
-def _costs(table: StudyTable, name: str, best: int, above: float = 0.0) -> str:
-    """What other outputs lose at the best point against their own best, by more than a share."""
-    costs: list[str] = []
+def _against(table: StudyTable, name: str, values: Array, pair: tuple[int, int]) -> str:
+    """``123.4 N, only 5.8 % below 131 N with normal force 0 N``: the best next to what it is held
+    against; of a list the two values.
+    """
+    best, base = (float(values[k]) for k in pair)
+    there = f"{value_text(name, base)} with {design_label(table, pair[1])}"
+    share = abs(best / base - 1) if base else np.inf
+    if share > LITTLE or table.plan.sampler.word == "list":
+        return f"{value_text(name, best)} against {there}"
+    word = "below" if abs(best) < abs(base) else "above"
+    return f"{value_text(name, best)}, only {number(100 * share, 2)} % {word} {there}"
+
+
+def _unlashed(table: StudyTable) -> str:
+    return f"; {NO_LASH}" if without_lash(table).any() else ""
+
+
+def _costs(
+    table: StudyTable, name: str, best: int, base: int | None = None, above: float = 0.0
+) -> str:
+    """What other outputs gain and lose at the best design against the one it is held against; without
+    that what they lose against their own best, by more than a share.
+    """
+    held = base is not None and base != best
+    gains, costs = list[str](), list[str]()
     for one in table.outputs:
-        if one == name or not definition_of(one).sense or not _known(table, one):
+        sense = definition_of(one).sense
+        if one == name or not sense or not _known(table, one):
             continue
-        own = _worst(table, one)
+        own, larger = judged(table, one), sense == "larger is better"
         if not np.isfinite(own[best]):
             continue
-        larger = definition_of(one).sense == "larger is better"
-        ideal = float(np.nanmax(own) if larger else np.nanmin(own))
-        if abs(own[best] - ideal) > above * abs(ideal):
-            costs.append(f"{_label(one)} {_shown(one, own[best])} ({_shown(one, ideal)} at best)")
-    return f"; it costs {' and '.join(costs[:MAX_COSTS])}" if costs else ""
+        ideal = float(
+            own[base] if held and base is not None else np.nanmax(own) if larger else np.nanmin(own)
+        )
+        if not np.isfinite(ideal) or abs(own[best] - ideal) <= (ALIKE if held else above) * abs(
+            ideal
+        ):
+            continue
+        text = f"{label_of(one)} {value_text(one, own[best])}"
+        if not held:
+            costs.append(f"{text} ({value_text(one, ideal)} at best)")
+        else:
+            side = gains if (own[best] > ideal) == larger else costs
+            side.append(f"{text} against {value_text(one, ideal)}")
+    parts = [
+        f"{verb} {joined(some[:MAX_COSTS])}"
+        for verb, some in (("gains", gains), ("costs", costs))
+        if some
+    ]
+    said = f"; it {' and '.join(parts)}" if parts else ""
+    return said + (_timing(table, best, base) if held and base is not None else "")
 
 
-def _flat(table: StudyTable, name: str, shape: str) -> str:
+def _timing(table: StudyTable, best: int, base: int) -> str:
+    """``; valve open at 0.050 in 250 deg against 249.2 deg``: durations, which are neither good nor bad,
+    where the study has none of what is lost of them.
+    """
+    texts = []
+    for one in table.outputs:
+        lost = one.replace("_open_crank", "_lost_crank")
+        if not DURATION.fullmatch(one) or lost in table.outputs or not _known(table, one):
+            continue
+        own = worst(table, one)
+        texts.append(
+            f"{label_of(one)} {value_text(one, own[best])} against {value_text(one, own[base])}"
+        )
+    return f"; {joined(texts)}" if texts else ""
+
+
+def _flat(table: StudyTable, name: str, shape: Shape) -> str:
     """How far a grid along one quantity stays near its best, and how little the best point brings
     beyond, which may be no more than the end of what was varied.
     """
-    values = _worst(table, name)
+    values = judged(table, name)
     ends = (int(np.nanargmin(values)), int(np.nanargmax(values)))
-    best, worst = ends[::-1] if definition_of(name).sense == "larger is better" else ends
-    most = f"{_shown(name, values[worst])} at the worst point"
-    beyond = f"{point_label(table, best)} brings little more, {_shown(name, values[best])}"
-    return (
-        f"{shape} and {most}; {beyond}{_costs(table, name, best, ALIKE)}{_runs_text(table, name)}"
-    )
+    best, other = ends[::-1] if definition_of(name).sense == "larger is better" else ends
+    said = f"{shape.clause} and {value_text(name, values[other])} at the worst point"
+    if best == shape.edge or speeds_differ(table):
+        return f"{said}{runs_text(table, name)}{shape.also}"
+    beyond = f"{design_label(table, best)} brings little more, {value_text(name, values[best])}"
+    costs = _costs(table, name, best, shape.edge)
+    return f"{said}; {beyond}{costs}{runs_text(table, name)}{shape.also}"
 
 
 def _stressed(table: StudyTable, name: str) -> str:
-    """The point of a list that is stressed most, the one that is least, and what else is worse there."""
-    values, runs = _worst(table, name), _runs_text(table, name)
+    """The point of a list that is stressed most and why, the one that is least, and what else is worse
+    there.
+    """
+    values, runs = worst(table, name), runs_text(table, name)
     if np.count_nonzero(np.isfinite(values)) < 2 or np.nanmin(values) == np.nanmax(values):
         return _best(table, name)
     most, least = int(np.nanargmax(values)), int(np.nanargmin(values))
     if values[most] - values[least] <= ALIKE * values[most]:
-        return f"all are stressed alike: {_label(name)} {_shown(name, values[least])} to {_shown(name, values[most])}{runs}"
-    worse: list[str] = []
+        return f"all are stressed alike: {label_of(name)} {value_text(name, values[least])} to {value_text(name, values[most])}{runs}"
+    why, worse = _per_force(table, most, least), list[str]()
     for one in table.outputs:
         sense = definition_of(one).sense
         if one == name or not sense or not _known(table, one) or _installed(one):
             continue
-        ours, theirs = (_worst(table, one)[at] for at in (most, least))
+        ours, theirs = (worst(table, one)[at] for at in (most, least))
         if (ours < theirs) == (sense == "larger is better") and abs(ours - theirs) > ALIKE * abs(
             ours
         ):
-            worse.append(f"{_label(one)} {_shown(one, ours)} against {_shown(one, theirs)}")
+            text = f"{value_text(one, ours)} against {value_text(one, theirs)}"
+            if _bare(one) in REASONS:
+                why.append(f"{REASONS[_bare(one)]} ({text})")
+            else:
+                worse.append(f"{label_of(one)} {text}")
     said = (
-        f"{point_label(table, most)} is stressed most, so of equal wires it breaks first: {_label(name)} "
-        f"{_shown(name, values[most])} against {_shown(name, values[least])} with {point_label(table, least)}"
+        f"{design_label(table, most)} is stressed most, so of equal wires it breaks first: {label_of(name)} "
+        f"{value_text(name, values[most])} against {value_text(name, values[least])} with {design_label(table, least)}"
     )
+    because = f", because {joined(why)}" if why else ""
     more = f"; with {' and '.join(worse[:MAX_COSTS])}" if worse else ""
-    return f"{said}{more}{runs}"
+    return f"{said}{because}{more}{runs}"
+
+
+def _per_force(table: StudyTable, most: int, least: int) -> list[str]:
+    """That a wire bears more stress for each newton, where peak stress and peak force are outputs."""
+    names = ("peak_shear_stress", "peak_spring_force")
+    if any(name not in table.outputs or not _known(table, name) for name in names):
+        return []
+    stress, force = (worst(table, name) for name in names)
+    ours, theirs = (float(stress[k] / force[k]) for k in (most, least))
+    if not ours - theirs > ALIKE * ours:
+        return []
+    return [
+        f"its wire bears more stress per force ({number(ours, 3)} against {number(theirs, 3)} MPa/N)"
+    ]
 
 
 def _alike(table: StudyTable, values: Array, best: int) -> str:
-    """The other points whose value is that of the best within :data:`ALIKE`, in brackets."""
+    """The other designs whose value is that of the best within :data:`ALIKE`, in brackets."""
     near = np.abs(values - values[best]) <= ALIKE * abs(values[best])
-    others = [point_label(table, int(k)) for k in np.flatnonzero(near) if k != best]
+    others = [design_label(table, int(k)) for k in np.flatnonzero(near) if k != best]
     if not others or near.all():
         return ""
     more = f" and {len(others) - MAX_ALIKE} more" if len(others) > MAX_ALIKE else ""
@@ -210,17 +292,19 @@ def _alike(table: StudyTable, values: Array, best: int) -> str:
 
 def _largest_change(table: StudyTable, name: str) -> str:
     """The point of a list that changes one quantity at a time at which an output changes most."""
-    values, runs = _worst(table, name), _runs_text(table, name)
+    values, runs = worst(table, name), runs_text(table, name)
     change = values - values[0]
     most = int(np.nanargmax(np.abs(change)))
     if not change[most]:
-        return f"no change moves the {_label(name)} of {_shown(name, values[0])}{runs}"
-    most_text = f"{_label(name)} {_shown(name, values[most])} ({_moved(table, name, change, most)})"
+        return f"no change moves the {label_of(name)} of {value_text(name, values[0])}{runs}"
+    most_text = (
+        f"{label_of(name)} {value_text(name, values[most])} ({_moved(table, name, change, most)})"
+    )
     near = np.abs(np.abs(change) - abs(change[most])) <= ALIKE * abs(change[most])
     equal = [most, *(int(k) for k in np.flatnonzero(near) if k != most)][: MAX_ALIKE + 1]
     names = " or ".join(point_label(table, k) for k in equal)
     first = f" ({point_label(table, 0)})" if point_names(table) else ""
-    said = f"most is moved by {names}: {most_text} from {_shown(name, values[0])}{first}"
+    said = f"most is moved by {names}: {most_text} from {value_text(name, values[0])}{first}"
     rest = [
         int(k) for k in np.argsort(-np.abs(change), kind="stable") if change[k] and k not in equal
     ]
@@ -258,7 +342,7 @@ def _scatter(table: StudyTable, name: str) -> str:
     )
     low, middle, high = (float(value) for value in ends[run])
     where = f" at {run_label(run)}" if len(table.plan.runs) > 1 else ""
-    said = f"the {_label(name)} is {number(low, 4)} to {_shown(name, high)} in nine of ten draws{where}, median {_shown(name, middle)}"
+    said = f"the {label_of(name)} is {number(low, 4)} to {value_text(name, high)} in nine of ten draws{where}, median {value_text(name, middle)}"
     cause = next(
         (one for one in table.sensitivities if one.output == name and one.run == run), None
     )

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Evaluation
-from valvetrain.explore.outputs import Run
+from valvetrain.explore.outputs import Run, has_pair
 from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
 from valvetrain.registry import find
-from valvetrain.solution.definition import definition_of, label_of, not_given
+from valvetrain.solution.definition import NESTED, definition_of, label_of, not_given
 from valvetrain.solution.display import frame
 from valvetrain.solution.saveable import Reported
 from valvetrain.solution.status import Status
@@ -158,7 +158,11 @@ class StudyTable(Reported):
             for name in self.outputs
             if not np.isfinite(self.column(name)[self.completed]).any()
         ]
-        return tuple(f"{text[0].upper()}{text[1:]}." for text in map(not_given, gone))
+        pair = self.plan.case is not None and has_pair(self.plan.case, self.plan.runs)
+        texts = [
+            not_given(name, [f"{one}_{name}" for one in NESTED] if pair else ()) for name in gone
+        ]
+        return tuple(f"{text[0].upper()}{text[1:]}." for text in texts)
 
     def row_label(self, row: int) -> str:
         """The inputs of a row in words."""

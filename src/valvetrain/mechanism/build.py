@@ -11,7 +11,7 @@ from valvetrain.contact.law import ContactLaw
 from valvetrain.contact.library import build_contact_law
 from valvetrain.errors import InputError
 from valvetrain.mechanism.lumped import build_lumped, build_single_mass
-from valvetrain.mechanism.parts import AssembledMechanism
+from valvetrain.mechanism.parts import AssembledMechanism, Interaction
 from valvetrain.mechanism.sliding import SLIDING_KINDS
 from valvetrain.parameters.train import ContactParameters, TrainParameters
 from valvetrain.registry import find
@@ -117,12 +117,19 @@ def _with_friction(
         if item.kind not in SLIDING_KINDS or (place == "cam" and train.follower.shape == "roller"):
             reason = _why_not(place)
             raise InputError(
-                f"the contact '{place}' of a {train.kind} train takes no friction: {reason}; remove friction_coefficient"
+                f"the contact '{place}' of a {train.kind} train takes no friction: {reason}; remove friction_coefficient{_instead(changed, place)}"
             )
         changed[item.name] = replace(
             item, friction=CoulombFriction(coefficient, train.contact(place).friction_velocity)
         )
     return replace(planar, interactions=tuple(changed.values()))
+
+
+def _instead(known: Mapping[str, Interaction], place: str) -> str:
+    """Where a train slides whose cam does not."""
+    tip = known.get("valve tip")
+    slides = place == "cam" and tip is not None and tip.kind in SLIDING_KINDS
+    return ", or give train.contacts.valve_tip.friction_coefficient" if slides else ""
 
 
 def _why_not(place: str) -> str:

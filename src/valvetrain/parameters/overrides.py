@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import tomllib
 from collections.abc import Mapping
 from typing import Any
@@ -66,17 +67,19 @@ def _set(tree: dict[str, Any], path: str, value: Any) -> None:
     *heads, last = path.split(".")
     table: Any = tree
     for depth, head in enumerate(heads):
-        if isinstance(table, list):
-            table = table[_place(table, head, path)]
-        else:
-            table = table.setdefault(head, {})
+        key: Any = _place(table, head, path) if isinstance(table, list) else head
+        if isinstance(table, dict):
+            table.setdefault(head, {})
+        if depth == len(heads) - 1 and last.isdecimal() and (several := _several(table[key])):
+            table[key] = several
+        table = table[key]
         if not isinstance(table, (dict, list)):
             place = ".".join(heads[: depth + 1])
             raise InputError(
                 f"'{place}' is the plain value {str(table)[:40]!r}, which has no '{last}'; set it as a whole",
                 path,
             )
-    key: Any = _place(table, last, path) if isinstance(table, list) else last
+    key = _place(table, last, path) if isinstance(table, list) else last
     if value is REMOVED:
         if isinstance(table, dict) and key not in table:
             raise InputError(
@@ -86,6 +89,21 @@ def _set(tree: dict[str, Any], path: str, value: Any) -> None:
     else:
         # What is published has notes of its own, of another form.
         table[key] = value if "published" in heads else {"value": value, "source": _SOURCE}
+
+
+def _several(found: Any) -> list[Any]:
+    """Numbers that a file holds as one text (``"0, 1.5 mm"``), each by itself; empty for any other value."""
+    text = found.get("value") if isinstance(found, dict) else found
+    if not isinstance(text, str) or "," not in text:
+        return []
+    unit = text.rpartition(",")[2].lstrip(" +-0123456789.eE").strip()
+    numbers = [part.strip().removesuffix(unit).strip() for part in text.split(",")]
+    try:
+        return [
+            f"{one} {unit}" if unit else float(one) for one in numbers if math.isfinite(float(one))
+        ]
+    except ValueError:
+        return []
 
 
 def _place(table: list[Any], key: str, path: str) -> int:

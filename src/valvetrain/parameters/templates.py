@@ -18,7 +18,7 @@ KINDS = {"spring": "a spring alone"} | TITLES
 CARDS = {"direct": "tappet", "finger": "valve", "rocker": "valve"}
 #: Comments of a template at which its lift law, the speeds, the contacts and the end begin.
 _LAW, _SPEEDS, _CONTACTS = "# The lift of", "# Speeds of the crank", "# Contacts. Other laws"
-_STEEL = """# Contacts between steel parts of usual size, or a table for each place; friction alone: cam.friction_coefficient = 0.06.
+_STEEL = """# Contacts between steel parts of usual size, or a table for each place; friction alone: {place}.friction_coefficient = 0.06.
 [train.contacts]
 others = "steel"
 
@@ -69,7 +69,9 @@ def template_text(kind: str, cards: bool = False) -> str:
     # The card gives the lash, and the springs are those of the cards.
     lines = [line for line in middle.splitlines(True) if not line.startswith("lash =")]
     middle = "".join(lines).replace('spring_set = "stock"', 'spring_set = "card"')
-    return f"{head}{_text(f'cards/{CARDS[kind]}')}{middle}{_STEEL}{_text('cards/springs')}"
+    place = "valve_tip" if 'shape = "roller"' in middle else "cam"  # a roller rolls
+    steel = _STEEL.replace("{place}", place)
+    return f"{head}{_text(f'cards/{CARDS[kind]}')}{middle}{steel}{_text('cards/springs')}"
 
 
 def _text(name: str) -> str:

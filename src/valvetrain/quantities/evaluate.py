@@ -27,7 +27,7 @@ from valvetrain.quantities.train_numbers import (
     margin_quantities,
     train_quantities,
 )
-from valvetrain.quantities.valve_events import run_events
+from valvetrain.quantities.valve_events import lost_durations, run_events
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.definition import computed_rows
 from valvetrain.solution.partial_failures import PartialFailures
@@ -73,6 +73,7 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
         assert frame.rigid is not None
         found |= gaps.part("numbers of the train", {}, train_quantities, solution, rigid, events)
         found |= gaps.part("valve events", {}, run_events, solution, events)
+        found |= gaps.part("duration lost", {}, lost_durations, found, frame.rigid)
         found |= gaps.part("margins of rigid parts", {}, margin_quantities, frame.rigid)
         if frame.permitted_seating_velocity is not None:
             found["permitted_seating_velocity"] = frame.permitted_seating_velocity

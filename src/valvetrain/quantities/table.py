@@ -86,7 +86,7 @@ AT_REST: tuple[QuantityRow, ...] = (
         "Sum of the normal forces between wire and guide at the end of the static curve, a little beyond the largest lift.",
         sense=LESS),
     both("surge_frequency", "surge frequency",
-        "First axial natural frequency of the installed spring, both ends fixed.", sense=MORE, topic=SURGE,
+        "First axial natural frequency of the installed spring, both ends fixed.", topic=SURGE,
         uses=("sweep", "study", "case"), answered_as=of_each("surge_frequency")),
     both("mode_{n}_frequency", "mode {n} frequency",
         "Axial natural frequency {n} about the installed state, both ends fixed (found by force transmission)."),
@@ -359,6 +359,16 @@ def event_rows() -> tuple[QuantityRow, ...]:
                     systems=TRAIN,
                 )
             )
+    rows += [
+        row(
+            f"valve_{lift}_lost_crank_angle_range",
+            f"duration lost {EVENT_LIFTS[lift]}",
+            f"Crank angle that the valve of the run is open for less than with rigid parts, {EVENT_LIFTS[lift]}.",
+            systems=TRAIN,
+            sense=LESS,
+        )
+        for lift in ("1_mm", "50_thou")
+    ]
     return tuple(rows)  # fmt: skip
 
 

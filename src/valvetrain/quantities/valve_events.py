@@ -7,13 +7,14 @@ velocity between samples.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.cam.pieces import solve
 from valvetrain.mechanism.rigid import RigidKinematics
+from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -139,6 +140,26 @@ def run_events(solution: Solution, events: Sequence[Event]) -> dict[str, float]:
             "valve", word, sampled_crossings(solution.cam_angle, lift, rate, height)
         )
     return found
+
+
+def lost_durations(found: Mapping[str, float], rigid: RigidTable) -> dict[str, float]:
+    """Crank angle (rad) at every height of :data:`HEIGHTS` by which the valve of a run, whose numbers are
+    ``found``, is open for less than that of rigid parts; none of what never opens.
+    """
+    lift = np.asarray(rigid["valve_lift"], dtype=float)
+    known = rigid.columns.get("valve_velocity")
+    rate = (
+        np.gradient(lift, rigid.cam_angle)
+        if known is None
+        else np.asarray(known, dtype=float) / rigid.cam_speed
+    )
+    lost: dict[str, float] = {}
+    for word, height in HEIGHTS.items():
+        own = found.get(f"valve_{word}_open_crank_angle_range")
+        crossings = sampled_crossings(rigid.cam_angle, lift, rate, height)
+        if own is not None and crossings is not None:
+            lost[f"valve_{word}_lost_crank_angle_range"] = 2 * (crossings[1] - crossings[0]) - own
+    return lost
 
 
 def sampled_crossings(

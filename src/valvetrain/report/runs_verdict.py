@@ -11,7 +11,7 @@ from valvetrain.runs.headline_changes import LEAST, HeadlineChange
 from valvetrain.solution.definition import definition_of, label_of, shown
 
 #: Changes that are named, of the better and of the worse ones.
-MAX_NAMED = 3
+MAX_NAMED = 4
 
 
 def runs_verdict(changes: Sequence[HeadlineChange], failed: Sequence[str] = ()) -> str:

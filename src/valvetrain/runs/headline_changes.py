@@ -13,17 +13,25 @@ from valvetrain.runs.differences import answer_numbers
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, KINDS, RPM
 from valvetrain.solution.definition import definition_of
 
+#: What the valve lost of its motion and how fast it may run: named first where they changed.
+DURATION_LOST = "valve_50_thou_lost_crank_angle_range"
+FIRST = (
+    "lift_loss_displacement",
+    DURATION_LOST,
+    *KINDS.values(),
+    "rigid_contact_loss_engine_speed",
+)
 #: Quantities that answer whether a change is better, by what a user asks first.
 HEADLINES = (
     *KINDS.values(), "rigid_contact_loss_engine_speed", "minimum_cam_contact_force", "float_excess_lift", "loft_gap",
-    "lift_loss_displacement", "seating_velocity", "bounce_height", "surge_amplitude_force", "clash_energy",
+    "lift_loss_displacement", DURATION_LOST, "seating_velocity", "bounce_height", "surge_amplitude_force", "clash_energy",
     "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance", "largest_amplitude_shear_stress",
     "nominal_peak_shear_stress", "peak_spring_force", "minimum_spring_force", "mean_cam_power",
 )  # fmt: skip
 #: Values (SI) below which a quantity is none.
 NOTHING = {
     "float_excess_lift": FLOAT_LIFT, "bounce_height": BOUNCE_HEIGHT, "loft_gap": 1e-6, "lift_loss_displacement": 1e-6,
-    "clash_energy": 1e-5, "surge_amplitude_force": 1.0,
+    DURATION_LOST: math.radians(0.1), "clash_energy": 1e-5, "surge_amplitude_force": 1.0,
 }  # fmt: skip
 #: Share of a value from which a change is one.
 LEAST = 0.005
@@ -63,7 +71,7 @@ class HeadlineChange:
 
 def headline_changes(a: Mapping[str, Any], b: Mapping[str, Any]) -> tuple[HeadlineChange, ...]:
     """Headline quantities of the answers (``run.json``) of two runs, each at its worst over the labels and
-    engine speeds that both have; the largest change first.
+    engine speeds that both have; those of :data:`FIRST`, then the largest change first.
 
     >>> def answer(force):
     ...     run = {"label": "massless", "engine_speed": {"value": 6000.0}}
@@ -86,7 +94,10 @@ def headline_changes(a: Mapping[str, Any], b: Mapping[str, Any]) -> tuple[Headli
         )
         bar = bars[0].get((name, where), 0.0) + bars[1].get((name, there), 0.0)
         found.append(HeadlineChange(name, one, other, bar))
-    return tuple(sorted(found, key=lambda change: -change.share))
+    places = {name: place for place, name in enumerate(FIRST)}
+    return tuple(
+        sorted(found, key=lambda change: (places.get(change.quantity, len(FIRST)), -change.share))
+    )
 
 
 def _values(answer: Mapping[str, Any]) -> dict[tuple[str, str], float]:

@@ -7,7 +7,7 @@ published study.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
@@ -234,16 +234,21 @@ def no_quantity(name: str) -> str:
     return f"'{name[:60]}' is no quantity; {hint}"
 
 
-def not_given(name: str) -> str:
-    """Message on a quantity that no completed run gave, with the names nearest to it.
+def not_given(name: str, given: Iterable[str] = ()) -> str:
+    """Message on a quantity that no completed run gave, with the names nearest to it: those of a pair's
+    springs where they are among ``given``.
 
     >>> not_given("peak_shear_stress")[:62]
     'no run gave the peak shear stress (peak_shear_stress); similar'
+    >>> not_given("preload", ("outer_preload", "inner_preload"))
+    'no run gave the preload (preload); of a pair: outer_preload or inner_preload'
     """
+    lead = f"no run gave the {label_of(name)} ({name})"
+    known = set(given)
+    if of_pair := tuple(one for one in (f"{spring}_{name}" for spring in NESTED) if one in known):
+        return f"{lead}; of a pair: {_either(of_pair)}"
     near = near_names(name)
-    return f"no run gave the {label_of(name)} ({name})" + (
-        f"; similar: {_either(near)}" if near else ""
-    )
+    return lead + (f"; similar: {_either(near)}" if near else "")
 
 
 def near_names(name: str) -> tuple[str, ...]:

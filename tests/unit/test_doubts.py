@@ -1,0 +1,44 @@
+"""Contract: doubtful values of points are counted once, and a quantity of a pair is asked by its spring."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from unit.cli_parts import call
+from valvetrain.explore.doubts import doubts
+from valvetrain.explore.space import Varied
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.templates import template_text
+
+KEY = "train.springs.dual.0.open_load"
+
+
+def test_the_points_with_turns_that_no_spring_has_are_counted():
+    """Closed form: n = G d^4 / (8 D^3 k) turns; a rate of a fifth has five times as many, more than are solid."""
+    case = parse_case(template_text("pushrod", cards=True))
+    found = doubts(case, (Varied(KEY, "N"),), np.array([[1040.0], [500.0], [1030.0], [490.0]]))
+    assert list(found.by_point) == [1, 3] and found.count == 4
+    told = found.sentence("points")
+    assert told.startswith("2 of 4 points are doubtful, such as at ") and "active turns" in told
+    assert not doubts(None, (), np.zeros((3, 0))).by_point
+
+
+STUDY = """
+case = "v8.toml"
+engine_speeds = "4000 rpm"
+spring_models = ["massless"]
+spring_sets = ["dual"]
+outputs = ["minimum_spring_margin_ratio", "card_open_force"]
+points = {{ sampler = "grid" }}
+vary = [{{ key = "{key}", values = "500, 1040 N" }}]
+"""
+
+
+def test_a_study_tells_them_in_one_line_and_names_the_quantity_of_a_pair(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call("new", "v8", "--kind", "pushrod", "--cards")
+    (tmp_path / "s.toml").write_text(STUDY.format(key=KEY))
+    done = call("study", "s.toml", "--workers", "1")
+    text = " ".join(done.stdout.split())
+    assert text.count("active turns") == 1 and done.stderr.count("active turns") == 1 and "1 of 2 points is doubtful" in text
+    assert "of a pair: outer_card_open_force or inner_card_open_force" in text
