@@ -336,8 +336,8 @@ def _doubtful(found: Optimum) -> list[str]:
     if found.best is not None:
         own = any(trials[point] is found.best.trial for point in made.by_point)
         remark = ", the best among them" if own else ", but not the best"
-    told = made.sentence("designs", remark)
-    return [f"{told}."] if told else []
+    counted = made.sentence("designs", remark)
+    return [f"{counted}."] if counted else []
 
 
 def _limits(best: Design, found: Optimum) -> list[str]:

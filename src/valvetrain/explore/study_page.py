@@ -208,10 +208,10 @@ def sentences(table: StudyTable) -> tuple[str, ...]:
     left = f", and {rows} left out of the shares of variance" if dropped else ""
     plan = table.plan
     doubtful = doubts(plan.case, plan.varied, table.inputs[:: max(1, len(plan.runs))])
-    told = doubtful.sentence("points")
+    counted = doubtful.sentence("points")
     return (
         *reported,
-        *((f"{told}.",) if told else ()),
+        *((f"{counted}.",) if counted else ()),
         *table.limit_notes,
         *table.not_given,
         *((f"{failed} of {len(table)} points failed{left}.",) if failed else ()),

@@ -51,10 +51,10 @@ def shape_of(table: StudyTable, name: str) -> Shape | None:
     sense = definition_of(name).sense
     if len(along) != 1 or not sense or table.plan.sampler.word != "grid":
         return None
-    kept = np.flatnonzero(~without_lash(table))
-    draws = np.array([draws_of(table)[group[0], along[0]] for group in members(table)])[kept]
+    left = np.flatnonzero(~without_lash(table))
+    draws = np.array([draws_of(table)[group[0], along[0]] for group in members(table)])[left]
     order = np.argsort(draws)
-    designs, place, values = kept[order], draws[order], judged(table, name)[kept][order]
+    designs, place, values = left[order], draws[order], judged(table, name)[left][order]
     if len(place) < FEWEST or not np.isfinite(values).all() or np.ptp(values) <= 0:
         return None
     less = values - values.min() if sense != "larger is better" else values.max() - values
