@@ -40,5 +40,9 @@ def test_a_study_tells_them_in_one_line_and_names_the_quantity_of_a_pair(tmp_pat
     (tmp_path / "s.toml").write_text(STUDY.format(key=KEY))
     done = call("study", "s.toml", "--workers", "1")
     text = " ".join(done.stdout.split())
-    assert text.count("active turns") == 1 and done.stderr.count("active turns") == 1 and "1 of 2 points is doubtful" in text
+    assert (
+        text.count("active turns") == 1
+        and done.stderr.count("active turns") == 1
+        and "1 of 2 points is doubtful" in text
+    )
     assert "of a pair: outer_card_open_force or inner_card_open_force" in text
