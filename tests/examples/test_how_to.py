@@ -71,6 +71,22 @@ def test_the_guide_on_nested_springs_prints_what_the_study_of_detuning_gives():
     assert shape in table.verdict
 
 
+@pytest.mark.long
+def test_the_guide_on_force_spikes_prints_what_the_study_of_gaps_gives():
+    """Each row of its table that the study computes; the best factor is the least clash energy."""
+    text = (FOLDER / "16-force-spikes.md").read_text(encoding="utf-8")
+    table = study(ROOT / "examples" / "how-to" / "clash-gaps.toml", workers=1)
+    factors = [1.0, 1.06, 1.1, 1.16, 1.2, 1.25, 1.3, 1.4]
+    rows = re.findall(r"^\| (?:as they are|\d+ %[^|]*) \| ([\d.]+) mJ \| \d+ N \| (\d+) N \| (\d+) N \|$", text, re.MULTILINE)  # fmt: skip
+    given = table.column("spring.pitch.clearances factor")
+    names = ("clash_energy", "peak_clash_force", "below_10_khz_peak_spring_force")
+    assert len(rows) == len(factors)
+    for factor, printed in zip(factors, rows, strict=True):
+        place = int(np.argmin(np.abs(given - factor)))
+        energy, *forces = (table.column(name)[place] for name in names)
+        assert [f"{1e3 * energy:.2f}", *(f"{one:.0f}" for one in forces)] == list(printed)
+
+
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
 def test_a_guide_has_one_command_one_picture_and_its_parts(path):
     guide = Guide(path)
