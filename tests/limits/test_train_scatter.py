@@ -22,16 +22,21 @@ from valvetrain.system.build import build
 RPM = np.pi / 30
 
 
+#: Lash -> velocity of a ramp that is steep, on which trains rattle.
+STEEP_RAMPS = {"0.1 mm": "0.05138 mm/deg", "0.3 mm": "0.06572 mm/deg", "0.56 mm": "0.07518 mm/deg"}
+
+
 def pushrod(lash: str, torque: str = "0.3 N m", model: str = "multi-mass"):
-    """The pushrod train that `valvetrain new` writes, with other lash, hold of its rocker while the
-    lash is open, and spring model.
+    """The pushrod train that `valvetrain new` writes, with other lash and ramp, hold of its
+    rocker while the lash is open, and spring model.
     """
     text = (
         resources.files("valvetrain").joinpath("templates/pushrod.toml").read_text(encoding="utf-8")
     )
     changes = {
         "0.3 N m": torque,
-        'lash = "0 in"': f'lash = "{lash}"',
+        'lash = "0 in"': f'lash = "{lash}"\nramp_lift = "{float(lash.split()[0]) / 1.6 + 0.1} mm"',
+        'advertised_duration = "288 deg"': f'ramp_velocity = "{STEEP_RAMPS[lash]}"',
         '# spring_model = "modal-uniform"': f'spring_model = "{model}"',
     }
     for old, new in changes.items():

@@ -23,7 +23,7 @@ import pytest
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.cam_card import CamCard, angle_before_nose
 from valvetrain.cam.flanks import HalfLobe
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.valve_events import lift_crossings
 
@@ -306,3 +306,12 @@ def test_a_crossing_on_a_station_is_found_there():
             opens, closes = lift_crossings(law.lift, share * law.maximum_lift)
             assert float(law.lift(opens)) == pytest.approx(share * law.maximum_lift, abs=1e-12)
             assert float(law.lift(closes)) == pytest.approx(share * law.maximum_lift, abs=1e-12)
+
+
+def test_a_ramp_that_is_steep_all_the_same_is_doubted():
+    """Contract: a hydraulic card, 288 degrees at 0.006 in, under 0.35 mm of lash at the lobe: neither a
+    usual ramp nor the flank meets it."""
+    with pytest.warns(UnusualValueWarning, match="times as fast as usual.*ramp_lift"):
+        law = solid_card(0.353, 1.6, 0.022, 288, 0.006, 236)
+    opens, closes = lift_crossings(law.lift, 0.006 * INCH)
+    assert 2 * math.degrees(closes - opens) == pytest.approx(288, abs=1e-6)

@@ -125,7 +125,7 @@ def test_the_command_offers_inches_for_a_wire_in_inches():
         ('outer_diameter = "1.44 in"', 'OD = "1.44 in"', "that is outer_diameter here"),
         ('outer_diameter = "1.03 in"', 'outer_diameter = "1.50 in"', "38.1 mm wide and does not fit into the outer one, which is 26.82 mm"),
         ('wire_diameter = "0.192 in"', 'wire_diameter = "0.192 mm"', "active turns, which no spring has"),
-        ('advertised_duration = "288 deg"', 'advertised_duration = "250 deg"', "count at 0.020 in: advertised_lift"),
+        ('advertised_duration = "288 deg"', 'advertised_duration = "250 deg"', "count at 0.015 or 0.020 in: advertised_lift"),
     ],
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore::valvetrain.errors.UnusualValueWarning")

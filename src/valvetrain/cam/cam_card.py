@@ -179,6 +179,8 @@ class CamCardModel(LiftModel):
 FULLNESS, DEFAULT_FULLNESS = (-1.0, 1.0), 0.0
 #: Least and largest velocity of a ramp (m/rad): 0.0001 and 0.001 in per cam degree.
 VELOCITIES = (RAMP_VELOCITY / 5, RAMP_VELOCITY * 2)
+#: Of ramps that are doubted, where the flank cannot do the rest either: to 0.003 in per cam degree.
+STEEP = (VELOCITIES[1], RAMP_VELOCITY * 6)
 #: Shortest and longest flank (cam rad).
 LENGTHS = (math.radians(1.0), math.radians(175.0))
 
@@ -316,6 +318,18 @@ class CamCard:
         # a ramp of the least or the largest velocity, and the flank for the rest
         ends = [replace(half, start=(self.ramp_lift, bound)) for bound in VELOCITIES]
         start = ends[above(VELOCITIES[1]) > 0]
+        if (
+            solve(lambda share: shaped(share, start).before_nose(duration / 2) - lift, SHARES)
+            is None
+            and (velocity := solve(above, STEEP)) is not None
+        ):
+            warnings.warn(
+                f"advertised_duration {_deg(duration)} at {_mm(lift)} makes a ramp {velocity / RAMP_VELOCITY:.2g} times as fast as usual "
+                f"(0.0005 in/deg), on which the valve strikes its seat; the ramp ends at {_mm(self.ramp_lift)}: lower ramp_lift",
+                UnusualValueWarning,
+                stacklevel=2,
+            )
+            return ramped(velocity)
         reach = tuple(shaped(share, end) for share, end in zip(SHARES[::-1], ends, strict=True))
         return self._met(name, lift, duration, lambda share: shaped(share, start), SHARES, reach)
 
