@@ -214,7 +214,7 @@ def test_events_torque_and_margin_of_a_run_do_not_move_with_the_samples_kept():
             ("valve_lash", "valve_1_mm", "valve_50_thou", "minimum_spring_margin", "mean_cam")
         )
     ]
-    assert len(names) == 13
+    assert len(names) == 15
     for name in ("peak_cam_torque", "minimum_cam_torque"):
         assert middle[name] == pytest.approx(fine[name], rel=2e-4) and coarse[
             name

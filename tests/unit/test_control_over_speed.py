@@ -72,7 +72,7 @@ def test_a_short_range_of_lost_contact_is_named_and_does_not_end_control():
     assert study.verdict.startswith(
         "Controlled to 6100 rpm, where contact is lost at the cam because inertia exceeds the spring force, apart from "
         "5218 to 5258 rpm, where contact is lost at the cam because surge lowers the spring force by 54.6 N (order 6); "
-        "floats from 6917 rpm."
+        "floats from 6917 rpm; contact opens at 180 cam deg (run at 6250 rpm)."
     )
     assert controlled_to(study, LABEL) == pytest.approx(6100 * RPM)
     bars = {layer.name: layer.x for layer in regime_chart(study).panels[1].layers}

@@ -145,7 +145,7 @@ def test_nested_springs_of_a_card_add_up(answer):
 def test_brackets_of_critical_speeds_are_no_wider_than_the_resolution(answer):
     words = ("--spring", "massless", "--spring-set", "nested", "--resolution", "500 rpm")
     text = answer("sweep", "vaz-ohc", "--engine-speed", "4000:5000:1000 rpm", *words)
-    brackets = re.findall(r"(\d+)–(\d+) numerical", text)
+    brackets = re.findall(r"(\d+)–(\d+) over step and mesh", text)
     assert brackets and all(0 <= int(high) - int(low) <= 500 for low, high in brackets)
 
 

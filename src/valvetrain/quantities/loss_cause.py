@@ -55,13 +55,23 @@ def loss_cause(
     ]
     if here:
         return max(here, key=lambda one: one.size).details
+    sample = least_force_sample(solution, places, window)
+    return {} if sample is None else cause_in(solution, rigid, np.array([sample]))
+
+
+def least_force_sample(
+    solution: Solution, places: Sequence[str], window: tuple[float, float]
+) -> int | None:
+    """The sample at which the least contact force of the ``places`` stands in a ``window`` (begin, end in
+    cam rad); None of a run without their channels.
+    """
+    begin, end = window
     names = [f"{place.replace(' ', '_')}_contact_force" for place in places]
     forces = [solution.channel(name) for name in names if solution.has(name)]
     inside = np.flatnonzero((solution.cam_angle - begin) % TURN <= end - begin)
     if not forces or not len(inside):
-        return {}
-    least = np.min(np.stack(forces), axis=0)[inside]
-    return cause_in(solution, rigid, inside[[int(np.argmin(least))]])
+        return None
+    return int(inside[np.argmin(np.min(np.stack(forces), axis=0)[inside])])
 
 
 def _holds(loss: Event, cam_angle: float, turn: float) -> bool:

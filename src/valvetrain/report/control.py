@@ -148,11 +148,13 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
 
 
 def _first_angle(lost: Loss, runs: Runs) -> str:
-    """``contact opens at 242 cam deg (run at 7000 rpm)``: where contact is lost in the first run from there on that
-    shows it; empty of another loss.
+    """``contact opens at 242 cam deg``: where at the critical speed itself, else ``(run at 7000 rpm)`` in the
+    first run from there on that shows it; empty of another loss.
     """
     if lost.row.kind != "contact-loss":
         return ""
+    if math.isfinite(lost.row.cam_angle) and lost.begin == lost.row.engine_speed:
+        return f"contact opens at {math.degrees(lost.row.cam_angle):.0f} cam deg"
     for run in runs.solutions:
         places = lost.row.place.split(", ")
         events = [one for one in losses_while_open(run) if one.where in places]

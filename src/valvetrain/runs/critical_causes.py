@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from valvetrain.quantities.loss_cause import loss_cause
+from valvetrain.quantities.loss_cause import least_force_sample, loss_cause
 from valvetrain.quantities.train_events import rigid_cycle
 from valvetrain.runs.prepared import PreparedRun
 from valvetrain.solution.critical import CriticalSpeed
@@ -32,11 +32,16 @@ def with_cause(
     if not len(solution.time):
         return row
     rigid = rigid_cycle(solution, ready.motion.table(row.engine_speed / 2))
-    found = loss_cause(solution, rigid, row.kind, row.place.split(", "), ready.window)
+    places = row.place.split(", ")
+    found = loss_cause(solution, rigid, row.kind, places, ready.window)
+    opens = (
+        least_force_sample(solution, places, ready.window) if row.kind == "contact-loss" else None
+    )
     order = solution.quantities.get(SURGE_ORDER, math.nan)
     return replace(
         row,
         cause=str(found.get("cause", "")),
         spring_force_loss=float(found.get("spring_force_loss", 0.0)),
         surge_order=round(order) if math.isfinite(order) else 0,
+        cam_angle=math.nan if opens is None else float(solution.cam_angle[opens]) % math.tau,
     )

@@ -109,6 +109,7 @@ class CriticalSpeed:
     reaches from the motion below that repeats and keeps control to that above that loses it).
     ``cause``: why control is lost there, as the events of a run have it, with what surge takes off the
     ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not asked for.
+    ``cam_angle`` (rad), of a loss of contact: where the force of that contact first comes to zero; NaN where unknown.
     ``curve``, of a loss of contact: engine speed and least cam force (N) of the runs from rest, those of the sweep among them.
     """
 
@@ -131,6 +132,7 @@ class CriticalSpeed:
     cause: str = ""
     spring_force_loss: float = 0.0
     surge_order: int = 0
+    cam_angle: float = math.nan
     curve: tuple[tuple[float, float], ...] = ()
 
     @property
