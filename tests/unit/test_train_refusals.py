@@ -238,6 +238,15 @@ def test_a_failed_turn_says_when_it_failed_and_which_step_would_do():
         assert ready._status(ready.steps, 0.0, np.array(peaks)).completed
 
 
+def test_a_time_step_that_a_train_would_not_take_is_refused():
+    """It was read, and the train ran by its own."""
+    case = load_case("vaz-ohc")
+    name = next(iter(case.train.springs))
+    key = f"train.springs.{name}.0.options.finite-element.time_step"
+    with pytest.raises(InputError, match="a train chooses the time step of its springs"):
+        load_case("vaz-ohc", {key: "1 us"})
+
+
 def test_a_spring_that_no_train_would_carry_is_refused():
     from valvetrain.parameters.loading import LIBRARY
 

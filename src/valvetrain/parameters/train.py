@@ -376,6 +376,11 @@ class TrainParameters:
             raise InputError(
                 f"cycles of the train must be a whole number from 1 to 10000; it is {self.cycles}"
             )
+        parts = [one for group in self.springs.values() for one in group]
+        if any("time_step" in one.options_of("finite-element") for one in parts):
+            raise InputError(
+                "a train chooses the time step of its springs; leave out time_step of finite-element"
+            )
         if self.lash < 0:
             raise InputError(f"the lash must be zero or positive; it is {self.lash * 1e3:g} mm")
         if self.spring_set and self.spring_set not in self.springs:
