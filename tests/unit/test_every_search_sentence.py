@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import valvetrain as vt
 from valvetrain.explore import optimum_summary as said
 from valvetrain.explore.doubts import Doubts
 from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitFound, Measure, Objective
 from valvetrain.explore.outputs import LimitSearch
+from valvetrain.parameters.templates import template_text
 
 RPM = np.pi / 30
 MASS = Measure("rest", "wire_mass", (), "wire mass")
@@ -22,7 +25,7 @@ SPEED = Measure(
     limit=LimitSearch("minimum_spring_force", False, 0.0, (), RPM),
 )
 VARIED = tuple(
-    SimpleNamespace(shown_name=words, unit="mm", shown=lambda value: 1e3 * value)
+    SimpleNamespace(key=words, shown_name=words, unit="mm", shown=lambda value: 1e3 * value)
     for words in ("wire", "coil", "pitch")
 )
 
@@ -293,3 +296,70 @@ def test_doubtful_designs_are_counted_once(monkeypatch):
     lines = said.trust(search())
     told = "2 of 41 designs are doubtful, but not the best, such as at wire = 4 mm: few turns."
     assert lines[1] == told and sum("doubtful" in one for one in lines) == 1
+
+
+def test_a_best_design_that_is_doubtful_says_so_in_the_verdict(monkeypatch):
+    """Contract: "30 of 51 designs are doubtful, the best among them" stood lines above the answer."""
+    monkeypatch.setattr(said, "best_values", lambda _found: "")
+    doubt = Doubts({0: "at wire = 4 mm, coil = 22 mm: few turns; count them."}, 1)
+    monkeypatch.setattr(said, "doubts", lambda *_: doubt)
+    told = said.optimum_verdict(search())
+    assert told.endswith("(−10 g, −20.0 %); the best design is doubtful: few turns.")
+    monkeypatch.setattr(said, "doubts", lambda *_: Doubts({}, 1))
+    assert "doubtful" not in said.optimum_verdict(search())
+
+
+def test_the_cause_that_nothing_was_computed_is_the_cases_own_else_the_commonest():
+    """Contract: the last trial's own refusal stood for a case that lacked the quantity."""
+    failed = [trial(np.nan, failure=text) for text in ("no load", "no load", "check wires")]
+    told = "None of 3 trials could be computed: {}"
+    assert said.answer(search(best=None, trials=failed)) == told.format("no load")
+    case = trial(np.nan, failure="no run gave it")
+    assert said.answer(search(best=None, trials=failed, case=case)) == told.format("no run gave it")
+
+
+PAIR = """
+[[train.springs.both]]
+loads_of = "pair"
+preload = "135 lbf"
+installed_height = "1.80 in"
+open_load = "336 lbf"
+open_height = "1.25 in"
+solid_height = "1.09 in"
+wire_diameter = "0.192 in"
+outer_diameter = "1.44 in"
+
+[[train.springs.both]]
+loads_of = "pair"
+solid_height = "0.90 in"
+wire_diameter = "0.130 in"
+outer_diameter = "1.03 in"
+"""
+
+
+def test_loads_of_a_pair_and_of_its_outer_spring_are_told_apart_in_one_unit(tmp_path):
+    """Contract: three open loads in N and lbf, none marked outer or pair."""
+    case, loads = tmp_path / "pair.toml", "train.springs.both.0"
+    case.write_text(template_text("pushrod", cards=True) + PAIR, encoding="utf-8")
+    found = vt.optimise(
+        f"""
+case = "{case.as_posix()}"
+spring_sets = ["both"]
+objective = [{{ quantity = "outer_card_open_force", direction = "minimise", label = "open load" }}]
+search = {{ trials = 4, per_round = 2 }}
+vary = [
+    {{ key = "{loads}.preload", low = "120 lbf", high = "140 lbf", label = "seat load" }},
+    {{ key = "{loads}.open_load", low = "300 lbf", high = "336 lbf", label = "open load" }},
+]
+""",
+        workers=1,
+    )
+    told = found.verdict
+    assert told.startswith(
+        "Within all bounds the open load of the outer spring falls from 236.9 lbf of the case to "
+    )
+    number = r"[\d.]+"
+    pair = f"pair: seat load {number} lbf, open load {number} lbf"
+    outer = f"outer spring: seat load {number} lbf, rate {number} lbf/in"
+    assert re.search(f", with {pair}, {outer}[.;]", told)
+    assert "; seat load of the pair 120 to 140 lbf" in told and " N" not in told

@@ -4,6 +4,7 @@ and in JSON.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,25 +12,14 @@ import numpy as np
 from valvetrain.explore.doubts import doubts
 from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitFound, Measure
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, bound_label
+from valvetrain.explore.optimum_springs import OfCard, as_of_card, card_values, spring_of
 from valvetrain.explore.space import Varied
 from valvetrain.explore.trial import Array, Trial, best_of
 from valvetrain.explore.valley import ALIKE
-from valvetrain.parameters.case import Case
-from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.quantities.statics import card_quantities
 from valvetrain.report.text import number, speed_text
-from valvetrain.solution.definition import shown
-from valvetrain.units import si
 
 #: A search whose best value came in this last share of its trials was still rising.
 LATE = 0.1
-#: What the card of a best design has besides what was varied: quantity -> name, and its unit next to
-#: loads in pounds.
-CARD = {
-    "card_preload": ("seat load", "lbf"),
-    "card_rate": ("rate", "lbf/in"),
-    "card_open_force": ("open load", "lbf"),
-}
 #: Varied values that a verdict names.
 MAX_NAMED = 6
 #: Share of the gain of the search that another model may lack and still confirm it.
@@ -43,12 +33,13 @@ class AsVaried:
     """An objective that is itself one of the varied quantities, in the words and unit of that."""
 
     varied: Varied
+    spring: str = ""
     limit: None = None
 
     @property
     def label(self) -> str:
-        """What people read."""
-        return self.varied.shown_name
+        """What people read, of a pair with its ``spring``."""
+        return self.varied.shown_name + (f" of the {self.spring}" if self.spring else "")
 
     @property
     def unit(self) -> str:
@@ -76,14 +67,14 @@ def same_as_varied(found: Optimum, index: int) -> int | None:
     return None
 
 
-def reported(one: Measure | AsVaried, value: float, digits: int = 4) -> str:
+def reported(one: Measure | AsVaried | OfCard, value: float, digits: int = 4) -> str:
     """A value (SI) with its unit, as people read it."""
     if not np.isfinite(value):
         return "no number"
     return f"{number(one.shown(value), digits)} {one.unit}".rstrip().replace("-", "−")
 
 
-def change(one: Measure | AsVaried, value: float, before: float) -> str:
+def change(one: Measure | AsVaried | OfCard, value: float, before: float) -> str:
     """The difference of two values (SI) with its sign, and in per cent where that says something."""
     shown = one.shown(value) - one.shown(before)
     share = (
@@ -122,9 +113,10 @@ def answer(found: Optimum, values: str = "", more: str = "") -> str:
         there = _own(found.case)
         return f"{len(found.front)} designs beat each other in nothing: {'; '.join(spans)}{more}. {there}"
     place = same_as_varied(found, 0)
-    one: Measure | AsVaried = (
-        goals[0].measure if place is None else AsVaried(found.plan.varied[place])
-    )
+    one: Measure | AsVaried | OfCard = as_of_card(found, goals[0].measure)
+    if place is not None:
+        varied = found.plan.varied[place]
+        one = AsVaried(varied, spring_of(found.plan.case, varied.key))
     value, before = float(best.trial.objectives[0]), float(case.objectives[0])
     at = f", with {values}" if values else ""
     if best.trial.number == 0:
@@ -144,7 +136,7 @@ def answer(found: Optimum, values: str = "", more: str = "") -> str:
     return f"Within all bounds {said}"
 
 
-def _confirmed_change(found: Optimum, one: Measure | AsVaried) -> str:
+def _confirmed_change(found: Optimum, one: Measure | AsVaried | OfCard) -> str:
     """The least gain of the other models, first, where it is below that of the search by a tenth or
     more; empty where they confirm it.
     """
@@ -178,7 +170,7 @@ def optimum_verdict(found: Optimum) -> str:
     lead = "" if found.finished else f"Stopped after {len(found.trials) - 1} trials: "
     more = ""
     if found.best is not None:
-        more = _left_open(found) + _limited(found)
+        more = _left_open(found) + _limited(found) + _best_doubtful(found)
         for one in found.best.confirmed:
             if one.design.failure:
                 more += f"; by {one.label} the design cannot be computed"
@@ -187,6 +179,16 @@ def optimum_verdict(found: Optimum) -> str:
             ]:
                 more += f"; by {one.label} it misses {' and '.join(missed)}"
     return f"{lead}{answer(found, best_values(found), more).rstrip('.')}."
+
+
+def _best_doubtful(found: Optimum) -> str:
+    """``; the best design is doubtful: 4.2 turns are few``: the first doubt of the best design."""
+    best, plan = found.best, found.plan
+    if best is None or best.trial.number == 0 or len(plan.objectives) > 1:
+        return ""
+    first = doubts(plan.case, plan.varied, np.array([best.trial.values])).by_point.get(0, "")
+    doubt = first.partition(": ")[2].partition("; ")[0].partition(". ")[0].rstrip(".")
+    return f"; the best design is doubtful: {doubt}" if doubt else ""
 
 
 def _left_open(found: Optimum) -> str:
@@ -202,7 +204,9 @@ def _left_open(found: Optimum) -> str:
         low, high = (
             one.shown(float(best.valley.values[row][place])) for row in best.valley.ends(place)
         )
-        parts.append(f"{one.shown_name} {number(low, 3)} to {number(high, 3)} {one.unit}".rstrip())
+        spring = spring_of(found.plan.case, one.key)
+        name = one.shown_name + (f" of the {spring}" if spring else "")
+        parts.append(f"{name} {number(low, 3)} to {number(high, 3)} {one.unit}".rstrip())
     if not parts or len(parts) > MAX_NAMED:
         return ""
     return f"; {' and '.join(parts)} {'do' if len(parts) > 1 else 'does'} as well within {100 * ALIKE:g} %"
@@ -227,48 +231,22 @@ def best_values(found: Optimum) -> str:
     if best is None or best.trial.number == 0 or len(found.plan.objectives) > 1:
         return ""
     objective = same_as_varied(found, 0)
-    given = [
-        f"{one.shown_name} {one.shown(float(value)):.4g} {one.unit}".rstrip().replace("-", "−")
-        for place, (one, value) in enumerate(zip(found.plan.varied, best.trial.values, strict=True))
-        if place != objective
-    ]
-    if len(given) > MAX_NAMED:
+    groups: dict[str, list[str]] = {"": []}  # what is of no pair stands first, unnamed
+    for place, (one, value) in enumerate(zip(found.plan.varied, best.trial.values, strict=True)):
+        if place != objective:
+            text = f"{one.shown_name} {one.shown(float(value)):.4g} {one.unit}"
+            groups.setdefault(spring_of(found.plan.case, one.key), []).append(
+                text.rstrip().replace("-", "−")
+            )
+    if sum(map(len, groups.values())) > MAX_NAMED:
         return ""
-    return ", ".join([*given, *_card_values(found, best.trial)])
-
-
-def _card_values(found: Optimum, trial: Trial) -> list[str]:
-    """Seat load, rate and open load of the card that is varied, as far as they are not varied."""
-    case = found.plan.case
-    keys = [one.key.split(".") for one in found.plan.varied] if case is not None else []
-    places = {tuple(key[:-1]) for key in keys if "spring" in key[0] or "springs" in key[1:2]}
-    if len(places) != 1 or found.best is None:
-        return []
-    spring = _spring_at(found.case_of(found.best), places.pop())
-    if spring is None or spring.card is None:
-        return []
-    known = card_quantities(spring.card)
-    pounds = any(one.unit == "lbf" for one in found.plan.varied)
-    texts = []
-    for name, (label, unit) in CARD.items():
-        value = known.get(name)
-        if value is None or np.any(np.isclose(trial.values, value, rtol=1e-9, atol=0.0)):
-            continue
-        number, own = shown(name, value)
-        if pounds:
-            number, own = value / si(f"1 {unit}", "stiffness" if "rate" in name else "force"), unit
-        texts.append(f"{label} {number:.4g} {own}")
-    return texts
-
-
-def _spring_at(case: Case, path: tuple[str, ...]) -> InstalledSpring | None:
-    """The spring that a key such as ``train.springs.card.0`` names; None for any other part."""
-    if path[:2] == ("train", "springs") and len(path) == 4 and case.train is not None:
-        springs, index = case.train.springs.get(path[2], ()), path[3]
-    else:
-        springs, index = case.springs, path[1] if len(path) == 2 else "0"
-    place = int(index) if index.isdigit() else 0
-    return springs[place] if place < len(springs) else None
+    spring, card = card_values(found, best.trial)
+    groups.setdefault(spring, []).extend(card)
+    return ", ".join(
+        f"{f'{name}: ' if name else ''}{', '.join(texts)}"
+        for name, texts in groups.items()
+        if texts
+    )
 
 
 def _own(case: Trial) -> str:
@@ -284,7 +262,9 @@ def _own(case: Trial) -> str:
 def _nothing(found: Optimum) -> str:
     nearest = found.missed_by_least
     if nearest is None:
-        return f"None of {len(found.trials)} trials could be computed: {found.trials[-1].failure}"
+        common = Counter(one.failure for one in found.trials).most_common(1)[0][0]
+        cause = found.case.failure or common  # a case that fails is the cause of the others
+        return f"None of {len(found.trials)} trials could be computed: {cause}"
     trial, phrase = nearest
     worst = 100 * max(trial.penalties)
     size = f"{worst:.0f}" if worst >= 10 else f"{worst:.2g}"
@@ -402,7 +382,7 @@ def _narrow(best: Design, found: Optimum) -> list[str]:
 
 def _valley(best: Design, found: Optimum) -> list[str]:
     """The quantities that designs as good leave open, with the designs at their ends."""
-    valley, goal = best.valley, found.plan.objectives[0].measure
+    valley, goal = best.valley, as_of_card(found, found.plan.objectives[0].measure)
     if valley is None or len(valley.values) < 2:
         return []
     lines = []
@@ -502,18 +482,18 @@ def _bounded(one: Confirmed, searched: Trial) -> list[str]:
     return texts
 
 
-def _beyond(trial: Trial, measure: Measure | AsVaried) -> bool:
+def _beyond(trial: Trial, measure: Measure | AsVaried | OfCard) -> bool:
     """Whether a limit speed lies outside the speeds that were searched, so that there is no number
     for it.
     """
     return any(bracket.kind != FOUND for bracket in _limits_of(trial, measure))
 
 
-def _limits_of(trial: Trial, measure: Measure | AsVaried) -> tuple[LimitFound, ...]:
-    return () if isinstance(measure, AsVaried) else trial.measured.limits.get(measure, ())
+def _limits_of(trial: Trial, measure: Measure | AsVaried | OfCard) -> tuple[LimitFound, ...]:
+    return () if not isinstance(measure, Measure) else trial.measured.limits.get(measure, ())
 
 
-def _own_value(trial: Trial, measure: Measure | AsVaried, index: int) -> str:
+def _own_value(trial: Trial, measure: Measure | AsVaried | OfCard, index: int) -> str:
     """An objective of a trial; of a limit speed outside the speeds searched, on which side."""
     phrase = reported(measure, float(trial.objectives[index]))
     if not _beyond(trial, measure):
