@@ -104,8 +104,8 @@ def _of_trade(worst: dict[str, Array], at: Array, inside: NDArray[np.intp]) -> s
     best = int(np.nanargmin(values))
     if gain > loss or at[best] <= TRADE[1]:
         return said
-    tried = ", the largest tried," if best == widest else ""
-    return f"{said}; keep {number(float(at[best]), 3)} mm{tried} or more, for {label_of(name)} is least there ({_text(name, float(values[best]))})"
+    tried = ", the largest tried, or more" if best == widest else ""
+    return f"{said}; keep {number(float(at[best]), 3)} mm{tried}, for {label_of(name)} is least there ({_text(name, float(values[best]))})"
 
 
 def clearance_chart(table: StudyTable, names: tuple[str, ...]) -> Chart:
