@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvetrain.integrate.clash import RECORDED, ClashRule, PairSeries, find_clashes
+from valvetrain.integrate.clash import RECORDED, RESTS, ClashRule, PairSeries, find_clashes
 from valvetrain.quantities.cycle import Array, Cycle, is_closed
 from valvetrain.quantities.forces import within_cycle
 from valvetrain.quantities.signal import (
@@ -68,7 +68,7 @@ def _pairs_of(solution: Solution, spring: str) -> PairSeries | None:
 
 
 def clash_numbers(solution: Solution, events: tuple[Event, ...]) -> dict[str, float]:
-    """Count, largest force (N) and impulse (N s), and energy (J; of all and the largest) of the
+    """Count, largest force (N; of all and of those under surge) and impulse (N s), and energy (J; of all and the largest) of the
     clashes of one cycle.
 
     Empty where the model has no coil pairs; ``events`` are those of the cycle.
@@ -82,6 +82,9 @@ def clash_numbers(solution: Solution, events: tuple[Event, ...]) -> dict[str, fl
     return {
         "clash_count": float(len(clashes)),
         "peak_clash_force": max((event.size for event in clashes), default=0.0),
+        "surge_clash_peak_force": max(
+            (event.size for event in clashes if event.details.get("cause") != RESTS), default=0.0
+        ),
         "clash_energy": float(sum(energies)),
         "largest_clash_energy": max(energies, default=0.0),
         "largest_clash_impulse": max(

@@ -192,6 +192,9 @@ RUNS: tuple[QuantityRow, ...] = (
         sense=LESS, topic=CLASH, uses=("brief", "sweep", "study")),
     both("peak_clash_force", "peak clash force",
         "Largest force between coils in a clash, of all places that it presses at one time.", sense=LESS),
+    both("surge_clash_peak_force", "hardest clash under surge",
+        "Largest force between coils in a clash under surge: coils that come to rest on each other as the spring closes are left out.",
+        sense=LESS),
     both("clash_energy", "clash energy",
         "Sum over the clashes of the largest energy stored at one time in the contacts that a clash presses: integral of the "
         "elastic contact force over the overlap, damping left out.", sense=LESS, topic=CLASH, uses=ALL),
