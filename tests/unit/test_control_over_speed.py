@@ -187,7 +187,15 @@ def test_speeds_that_the_table_tells_apart_are_both_printed():
     assert two({}, {}, *same).verdict == "Both lose contact from 6781 rpm."
     gap = replace(rows[0], ends=Crossing(bracket(6820, 6830)), again=(bracket(7300, 8000),))
     assert two({}, {}, gap, rows[1]).verdict == (
-        "light keeps contact longer (7300 rpm but for 6781 to 6820 rpm against 6843 rpm)."
+        "light loses contact from 6781 to 6820 rpm and from 7300 rpm, heavy from 6843 rpm."
+    )
+    only = replace(gap, again=())
+    assert two({}, {}, only, rows[1]).verdict == (
+        "light loses contact from 6781 to 6820 rpm only, heavy from 6843 rpm."
+    )
+    after = tuple(replace(one, label=f"{name}, modal-uniform") for one, name in ((gap, "heavy"), (lost("contact-loss", 6000), "light")))  # fmt: skip
+    assert two({}, {}, *after).verdict == (
+        "heavy keeps contact longer (7300 rpm but for 6781 to 6820 rpm against 6000 rpm)."
     )
 
 

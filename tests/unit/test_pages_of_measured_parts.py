@@ -318,7 +318,7 @@ def test_lift_and_its_derivatives_stand_by_the_degree_with_their_bands():
     ("value", "spread", "unit", "row"),
     [
         (9.1e-3, 2e-6, "mm", ("9.1000", "±0.0039", "mm")),
-        (120 * DEG, 0.05 * DEG, "deg", ("120.000", "±0.098", "deg")),
+        (120 * DEG, 0.05 * DEG, "deg", ("120.000", "±0.098", "cam deg")),
         (1.5e-3 * DEG, 1e-5 * DEG, "mm deg", ("1.500", "±0.020", "mm deg")),
         (0.02e-3 / DEG, 1e-6 / DEG, "mm/deg", ("0.0200", "±0.0020", "mm/deg")),
         (-3e-6 / DEG**2, 1e-7 / DEG**2, "um/deg2", ("-3.00", "±0.20", "µm/deg²")),

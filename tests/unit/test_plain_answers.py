@@ -12,8 +12,9 @@ import valvetrain as vt
 from synthetic_study import own_study, rod_run, sweep_study, train_study
 from valvetrain.cam.event import LiftEvent
 from valvetrain.cli.answers import _tables
-from valvetrain.explore.damping_found import damping_meanings
+from valvetrain.explore.damping_found import _meaning, damping_meanings
 from valvetrain.explore.identification_file import read_request
+from valvetrain.parameters.installed_spring import DampingParameters
 from valvetrain.parameters.loading import case_of
 from valvetrain.parameters.summary import number
 from valvetrain.quantities import clash
@@ -104,6 +105,17 @@ def test_an_identified_damping_is_said_as_a_share_of_critical():
     share, _, _, _, _, frequency, _ = said.split()
     assert float(share) == pytest.approx(100 * np.pi * float(frequency) * 12e-6, abs=0.05)
     assert said.endswith("of critical at 401 Hz")
+
+
+def test_an_identified_ratio_of_a_pair_names_its_frequency_and_its_spring():
+    """Contract: "Ratio 0.01633 (0.01534 to 0.01732)" told neither."""
+    case, key = case_of("vaz-ohc"), "train.springs.nested-cards.{}.damping.ratio"
+    damped = DampingParameters(ratio=0.0163, ratio_frequency=400.0)
+    springs = tuple(replace(one, damping=damped) for one in case.train.springs["nested-cards"])
+    train = replace(case.train, springs={**case.train.springs, "nested-cards": springs})
+    damped_case = replace(case, train=train)
+    said = [_meaning(damped_case, key.format(place)) for place in (0, 1)]
+    assert said == [f"1.6 % of critical at 400 Hz, {one} spring" for one in ("outer", "inner")]
 
 
 def test_spikes_below_the_base_are_no_main_clash(monkeypatch):

@@ -289,6 +289,20 @@ def test_error_bars_are_named_once_known_and_never_computed_for_it():
     assert later.error_bars.rows and later.verdict.endswith("minimum cam force 35 ± 7 N.")
 
 
+@pytest.mark.parametrize(
+    ("bar", "said"),
+    [
+        (0.98, "seating velocity 0.542 ± 0.98 m/s, not resolved from the 0.52 m/s called smooth."),
+        (0.01, "seating velocity 0.542 m/s, above the 0.52 m/s called smooth."),
+    ],
+)
+def test_a_value_whose_bar_reaches_below_its_limit_is_not_above_it(bar, said):
+    """Contract: "0.542 ± 0.98 m/s, above the 0.52 m/s called smooth" stood in a sentence."""
+    known = Uncertainty("seating_velocity", 6000 * RPM, 0.542, bar, None, 0.542, 0.0, (0.542,) * 2, (0.542,) * 2, "stock")  # fmt: skip
+    study = train({"seating_velocity": 0.542}, error_bars=ErrorBars((known,)))
+    assert study.verdict.endswith(said)
+
+
 def test_a_sweep_says_up_to_where_it_is_controlled():
     said = sweep_study().verdict
     assert said.startswith(

@@ -70,7 +70,7 @@ def test_lift_and_timing_are_named_before_what_changes_more():
     ]  # fmt: skip
     said = runs_verdict(headline_changes(*pair))
     assert said.startswith(
-        "From A to B better: lift lost 0.11 -> 0.099 mm (−10.0 %), duration lost at 0.050 in 3.52 -> 3.168 deg (−10.0 %), "
+        "From A to B better: lift lost 0.11 -> 0.099 mm (−10.0 %), duration lost at 0.050 in 3.52 -> 3.168 crank deg (−10.0 %), "
     )
     assert "and 3 more" in said
 

@@ -98,5 +98,5 @@ def test_two_points_of_a_train_are_told_with_their_timing():
         spring_sets='["nested"]', points='{ sampler = "list", names = ["as built", "stiff"] }',
     )  # fmt: skip
     assert table.verdict == (
-        "Best is stiff: lift lost 0.06 mm against 0.07 mm with as built; valve open at 0.050 in 250 deg against 249 deg."
+        "Best is stiff: lift lost 0.06 mm against 0.07 mm with as built; valve open at 0.050 in 250 crank deg against 249 crank deg."
     )

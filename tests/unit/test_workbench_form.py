@@ -74,6 +74,14 @@ def test_every_value_of_a_case_stands_in_its_form_and_is_taken_back(path):
             )
 
 
+def test_an_angle_of_a_cam_card_says_whose_degrees():
+    """Contract: the field said "Duration, deg"."""
+    text = (TEMPLATES / "pushrod.toml").read_text("utf-8")
+    assert flat(text)["lift_law.duration"].label == "duration in crank degrees"
+    of_cam = flat(text.replace('angle_of = "crank"', 'angle_of = "cam"'))
+    assert of_cam["lift_law.advertised_duration"].label == "advertised duration in cam degrees"
+
+
 def test_values_of_the_beehive_as_its_file_has_them():
     form = flat((LIBRARY / "gu2021-beehive-blind.toml").read_text("utf-8"))
     wire = form["spring.wire_diameter"]

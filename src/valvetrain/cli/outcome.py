@@ -265,7 +265,7 @@ def shown_text(name: str, value: float | None, digits: int = 5) -> tuple[str, st
     from valvetrain.parameters.summary import number, unit_text
     from valvetrain.solution.definition import definition_of, shown
 
-    unit = unit_text(definition_of(name).shown_unit)
+    unit = unit_text(definition_of(name).unit_word)
     return ("–" if value is None else number(float(shown(name, value)[0]), digits)), unit
 
 

@@ -152,4 +152,4 @@ def _per_point(table: StudyTable, name: str) -> Array:
 
 
 def _text(name: str, value: float) -> str:
-    return f"{number(float(value), 3)} {unit_text(definition_of(name).shown_unit)}".strip()
+    return f"{number(float(value), 3)} {unit_text(definition_of(name).unit_word)}".strip()

@@ -1,8 +1,11 @@
-"""What an identified damping of a spring is of critical damping at the spring's first surge mode."""
+"""What an identified damping of a spring is of critical damping, at the frequency of its ratio or at the
+spring's first surge mode.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.identification_file import Request
@@ -10,26 +13,30 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.summary import share_text
 from valvetrain.runs.prepared import FAILURES, surge_frequency
+from valvetrain.solution.definition import NESTED
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_statics import spring_modes
 from valvetrain.springs.spec import spring_model
 
 #: Ends of the keys of a damping whose size alone says little.
-COEFFICIENTS = ("damping.stiffness_damping", "damping.mass_damping")
+RATIO = "damping.ratio"
+DAMPINGS = ("damping.stiffness_damping", "damping.mass_damping", RATIO)
+#: Place of a spring in its set.
+_PLACE = re.compile(r"springs?\.(?:[^.]+\.)?(\d+)\.")
 #: Modes of a wire among which its first surge is.
 MODES = 12
 
 
 def damping_meanings(request: Request, best: Mapping[str, float]) -> dict[str, str]:
-    """Quantity -> ``1.5 % of critical at 401 Hz``, of each damping coefficient among the ``best`` values
-    (SI), with all of them in the case; empty where the case or its surge is unknown.
+    """Quantity -> ``1.5 % of critical at 401 Hz``, of each damping among the ``best`` values (SI), with all
+    of them in the case, of a pair with the spring; empty where the case or its surge is unknown.
     """
-    names = [
-        unknown.name
+    keys = {
+        unknown.name: key
         for unknown, varied in zip(request.unknowns, request.varied, strict=True)
-        if any(one.key.endswith(COEFFICIENTS) for one in varied)
-    ]
-    if not names or request.evaluator:
+        if (key := next((one.key for one in varied if one.key.endswith(DAMPINGS)), ""))
+    }
+    if not keys or request.evaluator:
         return {}
     values = {
         one: best[unknown.name]
@@ -37,19 +44,32 @@ def damping_meanings(request: Request, best: Mapping[str, float]) -> dict[str, s
         for one in varied
     }
     try:
-        spring = _spring_of(vary(request.case, values))
-        frequency = _first_surge(spring)
+        case = vary(request.case, values)
+        found = {name: _meaning(case, key) for name, key in keys.items()}
     except FAILURES:  # what a number means must not cost the number
         return {}
+    return {name: text for name, text in found.items() if text}
+
+
+def _meaning(case: Case, key: str) -> str:
+    """A share of critical, its frequency and, of a pair, the spring; empty for no known surge."""
+    springs = _springs_of(case, key)
+    place = int(found[1]) if (found := _PLACE.search(key)) else 0
+    spring = springs[place]
+    frequency = spring.damping.ratio_frequency if key.endswith(RATIO) else _first_surge(spring)
     if not frequency:
-        return {}
-    text = f"{share_text(spring.damping.ratio_at(frequency))} of critical at {frequency:.0f} Hz"
-    return dict.fromkeys(names, text)
+        return ""
+    whose = f", {NESTED[place]} spring" if len(springs) > 1 else ""
+    share = share_text(spring.damping.ratio_at(frequency))
+    return f"{share} of critical at {frequency:.0f} Hz{whose}"
 
 
-def _spring_of(case: Case) -> InstalledSpring:
-    """The spring of a case, of a pair the outer one."""
-    return (case.springs or (case.train.spring_parts() if case.train is not None else ()))[0]
+def _springs_of(case: Case, key: str) -> Sequence[InstalledSpring]:
+    """The springs among which a key names one, outer first."""
+    if case.train is None or not key.startswith("train."):
+        return case.springs
+    named = key.split(".")[2]
+    return case.train.spring_parts(named if named in case.train.springs else None)
 
 
 def _first_surge(spring: InstalledSpring) -> float | None:

@@ -195,7 +195,7 @@ def identified_verdict(found: Identified) -> str:
         )
         parts.append(
             f"{_plain_name(one.name)} {best} {unit_text(one.unit)}".rstrip()
-            + f" ({low} to {high}{f'; {meaning}' if (meaning := found.meanings.get(one.name)) else ''})"
+            + f" (95 % {low} to {high}{f'; {meaning}' if (meaning := found.meanings.get(one.name)) else ''})"
         )
     if len(known) > MAX_NAMED:
         parts.append(f"{len(known) - MAX_NAMED} more")

@@ -157,7 +157,7 @@ class Measure:
     @property
     def unit(self) -> str:
         """Unit in which tables show it."""
-        return "rpm" if self.limit is not None else definition_of(self.quantity).shown_unit
+        return "rpm" if self.limit is not None else definition_of(self.quantity).unit_word
 
     def shown(self, value: float) -> float:
         """A value (SI) in the unit of tables."""

@@ -312,7 +312,7 @@ def _where(one: Measure) -> str:
         of_case = (
             "" if one.limit.share is None else f" ({one.limit.share:g} x case at {first:.6g} rpm)"
         )
-        retained = f"{'at most' if one.limit.upper else 'at least'} {bounds} {unit_text(definition_of(one.quantity).shown_unit)}{of_case}"
+        retained = f"{'at most' if one.limit.upper else 'at least'} {bounds} {unit_text(definition_of(one.quantity).unit_word)}{of_case}"
         phrase = f"{retained}, from {first:.6g} to {last:.6g} rpm, to {one.shown(one.limit.resolution):.3g} rpm"
     else:
         speeds = dict.fromkeys(run[0] for run in one.runs if run[0] is not None)

@@ -28,7 +28,7 @@ PERCENTILES = (5.0, 50.0, 95.0)
 def output_label(name: str) -> str:
     """An output with its unit, as an axis bears it."""
     row = definition_of(name)
-    return f"{row.label} ({unit_text(row.shown_unit)})" if row.shown_unit else row.label
+    return f"{row.label} ({unit_text(row.unit_word)})" if row.shown_unit else row.label
 
 
 def input_label(table: StudyTable, index: int) -> str:
@@ -189,7 +189,7 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
         up,
         np.nan_to_num(np.maximum(found - base, 0.0)),
         f"{row.label} above {number(base, 4)}" if base else row.label,
-        unit_text(row.shown_unit),
+        unit_text(row.unit_word),
         1.0,
         input_label(table, 1),
     )
@@ -203,7 +203,7 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
         y_range=_ends(up),
     )
     title = f"{row.label[:1].upper()}{row.label[1:]} over both quantities"
-    unit = unit_text(row.shown_unit)
+    unit = unit_text(row.unit_word)
     above = f"what the output is above its minimum of {number(base, 4)} {unit}"
     caption = f"Colour: {above if base else output_label(name)}."
     return Chart(f"{key}-map", titled(title, table, run), caption, (panel,), 1, 420)

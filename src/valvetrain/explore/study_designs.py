@@ -178,4 +178,4 @@ def _of_card(table: StudyTable, spring: str) -> float:
 
 def value_text(name: str, value: float) -> str:
     """A value in the unit of tables, with it."""
-    return f"{number(value, 4)} {unit_text(definition_of(name).shown_unit)}".strip()
+    return f"{number(value, 4)} {unit_text(definition_of(name).unit_word)}".strip()

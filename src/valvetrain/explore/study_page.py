@@ -170,7 +170,7 @@ def answer_rows(table: StudyTable) -> list[tuple[str, ...]]:
                     label[:1].upper() + label[1:],
                     run_label(run),
                     *reported,
-                    unit_text(definition_of(name).shown_unit),
+                    unit_text(definition_of(name).unit_word),
                 )
             )
     return rows

@@ -114,7 +114,7 @@ def point_table(
                 row, texts = definition_of(name), _texts(outputs[name][:, place])
                 label = f"{row.label[:1].upper()}{row.label[1:]}"
                 head = (label, *([run_label(run)] * several))
-                rows.append((*head, *texts, unit_text(row.shown_unit)))
+                rows.append((*head, *texts, unit_text(row.unit_word)))
         heads = (
             "",
             *(["run"] * several),
@@ -190,7 +190,7 @@ def changes_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
     ]  # fmt: skip
     row = definition_of(name)
     panel = _lines(table, f"change of the {output_label(name)}", layers, points, height, 0.0)
-    unit = unit_text(row.shown_unit)
+    unit = unit_text(row.unit_word)
     caption = f"Each point changes one quantity of the first, which has {number(float(values[0]), 4)} {unit}".strip()
     title = titled(f"Change of the {row.label} from the first point", table, run)
     return Chart(

@@ -67,7 +67,7 @@ def shape_of(table: StudyTable, name: str) -> Shape | None:
     if abs(place[edge] - place[0 if upward else -1]) < WIDE * np.ptp(place):
         return None
     row, good = definition_of(name), values[flat]
-    unit, larger = unit_text(row.shown_unit), sense == "larger is better"
+    unit, larger = unit_text(row.unit_word), sense == "larger is better"
     bound = f"{'stays at' if larger else 'stays within'} {number(float(good.min() if larger else good.max()), 3)} {unit}"
     frequency = frequency_clause(table, int(designs[edge]))
     at = f"{_at(table, along[0], place[edge])}{f' ({frequency})' if frequency else ''}"

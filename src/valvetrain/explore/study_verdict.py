@@ -317,7 +317,7 @@ def _largest_change(table: StudyTable, name: str) -> str:
 
 def _moved(table: StudyTable, name: str, change: Array, point: int) -> str:
     """A change with its sign and unit; of a mass also for each gram."""
-    unit = unit_text(definition_of(name).shown_unit)
+    unit = unit_text(definition_of(name).unit_word)
     said = f"{change[point]:+.3g} {unit}".strip()
     one = table.plan.varied[changed_alone(table)[point]]
     draws = draws_of(table)[[0, point], changed_alone(table)[point]]

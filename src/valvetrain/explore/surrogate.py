@@ -59,7 +59,7 @@ class Surrogate:
     @property
     def sentence(self) -> str:
         """What its error is, in words."""
-        unit = definition_of(self.output).shown_unit
+        unit = definition_of(self.output).unit_word
         error = float(shown(self.output, self.error)[0])
         reported = (
             f"The surrogate of the {label_of(self.output)} errs by {error:.3g} {unit} (rms) at each of its "

@@ -285,7 +285,7 @@ class StudyTable(Reported):
                 low, middle, high = (
                     _shown(name, value) for value in np.percentile(found, [5, 50, 95])
                 )
-                unit = definition_of(name).shown_unit
+                unit = definition_of(name).unit_word
                 said = f"{middle:.5g} {unit}, nine in ten {low:.5g} to {high:.5g}"
                 if chosen:  # percentiles of points that somebody chose are nobody's scatter
                     ends = (_shown(name, float(one)) for one in (np.min(found), np.max(found)))

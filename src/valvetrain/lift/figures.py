@@ -195,9 +195,7 @@ def pair_figures(
         if all(height in found for found in ends.values()):
             label = _height_text(height)
             lap = 2 * (ends["exhaust"][height][1] + ahead - ends["intake"][height][0])
-            figures.append(
-                _figure(f"overlap_at_{_key(label)}", f"overlap at {label}, crank", lap, "deg")
-            )
+            figures.append(_figure(f"overlap_at_{_key(label)}", f"overlap at {label}", lap, "deg"))
     return tuple(figures)
 
 
@@ -244,7 +242,7 @@ def _figure(name: str, label: str, values: Array, unit: str) -> LiftFigure:
 
 
 #: Units of figures as printed, where that is otherwise.
-UNIT_TEXTS = {"um/deg2": "µm/deg²", "mm/deg3": "mm/deg³"}
+UNIT_TEXTS = {"deg": "cam deg", "um/deg2": "µm/deg²", "mm/deg3": "mm/deg³"}
 
 
 def figure_factor(unit: str) -> float:
@@ -271,7 +269,9 @@ def figure_rows(figures: Sequence[LiftFigure]) -> list[tuple[str, str, str, str]
                 figure.label,
                 f"{value:.{digits}f}",
                 band,
-                UNIT_TEXTS.get(figure.unit, figure.unit),
+                "crank deg"
+                if figure.name.startswith("overlap_at_")
+                else UNIT_TEXTS.get(figure.unit, figure.unit),
             )
         )
     return rows

@@ -267,7 +267,7 @@ def carried_rows(carried: LiftBandStudy) -> list[CarriedSpread]:
 
 def carried_text(one: CarriedSpread) -> tuple[str, str, str, str, str]:
     """Quantity, run, value, 95 % interval and unit of a carried spread as people read them."""
-    unit = unit_text(definition_of(one.quantity).shown_unit)
+    unit = unit_text(definition_of(one.quantity).unit_word)
     value, spread = (
         float(shown(one.quantity, number_)[0]) for number_ in (one.value, BAND * one.spread)
     )

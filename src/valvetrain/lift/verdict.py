@@ -43,4 +43,4 @@ def _shown(figure: LiftFigure, with_unit: bool = True) -> str:
     """Value and half of its 95 % interval with the digits of the table, and the unit."""
     _, value, band, unit = figure_rows((figure,))[0]
     said = f"{value} {band.replace('±', '± ')}".replace("-", "−") if figure.spread > 0 else value
-    return f"{said} {'cam degrees' if unit == 'deg' else unit}" if with_unit else said
+    return f"{said} {'cam degrees' if unit == 'cam deg' else unit}" if with_unit else said

@@ -94,7 +94,7 @@ class Runs:
         if not bar:
             return value
         # both in the unit of the larger, so that neither has needless noughts
-        unit = quantity_text(found.name, max(abs(found.value), bar)).rpartition(" ")[2]
+        unit = quantity_text(found.name, max(abs(found.value), bar)).partition(" ")[2]
         value, size = (
             quantity_text(found.name, one, count, whole=unit == "mm")
             for one, count in ((found.value, digits), (bar, 2))

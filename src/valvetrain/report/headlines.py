@@ -103,7 +103,7 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
                 ]
             if name in cells or any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
-                unit, own = definition_of(name).shown_unit, cells.get(name, ())
+                unit, own = definition_of(name).unit_word, cells.get(name, ())
                 passed = tuple(name in some for some in limits)
                 label = quantity_label(name)
                 rows.append(HeadlineRow(topic, name, label, unit, values, speeds, own, passed))

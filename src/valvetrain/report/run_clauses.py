@@ -122,18 +122,28 @@ def worst_run(runs: Runs) -> Solution | None:
 
 
 def limit_clauses(runs: Runs) -> Iterator[tuple[str, Clause]]:
-    """Quantities that pass a limit, coil bind left out, with the worst run of each."""
-    worst: dict[str, tuple[PassedLimit, Solution]] = {}
+    """Quantities that pass a limit, coil bind left out, with the worst run of each; one whose error bar
+    reaches back to the limit is not resolved.
+    """
+    worst: dict[str, tuple[tuple[bool, float], PassedLimit, Solution]] = {}
     for run in runs.solutions:
         for name, one in passed_limits(run.quantities).items():
-            if name not in worst or one.value > worst[name][0].value:
-                worst[name] = one, run
-    for name, (one, run) in worst.items():
+            rank = passes_resolved(runs, run, one), one.value
+            if name not in worst or rank > worst[name][0]:
+                worst[name] = rank, one, run
+    for name, ((resolved, _), one, run) in worst.items():
         if name.endswith("coil_bind_clearance"):
             continue
         text = runs.text(Worst(name, one.value, run))
         bound = one.phrase.format(quantity_text(name, one.limit))
+        if not resolved:
+            bound = bound.replace("above", "not resolved from", 1)
         yield name, Clause(f"{label_of(name)} {text}, {bound}", run)
+
+
+def passes_resolved(runs: Runs, run: Solution, one: PassedLimit) -> bool:
+    """Whether a value passes its limit by more than its error bar."""
+    return runs.bar(Worst(one.quantity, one.value, run)) < abs(one.value - one.limit)
 
 
 def ends_that_pull(runs: Runs) -> list[Solution]:

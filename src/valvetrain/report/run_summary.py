@@ -13,7 +13,7 @@ from valvetrain.quantities.valve_events import OPEN_SHARE
 from valvetrain.report.text import amount, in_unit, number, percent, quantity_label, rpm
 from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.critical import KINDS, CriticalSpeed
-from valvetrain.solution.definition import definition_of, is_defined, label_of, shown, topics
+from valvetrain.solution.definition import is_defined, label_of, shown, topics
 from valvetrain.solution.fidelity import RPM, FidelityMap, ValidSpeedRange
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import SWEEPS, Study
@@ -249,9 +249,9 @@ def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
 
 
 def _scale(found: FidelityMap, name: str) -> str:
-    unit = definition_of(name).shown_unit
     size = next(row.scale for row in found if row.quantity == name)
-    return f"{in_unit(size, unit):.4g} {unit}".strip()
+    value, unit = shown(name, size)
+    return f"{value:.4g} {unit}".strip()
 
 
 def speed_axis(found: FidelityMap) -> list[float]:

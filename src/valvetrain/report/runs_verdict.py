@@ -51,7 +51,7 @@ def _whole(lead: str, text: str) -> str:
 
 def _change(one: HeadlineChange) -> str:
     """``lift lost 0.116 -> 0.098 mm (−15.5 %)``."""
-    unit = unit_text(definition_of(one.quantity).shown_unit)
+    unit = unit_text(definition_of(one.quantity).unit_word)
     texts = [
         "never reached" if math.isinf(value) else figure(float(shown(one.quantity, value)[0]), 4)
         for value in (one.a, one.b)

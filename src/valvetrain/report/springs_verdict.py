@@ -145,6 +145,10 @@ def _later_text(kind: str, study: Study, names: list[str]) -> str:
     if abs(speeds[0] - speeds[1]) <= ALIKE * min(speeds):
         return f"{both} ({names[0]} from {texts[0]}, {names[1]} from {texts[1]})"
     place = 0 if speeds[0] > speeds[1] else 1
+    if any(gap.lower_engine_speed < speeds[1 - place] for gap in controls[place].islands):
+        # the one that keeps contact longer loses it first: neither is better
+        own = [_losses_text(one) for one in controls]
+        return f"{names[0]} loses contact {own[0]}, {names[1]} {own[1]}"
     red_line = study.record.red_line
     mark = "" if red_line is None else f", red line {rpm(red_line):.6g}"
     return f"{names[place]} {later} ({texts[place]} against {texts[1 - place]}{mark})"
@@ -160,6 +164,15 @@ def _speed_text(one: CriticalSpeed, speed: float) -> str:
 def _islands_text(one: Control) -> str:
     """`` but for 5218 to 5258 rpm``: short ranges of lost contact below the loss that stays."""
     return f" but for {joined([span_text(gap) for gap in one.islands])} rpm" if one.islands else ""
+
+
+def _losses_text(one: Control) -> str:
+    """``from 6781 to 6820 rpm and from 7300 rpm``, or ``from 11927 to 12070 rpm only``."""
+    gaps = [f"from {span_text(gap)} rpm" for gap in one.islands]
+    begin = one.begin("contact-loss")
+    if math.isinf(begin):
+        return f"{joined(gaps)} only"
+    return joined([*gaps, f"from {rpm(begin):.0f} rpm"])
 
 
 def _alike_speeds(pair: list[Runs]) -> list[Runs]:

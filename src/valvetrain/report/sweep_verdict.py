@@ -26,6 +26,7 @@ from valvetrain.report.run_clauses import (
     bind_clause,
     ends_that_pull,
     is_judged,
+    passes_resolved,
 )
 from valvetrain.report.text import rpm
 from valvetrain.solution.definition import label_of
@@ -149,8 +150,8 @@ def limits_over_speed(runs: Runs) -> dict[str, str]:
     """Limits passed: from which engine speed run, or where alone."""
     passed: dict[str, list[Solution]] = {}
     for run in runs.solutions:
-        for name in passed_limits(run.quantities):
-            if not name.endswith("coil_bind_clearance"):
+        for name, one in passed_limits(run.quantities).items():
+            if not name.endswith("coil_bind_clearance") and passes_resolved(runs, run, one):
                 passed.setdefault(name, []).append(run)
     texts = {}
     for name, some in passed.items():

@@ -383,7 +383,7 @@ def _compared(one: ComparedNumber) -> tuple[str, str, str, str, str, str]:
         run,
         number(design, 4),
         number(scanned, 4),
-        unit_text(definition_of(one.quantity).shown_unit),
+        unit_text(definition_of(one.quantity).unit_word),
         apart,
     )
 

@@ -95,6 +95,17 @@ class QuantityRow:
         """Unit of the values inside the package and in JSON; ``1`` for plain numbers."""
         return si_unit_text(self.dimension or "ratio")
 
+    @property
+    def unit_word(self) -> str:
+        """The shown unit as printed, of an angle with what turns by it.
+
+        >>> definition_of("valve_50_thou_lost_crank_angle_range").unit_word
+        'crank deg'
+        """
+        turning = re.search(r"(cam|crank)_angle(_range)?$", self.name)
+        of_what = f"{turning[1]} " if turning and self.shown_unit == "deg" else ""
+        return of_what + self.shown_unit
+
 
 def row(
     name: str,
@@ -284,8 +295,8 @@ def shown(name: str, value: Number) -> tuple[Number, str]:
     """SI ``value`` (a number or an array) of quantity ``name`` in the unit tables print, and that
     unit (empty for plain numbers).
     """
-    unit = definition_of(name).shown_unit
-    return value / unit_factor(unit), unit
+    one = definition_of(name)
+    return value / unit_factor(one.shown_unit), one.unit_word
 
 
 def angle_name(quantity: str) -> str:

@@ -58,7 +58,7 @@ def spring_rows(spring: InstalledSpring) -> list[tuple[str, str, str]]:
                 (
                     label_of(name),
                     number(float(shown(name, found[name])[0]), 4),
-                    unit_text(definition_of(name).shown_unit),
+                    unit_text(definition_of(name).unit_word),
                 )
             )
     return rows

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import cache
 
-from valvetrain.solution.definition import label_of, shown
+from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.validation.default_runs import RPM, SUBJECTS, Compared, compare, compare_exact
 from valvetrain.validation.row import FILES, NOTES, Kind, Row, book_case
 
@@ -57,7 +57,7 @@ def _row(one: Compared, members: Sequence[Compared], kind: Kind) -> Row:
     if not all(m.repeats for m in members):
         inputs += "; motion does not repeat, compared within the scatter of both"
     factor = float(shown(one.quantity, 1.0)[0])
-    unit = shown(one.quantity, 1.0)[1] or "1"
+    unit = definition_of(one.quantity).shown_unit or "1"
     reason = _reason(one)
     share, why = (0.0, "") if one.repeats else RATTLE
     reach = share * max(abs(one.finest), abs(one.default))
@@ -118,7 +118,7 @@ def csv_text() -> str:
     """Every number of the table, a line each (units as tables print them)."""
     lines = ["case,model,engine speed (rpm),quantity,unit,default,bar,finest,verdict"]
     for one in (*compared_exactly(), *compared()):
-        factor, unit = shown(one.quantity, 1.0)
+        factor, unit = shown(one.quantity, 1.0)[0], definition_of(one.quantity).shown_unit
         values = ",".join(f"{factor * value:.5g}" for value in (one.default, one.bar, one.finest))
         label = one.subject.label.replace(",", "")
         rpm = f"{one.engine_speed / RPM:.0f}"

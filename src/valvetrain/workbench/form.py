@@ -40,6 +40,8 @@ FieldKind = Literal["number", "text", "choice", "flag", "curve"]
 _DEFAULT_OPTIONS = ("multi-mass", "finite-element")
 #: Tables of a case that a form leaves to its text.
 _LEFT = ("published", "points", "name", "sources", "remarks", "study")
+#: Angles of a cam card, in the degrees that its ``angle_of`` names.
+CARD_ANGLES = ("duration", "advertised_duration", "upper_duration", "lobe_centre")
 _TITLES = {"multi-mass": "chain of masses", "finite-element": "finite-element rod"}
 
 
@@ -305,6 +307,8 @@ class _Form:
                 continue
             path = f"{key}.{name}" if key else name
             if (made := field_of(path, name, info, table.get(name))) is not None:
+                if name in CARD_ANGLES and table.get("angle_of") in ("cam", "crank"):
+                    made = replace(made, label=f"{made.label} in {table['angle_of']} degrees")
                 sets = self.tree.get("train", {}).get("springs", {}) if name == "spring_set" else {}
                 found.append(
                     _field(replace(made, choices=tuple(sets)) if sets else made, self.source(path))
