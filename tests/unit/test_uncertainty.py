@@ -291,7 +291,7 @@ CLASH = {
     "main_clash_below_10_khz_peak_force": (800.0, 12.0, "height below 10 kHz 800 N ± 12 N"),
     "main_clash_below_20_khz_peak_force": (900.0, 13.0, "below 20 kHz 900 N ± 13 N"),
     "main_clash_peak_force": (1200.0, 41.0, "raw 1200 N ± 41 N"),
-    "main_clash_cam_angle": (186.4 * DEG, 0.5 * DEG, "at 186.4 deg ± 0.5 deg"),
+    "main_clash_cam_angle": (186.4 * DEG, 0.5 * DEG, "at 186.4 cam deg ± 0.5 cam deg"),
     "main_clash_impulse": (0.0123, 0.0004, "impulse 12.3 mN s ± 0.4 mN s"),
 }  # fmt: skip
 TRAIN = {

@@ -73,7 +73,7 @@ def test_every_quantity_is_read_in_a_unit_of_its_own_dimension(imperial, one):
     if dimension_of(one.shown_unit) in IMPERIAL:
         assert row.shown_unit in IMPERIAL.values()
     value, unit = shown(one.name, 1.0)
-    assert unit == row.shown_unit
+    assert unit == row.unit_word
     assert value / reader_factor(one.shown_unit) == pytest.approx(_metric(one), rel=1e-12)
 
 
