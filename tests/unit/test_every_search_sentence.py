@@ -305,6 +305,12 @@ def test_a_best_design_that_is_doubtful_says_so_in_the_verdict(monkeypatch):
     monkeypatch.setattr(said, "doubts", lambda *_: doubt)
     told = said.optimum_verdict(search())
     assert told.endswith("(−10 g, −20.0 %); the best design is doubtful: few turns.")
+    long = "at coil = 22 mm: spring 'outer' of set 'dual': rate and wire make 1.7 turns, of some 3.7: are these the loads of a pair? Then enter both"
+    monkeypatch.setattr(said, "doubts", lambda *_: Doubts({0: long}, 1))
+    told = said.optimum_verdict(search())
+    assert told.endswith(
+        "; the best design is doubtful: spring 'outer' of set 'dual': rate and wire make 1.7 turns, of some 3.7."
+    )
     monkeypatch.setattr(said, "doubts", lambda *_: Doubts({}, 1))
     assert "doubtful" not in said.optimum_verdict(search())
 

@@ -187,7 +187,11 @@ def _best_doubtful(found: Optimum) -> str:
     if best is None or best.trial.number == 0 or len(plan.objectives) > 1:
         return ""
     first = doubts(plan.case, plan.varied, np.array([best.trial.values])).by_point.get(0, "")
-    doubt = first.partition(": ")[2].partition("; ")[0].partition(". ")[0].rstrip(".")
+    parts = first.split(": ")[
+        1:
+    ]  # behind the values: whose it is, where that is said, the doubt, advice
+    said = parts[: 2 if first and parts[0].startswith("spring ") else 1]
+    doubt = ": ".join(said).partition("; ")[0].partition(". ")[0].rstrip(".")
     return f"; the best design is doubtful: {doubt}" if doubt else ""
 
 
