@@ -20,7 +20,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
 from valvetrain.explore.optimise import SearchInterrupted
-from valvetrain.explore.optimum import write_optuna
+from valvetrain.explore.optimum import case_text, write_optuna
 from valvetrain.explore.optimum_page import answer_rows, optimum_page
 from valvetrain.explore.optimum_summary import _seeds, sentences
 from valvetrain.parameters.templates import template_text
@@ -165,6 +165,28 @@ vary = [{{ key = "spring.precompression", values = "7 mm" }}]
         best.constraints[0],
         best.constraints[1],
     ]
+
+
+def test_the_case_file_runs_what_was_searched(tmp_path):
+    """It kept the set of the case, so that its run was that of an untouched spring."""
+    found = vt.optimise(
+        """
+case = "tdi-pushrod"
+engine_speeds = "2500, 3000 rpm"
+spring_sets = ["performance"]
+spring_models = ["massless"]
+vary = [{ key = "train.valve.mass", as = "factor", low = 0.9, high = 1.1 }]
+objective = [{ quantity = "minimum_spring_force", direction = "maximise" }]
+search = { trials = 2, per_round = 2 }
+""",
+        workers=1,
+    )
+    file = tmp_path / "best.toml"
+    file.write_text(case_text(found, found.best))
+    case = vt.load_case(file)
+    assert (case.train.spring_set, case.train.spring_model) == ("performance", "massless")
+    rpm = [speed * 30 / np.pi for speed in case.operation.engine_speeds]
+    assert rpm == pytest.approx([2500, 3000], rel=1e-9)
 
 
 def test_optunas_own_reader_opens_the_study(kept):

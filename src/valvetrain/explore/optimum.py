@@ -25,6 +25,7 @@ from valvetrain.explore.valley import Step, Valley
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.atomic import write_bytes
+from valvetrain.solution.critical import RPM
 from valvetrain.solution.display import verdict_first
 from valvetrain.solution.saveable import Reported
 
@@ -327,8 +328,8 @@ def neighbours(plan: OptimumPlan, values: Array, place: int, share: float) -> li
 
 
 def case_text(found: Optimum, design: Design) -> str:
-    """A case file with the values of a design, ready to run; without the published values of the
-    case, which are not this design's.
+    """A case file with the values of a design, ready to run by the speeds, spring set and spring model of
+    the search; without the published values of the case, which are not this design's.
 
     Raises :class:`InputError` where the text of the case does not describe it.
     """
@@ -344,9 +345,27 @@ def case_text(found: Optimum, design: Design) -> str:
             set_in_tree(tree, varied, float(value))
     for key in ("study", "published"):
         tree.pop(key, None)
+    _as_searched(tree, found.plan)
     tree["title"] = f"{found.plan.title}, {design.chosen.partition(':')[0]}"
     tree["description"] = f"Trial {design.trial.number} of a search from the case {case.name}."
     return toml_text(tree)
+
+
+def _as_searched(tree: dict[str, Any], plan: OptimumPlan) -> None:
+    """Engine speeds and, of a train, the one spring set and model that every number of a search had."""
+    runs = [run for measure in plan.measures for run in measure.runs]
+    speeds = sorted({speed for speed, _, _ in runs if speed is not None})
+    if speeds:
+        tree.setdefault("operation", {}).pop("cam_speeds", None)
+        tree["operation"]["engine_speeds"] = (
+            ", ".join(f"{speed / RPM:.9g}" for speed in speeds) + " rpm"
+        )
+    for key, names in zip(
+        ("spring_model", "spring_set"), list(zip(*runs, strict=True))[1:], strict=True
+    ):
+        chosen = set(names)
+        if "train" in tree and len(chosen) == 1 and "" not in chosen:
+            tree["train"][key] = chosen.pop()
 
 
 def write_optuna(found: Optimum, path: Path) -> Path:
