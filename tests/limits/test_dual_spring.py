@@ -66,6 +66,7 @@ def test_both_springs_are_found_from_their_sum(turns, free):
 def test_the_parts_add_up_to_the_total_at_every_height(factor, preload, free):
     found = part(factor * RATE, preload, half(OUTER, free=False), half(INNER, free=False))
     heights = np.linspace(0.03, HEIGHT, 5)
+    assert ("measure wires, diameters and turns again" in found.said) == (abs(factor - 1) > 0.1)
     loads = sum(
         rate * (length - heights)
         for rate, length in zip(found.rates, found.free_lengths, strict=True)

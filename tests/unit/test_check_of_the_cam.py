@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -125,6 +126,16 @@ def test_the_sentence_says_where_lash_and_contact_are(face, lash, words):
     sentence = check_verdict(case, problem, case_quantities(case, problem), cam)
     assert words in sentence
     assert sentence.endswith(" are left to coil bind.")
+
+
+def test_a_coil_bind_that_no_card_lets_check_is_named():
+    """Contract: a card without solid height leaves the coil bind unchecked, and the sentence says so."""
+    text = re.sub(r"(?m)^solid_height = .*$", "", template_text("pushrod"))
+    case = parse_case(text, "pushrod")
+    problem = build(case)
+    cam, _ = cam_facts(case, problem)
+    sentence = check_verdict(case, problem, case_quantities(case, problem), cam)
+    assert sentence.endswith("coil bind is not checked, for no spring states a solid height.")
 
 
 def test_a_law_without_ramps_is_told_where_its_lash_opens():

@@ -69,6 +69,17 @@ def test_a_sweep_says_how_far_control_reaches_beside_the_red_line(red_line, at, 
     assert words in sweep(red_line, row(at)).verdict
 
 
+def test_a_range_that_reaches_below_the_red_line_is_named():
+    """Contract: control to 6598 with a range from 6450 on is no margin above a red line of 6500."""
+    found = row(6598)
+    wide = replace(found, numerical=SpeedBracket(6450 * RPM, 6620 * RPM))
+    assert (
+        "98 rpm above the red line of 6500, which its range reaches below"
+        in sweep(6500, wide).verdict
+    )
+    assert "which its range" not in sweep(6400, wide).verdict
+
+
 def test_a_sweep_without_search_says_it_of_its_runs():
     """Contract: the highest run in contact, or the first that is not."""
     assert "in contact from 6000 to 7000 rpm, 800 rpm above the red line of 6200" in sweep(6200).verdict.lower()  # fmt: skip

@@ -120,6 +120,8 @@ def check_verdict(
         facts.append(
             f"{quantity_text('coil_bind_clearance', min(solid) - lift)} are left to coil bind"
         )
+    elif lift is not None and problem is not None:
+        facts.append("coil bind is not checked, for no spring states a solid height")
     begun = "A lift law alone" if problem is None else "Ready to run"
     text = "; ".join((*doubts, *facts))
     if doubts:

@@ -259,7 +259,7 @@ class Identified(Reported):
     >>> found = vt.identify({"rate": vt.explore.Prior("uniform", 20e3, 60e3)}, [vt.explore.Datum("force", 280.0, 2.0)],
     ...                     lambda points: [{"force": 7e-3 * rate} for (rate,) in points])
     >>> found
-    Rate 40000 (39440 to 40560); the measurement is met.
+    Rate 40000 (95 % 39440 to 40560); the measurement is met.
       Identified by least-squares: 1 branch
       rate 4e+04 (3.94e+04 to 4.06e+04)
     >>> round(found.percentile("force"))

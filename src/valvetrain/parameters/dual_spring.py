@@ -9,6 +9,8 @@ from valvetrain.errors import InputError
 
 #: Loads of one are parted where both together agree with wires and coils within these factors.
 LOW, HIGH = 0.7, 1.4
+#: Total loads that are off the rates of both wires by more than this share ask for another measurement.
+FAR = 0.1
 #: Active turns of a spring whose rate is what the other one leaves.
 MIN_TURNS, MAX_TURNS = 2.0, 14.0
 NAMES = ("outer", "inner")
@@ -97,6 +99,8 @@ def _rates(rate: float, outer: Half, inner: Half) -> tuple[tuple[float, float], 
                 "check wires, diameters, turns and loads"
             )
         made = f", times {factor:.3g} to meet the total" if abs(factor - 1) > 0.005 else ""
+        if abs(factor - 1) > FAR:
+            made += f" (they make {(first + second) / 1e3:.3g} of {rate / 1e3:.3g} N/mm: measure wires, diameters and turns again)"
         return (first * factor, second * factor), f"the rates {formula} of both{made}"
     if first is None and second is None:
         raise InputError(

@@ -130,6 +130,14 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
         return [f"{reach}{apart}{_least_force(runs)}"]
     lost = control.losses[0]
     row, whole = lost.row, not control.islands or lost.row is not control.contact
+    line, span = study.record.red_line, row.printed
+    if (
+        line is not None
+        and whole
+        and span is not None
+        and span.lower_engine_speed < line < lost.begin
+    ):
+        margin += ", which its range reaches below"
     what = LOST[row.kind][0]
     if row.kind == "contact-loss" and row.place:
         what += f" at the {row.place}"
