@@ -65,7 +65,7 @@ def simulate_batch(
 
     The variants share step, motion and mesh numbers; sections, geometry and gaps may differ. A mesh
     too long for the lanes runs one by one, and so do
-    rods whose ends lift.
+    rods whose ends lift or whose coils rub.
 
     Parameters
     ----------
@@ -108,6 +108,7 @@ def simulate_batch(
     step, steps = sample_interval / (dense * sub), samples * dense * sub
     displacement = np.ascontiguousarray(motion(step * np.arange(steps + 1.0)), dtype=float)
     wide = (meshes[0].vertices + 2) * LANES <= MAXIMUM_VERTICES and dynamics.ends is None
+    wide = wide and not dynamics.coil_friction
 
     def lanes(first: int) -> tuple[Array, NDArray[np.bool_]]:
         group = range(first, min(first + LANES, len(meshes)))

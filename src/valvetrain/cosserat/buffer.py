@@ -32,7 +32,7 @@ class RodDynamics:
     torsion, since plain
     Kelvin-Voigt damping would cut the explicit step to a few per cent. ``contact_stiffness`` in N/m
     per m of wire, of a contact by ``contact_law``. ``ends``: end coils that lift off their seats;
-    None where they are bonded.
+    None where they are bonded. ``coil_friction``: Coulomb coefficient where coils touch in motion.
     """
 
     mass_damping: float = 0.0
@@ -43,6 +43,7 @@ class RodDynamics:
     step_safety: float = 0.94
     contact_law: CoilContactLaw = LINEAR
     ends: end_coils.EndCoils | None = None
+    coil_friction: float = 0.0
 
     @property
     def branch_stiffness(self) -> float:
@@ -223,7 +224,8 @@ def stepping_numbers(
     half = 0.5 * dynamics.mass_damping * time_step
     numbers = np.array([
         time_step, (1 - half) / (1 + half), time_step / (1 + half), decay, gain_old, gain_new, dynamics.branch_stiffness,
-        dynamics.contact_damping_time, dynamics.mass_damping, dynamics.relaxation_time, *law_numbers(dynamics.contact_law),
+        dynamics.contact_damping_time, dynamics.mass_damping, dynamics.relaxation_time, dynamics.coil_friction,
+        *law_numbers(dynamics.contact_law),
     ])  # fmt: skip
     low = np.flatnonzero(np.isfinite(mesh.lower_seat_limit))
     high = np.flatnonzero(np.isfinite(mesh.upper_seat_limit))

@@ -10,6 +10,7 @@ import numpy as np
 
 from valvetrain.coil_contact.kernels import LINEAR
 from valvetrain.compiled import njit
+from valvetrain.cosserat.coil_friction import rub_coils
 from valvetrain.cosserat.end_coil_kernels import END, RATE, end_contacts, move_end_coils
 from valvetrain.cosserat.layout import GROUP as _GROUP
 from valvetrain.cosserat.layout import ROW
@@ -51,11 +52,9 @@ WATCH_STEPS, STRETCHES = 32, 12
 WATCH_MARGIN = 1e-4
 
 # Places in the ``numbers`` and ``integers`` that travel with a buffer.
-DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, RELAXATION = range(
-    10
-)
+DT, KEEP, KICK, DECAY, GAIN_OLD, GAIN_NEW, VISCOUS, CONTACT_TIME, MASS_DAMPING, RELAXATION, FRICTION = range(11)  # fmt: skip
 #: First of the numbers of the law of contact, the last of all ``numbers``.
-LAW_NUMBERS = RELAXATION + 1
+LAW_NUMBERS = FRICTION + 1
 FIRST, LAST, OFFSET, GROUPS, VERTICES, LOWER_END, UPPER_START, GUIDED, LAW, LIFTS = range(10)
 
 
@@ -184,6 +183,9 @@ def forces_now(b, integers, numbers, places, stretches, count, displacement):
     if integers[GUIDED] > 0:
         guide_contact(b, first + ONE, last)
     section_forces(b, first + ONE, last + ONE)
+    if numbers[FRICTION] > 0.0:
+        dt, offset, groups = numbers[DT], np.uint64(integers[OFFSET]), integers[GROUPS]
+        rub_coils(b, numbers[FRICTION], dt, offset, groups, places, stretches, count)
     if integers[LIFTS] > 0:
         push, hold = end_contacts(b, first, last, displacement, numbers[CONTACT_TIME], law, row)
         return upper_up + push, lower_down + hold

@@ -100,6 +100,12 @@ class FiniteElementOptions(SpringOptions):
         default=False,
         description="end coils are bodies on the contact law of coils, which lift; without it only where the ends would pull",
     )
+    coil_friction: float = Field(
+        default=0.0,
+        ge=0,
+        le=1,
+        description="Coulomb friction where coils touch in motion; none at rest",
+    )
     card_lift: Length = Field(
         default=0.012,
         description="lift up to which the coils of a wire made from a card stay apart",
@@ -120,6 +126,7 @@ def _make(
         contact_stiffness=spring.contact.stiffness,
         contact_damping_time=spring.contact.damping_time,
         contact_law=law_of(spring.contact),
+        coil_friction=options.coil_friction,
     )
     return FiniteElementRod(
         wire,
