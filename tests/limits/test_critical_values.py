@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 import valvetrain as vt
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.train_events import CAUSE_SURGE
+from valvetrain.runs import critical_speeds
 from valvetrain.runs.critical_speeds import standing_force
 from valvetrain.runs.prepared import prepare
 from valvetrain.solution.critical import RPM
@@ -52,6 +53,25 @@ def test_the_float_speed_moves_smoothly_with_the_valve_mass() -> None:
     """It was a staircase of 6.25 rpm: the difference by 0.01 % (0.2 rpm) was zero."""
     fine, coarse = slopes("massless", SPEEDS)
     assert fine < 0 and fine == pytest.approx(coarse, rel=0.05)
+
+
+def test_repeats_from_the_motion_of_a_near_speed_find_what_those_from_rest_find(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Limit between starts: nominal speed and range over damping of a float, with surge."""
+
+    def float_row():
+        row = vt.Case(TEMPLATE).critical_speeds(
+            "7250:7350:100 rpm", spring_models=["modal-uniform"], spring_sets=["card"], workers=1
+        ).of("float")  # fmt: skip
+        assert row is not None and row.damping is not None
+        ends = (row.damping.lower_engine_speed, row.damping.upper_engine_speed)
+        return np.array([row.engine_speed, *ends]) / RPM
+
+    near = float_row()
+    monkeypatch.setattr(critical_speeds, "CLOSE", -1.0)
+    assert near[0] == pytest.approx(float_row()[0], abs=0.1)
+    assert near == pytest.approx(float_row(), abs=2.0)
 
 
 @pytest.mark.long

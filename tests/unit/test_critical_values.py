@@ -103,6 +103,8 @@ def test_where_motion_does_not_repeat_the_range_reaches_over_those_speeds() -> N
     one = found(margin, {"numerical": [falling(1.0)], "damping": []}, repeats=loose)
     assert one.onset == "non-repeating" and one.numerical is not None
     assert one.numerical.lower_engine_speed <= 6900 and one.numerical.upper_engine_speed >= 7200
+    # such a motion has no branch that a rising or falling speed could follow
+    assert one.begins == Crossing(one.begins.from_rest)
     ends = scattered(KIND, 7000.0, sampler(margin, loose), (6000.0, 7100.0))
     assert ends.upper_engine_speed == 7100.0
 

@@ -73,6 +73,19 @@ def test_without_the_test_of_attraction_the_same_orbit_costs_four_cycles_less():
 
 
 @pytest.mark.parametrize("method", [repeat_cycles, accelerate])
+def test_what_comes_no_nearer_to_repeating_is_given_up_soon_by_the_impatient(method):
+    """Contract: chaos costs fewer cycles, its period may stay unknown; a contraction, slow as it be, is found."""
+
+    def search(cycle, **options):
+        return method(cycle, np.array([0.3]), np.ones(1), 1e-6, 48, **options)
+
+    patient, brief = (search(logistic(3.9), patient=one) for one in (True, False))
+    assert patient.period == brief.period == 0 and brief.cycles < patient.cycles
+    slow = repeat_cycles(lambda x: 0.8 * x, np.ones(1), np.ones(1), 1e-6, 100, patient=False)
+    assert slow.converged and slow.cycles > 50
+
+
+@pytest.mark.parametrize("method", [repeat_cycles, accelerate])
 def test_both_methods_search_alike_unless_told_otherwise(method):
     """A change below 1e-6; periods up to eight, and none of the sixteen that the logistic map has
     at 3.566.

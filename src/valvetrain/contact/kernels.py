@@ -91,10 +91,23 @@ def contact_force(code, parameters, impact_rate, penetration, penetration_rate):
     """
     if penetration <= 0.0:
         return 0.0
-    stiffness = parameters[STIFFNESS]
+    elastic = elastic_force(code, parameters, penetration)
+    return damped_force(code, parameters, impact_rate, penetration, penetration_rate, elastic)
+
+
+@njit(**OPTIONS)
+def elastic_force(code, parameters, penetration):
+    """Force (N) of law ``code`` at a penetration (m, positive) that does not change."""
     if code == LINEAR:
-        return max(0.0, stiffness * penetration + parameters[DAMPING] * penetration_rate)
-    elastic = stiffness * _power(penetration, parameters[EXPONENT])
+        return parameters[STIFFNESS] * penetration
+    return parameters[STIFFNESS] * _power(penetration, parameters[EXPONENT])
+
+
+@njit(**OPTIONS)
+def damped_force(code, parameters, impact_rate, penetration, penetration_rate, elastic):
+    """:func:`contact_force` at a positive penetration whose :func:`elastic_force` is known."""
+    if code == LINEAR:
+        return max(0.0, elastic + parameters[DAMPING] * penetration_rate)
     if code == POWER:
         return elastic
     if code >= IMPACT:

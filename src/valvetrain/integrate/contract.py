@@ -35,7 +35,8 @@ class Periodic:
     ``method``: ``anderson`` or ``repeat`` (the classical one); ``tolerance``: change per turn
     relative to lift and lift times cam speed (None: the default one); ``probed``: four revolutions
     more test whether an orbit found by acceleration attracts, where that is in doubt, or a few whether a train of
-    rods rattles. ``compared``: eight more tell the scatter of what does not settle.
+    rods rattles. ``compared``: eight more tell the scatter of what does not settle; without them, what comes no nearer to
+    repeating is given up soon, its period perhaps unknown.
     """
 
     cycles: int | None = None

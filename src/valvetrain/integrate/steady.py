@@ -63,16 +63,19 @@ def repeat_cycles(
     cycles: int = 60,
     longest_period: int = 8,
     least: int = 1,
+    patient: bool = True,
 ) -> SteadyState:
     """Repeat until a cycle changes the state by less than ``tolerance`` (the classical method) after
     ``least`` cycles, or until its image is not finite: the ``state`` is then the one that this cycle started from.
 
     When ``cycles`` are spent, the last states are compared over 2, 3, ... ``longest_period`` cycles
     (tolerance times ten, since the approach to a sub-harmonic is no faster than to a settled
-    orbit).
+    orbit). Unless ``patient`` that is so already when four changes are not half those of the four cycles before.
     """
-    states, residuals = [np.array(start, dtype=float)], []
+    states, residuals = [np.array(start, dtype=float)], list[float]()
     for _ in range(cycles):
+        if not patient and len(residuals) >= 8 and max(residuals[-4:]) > max(residuals[-8:-4]) / 2:
+            break
         states.append(cycle(states[-1]))
         residuals.append(residual_norm(states[-1] - states[-2], weights))
         if residuals[-1] <= tolerance and len(residuals) >= least:
@@ -99,6 +102,7 @@ def accelerate(
     settle: int = 2,
     longest_period: int = 8,
     probed: bool = True,
+    patient: bool = True,
 ) -> SteadyState:
     """Anderson acceleration of the cycle map (D. G. Anderson, J. ACM 12 (1965) 547; Walker and Ni,
     SIAM J. Numer. Anal. 49 (2011)).
@@ -108,8 +112,8 @@ def accelerate(
     that would leave the states seen by far (:data:`BEYOND`), or whose image is not finite, gives
     way to the plain cycle. Acceleration finds unstable orbits too, which no train shows: unless what the search saw of
     the map contracts well (:data:`TRUSTED`), or not ``probed``, an orbit is accepted only when plain cycles from a
-    small disturbance come back to it. Falls back to plain cycles, and looks for a
-    sub-harmonic, when half of ``cycles`` are spent or the orbit found repels.
+    small disturbance come back to it. Falls back to plain cycles (``patient``: :func:`repeat_cycles`), and looks
+    for a sub-harmonic, when half of ``cycles`` are spent or the orbit found repels.
     """
     x, residuals = np.array(start, dtype=float), []
     inputs: list[Array] = []
@@ -156,6 +160,7 @@ def accelerate(
         tolerance,
         max(cycles - len(residuals), 2 * longest_period),
         longest_period,
+        patient=patient,
     )
     residuals.extend(rest.residuals)
     return SteadyState(

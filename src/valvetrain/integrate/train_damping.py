@@ -44,7 +44,7 @@ def _damped_rows(index, scratch, step, now, v):
             if i >= 0:
                 before += gradients[k, slot] * old[i]
                 after += gradients[k, slot] * v[i]
-                dense[count, i] = gradients[k, slot] / math.sqrt(scratch.guides[i, 0])
+                dense[count, i] = gradients[k, slot] / scratch.guides[i, 3]
                 mobility += dense[count, i] * dense[count, i]
         theta = _mean_share(now, step * damping * mobility)
         scratch.diagonal[count] = 1.0 / (step * damping * theta)
@@ -162,7 +162,7 @@ def damp(index, laws, scratch, step, now, v):
 @njit(forceinline=True, **OPTIONS)
 def guide(body, scratch, step, now, v):
     """Slow ``v`` in the guides, and fill ``guides``: the mass that an impulse of this step moves,
-    the guide's impulse per rate, its theta.
+    the guide's impulse per rate, its theta and the root of that mass.
 
     The guide acts on (1 - theta) v_before + theta v_after, so that it is solved together with the
     impulses that follow: slowed after them instead, a valve drifted through its stiff contacts.
@@ -179,6 +179,7 @@ def guide(body, scratch, step, now, v):
             theta = _mean_share(now, drag / mass)
             guides[i, 0], guides[i, 1], guides[i, 2] = mass + theta * drag, drag, theta
             v[i] = (mass * v[i] - (1.0 - theta) * drag * old[i]) / guides[i, 0]
+        guides[i, 3] = math.sqrt(guides[i, 0])
 
 
 @njit(forceinline=True, **OPTIONS)

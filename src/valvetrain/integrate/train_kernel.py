@@ -33,7 +33,8 @@ from valvetrain.contact.kernels import (
     OWN_LAW,
     SLOWEST,
     WIDTH,
-    contact_force,
+    damped_force,
+    elastic_force,
     maxwell_force,
     update_impact,
 )
@@ -89,11 +90,11 @@ def law_force_and_damping(law, parameters, impact_rate, pen, rate):
     """Rate-free force (N) and damping coefficient (N s/m) of a contact at this penetration
     (positive).
     """
-    still = contact_force(law, parameters, impact_rate, pen, 0.0)
+    elastic = elastic_force(law, parameters, pen)  # taken once: its power costs the most
+    still = damped_force(law, parameters, impact_rate, pen, 0.0, elastic)
     closing = max(abs(rate), 1e-9)
-    return still, max(
-        (contact_force(law, parameters, impact_rate, pen, closing) - still) / closing, 0.0
-    )
+    pressed = damped_force(law, parameters, impact_rate, pen, closing, elastic)
+    return still, max((pressed - still) / closing, 0.0)
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -482,7 +483,7 @@ def scratch_of(n, count, states):
         np.zeros((n, 2)),
         np.zeros((n, 4)),
         np.zeros(n, dtype=np.int64),
-        np.zeros((count, 3)),
+        np.zeros((count, 4)),
         np.zeros(n),
         np.zeros(n),
         np.zeros((n, 4)),

@@ -111,7 +111,7 @@ def steady_train(
     ``method``: ``repeat`` (the classical one, of ``least`` cycles and more) or ``anderson``, with a test
     whether the orbit attracts where ``probed`` and in doubt. The record of the last cycle of a
     train that does not settle is given with its status saying so, and, where requested
-    (``compared``), with the scatter of some more cycles; so is one that settled to no better than
+    (``compared``; the search is less patient without), with the scatter of some more cycles; so is one that settled to no better than
     ``rattling``, unless the next two cycles have the same numbers.
     """
     template, times = [start or runner.initial_state()], []
@@ -127,7 +127,9 @@ def steady_train(
 
     vector, weights = _pack(template[0], runner), _weights(template[0], runner)
     if method == "anderson":
-        search = accelerate(cycle, vector, weights, tolerance, cycles, probed=probed)
+        search = accelerate(
+            cycle, vector, weights, tolerance, cycles, probed=probed, patient=compared
+        )
     else:
         search = repeat_cycles(cycle, vector, weights, tolerance, cycles, least=least)
     if not np.isfinite(search.residuals[-1]) and method == "anderson":

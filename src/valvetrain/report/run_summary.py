@@ -113,11 +113,13 @@ def _until(one: CriticalSpeed) -> str:
 
 def _hysteresis(one: CriticalSpeed) -> str:
     """The brackets of rising and falling speed where they are apart by more than the resolution,
-    empty elsewhere.
+    empty elsewhere, and where there are none: a motion that does not repeat has no branch to follow.
     """
     if one.begins is None:
         return ""
     ways = (one.begins.rising, one.begins.falling)
+    if not any(ways):
+        return ""
     same = all(way is not None and way.apart(one.begins.from_rest) <= 0 for way in ways)
     return "" if same else " / ".join("none" if way is None else str(way) for way in ways)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 from valvetrain.errors import InputError
@@ -60,6 +60,8 @@ SEARCH_TOLERANCE = 1e-4
 #: Cycles of the search for a periodic motion: half of them accelerated, then as many plain ones as show
 #: a period of eight. With 60 the same speeds are found at twice the time of all that never repeats.
 SEARCH_CYCLES = 24
+#: A repeat of a speed starts from the motion of a run no further away than this share of it.
+CLOSE = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,14 +222,26 @@ def _search(
             problem, variant.ready, reduced, options, engine_speed, orbit, step, periodic
         )
 
-    def sampler(variant: Variant) -> SampleAt:
-        # its ranges are of what nobody knows: whether each of their orbits attracts is not tested
-        return cache(partial(run, variant=variant, periodic=replace(until, probed=False)))
-
     search = Search(run, samples, options.limits, options.resolution)
-    precise = cache(partial(run, periodic=replace(until, tolerance=NOMINAL_TOLERANCE)))
+
+    def repeating(periodic: Periodic, variant: Variant | None = None) -> SampleAt:
+        """Runs, each once, from the motion of the nearest one before, or of one of the search."""
+        own, chosen = dict[float, SpeedSample](), variant or Variant("nominal", one)
+        # a numerical repeat shall not begin, and end at once, on the motion that it judges
+        pools = (own, search.samples) if variant is None or variant.group == "damping" else (own,)
+
+        def at(engine_speed: float) -> SpeedSample:
+            if engine_speed not in own:
+                start = next(filter(None, (_nearest(pool, engine_speed) for pool in pools)), None)
+                own[engine_speed] = run(engine_speed, start, chosen, periodic)
+            return own[engine_speed]
+
+        return at
+
+    precise = repeating(replace(until, tolerance=NOMINAL_TOLERANCE))
+    # ranges are of what nobody knows: whether each of their orbits attracts is not tested
     variants = variants_of(problem, one) if options.ranges else ()
-    repeats = [(each.group, sampler(each)) for each in variants]
+    repeats = [(each.group, repeating(replace(until, probed=False), each)) for each in variants]
     ends = min(samples), max(samples)
     rows = [critical_speed(search, kind, one.member.label, *ends, options) for kind in KINDS]
     whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
@@ -247,6 +261,17 @@ def _search(
         )
 
     return tuple(with_cause(row, one, run_there) for row in rows)
+
+
+def _nearest(samples: Mapping[float, SpeedSample], engine_speed: float) -> Any:
+    """The orbit of the nearest sample that repeats, within :data:`CLOSE`; None for none."""
+    distances = {
+        abs(speed - engine_speed): sample.orbit
+        for speed, sample in samples.items()
+        if sample.repeats and sample.orbit is not None
+    }
+    nearest = min(distances, default=math.inf)
+    return distances[nearest] if nearest <= CLOSE * engine_speed else None
 
 
 def _sample(
@@ -320,7 +345,12 @@ def critical_speed(
         return replace(none, runs_count=search.runs_count - before)
     from_speed = onset if isinstance(onset, float) else onset.upper_engine_speed
     end = search.end(kind, from_speed)
-    begins = None if isinstance(onset, float) else search.crossing(kind, onset)
+    begins = None
+    if isinstance(onset, SpeedBracket):
+        sides = (onset.lower_engine_speed, onset.upper_engine_speed)
+        # a motion that does not repeat has no branch that a rising or falling speed could follow
+        steady = all(search.known(one).repeats for one in sides)
+        begins = search.crossing(kind, onset) if steady else Crossing(onset)
     ends = None if end is None else Crossing(end)
     again = _narrowed(search, kind, from_speed)
     return replace(

@@ -67,7 +67,7 @@ class Crossing:
 
     ``from_rest``: every speed started at rest. ``rising``, ``falling``: every speed started from
     the motion at its neighbour below, or above; None where that motion did not change within the
-    speeds searched, or could not be continued.
+    speeds searched, does not repeat or could not be continued.
     """
 
     from_rest: SpeedBracket
