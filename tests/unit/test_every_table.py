@@ -103,6 +103,7 @@ def test_answers_say_each_number_of_each_run():
         row("Coil contacts", "clash_count"),
         ("\u2003largest by energy: coils", ("–", "1–2", "–", "–")),
         ("\u2003its peak at cam angle (deg)", ("–", "251", "–", "–")),
+        ("\u2003valve lift there (mm)", ("–", "0", "–", "–")),
         ("\u2003impulse (mN\xa0s)", ("–", "31", "–", "–")),
         row("Clash energy (mJ)", "clash_energy", 1e3),
         ("Wire stress", ()),

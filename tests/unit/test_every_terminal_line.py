@@ -59,6 +59,7 @@ def test_a_run_says_each_number_once_under_its_run():
         ("Coil contacts", "", "clash_count", 1),
         ("largest by energy: coils", "", "–/1–2/–/–", 0),
         ("its peak at cam angle", "deg", "–/251/–/–", 0),
+        ("valve lift there", "mm", "–/0/–/–", 0),
         ("impulse", "mN s", "–/31/–/–", 0),
         ("Clash energy", "mJ", "clash_energy", 1e3),
         ("Peak shear stress", "MPa", "peak_shear_stress", 1e-6),

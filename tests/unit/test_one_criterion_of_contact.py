@@ -76,7 +76,7 @@ def test_a_contact_that_opens_on_a_ramp_alone_is_no_loss_in_run_or_sweep():
     )
     for kept in (with_lift, replace(run, statistics=open_at)):
         assert (
-            "no loft but on a ramp (2.4 µm at 122 cam deg)"
+            "no loft while the valve is open (2.4 µm near the seat, at 122 cam deg)"
             in study_of(kept, events=(ramp,)).verdict
         )
         assert study_of(kept, "sweep", events=(ramp,)).verdict.startswith("In contact from")

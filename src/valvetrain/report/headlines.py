@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from valvetrain.quantities.limits import MARK, PassedLimit, passed_limits
 from valvetrain.report.run_summary import critical_rows, searched
 from valvetrain.report.text import number, quantity_label, rpm_text, speed_text
@@ -192,6 +194,9 @@ def largest_clash_rows(
         ),
         ("its peak at cam angle", "deg", _cells(angles)),
     ]
+    lifts = [_lift_at(run, one) for run, one in zip(runs, events, strict=True)]
+    if any(one != "–" for one in lifts):
+        rows.append(("valve lift there", reader_unit("mm"), tuple(lifts)))
     sizes = [None if one is None else clash_size(one, "impulse") for one in events]
     if any(size is not None for size in sizes):
         unit, factor = reader_unit("mN s"), reader_factor("mN s")
@@ -199,6 +204,17 @@ def largest_clash_rows(
             ("impulse", unit, _cells([None if one is None else one * factor for one in sizes]))
         )
     return rows
+
+
+def _lift_at(run: Solution | None, event: Event | None) -> str:
+    """``0.24 closing``: valve lift in the reader's unit at the peak of a clash, and where the valve goes; a dash
+    of a run that has no lift."""
+    if run is None or event is None or not run.has("valve_lift"):
+        return "–"
+    angle = math.radians(peak_angle(event))
+    here, later = np.interp([angle, angle + 0.01], run.cam_angle, run.channel("valve_lift"), period=math.tau)  # fmt: skip
+    way = "" if here == later else " closing" if here > later else " opening"
+    return number(1e3 * float(here) * reader_factor("mm"), 3) + way
 
 
 def _cells(values: Sequence[float | None]) -> tuple[str, ...]:

@@ -186,6 +186,8 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
         gap = f"loft of {runs.text(loft)}, " if loft is not None and loft.value > 0 else ""
         places, flight = _places_lost(runs, lost), _flight(runs, loft)
         why = _why_lost(runs, lost)
+        if lost.value < (lost.run or runs.solutions[0]).quantities.get(DURATION, 0.0):
+            why = f" while the valve is open{why}"  # the number of the table counts the ramps too
         yield Clause(
             f"{gap}{time} without contact{places}{why}{flight}"
             if gap
@@ -225,15 +227,18 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
 
 
 def _on_ramps(runs: Runs) -> str:
-    """`` but on a ramp (7.77 µm)`` of contacts that open near the seat alone, which loses no control."""
+    """`` while the valve is open (7.77 µm near its seat)`` of contacts that open near the seat alone, which
+    loses no control.
+    """
     found = loss_near_seat(runs)
     if found is None:
         return ""
     event, run = found
-    gap = f"{quantity_text(GAP, event.size)} at {math.degrees(event.cam_angle) % 360:.0f} cam deg"
+    gap = quantity_text(GAP, event.size)
+    angle = f"at {math.degrees(event.cam_angle) % 360:.0f} cam deg"
     where = f" at the {event.where}" if event.where != "cam" else ""
     place = f" {runs.place(run)}" if len(runs.solutions) > 1 else ""
-    return f" but on a ramp{where} ({gap}{place})"
+    return f" while the valve is open ({gap}{where} near the seat, {angle}{place})"
 
 
 def _flex_clause(runs: Runs) -> Clause | None:
