@@ -26,7 +26,7 @@ from valvetrain.system.train_system import TrainSystem
 #: Why solids of a pair that rub do not run.
 RUBBING = (
     "solid finite elements move each spring of a pair by itself, and these two rub on one another; leave rubbing out, "
-    "or use finite-element"
+    "or use multi-mass or wave-rod"
 )
 #: What stands for a wire whose rod cannot be reduced.
 CHAIN = "multi-mass"
