@@ -183,7 +183,7 @@ def modes(study: Study) -> Panels:
     ):  # the drawn half waves, turned so that the largest is +1
         wave = np.sin(np.pi * waves * coil / 7)
         top = wave[np.argmax(np.abs(wave))]
-        shapes[f"mode {number}"] = (coil, wave / top)
+        shapes[f"axial mode {number}"] = (coil, wave / top)
     force = "force carried, largest 1"
     return [
         (
@@ -200,12 +200,6 @@ def modes(study: Study) -> Panels:
                 "other mode": (np.array([400, 1300.0]), np.array([0.01, 0.1])),
                 "axial mode": (np.array([631, 1120, 1639.0]), np.array([1, 0.7, 0.5])),
             },
-        ),
-        (
-            "Modes, multi-mass chain",
-            "natural frequency (Hz)",
-            force,
-            {"axial mode": (np.array([620, 1210.0]), np.array([1, 0.8]))},
         ),
     ]
 

@@ -156,8 +156,8 @@ def test_a_study_tells_what_it_holds():
     study = made.own_study()
     lines = repr(study).splitlines()
     assert lines[0] == (
-        "7 coil clashes (44 mJ in all), hardest 345 N at 251 cam deg, "
-        "coils 1–2 at 5600 rpm (finite-element); "
+        "7 coil clashes (44 mJ in all), hardest 345 N between coils 1–2 at 251 cam deg "
+        "at 5600 rpm (finite-element); "
         "clear of coil bind by 1.25 mm at full lift (at rest); "
         "peak spring force 811 N, minimum 288 N at 4200 rpm (finite-element); "
         "models differ by 1.4 % in peak force at 5600 rpm."
@@ -220,8 +220,8 @@ def test_a_run_tells_what_it_holds():
     run = made.rod_run()
     told = repr(run).splitlines()
     assert (
-        told[0] == "7 coil clashes (44 mJ in all), hardest 345 N at 251 cam deg, "
-        "coils 1–2, clear of coil bind by 1.25 mm at full lift (at rest), peak spring force 811 N, minimum 288 N."
+        told[0] == "7 coil clashes (44 mJ in all), hardest 345 N between coils 1–2 "
+        "at 251 cam deg, clear of coil bind by 1.25 mm at full lift (at rest), peak spring force 811 N, minimum 288 N."
     )
     assert told[1] == "  Solution of own-spring, finite-element, 5600 rpm: completed"
     assert (

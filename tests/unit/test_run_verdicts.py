@@ -265,7 +265,7 @@ def test_what_did_not_complete_comes_first(code, first):
 def test_models_of_a_spring_and_published_values():
     said = own_study().verdict
     assert (
-        "hardest 345 N at 251 cam deg, coils 1–2 at 5600 rpm (finite-element); clear of coil bind"
+        "hardest 345 N between coils 1–2 at 251 cam deg at 5600 rpm (finite-element); clear of coil bind"
         in said
     )
     assert said.endswith("models differ by 1.4 % in peak force at 5600 rpm.")
@@ -404,7 +404,7 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     (run,) = one.solutions
     values = {**run.quantities, "clash_count": 2.0, "clash_energy": 0.01}
     clashes = replace(one, solutions=(replace(run, quantities=values),))
-    hardest = "hardest 66.5 N at 141 cam deg, coils 1–2"
+    hardest = "hardest 66.5 N between coils 1–2 at 141 cam deg"
     assert f"2 coil clashes (10 mJ in all), {hardest}" in clashes.verdict
     assert "clear of coil bind by 2.2 mm at full lift (at rest)," in clashes.verdict.lower()
     expected = (
@@ -444,7 +444,7 @@ def test_the_hardest_clash_is_a_blow_at_the_angle_of_its_force():
     one = train({"clash_count": 2.0, "clash_energy": 0.026})
     (run,) = one.solutions
     said = replace(one, solutions=(replace(run, events=(rests, blow)),)).verdict
-    assert "one coil clash, hardest 870 N under surge at 178 cam deg, coils 2–3, coils 1–2 rest on each other" in said  # fmt: skip
+    assert "one coil clash, hardest 870 N between coils 2–3 under surge at 178 cam deg, coils 1–2 rest on each other" in said  # fmt: skip
     assert "917" not in said and "mJ" not in said
     closes = replace(run, quantities={**run.quantities, "clash_count": 1.0}, events=(rests,))
     quiet = replace(one, solutions=(closes,)).verdict
@@ -467,7 +467,9 @@ def test_the_clash_of_the_finest_model_is_told():
         for run, name, size in ((one, "reduced-rod", 778.0), (other, "finite-element", 584.0))
     )
     said = Study(CaseRecord("own"), solutions=runs).verdict
-    assert "hardest 584 N under surge at 241 cam deg" in said and "778" not in said
+    assert (
+        "hardest 584 N between coils 1–2 under surge at 241 cam deg" in said and "778" not in said
+    )
 
 
 def test_a_contact_that_parts_once_the_valve_is_shut_is_no_loss_of_control():
@@ -529,7 +531,8 @@ def test_both_springs_of_a_pair_are_told_together():
     case = parse_case(template_text("direct", cards=True))
     study = static_study(case, spring_sets=("dual",))
     assert study.verdict.startswith(
-        "Together preload 235 N and rate 33.9 N/mm; outer: preload 150 N and rate 20 N/mm"
+        "Together preload 235 N, 540 N at the full lift of 9 mm and rate 33.9 N/mm; outer: preload 150 N, "
+        "330 N at the full lift of 9 mm and rate 20 N/mm by modal-uniform, 5 mm from coil bind at full lift; inner: preload 85 N"
     )
     assert "ogether" not in static_study(case).verdict
 

@@ -71,8 +71,8 @@ def resting_text(run: Solution) -> str:
 def _hardest_text(hardest: Event) -> str:
     size = f"{figure(hardest.size)} {unit_text(hardest.unit)}"
     why = " under surge" if hardest.details.get("cause") == STRIKES else ""
-    place = f"{peak_angle(hardest):.0f} cam deg, coils {clash_pair(hardest)}"
-    return f"hardest {size}{why} at {place}"
+    pair = clash_pair(hardest)
+    return f"hardest {size} between coils {pair}{why} at {peak_angle(hardest):.0f} cam deg"
 
 
 def _severity(runs: Runs, run: Solution) -> tuple[bool, float, float]:

@@ -88,6 +88,14 @@ class Runs:
         )
         return Worst(name, value, None if alike else run)
 
+    def reads_alike(self, found: Worst) -> bool:
+        """Whether a quantity reads the same of every run, so that none is the worst."""
+        values = [self.value(run, found.name) for run in self.solutions]
+        return (
+            all(map(math.isfinite, values))
+            and len({quantity_text(found.name, one) for one in values}) == 1
+        )
+
     def text(self, found: Worst, digits: int = 3) -> str:
         """Value and unit as tables print them, with an error bar above 5 %."""
         value, bar = quantity_text(found.name, found.value, digits), self.bar(found)
@@ -219,12 +227,16 @@ def clause_texts(clauses: Sequence[Clause], runs: Runs) -> list[str]:
     several = len(runs.solutions) > 1
     if several and len(about) == 1 and len(clauses) > 1:
         place = runs.place(next(iter(about.values())))
-        return [f"worst {place}: {', '.join(one.text for one in clauses)}"]
+        # the place is said, so that a clause need not repeat it
+        text = ", ".join(one.text for one in clauses).replace(f" {place})", ")")
+        return [f"worst {place}: {text}"]
     speeds = {rpm(run.engine_speed) for run in about.values()}
     if runs.speeds > 1 and len(speeds) == 1 and len(clauses) > 1:
         there = [run for run in runs.solutions if rpm(run.engine_speed) in speeds]
-        first, *more = clause_texts(clauses, replace(runs, solutions=tuple(there)))
-        return [f"worst at {speeds.pop():.6g} rpm: {first}", *more]
+        place = f"at {speeds.pop():.6g} rpm"
+        found = clause_texts(clauses, replace(runs, solutions=tuple(there)))
+        first, *more = (one.replace(f" {place})", ")") for one in found)
+        return [f"worst {place}: {first}", *more]
     found = []
     for _, group in groupby(clauses, key=lambda one: id(one.run)):
         some = list(group)

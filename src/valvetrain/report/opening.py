@@ -10,6 +10,7 @@ import numpy as np
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
+from valvetrain.report.clash_clauses import FINEST
 from valvetrain.report.model_charts import fidelity_chart
 from valvetrain.report.motion.parts import Variant
 from valvetrain.report.motion.project import motion_json, still_svg
@@ -19,10 +20,11 @@ from valvetrain.report.run_charts import (
     MAX_LINES,
     STATIC_LABEL,
     angle_panels,
+    from_zero,
     over_angle,
     runs_at,
 )
-from valvetrain.report.run_clauses import judged_runs, worst_run
+from valvetrain.report.run_clauses import judged_runs, run_clauses, worst_run
 from valvetrain.report.sections import at_rest
 from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.report.text import amount, number, speed_text
@@ -31,6 +33,8 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
 
+#: Height of the panel of the lift next to that of the force, which tells more.
+LIFT_WEIGHT = 0.6
 #: A limit further above the curve than this share of its span is not drawn.
 NEAR = 0.35
 
@@ -64,10 +68,7 @@ def run_chart(study: Study) -> Chart | None:
     run = worst_run(judged_runs(study)) or next(iter(study.solutions[::-1]), None)
     if run is None:
         return None
-    runs = runs_at(study, run.engine_speed)
-    if run.label not in [one.label for one in runs[:MAX_LINES]]:
-        runs = [one for one in runs if one.label == run.label] or runs
-    runs = runs[:MAX_LINES]
+    runs = _shown_runs(study, run, runs_at(study, run.engine_speed))
     if not runs:
         return None
     train = any(one.provenance.system == TRAIN for one in runs)
@@ -83,7 +84,7 @@ def run_chart(study: Study) -> Chart | None:
     )
     if any(isinstance(one, Line) and one.name == STATIC_LABEL for one in panels[0].layers):
         caption += " Dashed: what a spring without inertia would give at the same lift."
-    height = 210 * len(panels) + 70 if train else 360
+    height = 70 + round(210 * sum(one.weight for one in panels)) if train else 360
     return Chart(
         "opening",
         f"{what} at {speed_text(run.engine_speed)}{worst}",
@@ -92,6 +93,20 @@ def run_chart(study: Study) -> Chart | None:
         1,
         height,
     )
+
+
+def _shown_runs(study: Study, worst: Solution, runs: list[Solution]) -> list[Solution]:
+    """At most :data:`MAX_LINES` of the runs of a speed: the worst one, others that the verdict names, then
+    those by the finest models.
+    """
+    named = {id(one.run) for one in run_clauses(judged_runs(study))}
+    fine = {model: place for place, model in enumerate(FINEST)}
+
+    def key(run: Solution) -> tuple[bool, bool, int]:
+        return run is not worst, id(run) not in named, fine.get(run.model, len(fine))
+
+    chosen = {id(run) for run in sorted(runs, key=key)[:MAX_LINES]}
+    return [run for run in runs if id(run) in chosen]
 
 
 def _train_panels(study: Study, runs: list[Solution]) -> list[Panel]:
@@ -113,16 +128,8 @@ def _train_panels(study: Study, runs: list[Solution]) -> list[Panel]:
     )[:1]
     bind = [1e3 * value for value in _of_case(study, "coil_bind_lift")]
     lift = [_limited(panel, min(bind, default=np.nan), "coil bind") for panel in lift]
-    return [*lift, *map(_from_zero, force)]
-
-
-def _from_zero(panel: Panel) -> Panel:
-    """A panel of contact force, whose axis begins at the loss of contact."""
-    every = np.concatenate([np.asarray(one.y, dtype=float) for one in panel.layers])
-    low, high = min(float(np.nanmin(every)), 0.0), max(float(np.nanmax(every)), 1.0)
-    room = 0.07 * (high - low)
-    rules = (Rule("y", 0.0),)  # on the base circle no contact is lost, so the line has no name
-    return replace(panel, rules=rules, y_range=(low - room, high + room))
+    lift = [replace(panel, weight=LIFT_WEIGHT) for panel in lift]
+    return [*lift, *map(from_zero, force)]
 
 
 def _spring_panels(study: Study, runs: list[Solution]) -> list[Panel]:

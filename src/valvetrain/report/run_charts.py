@@ -5,14 +5,16 @@ speed.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.quantities.forces import within_cycle
+from valvetrain.quantities.signal import extreme_series
 from valvetrain.report import theme
-from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, thin
+from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, Rule, thin
 from valvetrain.report.page import Block, Tabs
 from valvetrain.report.text import speed_text
 from valvetrain.solution.display import SHOWN_UNITS
@@ -129,6 +131,23 @@ def over_angle(run: Solution, channel: str) -> tuple[Array, Array] | None:
     return np.degrees(cycle.cam_angle), cycle.channel(channel)
 
 
+def with_extremes(run: Solution, channel: str) -> tuple[Array, Array] | None:
+    """:func:`over_angle` with the highest and lowest value of every step between the samples, of forces
+    of which the run has them: those are what its peak and minimum are.
+    """
+    found = over_angle(run, channel)
+    if found is None or not run.has(f"{channel}_highest"):
+        return found
+    angles, values, cycle = [np.radians(found[0])], [found[1]], reported_cycle(run)
+    for kind in ("highest", "lowest"):
+        angle, extreme = extreme_series(run, channel, kind)
+        mine, begin = within_cycle(cycle, angle)
+        angles.append(angle[mine] - begin)
+        values.append(extreme[mine])
+    order = np.argsort(angle := np.concatenate(angles), kind="stable")
+    return np.degrees(angle[order]), np.concatenate(values)[order]
+
+
 def unit_of_channel(run: Solution, channel: str) -> tuple[str, float]:
     """Unit in which a channel is shown, and the factor from SI."""
     unit = run.unit(channel)
@@ -158,7 +177,7 @@ def angle_panels(
     a channel next to it, dashed, once.
     """
     known, panels, label = line_styles(study), [], name
-    shown = [(run, *found) for run in runs if (found := over_angle(run, channel)) is not None]
+    shown = [(run, *found) for run in runs if (found := with_extremes(run, channel)) is not None]
     for start in range(0, len(shown), MAX_LINES):
         layers: list[Layer] = []
         part = shown[start : start + MAX_LINES]
@@ -187,6 +206,16 @@ def angle_panels(
             )
         )
     return panels
+
+
+def from_zero(panel: Panel) -> Panel:
+    """A panel of contact force, whose axis begins at the loss of contact."""
+    every = np.concatenate([np.asarray(one.y, dtype=float) for one in panel.layers])
+    low, high = min(float(np.nanmin(every)), 0.0), max(float(np.nanmax(every)), 1.0)
+    room = 0.07 * (high - low)
+    # on the base circle no contact is lost, so the line has no name
+    rules = (*panel.rules, Rule("y", 0.0))
+    return replace(panel, rules=rules, y_range=(low - room, high + room))
 
 
 def panels_chart(

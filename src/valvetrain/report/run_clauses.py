@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from valvetrain.integrate.train_channels import LANDING_ENDS
 from valvetrain.quantities.end_events import PULL
@@ -161,6 +162,8 @@ def bind_clause(runs: Runs) -> Clause | None:
     if not found:
         return None
     one, spring = min(found, key=lambda pair: pair[0].value)
+    if runs.reads_alike(one):
+        one = replace(one, run=None)
     pair = [name for _, name in found if name]
     whose = f" ({spring} spring{' first' if len(pair) > 1 else ''})" if spring else ""
     if 0 <= one.value < NEAR:
@@ -238,6 +241,7 @@ def _on_ramps(runs: Runs) -> str:
     angle = f"at {math.degrees(event.cam_angle) % 360:.0f} cam deg"
     where = f" at the {event.where}" if event.where != "cam" else ""
     place = f" {runs.place(run)}" if len(runs.solutions) > 1 else ""
+    place = place.replace(" (", ", ").removesuffix(")")
     return f" while the valve is open ({gap}{where} near the seat, {angle}{place})"
 
 
@@ -358,4 +362,5 @@ def _force_clauses(runs: Runs) -> Iterator[Clause]:
     if peak is not None:
         yield Clause(f"peak spring force {runs.text(peak)}", peak.run)
     if least is not None:
-        yield Clause(f"minimum {runs.text(least)}", least.run)
+        pulls = ", where the spring would leave its seat" if least.value < 0 else ""
+        yield Clause(f"minimum {runs.text(least)}{pulls}", least.run)

@@ -21,16 +21,26 @@ from valvetrain.report.clauses import (
 )
 from valvetrain.report.model_verdict import fidelity_verdict
 from valvetrain.report.published_verdict import published_clause, share
-from valvetrain.report.run_clauses import condition_of, is_judged, judged_runs, run_clauses
+from valvetrain.report.run_clauses import (
+    NEAR,
+    SOLID,
+    condition_of,
+    is_judged,
+    judged_runs,
+    run_clauses,
+)
+from valvetrain.report.sections.at_rest import MODE_ORDERS, marked_compressions
 from valvetrain.report.springs_verdict import springs_verdict
 from valvetrain.report.sweep_verdict import runs_over_speed, sweep_clauses, worst_label
 from valvetrain.report.text import speed_text
 from valvetrain.solution.definition import NESTED
 from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
+from valvetrain.units.reader import reader_factor
 
-#: Cam orders that a verdict on modes names.
-MODE_ORDERS = (6, 12)
+#: Further springs whose loads are named, and share by which a rate differs from that as installed.
+MAX_SPRINGS, SAME_RATE = 2, 0.02
 #: What models are compared in.
 PEAK = "peak_spring_force"
 #: What spring sets of a train are weighed by.
@@ -138,16 +148,14 @@ def rest_failures(study: Study) -> list[str]:
 
 
 def rest_clauses(study: Study) -> list[str]:
-    """Preload, rate and first axial mode of the first spring at rest, and how far others are."""
+    """Loads, rate and first axial mode of the first spring at rest, how far other models are, and what
+    is left to coil bind; where loads or modes were asked for those of other springs too.
+    """
     if not study.rest:
         return []
     first = study.rest[0]
-    parts, curve = [], first.curve
-    if curve is not None and curve.compression[0] <= first.precompression <= curve.compression[-1]:
-        force, rate = curve.force_at(first.precompression), curve.stiffness_at(first.precompression)
-        if first.precompression > 0:
-            parts.append(f"preload {amount_text(float(force), 'N')}")
-        parts.append(f"rate {amount_text(float(rate) * 1e-3, 'N/mm')}")
+    several = len({one.spring for one in study.rest}) > 1
+    parts = _loads(study, first)
     modes = [] if first.modes is None else [float(one) for one in first.modes.axial_frequencies]
     if modes:
         place = 0 if study.command == "modes" else len(parts)
@@ -157,14 +165,59 @@ def rest_clauses(study: Study) -> list[str]:
     others = [
         float(one.modes.axial_frequencies[0]) / modes[0] - 1
         for one in study.rest[1:]
-        if modes and one.spring == first.spring and one.modes is not None
-        if len(one.modes.axial_frequencies)
+        if modes and one.spring == first.spring and one.model != first.model
+        if one.modes is not None and len(one.modes.axial_frequencies)
     ]
-    whose = f"{first.spring}: " if len({one.spring for one in study.rest}) > 1 else ""
+    whose = f"{first.spring}: " if several else ""
     text = f"{whose}{joined(parts)} by {first.model}"
     if others:
-        text += f", other models within {share(max(map(abs, others)))} in that mode"
-    return [*pair_clause(study), text]
+        apart = share(max(map(abs, others)))
+        text += f", other models {apart if apart.startswith('less') else f'within {apart}'} off in that mode"
+    texts = [*pair_clause(study), f"{text}{_to_solid(study, first)}"]
+    named = {one.spring: one for one in reversed(study.rest) if one.spring != first.spring}
+    for name, one in list(reversed(named.items()))[:MAX_SPRINGS]:
+        if study.command == "static" and (loads := _loads(study, one)):
+            texts.append(f"{name}: {joined(loads)}{_to_solid(study, one)}")
+        elif (
+            study.command == "modes" and one.modes is not None and len(one.modes.axial_frequencies)
+        ):
+            frequency = float(one.modes.axial_frequencies[0])
+            texts.append(f"{name}: {figure(frequency)} Hz{_orders(study, frequency)}")
+    return texts
+
+
+def _loads(study: Study, one: SpringAtRest) -> list[str]:
+    """Preload, load at full lift and rate of a spring, as far as its curve reaches."""
+    curve, parts = one.curve, list[str]()
+    if curve is None or not curve.compression[0] <= one.precompression <= curve.compression[-1]:
+        return parts
+    if one.precompression > 0:
+        parts.append(f"preload {amount_text(curve.force_at(one.precompression), 'N')}")
+    rate = float(curve.stiffness_at(one.precompression))
+    rates = f"rate {amount_text(rate * 1e-3, 'N/mm')}"
+    full = marked_compressions(study, one).get("full lift", math.inf)
+    if study.command == "static" and full <= curve.compression[-1]:
+        lift = quantity_text("maximum_lift", full - one.precompression)
+        parts.append(f"{amount_text(curve.force_at(full), 'N')} at the full lift of {lift}")
+        there = float(curve.stiffness_at(full))
+        if abs(there / rate - 1) > SAME_RATE:
+            rates += f" ({figure(there * 1e-3 * reader_factor('N/mm'))} at full lift)"
+    return [*parts, rates]
+
+
+def _to_solid(study: Study, one: SpringAtRest) -> str:
+    """``, clear of coil bind by 3.6 mm at full lift`` where loads were asked for; empty where not known."""
+    alike = (other for other in study.rest if other.spring == one.spring)
+    known = [found for other in alike if "solid" in (found := marked_compressions(study, other))]
+    if study.command != "static" or not known or "full lift" not in known[0]:
+        return ""
+    marks = known[0]
+    left = marks["solid"] - marks["full lift"]
+    room = quantity_text("coil_bind_clearance", abs(left))
+    if left < 0:
+        return f", {SOLID} {room} before the full lift"
+    only = "only " if left < NEAR else ""
+    return f", {only}{room} from coil bind at full lift"
 
 
 def _orders(study: Study, frequency: float) -> str:
@@ -184,6 +237,15 @@ def pair_clause(study: Study) -> list[str]:
     at = [(curve, one.precompression) for curve, one in zip(curves, pair, strict=True)]
     force = sum(float(curve.force_at(compression)) for curve, compression in at)
     rate = sum(float(curve.stiffness_at(compression)) for curve, compression in at)
-    return [
-        f"together preload {amount_text(force, 'N')} and rate {amount_text(rate * 1e-3, 'N/mm')}"
+    parts, rated = [f"preload {amount_text(force, 'N')}"], amount_text(rate * 1e-3, "N/mm")
+    lifts = [
+        marked_compressions(study, one).get("full lift", math.inf) - one.precompression
+        for one in pair
     ]
+    lift = max(lifts)
+    if study.command == "static" and all(c + lift <= curve.compression[-1] for curve, c in at):
+        full = sum(float(curve.force_at(compression + lift)) for curve, compression in at)
+        parts.append(
+            f"{amount_text(full, 'N')} at the full lift of {quantity_text('maximum_lift', lift)}"
+        )
+    return [f"together {joined([*parts, f'rate {rated}'])}"]

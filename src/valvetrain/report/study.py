@@ -64,6 +64,8 @@ _KICKERS = {
     "static": "Springs at rest",
     "modes": "Natural modes",
 }
+#: Commands that run nothing.
+AT_REST = ("static", "modes")
 #: Sentences of a case's description that stand on top of its page.
 _LEAD_SENTENCES = 2
 _MAX_SPEEDS = 6
@@ -173,7 +175,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
         "spring model": mark.join(names), "changed": ", ".join(study.record.changed),
-        "runs": f"{ended} of {len(study.solutions)} {word}{unsettled}" if study.solutions else "none run",
+        "runs": f"{ended} of {len(study.solutions)} {word}{unsettled}" if study.solutions else "" if study.command in AT_REST else "none run",
     }  # fmt: skip
     return tuple((name, value) for name, value in facts.items() if value)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.control import control_of, first_losses
-from valvetrain.report.run_charts import MAX_LINES, Array, line_styles, with_between
+from valvetrain.report.run_charts import MAX_LINES, Array, from_zero, line_styles, with_between
 from valvetrain.report.sweep_verdict import runs_over_speed, worst_label, worst_surge
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import CriticalSpeed
@@ -55,10 +55,13 @@ def regime_chart(study: Study) -> Chart | None:
         panels.append(_curves(study, ("surge_amplitude_force",), marks))
     if not panels[0].layers:
         return None
+    if train:
+        panels[0] = from_zero(panels[0])
     drawn = [panel for panel in panels if panel.layers]
     title = "Least cam force and control over engine speed" if train else "Forces over engine speed"
     whose = f", those of {label}" if len(study.labels) > 1 and not several else ""
-    caption = f"Dotted: the speeds of the verdict{whose}." if marks else ""
+    caption = "A point per cam revolution." if study.command == "run-up" else ""
+    caption += f" Dotted: the speeds of the verdict{whose}." if marks else ""
     if found:
         caption += (
             " Bars: speeds at which contact is lost, the valve floats or bounces; thin: where that begins with another "
@@ -69,7 +72,7 @@ def regime_chart(study: Study) -> Chart | None:
     return Chart(
         "opening",
         title,
-        caption,
+        caption.strip(),
         tuple(drawn),
         1,
         round((200 if rows < 3 else 165) * rows + 40 * len(drawn)),

@@ -133,6 +133,7 @@ def static_study(
                 size_quantities(spring)
                 | rest_quantities(one)
                 | buckling_quantities(installed, one, lift)
+                | _travel(installed, lift, case.train is not None)
             )
             if progress is not None:
                 share = len(found) / (len(problem.springs) * len(models))
@@ -152,6 +153,14 @@ def static_study(
         provenance=origin,
         wall_time=time.perf_counter() - begun,
     )
+
+
+def _travel(spring: InstalledSpring, lift: float, train: bool) -> dict[str, float]:
+    """The largest lift (m), of rigid parts in a ``train``, and that at which the coils are solid, as far as
+    they are known.
+    """
+    found = {"rigid_maximum_valve_lift" if train else "maximum_lift": lift} if lift > 0 else {}
+    return found if spring.room is None else found | {"coil_bind_lift": spring.room}
 
 
 def curve_by_model(

@@ -10,11 +10,20 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule, thin
 from valvetrain.report.page import Block, Cell, Grid, SectionSpec, figure_or_gap, text
 from valvetrain.report.text import number
+from valvetrain.solution.definition import NESTED
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import COMPLETED
 from valvetrain.solution.study import Study
 
 MAX_SHAPES, MAX_MODES = 4, 6
+#: Top of an axis over its highest curve, so that labels of rules stand above that.
+LABELLED = 1.25
+#: Share of the largest force below which a difference in force tells of rounding.
+LEAST_LOAD = 1e-3
+#: Cam orders that are named with a mode, and share of its frequency that a figure shows about it.
+MODE_ORDERS, ABOUT = (6, 12), 0.25
+#: Names of the largest lift: of a spring alone, and of a train.
+LIFTS = ("maximum_lift", "rigid_maximum_valve_lift")
 _COMPRESSION = "compression from the free length (mm)"
 
 
@@ -31,6 +40,9 @@ def blocks(study: Study) -> tuple[Block, ...]:
         if (key := f"static-{place}") != taken:
             title = f"Static curve{whose}"
             found += figure_or_gap(title, static_chart, study, mine, key, title)
+        if study.command == "static":
+            known = ((one, one.curve) for one in mine if one.curve is not None)
+            found += [state_grid(study, one, curve) for one, curve in known]
         found += frequency_grid(mine, whose)
         if (key := f"modes-{place}") != taken:
             title = f"Natural modes{whose}"
@@ -54,9 +66,11 @@ def opening_chart(study: Study) -> Chart | None:
     mine = [one for one in study.rest if one.spring == study.rest[0].spring]
     whose = f", {mine[0].spring} spring" if len({one.spring for one in study.rest}) > 1 else ""
     key = _opening_key(study)
+    if key == "static":
+        return springs_chart(study, key)
     if key.startswith("static"):
         return static_chart(study, mine, key, f"Static curve{whose}")
-    return modes_chart(mine, key, f"Natural modes{whose}") if key else None
+    return orders_chart(study, key) if key else None
 
 
 def _opening_key(study: Study) -> str:
@@ -69,13 +83,15 @@ def _opening_key(study: Study) -> str:
     curve = any(one.curve is not None and len(one.curve.compression) > 1 for one in mine)
     modes = any(one.modes is not None and len(one.modes.natural_frequency) for one in mine)
     if modes and (study.command == "modes" or not curve):
-        return "modes-1"
-    return "static-1" if curve else ""
+        return "modes-orders"
+    if not curve:
+        return ""
+    return "static-1" if len({one.spring for one in study.rest}) == 1 else "static"
 
 
 def marked_compressions(study: Study, rest: SpringAtRest) -> dict[str, float]:
-    """Compressions (m) of the installed state, at the largest lift and at coil bind, those that are
-    known.
+    """Compressions (m) of the installed state, at the largest lift and with all coils closed, those
+    that are known.
     """
     found = {"installed": rest.precompression} if rest.precompression else {}
     if rest.curve is not None and rest.curve.buckling is not None:
@@ -85,24 +101,99 @@ def marked_compressions(study: Study, rest: SpringAtRest) -> dict[str, float]:
         for run in study.solutions
         if run.has("valve_lift") and len(run.time)
     ]
-    lifts += [
-        value
-        for key, value in study.quantities.items()
-        if key.name in ("maximum_lift", "rigid_maximum_valve_lift")
-    ]
+    own = study.still.get(f"{rest.spring}, {rest.model}")
+    known = (
+        [(key.name, value) for key, value in study.quantities.items()]
+        if own is None
+        else list(own.items())
+    )
+    lifts += [value for name, value in known if name in LIFTS]
     if lifts:
-        found["open"] = rest.precompression + max(lifts)
+        found["full lift"] = rest.precompression + max(lifts)
     names = (f"{rest.spring}_coil_bind_lift", "coil_bind_lift")
-    bind = next(
-        (
-            value
-            for name in names
-            for key, value in study.quantities.items()
-            if key.name == name and np.isfinite(value)
-        ),
+    solid = next(
+        (value for word in names for name, value in known if name == word and np.isfinite(value)),
         None,
     )
-    return found if bind is None else found | {"bind": rest.precompression + bind}
+    return found if solid is None else found | {"solid": rest.precompression + solid}
+
+
+def springs_chart(study: Study, key: str) -> Chart | None:
+    """Force and stiffness of several springs over the lift, and of a nested pair those of both together."""
+    models = list(dict.fromkeys(one.model for one in study.rest))
+    springs = [*dict.fromkeys(one.spring for one in study.rest), "together"]
+    curves = {
+        (one.spring, one.model): _over_lift(one, one.curve)
+        for one in reversed(study.rest)
+        if one.curve is not None
+    }
+    for model in models:
+        pair = [curves[name, model] for name in NESTED if (name, model) in curves]
+        if len(pair) == len(NESTED):
+            lift = pair[0][0][pair[0][0] <= pair[1][0][-1]]
+            both = [sum(np.interp(lift, one[0], one[at]) for one in pair) for at in (1, 2)]
+            curves["together", model] = lift, both[0], both[1]
+    force, stiffness = list[Layer](), list[Layer]()
+    for spring, model in sorted(curves, key=lambda one: (springs.index(one[0]), one[1])):
+        lift, load, rate = curves[spring, model]
+        name = spring if len(models) < 2 else f"{spring}, {theme.model_label(model)}"
+        colour = theme.SERIES[springs.index(spring) % len(theme.SERIES)]
+        dash = ("solid", "dash", "dot")[models.index(model) % 3]
+        force.append(Line(lift * 1e3, load, name, colour, dash=dash))
+        stiffness.append(Line(lift * 1e3, rate * 1e-3, name, colour, dash=dash, in_legend=False))
+    lifts = [
+        found["full lift"] - one.precompression
+        for one in study.rest
+        if "full lift" in (found := marked_compressions(study, one))
+    ]
+    rules = (Rule("x", max(lifts) * 1e3, "full lift"),) if lifts else ()
+    # the wall of a solid spring would flatten all else
+    top = max(min(rate.max(), 4 * np.median(rate)) for _, _, rate in curves.values()) * 1e-3
+    axis, heights = "valve lift (mm)", (0.0, LABELLED * float(top))
+    panels = (
+        Panel(axis, "force (N)", tuple(force), "Force", rules=rules),
+        Panel(axis, "tangent stiffness (N/mm)", tuple(stiffness), "Stiffness", rules=rules, y_range=heights),
+    )  # fmt: skip
+    caption = "Static force over the lift from the installed state. The stiffness rises where coils come to lie on the ones below."
+    return Chart(key, "Static force of the springs", caption, panels, 2, 370)
+
+
+def _over_lift(one: SpringAtRest, curve: StaticCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Lift (m) from the installed state on, force (N) and stiffness (N/m) there."""
+    points = curve.path or curve
+    there = points.compression >= one.precompression - 1e-9
+    return (
+        points.compression[there] - one.precompression,
+        points.force[there],
+        points.stiffness[there],
+    )
+
+
+def state_grid(study: Study, one: SpringAtRest, curve: StaticCurve) -> Grid:
+    """Height, load, rate and stress of a spring as installed, at full lift, as requested and solid."""
+    own = study.still.get(f"{one.spring}, {one.model}", study.still.get("", {}))
+    free, per_force = None, one.stress_per_force
+    if one.installed is not None and one.installed.height is not None:
+        free = one.installed.height + one.installed.compression
+
+    def row(word: str, at: float) -> tuple[tuple[Cell, ...], tuple[str, ...]]:
+        force, rate, stress = None, None, None
+        if word == "solid":
+            force, stress = own.get("solid_force"), own.get("solid_nominal_shear_stress")
+        elif at <= curve.compression[-1]:
+            force, rate = float(curve.force_at(at)), float(curve.stiffness_at(at)) * 1e-3
+            stress = None if per_force is None else per_force * force
+        height = None if free is None else (free - at) * 1e3
+        values = at * 1e3, height, force, rate, None if stress is None else stress * 1e-6
+        return (Cell(word), *(Cell(number(value), "number") for value in values)), ()
+
+    marks = marked_compressions(study, one)
+    solid = marks.pop("solid", None)
+    states = [*marks.items(), *(("as requested", point.compression) for point in one.points)]
+    states += [] if solid is None else [("solid", solid)]
+    heads = ("state", "compression (mm)", "height (mm)", "force (N)", "rate (N/mm)", "shear stress by EN 13906-1 (MPa)")  # fmt: skip
+    caption = f"{one.spring} by {theme.model_label(one.model)}"
+    return Grid(heads, tuple(row(word, at) for word, at in states), caption=caption)
 
 
 def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str) -> Chart | None:
@@ -130,7 +221,7 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
                 in_legend=False,
             )
         )
-        if one is not known[0][0]:
+        if one.model != known[0][0].model:
             apart.append(
                 Line(
                     curve.compression * 1e3,
@@ -146,7 +237,7 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
     )
     every = np.concatenate([np.asarray(curve.stiffness, dtype=float) for _, curve in known]) * 1e-3
     # The wall of the solid spring would flatten all else.
-    top = 1.08 * min(float(every.max()), 4 * float(np.median(every)))
+    top = LABELLED * min(float(every.max()), 4 * float(np.median(every)))
     # Room at the right for the words next to the last mark.
     reach = (
         0.0,
@@ -195,7 +286,8 @@ def difference(curve: StaticCurve, reference: StaticCurve) -> np.ndarray:
     base = np.interp(
         curve.compression, reference.compression, reference.force, left=np.nan, right=np.nan
     )
-    return 100 * (np.asarray(curve.force) / np.where(base > 0, base, np.nan) - 1)
+    loaded = base > LEAST_LOAD * float(np.nanmax(base, initial=0.0))
+    return 100 * (np.asarray(curve.force) / np.where(loaded, base, np.nan) - 1)
 
 
 def frequency_grid(members: list[SpringAtRest], whose: str = "") -> tuple[Block, ...]:
@@ -226,41 +318,91 @@ def frequency_grid(members: list[SpringAtRest], whose: str = "") -> tuple[Block,
     )
 
 
+def orders_chart(study: Study, key: str) -> Chart | None:
+    """First axial mode of every spring and the cam orders that meet it over engine speed, with the shapes
+    of the first spring that has any.
+    """
+    found = {
+        (one.spring, theme.model_label(one.model)): float(one.modes.axial_frequencies[0])
+        for one in reversed(study.rest)
+        if one.modes is not None and len(one.modes.axial_frequencies)
+    }
+    if not found:
+        return None
+    found = dict(reversed(found.items()))
+    springs, models = (list(dict.fromkeys(part)) for part in zip(*found, strict=True))
+    low, high = min(found.values()), max(found.values())
+    first, last = 60 * 2 * low / MODE_ORDERS[1], 60 * 2 * high / MODE_ORDERS[0]
+    ends = np.array([first - 0.06 * (last - first), last + 0.1 * (last - first)])
+    layers: list[Layer] = []
+    for order in range(MODE_ORDERS[0], MODE_ORDERS[1] + 1):
+        x = np.clip(120 * np.array([(1 - ABOUT) * low, (1 + ABOUT) * high]) / order, *ends)
+        layers.append(
+            Line(x, order * x / 120, f"order {order}", theme.MUTED, 1.0, "dot", False, f"{order}")
+        )
+    for (spring, model), value in found.items():
+        name = ", ".join(
+            [*([spring] if len(springs) > 1 else []), *([model] if len(models) > 1 else [])]
+        )
+        colour = theme.SERIES[springs.index(spring) % len(theme.SERIES)]
+        dash = ("solid", "dash", "dot")[models.index(model) % 3]
+        layers.append(Line(ends, np.full(2, value), name or "first axial mode", colour, dash=dash))
+        orders = np.arange(MODE_ORDERS[0], MODE_ORDERS[1] + 1)
+        speeds = 120 * value / orders
+        hints = tuple(
+            f"order {order} at {speed:.0f} rpm" for order, speed in zip(orders, speeds, strict=True)
+        )
+        layers.append(
+            Marks(
+                speeds,
+                np.full(len(speeds), value),
+                "",
+                colour,
+                size=6,
+                filled=True,
+                in_legend=False,
+                hints=hints,
+            )
+        )
+    axes = "engine speed (rpm)", "frequency (Hz)"
+    heights = (1 - ABOUT) * low, (1 + 1.2 * ABOUT) * high
+    panels = [Panel(*axes, tuple(layers), "First axial mode and cam orders", x_range=(float(ends[0]), float(ends[1])), y_range=heights)]  # fmt: skip
+    shapes = (shapes_panel(one) for one in study.rest)
+    panels += [one for one in shapes if one is not None][:1]
+    caption = "Dotted: cam orders with their numbers; at a dot one meets the mode and excites surge most. Both ends of the spring are fixed."
+    return Chart(key, "Natural modes", caption, tuple(panels), len(panels), 370)
+
+
+def shapes_panel(one: SpringAtRest) -> Panel | None:
+    """Axial part of the shapes of the axial modes along the wire; None of a model without shapes."""
+    result, lines = one.modes, list[Layer]()
+    if result is None or not len(result.natural_frequency):
+        return None
+    shapes = zip(result.axial_modes[:MAX_SHAPES], theme.SERIES, strict=False)
+    for place, (mode, colour) in enumerate(shapes, start=1):
+        shape = np.asarray(result.shape)[mode, :, 2]
+        largest = shape[np.argmax(np.abs(shape))] if len(shape) else 0.0
+        if largest:
+            x, y = thin(np.asarray(result.coil_number), shape / largest)
+            lines.append(Line(x, y, f"axial mode {place}", colour))
+    axes, title = (
+        ("coil number (turns from the lower end)", "axial part, largest 1"),
+        f"Shapes, {theme.model_label(one.model)}",
+    )
+    return Panel(*axes, tuple(lines), title, y_range=(-1.15, 1.15)) if lines else None
+
+
 def modes_chart(members: list[SpringAtRest], key: str, title: str) -> Chart | None:
     """Axial mode shapes of each model that gives them, and how much axial force each mode carries
     from end to end.
     """
     panels = []
     for one in members:
-        result, lines = one.modes, []
-        if result is None or not len(result.natural_frequency):
+        shapes = shapes_panel(one)
+        if shapes is None:  # every mode of a model without shapes is axial and carries all
             continue
-        label = theme.model_label(one.model)
-        for place, (mode, colour) in enumerate(
-            zip(result.axial_modes[:MAX_SHAPES], theme.SERIES, strict=False), start=1
-        ):
-            shape = np.asarray(result.shape)[mode, :, 2]
-            largest = shape[np.argmax(np.abs(shape))] if len(shape) else 0.0
-            if largest:
-                lines.append(
-                    Line(
-                        *thin(np.asarray(result.coil_number), shape / largest),
-                        f"mode {place}",
-                        colour,
-                    )
-                )
-        if lines:
-            x_label = "coil number (turns from the lower end)"
-            panels.append(
-                Panel(
-                    x_label,
-                    "axial part, largest 1",
-                    tuple(lines),
-                    f"Shapes, {label}",
-                    y_range=(-1.15, 1.15),
-                )
-            )
-        panels.append(_carried(one, label))
+        panels.append(shapes)
+        panels.append(_carried(one, theme.model_label(one.model)))
     caption = (
         "Modes about the installed state, both ends fixed. Axial modes carry force from end to end, found by the residue of the axial "
         "force transmission."
