@@ -109,7 +109,7 @@ def test_ramp_velocity_and_durations_are_those_of_the_card():
     ("face", "lash", "words"),
     [
         ("28 mm", "0.2 mm", "Ready to run: the lash opens on the ramp, at 0.0127 mm/deg; the contact stays 3.58 mm within the face;"),
-        ("20 mm", "0.2 mm", "Ready to run, but the contact runs 0.417 mm off the face; the lash opens on the ramp"),
+        ("20 mm", "0.2 mm", "Ready to run, but the contact runs 0.417 mm off the face, which needs a diameter of 20.8 mm; the lash opens on the ramp"),
         ("", "0.2 mm", "the follower's face needs a diameter of 20.8 mm"),
         ("28 mm", "0.4 mm", "Ready to run, but the lash takes 0.4 mm of the lobe, above its ramp, so that the valve strikes its seat"),
     ],
@@ -136,6 +136,16 @@ def test_a_coil_bind_that_no_card_lets_check_is_named():
     cam, _ = cam_facts(case, problem)
     sentence = check_verdict(case, problem, case_quantities(case, problem), cam)
     assert sentence.endswith("coil bind is not checked, for no spring states a solid height.")
+
+
+def test_the_spring_of_a_pair_without_solid_height_is_named():
+    """Contract: the room that is left is that of the spring whose card states it."""
+    case = parse_case(template_text("pushrod"), "pushrod")
+    found = {"rigid_maximum_valve_lift": 12e-3, "outer_coil_bind_lift": 15e-3}
+    sentence = check_verdict(case, build(case), found, {})
+    assert (
+        "3 mm are left to coil bind of the outer spring; the inner one is not checked" in sentence
+    )
 
 
 def test_a_law_without_ramps_is_told_where_its_lash_opens():

@@ -34,7 +34,7 @@ from valvetrain.report.run_summary import (
 from valvetrain.report.text import rpm, rpm_text
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import label_of, names_for
-from valvetrain.units.reader import reader_unit
+from valvetrain.units.reader import reader_text, reader_unit
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -357,7 +357,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
     ]
     if not study.comparisons and not study.findings:
         for number, note in enumerate(study.all_notes):
-            console.print(("" if number else "\n") + f"note: {note}")
+            console.print(("" if number else "\n") + f"note: {reader_text(note)}")
         return
     if not whole:
         if study.comparisons or more:

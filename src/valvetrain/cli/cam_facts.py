@@ -13,6 +13,7 @@ from valvetrain.quantities.cam_shape import (
 )
 from valvetrain.report.clauses import quantity_text
 from valvetrain.report.text import number, quantity_label
+from valvetrain.solution.definition import NESTED
 
 if TYPE_CHECKING:
     from valvetrain.cam.contract import LiftLaw
@@ -82,6 +83,17 @@ def _height(lift: float) -> str:
     return f"{number(lift * 1e3)} mm ({lift / 25.4e-3:.3f} in)"  # cards of both kinds are at hand
 
 
+def _unchecked(quantities: Mapping[str, float]) -> str:
+    """The spring of a pair of which no solid height is known."""
+    known = [one for one in NESTED if f"{one}_coil_bind_lift" in quantities]
+    if len(known) != 1:
+        return ""
+    other = next(one for one in NESTED if one not in known)
+    return (
+        f" of the {known[0]} spring; the {other} one is not checked, for it states no solid height"
+    )
+
+
 def check_verdict(
     case: Case, problem: Problem | None, quantities: Mapping[str, float], cam: Mapping[str, float]
 ) -> str:
@@ -110,7 +122,8 @@ def check_verdict(
             left = quantity_text("cam_contact_face_radius", abs(face / 2 - away))
             inside = away <= face / 2
             (facts if inside else doubts).append(
-                f"the contact stays {left} within the face" if inside else f"the contact runs {left} off the face"
+                f"the contact stays {left} within the face" if inside else f"the contact runs {left} off the face, "
+                f"which needs a diameter of {quantity_text('cam_contact_face_radius', 2 * away)}"
             )  # fmt: skip
     if (radius := cam.get("cam_least_radius")) is not None:
         facts.append(f"the cam's least radius is {quantity_text('cam_least_radius', radius)}")
@@ -118,7 +131,7 @@ def check_verdict(
     solid = [value for name, value in quantities.items() if name.endswith("coil_bind_lift")]
     if lift is not None and solid:
         facts.append(
-            f"{quantity_text('coil_bind_clearance', min(solid) - lift)} are left to coil bind"
+            f"{quantity_text('coil_bind_clearance', min(solid) - lift)} are left to coil bind{_unchecked(quantities)}"
         )
     elif lift is not None and problem is not None:
         facts.append("coil bind is not checked, for no spring states a solid height")

@@ -14,8 +14,8 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "fitted_length": ("installed_height",), "wire": ("wire_diameter",), "wire_size": ("wire_diameter",), "od": ("outer_diameter",),
     "outside_diameter": ("outer_diameter",), "coil_diameter": ("mean_diameter", "outer_diameter"), "coils": ("active_coils", "total_coils"),
     "turns": ("active_coils", "total_coils"), "weight": ("mass",), "clearance": ("lash",), "valve_clearance": ("lash",),
-    "tappet_clearance": ("lash",), "lift": ("valve_lift", "lobe_lift"), "cam_lift": ("lobe_lift",), "lobe_separation": ("lobe_centre",),
-    "lsa": ("lobe_centre",), "centreline": ("lobe_centre",), "centerline": ("lobe_centre",), "intake_centerline": ("lobe_centre",),
+    "tappet_clearance": ("lash",), "lift": ("valve_lift", "lobe_lift"), "cam_lift": ("lobe_lift",), 
+    "centreline": ("lobe_centre",), "centerline": ("lobe_centre",), "intake_centerline": ("lobe_centre",),
     "lobe_center": ("lobe_centre",), "rocker": ("rocker_ratio",), "seat_duration": ("advertised_duration",), "rpm": ("engine_speeds",),
     "speed": ("engine_speeds",), "speeds": ("engine_speeds",), "engine_speed": ("engine_speeds",), "rated_speed": ("red_line",),
     "redline": ("red_line",), "rev_limit": ("red_line",), "maximum_speed": ("red_line",), "maximum_engine_speed": ("red_line",),
@@ -24,6 +24,10 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 #: Names of a diameter whose key is a radius.
 _DIAMETERS = ("base_diameter", "base_circle", "roller_diameter")
+
+
+#: Of a single lobe there is no separation, and taking it for the centreline would retard the cam.
+_SEPARATION = "one lobe has no separation: give lobe_centre, its own centreline (of an intake the separation less the advance)"
 
 
 #: Keys that are looked for at the top of a file -> where they belong.
@@ -39,8 +43,12 @@ def meant_key(name: str, valid: tuple[str, ...]) -> str:
     ('that is preload here', 'that is outer_diameter here', '')
     >>> meant_key("time_step", ("spring", "train"))
     'it belongs at spring.options.finite-element.time_step'
+    >>> meant_key("lobe separation", ("lobe_centre",))[:28]
+    'one lobe has no separation: '
     """
     word = re.sub(r"[\s-]+", "_", name[:60].strip().lower())
+    if word in ("lobe_separation", "lsa", "separation") and "lobe_centre" in valid:
+        return _SEPARATION
     key = next((one for one in SYNONYMS.get(word, ()) if one in valid), "")
     if not key:
         place = BELONGS.get(word, "") if "spring" in valid else ""

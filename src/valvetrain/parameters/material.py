@@ -75,10 +75,17 @@ MATERIALS: dict[str, Material] = {material.name: material for material in _ALL}
 
 
 def material_by_name(name: str) -> Material:
-    """The library material ``name``, capitals and spaces ignored. Raises :class:`InputError` naming
-    the nearest ones.
+    """The library material ``name``, capitals, spaces and the number of its standard ignored. Raises
+    :class:`InputError` naming the nearest ones.
+
+    >>> material_by_name("VDSiCr").name
+    'EN 10270-2 VDSiCr'
     """
-    found = {_key(known): material for known, material in MATERIALS.items()}.get(_key(name))
+    word = _key(name)
+    found = {_key(known): material for known, material in MATERIALS.items()}.get(word)
+    ends = [material for known, material in MATERIALS.items() if _key(known).endswith(word)]
+    if found is None and len(word) > 1 and len(ends) == 1:
+        found = ends[0]
     if found is None:
         raise InputError(
             f"material '{name[:40]}' is not in the library; {nearest(name, tuple(MATERIALS))}"

@@ -165,7 +165,11 @@ def bind_clause(runs: Runs) -> Clause | None:
     if runs.reads_alike(one):
         one = replace(one, run=None)
     pair = [name for _, name in found if name]
-    whose = f" ({spring} spring{' first' if len(pair) > 1 else ''})" if spring else ""
+    whose = (
+        f" ({spring} spring{' first' if len(pair) > 1 else '; the other is not checked'})"
+        if spring
+        else ""
+    )
     if 0 <= one.value < NEAR:
         return Clause(f"only {runs.text(one)} clear of coil bind{whose}", one.run)
     if one.value >= 0:

@@ -4,6 +4,7 @@ stay SI; only what a person reads, within :func:`for_reader`, is in the units re
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -19,6 +20,8 @@ IMPERIAL = {
     "impulse": "lbf s", "velocity": "in/s", "acceleration": "in/s^2", "cam velocity": "in/deg", "cam acceleration": "in/deg^2",
     "power": "hp", "line stiffness": "ksi",
 }  # fmt: skip
+#: A number of prose with a metric unit behind it.
+_METRIC = re.compile(r"(?<![\w.\u2212-])(\d+(?:\.\d+)?)[ \xa0](N/mm|N|mm|MPa|m/s|mJ)(?![\w/^])")
 #: Units as pages print them -> as they are read.
 _WRITTEN = {"m/s2": "m/s^2"}
 _REQUESTED: ContextVar[str] = ContextVar("requested_units", default="si")
@@ -77,6 +80,25 @@ def reader_factor(unit: str) -> float:
     """What a number in ``unit`` is multiplied with to stand in :func:`reader_unit`."""
     shown = reader_unit(unit)
     return 1.0 if shown == unit else unit_factor(_read(unit)) / unit_factor(shown)
+
+
+def reader_text(text: str) -> str:
+    """A sentence that holds metric numbers, with those of the reader's other units in their place.
+
+    >>> request_units("imperial")
+    >>> with for_reader():
+    ...     reader_text("rate 41.4 N/mm, 72 N at 6593 rpm (1.33 m/s)")
+    'rate 236.4 lbf/in, 16.19 lbf at 6593 rpm (52.36 in/s)'
+    >>> request_units("si")
+    """
+    if _SHOWN.get() == "si":
+        return text
+
+    def converted(found: re.Match[str]) -> str:
+        unit = found[2]
+        return f"{float(found[1]) * reader_factor(unit):.4g} {reader_unit(unit)}"
+
+    return _METRIC.sub(converted, text)
 
 
 def _read(unit: str) -> str:

@@ -41,6 +41,7 @@ from valvetrain.solution.definition import topics
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, FidelityMap, FidelityRow
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
+from valvetrain.units.reader import reader_text
 
 #: Runs that stand side by side in one table; more stand below each other, a table per question.
 MAX_COLUMNS = 8
@@ -91,6 +92,7 @@ def answers_blocks(study: Study) -> tuple[Block, ...]:
 
 def folded_note(note: str) -> tuple[Block, ...]:
     """A note; a long one by its beginning, with the whole behind it."""
+    note = reader_text(note)
     if len(note) <= LONG_NOTE:
         return (text(note, "note"),)
     first = sentences(note)[0]
