@@ -9,10 +9,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synthetic_study import own_study, rod_run, train_study
+from synthetic_study import own_study, rod_run, sweep_study, train_study
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.parameters.templates import template_text
-from valvetrain.report.chart import Line
+from valvetrain.report.chart import (
+    LABEL_LINE,
+    LABEL_TOP,
+    Line,
+    Panel,
+    Rule,
+    range_below_labels,
+    rule_levels,
+    visible_range,
+)
+from valvetrain.report.key_figures import key_figures
 from valvetrain.report.opening import opening_chart
 from valvetrain.report.page import Grid, render
 from valvetrain.report.run_charts import with_extremes
@@ -21,6 +31,7 @@ from valvetrain.report.study import study_page
 from valvetrain.runs.api import simulate
 from valvetrain.runs.statics import static_study
 from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.workbench.pages.compare_page import _VERDICT
 
@@ -70,6 +81,9 @@ def test_a_spring_that_would_pull_says_so():
     )
     assert "minimum −20 N, where the spring would leave its seat" in Study(CaseRecord("own"), solutions=runs).verdict  # fmt: skip
     assert "leave its seat" not in own_study().verdict
+    closed = Study(CaseRecord("own"), solutions=runs, still={"": {"solid_force": 500.0}}).verdict
+    assert ", more than the 500 N that close all coils" in closed
+    assert "close all coils" not in own_study().verdict
 
 
 def test_the_first_picture_has_the_models_that_the_verdict_names_and_the_finest():
@@ -196,3 +210,54 @@ def test_modes_of_every_spring_are_told():
     said = static_study(load_case("tdi-pushrod"), command="modes", modes=6).verdict
     assert said.startswith("Stock: first axial mode 366 Hz (cam order 6 at 7326 rpm to 12 at 3663")
     assert "; performance: 401 Hz (cam order 6 at " in said and "other models" not in said
+
+
+def test_a_speed_between_at_which_the_spring_runs_solid_is_told():
+    """Contract: the curve of the pushrod template had a gap at 8542 rpm, of which sentence and figures said nothing."""
+    study = sweep_study()
+    label = study.labels[0]
+    last = study.runs(label)[-1]
+    origin = replace(last.provenance, engine_speed=last.engine_speed - 1.0)
+    values = {**last.quantities, "coil_bind_clearance": 0.0}
+    stopped = replace(last, provenance=origin, quantities=values, status=Status("coil-bind", "is solid"))  # fmt: skip
+    open_ones = (replace(one, quantities={**one.quantities, "coil_bind_clearance": 2e-3}) for one in study.solutions)  # fmt: skip
+    bound = replace(study, solutions=tuple(open_ones), between=(stopped,))
+    speed = f"{origin.engine_speed / RPM:.0f} rpm"
+    assert f"the run at {speed} reached coil bind" in bound.verdict
+    assert "reached coil bind" not in study.verdict
+    known = dict(key_figures(bound))["clearance to coil bind at full lift"]
+    assert known.startswith("none (") and f" at {speed}, 2 mm (" in known
+
+
+def test_a_key_figure_that_reads_alike_of_all_models_stands_once():
+    """Contract: "3.6 mm (finite-element), 3.6 mm (modal-varied)"."""
+    study = sweep_study()
+    runs = tuple(replace(one, quantities={**one.quantities, "coil_bind_clearance": 3.6e-3}) for one in study.solutions)  # fmt: skip
+    alike = replace(study, solutions=runs, between=())
+    assert len(alike.labels) > 1
+    assert dict(key_figures(alike))["clearance to coil bind at full lift"] == "3.6 mm"
+
+
+def test_the_words_of_marks_stand_in_the_first_panel_alone():
+    """Contract: "surge, order 7" stood again on the curve of the second panel."""
+    rod, runs = rod_run(), []
+    for speed in (4000, 5000, 6000):
+        origin = replace(rod.provenance, engine_speed=speed * RPM)
+        values = {"peak_spring_force": 800.0, "surge_amplitude_force": speed / 100}
+        runs.append(replace(rod, provenance=origin, quantities=values))
+    upper, lower = opening_chart(Study(CaseRecord("own"), "sweep", tuple(runs))).panels
+    assert [rule.label for rule in upper.rules] == ["surge"]
+    assert [(rule.value, rule.label) for rule in lower.rules] == [(6000.0, "")]
+
+
+def test_no_curve_runs_through_the_label_of_a_mark():
+    """Contract: six labels of two springs stood on the curves of a narrow page."""
+    curve = Line(np.linspace(5000, 8000, 31), np.linspace(400, 0, 31), "card", "#000")
+    rules = tuple(Rule("x", 5700.0 + 300 * place, f"stiff contact {place}") for place in range(6))
+    panel = Panel("engine speed (rpm)", "force (N)", (curve,), rules=rules, x_range=(5000, 8000))
+    low, high = visible_range(panel)[1]
+    narrow, bare = range_below_labels(panel, True), range_below_labels(replace(panel, rules=()))
+    assert bare == (low, high) and narrow[0] == low
+    levels = max(rule_levels(panel, True)) + 1
+    share = (400 - low) / (narrow[1] - low)  # of the height that the curve takes
+    assert share <= LABEL_TOP - LABEL_LINE * levels

@@ -146,6 +146,28 @@ def rule_levels(panel: Panel, narrow: bool = False) -> list[int]:
     return levels
 
 
+#: Where the label of an upright rule begins below the top of a panel, and its height, as shares of that.
+LABEL_TOP, LABEL_LINE = 0.98, 0.08
+
+
+def range_below_labels(panel: Panel, narrow: bool = False) -> tuple[float, float]:
+    """The visible range of y, widened upwards where a curve would run through the label of an upright rule."""
+    (left, right), (low, high) = visible_range(panel)
+    levels, letter = rule_levels(panel, narrow), NARROW_LETTER if narrow else ALONE_LETTER
+    lines = [_shares(panel, one.x, one.y) for one in panel.layers if isinstance(one, Line)]
+    covered, lowest = False, LABEL_TOP
+    for rule, level in zip(panel.rules, levels, strict=True):
+        if rule.axis != "x" or not rule.label or panel.y_log:
+            continue
+        wide, at = letter * (len(rule.label) + 1), (rule.value - left) / (right - left)
+        begin = at - wide if near_right_end(panel, rule, narrow) else at
+        top = LABEL_TOP - LABEL_LINE * level
+        box = begin, begin + wide, top - LABEL_LINE, top
+        covered = covered or any(_crossings(x, y, *box) for x, y in lines)
+        lowest = min(lowest, top - LABEL_LINE)
+    return (low, low + (high - low) / lowest) if covered else (low, high)
+
+
 #: Least distance of labels at the ends of lines, as a share of the panel's height, and share of its
 #: width within which they stand above each other.
 LABEL_STEP, LABEL_REACH = 0.055, 0.15

@@ -27,6 +27,7 @@ CARD_LIFTS = ("50_thou", "1_mm")
 #: What is open for a duration at each of these heights, beside the valve of the run.
 ALSO_OPEN = {"lobe": "lobe", "rigid_valve": "rigid valve"}
 POWER = "mean_cam_power"
+CLEARANCE = "coil_bind_clearance"
 #: What is said of a power at a speed at which control is lost.
 IMPACTS = ", beyond control: with impacts"
 #: What is listed of each label: quantity -> its name there, and whether the least counts.
@@ -35,7 +36,7 @@ EACH = {
     "nominal_peak_shear_stress": ("shear stress", False),
     "surge_amplitude_force": ("surge, 0 to peak", False),
     "clash_energy": ("clash energy", False),
-    "coil_bind_clearance": ("clearance to coil bind at full lift", True),
+    CLEARANCE: ("clearance to coil bind at full lift", True),
 }
 #: Share of the work below which a gap of the energy balance is given as that.
 CLOSED = 1e-5
@@ -74,20 +75,25 @@ def _of_each(study: Study) -> Iterator[tuple[str, str]]:
     names = {run.label: every.name(run) for run in study.solutions}
     # what parts take as they meet again is no cost of a valvetrain: power counts as far as control goes
     held = {label: _controlled(study, label, runs) for label, runs in known.items()}
+    bound = {label: _with_bound(study, label, runs) for label, runs in known.items()}
+    judged = {POWER: held, CLEARANCE: bound}
     for quantity, (name, least) in EACH.items():
         found = {
             label: one
-            for label, runs in (held if quantity == POWER else known).items()
+            for label, runs in judged.get(quantity, known).items()
             if (one := _worst(runs, quantity, least)) is not None
         }
         places = {label: _place(known[label], one) for label, one in found.items()}
         alike = len(set(places.values())) == 1
+        values = {label: _value(known[label], one) for label, one in found.items()}
+        same = len(set(values.values())) == 1 and len(values) == len(known)
         texts = [
-            f"{_value(known[label], one)}"
-            + (f" ({names[label]})" if len(known) > 1 else "")
+            value
+            + (f" ({names[label]})" if len(known) > 1 and not same else "")
             + ("" if alike else places[label])
-            for label, one in found.items()
+            for label, value in values.items()
         ]
+        texts = texts[:1] if same and alike else texts
         if texts:
             yield name, ", ".join(texts) + (next(iter(places.values())) if alike else "")
 
@@ -105,6 +111,13 @@ def beyond_control(run: Solution) -> bool:
     """
     left = run.quantities.get("minimum_cam_contact_force", math.inf) <= 0
     return left or run.quantities.get("float_excess_lift", 0.0) > FLOAT_LIFT
+
+
+def _with_bound(study: Study, label: str, runs: Runs) -> Runs:
+    """The runs of a label with those that ended at coil bind, which has no clearance."""
+    every = (*study.runs(label), *(run for run in study.between if run.label == label))
+    ended = tuple(run for run in every if run.status.code == "coil-bind")
+    return replace(runs, solutions=(*runs.solutions, *ended))
 
 
 def _worst(runs: Runs, quantity: str, least: bool) -> Worst | None:
@@ -128,7 +141,7 @@ def _place(runs: Runs, one: Worst) -> str:
 
 def _value(runs: Runs, one: Worst) -> str:
     """The value; of a stress its range, and what the wire is permitted, where that is known."""
-    if one.name == "clash_energy" and one.value <= 0:
+    if one.value <= 0 and (one.name == "clash_energy" or one.name.endswith(CLEARANCE)):
         return "none"
     return f"{runs.bounded(one)}{_impacts(runs, one)}"
 

@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 
 from valvetrain.report import theme
 from valvetrain.report.chart import (
+    LABEL_LINE,
+    LABEL_TOP,
     Chart,
     HeatMap,
     Layer,
@@ -21,6 +23,7 @@ from valvetrain.report.chart import (
     Panel,
     label_heights,
     near_right_end,
+    range_below_labels,
     row_weights,
     rule_levels,
     rule_place,
@@ -220,7 +223,7 @@ def _add_axes(
     tied: bool,
     parted: bool,
 ) -> None:
-    x_range, y_range = visible_range(panel)
+    x_range, y_range = visible_range(panel)[0], range_below_labels(panel, narrow)
     common = {
         "gridcolor": theme.GRID, "linecolor": theme.RULE, "tickcolor": theme.RULE, "zeroline": False, "ticks": "outside", "ticklen": 4,
         "tickfont": {"size": 12, "color": theme.MUTED}, "automargin": False, "exponentformat": "none", "tickangle": 0,
@@ -324,7 +327,7 @@ def _add_furniture(
             left_of_it = near_right_end(panel, rule, narrow)
             place: dict[str, Any] = across | {
                 "x": rule.value,
-                "y": 0.98 - 0.08 * level,
+                "y": LABEL_TOP - LABEL_LINE * level,
                 "xanchor": "right" if left_of_it else "left",
                 "yanchor": "top",
                 "xshift": -3 if left_of_it else 3,

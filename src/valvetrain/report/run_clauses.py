@@ -59,6 +59,8 @@ FLIGHT = 10 * SMALLEST_GAP
 NEAR = 1e-3
 #: What is said of a model whose springs would pull.
 ENDS_PULL = "the ends of the spring would lift, which {} does not show (take wave-rod)"
+#: What is said of a least force below zero.
+PULLS = ", where the spring would leave its seat"
 #: Word of a spring without room.
 SOLID = "solid"
 #: Labels of which everything is said.
@@ -353,6 +355,14 @@ def _repeats(run: Solution) -> str:
     return alike.get(cycles, f", again after {cycles} cycles")
 
 
+def above_solid(runs: Runs, peak: Worst) -> str:
+    """``, more than the 645 N that close all coils``: of a peak force that no compression at rest gives."""
+    solid = runs.value(peak.run or runs.solutions[0], "solid_force")
+    if not peak.value - runs.bar(peak, above=0.0) > solid:
+        return ""
+    return f", more than the {quantity_text('solid_force', solid)} that close all coils"
+
+
 def _force_clauses(runs: Runs) -> Iterator[Clause]:
     """The least force at the cam, or of the spring, and the largest of a spring alone."""
     lofting = worst_loss(runs, DURATION)
@@ -364,7 +374,7 @@ def _force_clauses(runs: Runs) -> Iterator[Clause]:
         return
     peak, least = runs.worst("peak_spring_force", False), runs.worst("minimum_spring_force", True)
     if peak is not None:
-        yield Clause(f"peak spring force {runs.text(peak)}", peak.run)
+        yield Clause(f"peak spring force {runs.text(peak)}{above_solid(runs, peak)}", peak.run)
     if least is not None:
-        pulls = ", where the spring would leave its seat" if least.value < 0 else ""
+        pulls = PULLS if least.value < 0 else ""
         yield Clause(f"minimum {runs.text(least)}{pulls}", least.run)

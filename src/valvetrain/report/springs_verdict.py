@@ -39,6 +39,13 @@ LATER = {
 }
 
 
+#: Kind of loss -> what a spring does that never has it, and what one does that has.
+NEVER = {
+    "contact-loss": ("keeps contact", "loses it"),
+    "float": ("does not float", "floats"),
+}
+
+
 def springs_verdict(study: Study) -> str:
     """Which of two springs is better in what, over the speeds of the sweep and those between them."""
     names = [study.runs(label)[0].spring_set or label for label in study.labels[:2]]
@@ -149,6 +156,9 @@ def _later_text(kind: str, study: Study, names: list[str]) -> str:
         # the one that keeps contact longer loses it first: neither is better
         own = [_losses_text(one) for one in controls]
         return f"{names[0]} loses contact {own[0]}, {names[1]} {own[1]}"
+    if math.isinf(speeds[place]) and not islands[place] and speeds[1 - place] > 0:
+        keeps, loses = NEVER[kind]
+        return f"{names[place]} {keeps} up to {last}, {names[1 - place]} {loses} from {texts[1 - place]}"
     red_line = study.record.red_line
     mark = "" if red_line is None else f", red line {rpm(red_line):.6g}"
     return f"{names[place]} {later} ({texts[place]} against {texts[1 - place]}{mark})"

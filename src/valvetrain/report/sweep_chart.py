@@ -5,6 +5,7 @@ the surge of a spring alone, with the speeds of the verdict marked.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,7 +53,8 @@ def regime_chart(study: Study) -> Chart | None:
         labels = [one for one in study.labels if any(row.label == one for row in found)]
         panels += [_regimes(study, one, len(labels) > 1) for one in labels[:MAX_LINES]]
     elif not train:
-        panels.append(_curves(study, ("surge_amplitude_force",), marks))
+        bare = tuple(replace(one, label="") for one in marks)  # named in the panel above
+        panels.append(_curves(study, ("surge_amplitude_force",), bare))
     if not panels[0].layers:
         return None
     if train:
@@ -75,7 +77,7 @@ def regime_chart(study: Study) -> Chart | None:
         caption.strip(),
         tuple(drawn),
         1,
-        round((200 if rows < 3 else 165) * rows + 40 * len(drawn)),
+        round((200 if rows < 2 else 165) * rows + 40 * len(drawn)),
         len(study.labels) > 1,
     )
 

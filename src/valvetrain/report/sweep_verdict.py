@@ -21,8 +21,10 @@ from valvetrain.report.clauses import (
 from valvetrain.report.control import control_clauses, controlled_to
 from valvetrain.report.run_clauses import (
     ENDS_PULL,
+    PULLS,
     SEATING,
     SOLID,
+    above_solid,
     bind_clause,
     ends_that_pull,
     is_judged,
@@ -66,6 +68,7 @@ def sweep_clauses(study: Study) -> tuple[list[str], list[str]]:
         return stopped, []
     train = any(run.provenance.system == TRAIN for run in runs.solutions)
     first = control_clauses(study, label, runs) if train else _spring_forces(runs)
+    first += _ended_between(study, label)
     bind, more = bind_clause(runs), list[str]()
     if bind is not None and SOLID in bind.text:
         first.insert(0, bind.text)
@@ -92,6 +95,18 @@ def runs_over_speed(study: Study, label: str) -> Runs:
     judged = sorted(filter(is_judged, both), key=lambda run: run.engine_speed)
     bars = study.error_bars.rows if is_computed(study, "error_bars") else ()
     return Runs(tuple(judged), study.still, bars)
+
+
+def _ended_between(study: Study, label: str) -> list[str]:
+    """``the run at 8542 rpm reached coil bind`` of those between the swept speeds that did not complete."""
+    ended: dict[str, list[Solution]] = {}
+    for run in study.between:
+        if run.label == label and not is_judged(run):
+            ended.setdefault(run.status.code, []).append(run)
+    return [
+        f"the run{'s' if len(some) > 1 else ''} {speeds_text(some, some)} {ENDED.get(code, code)}"
+        for code, some in ended.items()
+    ]
 
 
 def _surge(study: Study, label: str, runs: Runs) -> list[str]:
@@ -183,7 +198,8 @@ def _spring_forces(runs: Runs) -> list[str]:
         found = runs.worst(name, least)
         if found is not None:
             where = "" if found.run is None else f" at {_speed(found.run)}"
-            texts.append(f"{word} {runs.text(Worst(name, found.value, found.run))}{where}")
+            pulls = (PULLS if found.value < 0 else "") if least else above_solid(runs, found)
+            texts.append(f"{word} {runs.text(Worst(name, found.value, found.run))}{where}{pulls}")
     return [", ".join(texts)] if texts else []
 
 
