@@ -91,7 +91,7 @@ def test_the_guide_on_force_spikes_prints_what_the_study_of_gaps_gives():
         energy, *forces = (table.column(name)[place] for name in names)
         assert [f"{1e3 * energy:.2f}", *(f"{one:.0f}" for one in forces)] == list(printed)
     assert table.verdict.startswith(
-        "Best is gaps between coils 1.3: hardest clash under surge 75.32 N against 584 N with gaps between coils 1"
+        "Best is gaps between coils × 1.3: hardest clash under surge 75.32 N against 584 N with gaps between coils × 1"
     )
     assert "clash energy 2.087 mJ against 4.681 mJ" in table.verdict
 

@@ -87,6 +87,24 @@ def test_a_scatter_stated_too_small_is_told_and_the_widened_intervals_hold_the_t
     assert 70 <= held <= 80
 
 
+def test_a_widened_interval_of_an_amplitude_ends_at_zero_and_one_of_a_load_does_not() -> None:
+    """Limit: an amplitude cannot be negative however large the misfit is, a margin can."""
+
+    def model(points: np.ndarray) -> list[dict[str, float]]:
+        near = ("surge_amplitude_force", "minimum_spring_margin_force")
+        return [
+            row | dict.fromkeys(near, rate / 50 - 790.0)
+            for row, (rate,) in zip(linear(points), points, strict=True)
+        ]
+
+    wild = RATE * TRAVEL + 40.0 * np.random.default_rng(2).standard_normal(12)
+    found = vt.identify(FLAT, data_of(wild), model, search=vt.explore.Search(draws=60))
+    assert found.fit.widening > 10
+    amplitude, margin = found.predictions
+    assert (amplitude.key, amplitude.low) == ("surge_amplitude_force", 0.0)
+    assert margin.low < 0 < margin.middle == amplitude.middle and margin.high == amplitude.high
+
+
 def test_widened_intervals_stay_within_the_prior() -> None:
     prior = {"rate": vt.explore.Prior("normal", centre=RATE, spread=20.0)}
     random = np.random.default_rng(2)

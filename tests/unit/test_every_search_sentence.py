@@ -13,6 +13,7 @@ from valvetrain.explore import optimum_summary as said
 from valvetrain.explore.doubts import Doubts
 from valvetrain.explore.measure import BELOW, BEYOND, FOUND, LimitFound, Measure, Objective
 from valvetrain.explore.outputs import LimitSearch
+from valvetrain.explore.space import Varied
 from valvetrain.parameters.templates import template_text
 
 RPM = np.pi / 30
@@ -24,10 +25,7 @@ SPEED = Measure(
     "limit speed",
     limit=LimitSearch("minimum_spring_force", False, 0.0, (), RPM),
 )
-VARIED = tuple(
-    SimpleNamespace(key=words, shown_name=words, unit="mm", shown=lambda value: 1e3 * value)
-    for words in ("wire", "coil", "pitch")
-)
+VARIED = tuple(Varied(words, "mm") for words in ("wire", "coil", "pitch"))
 
 
 def trial(*objectives: float, **changes: object) -> SimpleNamespace:
@@ -344,7 +342,9 @@ outer_diameter = "1.03 in"
 
 
 def test_loads_of_a_pair_and_of_its_outer_spring_are_told_apart_in_one_unit(tmp_path):
-    """Contract: three open loads in N and lbf, none marked outer or pair."""
+    """Contract: three open loads in N and lbf, none marked outer or pair; the rate of the pair is the
+    difference of its loads over the lift.
+    """
     case, loads = tmp_path / "pair.toml", "train.springs.both.0"
     case.write_text(template_text("pushrod", cards=True) + PAIR, encoding="utf-8")
     found = vt.optimise(
@@ -365,7 +365,10 @@ vary = [
         "Within all bounds the open load of the outer spring falls from 236.9 lbf of the case to "
     )
     number = r"[\d.]+"
-    pair = f"pair: seat load {number} lbf, open load {number} lbf"
+    pair = f"pair: seat load ({number}) lbf, open load ({number}) lbf, rate ({number}) lbf/in"
     outer = f"outer spring: seat load {number} lbf, rate {number} lbf/in"
-    assert re.search(f", with {pair}, {outer}[.;]", told)
+    loads = re.search(f", with {pair}, {outer}[.;]", told)
+    assert loads is not None, told
+    seat, top, rate = (float(one) for one in loads.groups())
+    assert rate == pytest.approx((top - seat) / 0.55, rel=1e-3)  # 1.80 less 1.25 in
     assert "; seat load of the pair 120 to 140 lbf" in told and " N" not in told

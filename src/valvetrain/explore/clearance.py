@@ -22,8 +22,8 @@ CLEARANCE = "coil_bind_clearance"
 CALMED = ("clash_energy", "surge_amplitude_force", "peak_spring_force")
 #: Clearance (mm) that the trade runs on purpose, as docs/limits.md says.
 TRADE = (1.3, 1.8)
-#: Runs of each point that are drawn, and height (px) of a panel.
-MAX_RUNS, HEIGHT = 4, 215
+#: Runs of each point that are drawn, and height (px) of the figure.
+MAX_RUNS, HEIGHT = 4, 340
 
 
 def over_clearance(table: StudyTable) -> tuple[str, ...]:
@@ -105,7 +105,9 @@ def _of_trade(worst: dict[str, Array], at: Array, inside: NDArray[np.intp]) -> s
     if gain > loss or at[best] <= TRADE[1]:
         return said
     tried = ", the largest tried, or more" if best == widest else ""
-    return f"{said}; keep {number(float(at[best]), 3)} mm{tried}, for {label_of(name)} is least there ({_text(name, float(values[best]))})"
+    others = [f"{label_of(one)} {_text(one, float(worst[one][best]))}" for one in list(worst)[1:]]
+    price = f", with {joined(others)}" if others else ""
+    return f"{said}; keep {number(float(at[best]), 3)} mm{tried}, for {label_of(name)} is least there ({_text(name, float(values[best]))}{price})"
 
 
 def clearance_chart(table: StudyTable, names: tuple[str, ...]) -> Chart:
@@ -140,8 +142,8 @@ def clearance_chart(table: StudyTable, names: tuple[str, ...]) -> Chart:
         f"{titles[:1].upper()}{titles[1:]} over the clearance to coil bind",
         f"Shaded: {TRADE[0]} to {TRADE[1]} mm, which the trade runs on purpose.",
         tuple(panels),
-        1,
-        HEIGHT * len(panels) + 40,
+        len(panels),
+        HEIGHT,
         len(table.plan.runs) > 1,
     )
 

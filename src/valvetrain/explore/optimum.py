@@ -220,9 +220,7 @@ class Optimum(Reported):
                     f"  {one.label}: {one.shown(float(value)):.5g} {one.unit}, the case {one.shown(float(before)):.5g} {one.unit}"
                 )
             for varied, value in zip(self.plan.varied, self.best.trial.values, strict=True):
-                lines.append(
-                    f"  {varied.shown_name}: {varied.shown(float(value)):.5g} {varied.unit}".rstrip()
-                )
+                lines.append(f"  {varied.shown_name}: {varied.value_text(value)}")
         return verdict_first(self, [line.strip() for line in lines])
 
 

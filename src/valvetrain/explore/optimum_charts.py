@@ -30,11 +30,6 @@ def measure_label(one: Measure) -> str:
     return f"{one.label} ({unit_text(one.unit)})" if one.unit else one.label
 
 
-def varied_label(one: Varied) -> str:
-    """A varied quantity with its unit."""
-    return f"{one.shown_name} ({unit_text(one.unit)})" if one.unit else one.shown_name
-
-
 def convergence_chart(found: Optimum) -> Chart | None:
     """The best feasible value after each trial, of every seed, and the trials."""
     goal = found.plan.objectives[0]
@@ -127,7 +122,7 @@ def over_chart(found: Optimum, index: int) -> Chart | None:
     panels = []
     for at, one in enumerate(varied):
         layers = _clouds(found, partial(_shown, one, index=at), index, at == 0)
-        panels.append(Panel(varied_label(one), measure_label(goal.measure), tuple(layers)))
+        panels.append(Panel(one.axis_label, measure_label(goal.measure), tuple(layers)))
     columns = min(3, len(panels)) if len(panels) != 4 else 2
     title = f"{goal.measure.label[:1].upper()}{goal.measure.label[1:]} over what is varied"
     caption = (

@@ -234,7 +234,7 @@ def _front(found: Optimum) -> tuple[Block, ...]:
             f"{one.measure.label} ({unit_text(one.measure.unit)})".replace(" ()", "")
             for one in plan.objectives
         ),
-        *(f"{one.shown_name} ({unit_text(one.unit)})".replace(" ()", "") for one in plan.varied),
+        *(one.axis_label for one in plan.varied),
         "",
     )
     chosen = {id(one.trial): one.chosen.partition(":")[0] for one in found.designs}

@@ -95,32 +95,43 @@ def _scale(name: str, unit: str) -> float:
     return si(f"1 {unit}", "stiffness" if "rate" in name else "force")
 
 
-def card_values(found: Optimum, trial: Trial) -> tuple[str, list[str]]:
-    """The spring of a pair, and seat load, rate and open load of the card that is varied, as far as they
-    are neither varied nor the objective.
+def card_values(found: Optimum, trial: Trial) -> dict[str, list[str]]:
+    """Of the card that is varied seat load, rate and open load, as far as they are neither varied nor the
+    objective, by the spring of a pair; of loads of both springs those of the pair too.
     """
     case, varied = found.plan.case, found.plan.varied
     keys = [one.key.split(".") for one in varied] if case is not None else []
     places = {tuple(key[:-1]) for key in keys if "spring" in key[0] or "springs" in key[1:2]}
     if len(places) != 1 or found.best is None:
-        return "", []
+        return {}
     place = places.pop()
-    spring = _spring_at(found.case_of(found.best), place)
+    best = found.case_of(found.best)
+    spring = _spring_at(best, place)
     if spring is None or spring.card is None:
-        return "", []
+        return {}
+    groups = {}
+    if any(spring_of(case, one.key) == "pair" for one in varied):
+        both = [_spring_at(best, (*place[:-1], end)) for end in ("0", "1")]
+        cards = [card_quantities(one.card) for one in both if one is not None and one.card]
+        groups["pair"] = {name: sum(one[name] for one in cards) for name in CARD}
     # no key of a card's own: of a pair the spring itself, not both
-    word, texts = spring_of(case, ".".join((*place, "card"))), list[str]()
-    known_already = [*trial.values, *trial.objectives]
-    known = card_quantities(spring.card)
-    for name, (label, unit) in CARD.items():
-        value = known.get(name)
-        if value is None or np.any(np.isclose(known_already, value, rtol=1e-9, atol=0.0)):
-            continue
-        number, own = shown(name, value)
-        if in_pounds(varied):
-            number, own = value / _scale(name, unit), unit
-        texts.append(f"{label} {number:.4g} {own}")
-    return word, texts
+    groups[spring_of(case, ".".join((*place, "card")))] = card_quantities(spring.card)
+    known = [*trial.values, *trial.objectives]
+    return {
+        word: [
+            _card_text(name, value, in_pounds(varied))
+            for name in CARD
+            if (value := values.get(name)) is not None
+            and not np.any(np.isclose(known, value, rtol=1e-9, atol=0.0))
+        ]
+        for word, values in groups.items()
+    }
+
+
+def _card_text(name: str, value: float, pounds: bool) -> str:
+    label, unit = CARD[name]
+    number, own = (value / _scale(name, unit), unit) if pounds else shown(name, value)
+    return f"{label} {number:.4g} {own}"
 
 
 def _spring_at(case: Case, path: tuple[str, ...]) -> InstalledSpring | None:

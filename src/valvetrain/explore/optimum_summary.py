@@ -238,14 +238,11 @@ def best_values(found: Optimum) -> str:
     groups: dict[str, list[str]] = {"": []}  # what is of no pair stands first, unnamed
     for place, (one, value) in enumerate(zip(found.plan.varied, best.trial.values, strict=True)):
         if place != objective:
-            text = f"{one.shown_name} {one.shown(float(value)):.4g} {one.unit}"
-            groups.setdefault(spring_of(found.plan.case, one.key), []).append(
-                text.rstrip().replace("-", "−")
-            )
+            groups.setdefault(spring_of(found.plan.case, one.key), []).append(one.text(value, 4))
     if sum(map(len, groups.values())) > MAX_NAMED:
         return ""
-    spring, card = card_values(found, best.trial)
-    groups.setdefault(spring, []).extend(card)
+    for spring, texts in card_values(found, best.trial).items():
+        groups.setdefault(spring, []).extend(texts)
     return ", ".join(
         f"{f'{name}: ' if name else ''}{', '.join(texts)}"
         for name, texts in groups.items()
@@ -300,7 +297,7 @@ def trust(found: Optimum) -> tuple[str, ...]:
         if index in open_places:  # no wider range helps what the search does not settle
             continue
         one = varied[index]
-        value = f"{one.shown(float(trial.values[index])):.5g} {one.unit}".rstrip()
+        value = one.value_text(float(trial.values[index]))
         lines.append(
             f"The {one.shown_name} is at the {'lower' if end == 'low' else 'upper'} end of its range, {value}: widen the range."
         )
@@ -397,7 +394,7 @@ def _valley(best: Design, found: Optimum) -> list[str]:
         for row in valley.ends(place):
             values, objective = valley.values[row], reported(goal, valley.objectives[row])
             others = f"{_others_of(found, values, place)}{goal.label} {objective}"
-            ends.append(f"{_value(one, values[place])} ({others})")
+            ends.append(f"{one.value_text(values[place], 4)} ({others})")
         lines.append(
             f"{lead} the {one.shown_name} goes from {' to '.join(ends)}: the search does not settle it."
         )
@@ -406,14 +403,10 @@ def _valley(best: Design, found: Optimum) -> list[str]:
     return lines
 
 
-def _value(one: Varied, value: float) -> str:
-    return f"{one.shown(float(value)):.4g} {one.unit}".rstrip().replace("-", "−")
-
-
 def _others_of(found: Optimum, values: Array, place: int) -> str:
     """The other varied quantities of a design, where they are few and none is the objective."""
     others = [
-        f"{one.shown_name} {_value(one, value)}, "
+        f"{one.text(value, 4)}, "
         for k, (one, value) in enumerate(zip(found.plan.varied, values, strict=True))
         if k not in (place, same_as_varied(found, 0))
     ]
@@ -440,7 +433,7 @@ def _spread(found: Optimum) -> list[str]:
     ]
     rows = np.array([one.values for one in bests if one is not None])
     spans = [
-        f"{one.shown_name} {_value(one, rows[:, k].min())} to {_value(one, rows[:, k].max())}"
+        f"{one.text(rows[:, k].min(), 4)} to {one.value_text(rows[:, k].max(), 4)}"
         for k, one in enumerate(found.plan.varied)
     ]
     return [f"Over seeds the best designs have {', '.join(spans)}."]

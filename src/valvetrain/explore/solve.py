@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -63,6 +64,10 @@ Labels = NDArray[np.int64]
 Places = NDArray[np.int64]
 #: Methods that sample the posterior.
 SAMPLING = ("nested", "ensemble")
+#: Ends of keys whose numbers are never negative.
+AMOUNT = re.compile(
+    r"(amplitude_force|range|frequency|count|energy|impulse|duration|mass|stress)$|(^|_| )peak_\w*force$"
+)
 #: Quantile of the normal law at :data:`HIGH`.
 _NORMAL = 1.959963984540054
 
@@ -418,10 +423,17 @@ def _table(
     return _Table(computed, every, best)
 
 
-def _ends_of(values: Array, weights: Array, widening: float) -> tuple[float, float, float]:
-    """2.5, 50 and 97.5 %, the ends ``widening`` times as far from the middle."""
+def _ends_of(
+    key: str, values: Array, weights: Array, widening: float
+) -> tuple[float, float, float]:
+    """2.5, 50 and 97.5 %, the ends ``widening`` times as far from the middle; of an amount never below
+    zero.
+    """
     low, middle, high = percentiles(values, weights, (LOW, 50.0, HIGH))
-    return middle + widening * (low - middle), middle, middle + widening * (high - middle)
+    wide = middle + widening * (low - middle)
+    if AMOUNT.search(key) and low >= 0:
+        wide = max(wide, 0.0)
+    return wide, middle, middle + widening * (high - middle)
 
 
 def _predicted(
@@ -431,7 +443,7 @@ def _predicted(
     for datum in posterior.data:
         table = next((one for one in tables if datum.key in one.computed), tables[0])
         over = table.computed.get(datum.key, np.full(len(table.weights), np.nan))
-        low, middle, high = _ends_of(over, table.weights, widening)
+        low, middle, high = _ends_of(datum.key, over, table.weights, widening)
         found.append(
             Predicted(
                 datum,
@@ -455,7 +467,7 @@ def _predictions(
             key,
             units.get(key, ""),
             finite(table.best, key),
-            *_ends_of(values, table.weights, widening),
+            *_ends_of(key, values, table.weights, widening),
         )
         for table in tables
         for key, values in table.computed.items()

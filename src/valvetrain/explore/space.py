@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.summary import number, unit_text
 from valvetrain.units import DIMENSIONS, Given, dimension_of, numbers_of, unit_factor
 
 Array = NDArray[np.float64]
@@ -406,6 +407,34 @@ class Varied:
     def shown(self, value: float) -> float:
         """A value (SI) in the unit."""
         return value / unit_factor(self.unit) if self.unit else value
+
+    @property
+    def axis_label(self) -> str:
+        """The shown name with the unit, or with what a factor or an offset is of.
+
+        >>> Varied("spring.pitch.clearances", operation="factor", label="gaps").axis_label
+        'gaps (× case)'
+        """
+        unit = unit_text(self.unit)
+        if self.label and self.operation != "value":
+            unit = "× case" if self.operation == "factor" else f"{unit} from the case".lstrip()
+        return f"{self.shown_name} ({unit})" if unit else self.shown_name
+
+    def text(self, value: float, digits: int = 5) -> str:
+        """Shown name and value (SI) with its unit; a factor after its sign of times, an offset with
+        its sign.
+
+        >>> Varied("spring.pitch.clearances", operation="factor", label="gaps").text(1.3)
+        'gaps × 1.3'
+        """
+        return f"{self.shown_name} {self.value_text(value, digits)}"
+
+    def value_text(self, value: float, digits: int = 5) -> str:
+        """The value of :meth:`text` alone."""
+        said = f"{number(self.shown(float(value)), digits)} {unit_text(self.unit)}".strip()
+        if not self.label or self.operation == "value":
+            return said
+        return f"× {said}" if self.operation == "factor" else f"{'+' if value >= 0 else ''}{said}"
 
 
 @dataclass(frozen=True, init=False)

@@ -31,12 +31,6 @@ def output_label(name: str) -> str:
     return f"{row.label} ({unit_text(row.unit_word)})" if row.shown_unit else row.label
 
 
-def input_label(table: StudyTable, index: int) -> str:
-    """A varied quantity with its unit."""
-    one = table.plan.varied[index]
-    return f"{one.shown_name} ({unit_text(one.unit)})" if one.unit else one.shown_name
-
-
 def shown_input(table: StudyTable, index: int) -> Array:
     """Values (n,) of a varied quantity in its unit."""
     return np.array([table.plan.varied[index].shown(value) for value in table.inputs[:, index]])
@@ -83,7 +77,17 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
             single = len(means[0]) == len(there)
             label, seen = "mean of the points there", index == changing[0]
             layers.append(Line(*means, label, theme.SERIES[1], 2.0, in_legend=seen))
-        panels.append(Panel(input_label(table, index), output_label(name), tuple(layers)))
+        ends, room = (float(np.min(x[there])), float(np.max(x[there]))), 0.015 * np.ptp(x[there])
+        panels.append(
+            Panel(
+                table.plan.varied[index].axis_label,
+                output_label(name),
+                tuple(layers),
+                x_range=(ends[0] - room, ends[1] + room)
+                if room
+                else None,  # whole dots at the ends
+            )
+        )
     if not panels:
         return None
     columns = min(3, len(panels)) if len(panels) != 4 else 2
@@ -92,7 +96,9 @@ def scatter_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
         if single and len(panels) == 1
         else "A line that rises or falls shows that the output follows this quantity; a cloud about a level line, that it does not."
     )
-    title = f"{definition_of(name).label[:1].upper()}{definition_of(name).label[1:]} over what is varied"
+    label = definition_of(name).label
+    over = table.plan.varied[changing[0]].shown_name if len(panels) == 1 else "what is varied"
+    title = f"{label[:1].upper()}{label[1:]} over {over}"
     return Chart(
         f"{key}-over",
         titled(title, table, run),
@@ -182,30 +188,29 @@ def map_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | None:
     except QhullError:  # all points on one line
         return None
     least, row = float(np.min(z[there])), definition_of(name)
-    # colour counts from zero; where that would hide the differences, from the least value
-    base = 0.0 if 0 <= least < 0.7 * float(np.max(z[there])) else least
+    # colours begin at zero; where that would hide the differences, at the least value
+    low = 0.0 if 0 <= least < 0.7 * float(np.max(z[there])) else least
     heat = HeatMap(
         across,
         up,
-        np.nan_to_num(np.maximum(found - base, 0.0)),
-        f"{row.label} above {number(base, 4)}" if base else row.label,
+        np.maximum(np.nan_to_num(found, nan=low), low),
+        row.label,
         unit_text(row.unit_word),
         1.0,
-        input_label(table, 1),
+        table.plan.varied[1].axis_label,
+        low=low,
     )
     dots = Marks(x[~there], y[~there], "point that failed", theme.ALERT, size=6.0, filled=True)
     layers: tuple[Layer, ...] = (heat, dots) if np.any(~there) else (heat,)
     panel = Panel(
-        input_label(table, 0),
-        input_label(table, 1),
+        table.plan.varied[0].axis_label,
+        table.plan.varied[1].axis_label,
         layers,
         x_range=_ends(across),
         y_range=_ends(up),
     )
     title = f"{row.label[:1].upper()}{row.label[1:]} over both quantities"
-    unit = unit_text(row.unit_word)
-    above = f"what the output is above its minimum of {number(base, 4)} {unit}"
-    caption = f"Colour: {above if base else output_label(name)}."
+    caption = f"Colour: {output_label(name)}, straight between {np.count_nonzero(there)} points."
     return Chart(f"{key}-map", titled(title, table, run), caption, (panel,), 1, 420)
 
 

@@ -108,8 +108,13 @@ def _figures_of(table: StudyTable, run: Run, key: str) -> list[Block]:
             *figure_or_gap(one.output, sensitivity_chart, one, f"{key}-{one.output}"),
             shares_grid(one),
         )
-    if plan.sampler.independent:
-        blocks += figure_or_gap("scatter", histogram_chart, table, run, key)
+    scatter = (
+        figure_or_gap("scatter", histogram_chart, table, run, key)
+        if plan.sampler.independent
+        else ()
+    )
+    over_ranges = plan.kind == "surrogate"  # even draws of a range are no scatter
+    blocks += () if over_ranges else scatter
     alone = changed_alone(table)
     for name in _judged_first(table):
         if alone:
@@ -118,6 +123,7 @@ def _figures_of(table: StudyTable, run: Run, key: str) -> list[Block]:
         if len(plan.varied) == 2:
             blocks += figure_or_gap(name, map_chart, table, name, run, f"{key}-{name}")
         blocks += figure_or_gap(name, scatter_chart, table, name, run, f"{key}-{name}")
+    blocks += scatter if over_ranges else ()
     for made in (found for found in table.surrogates if found.run == run):
         blocks += figure_or_gap(made.output, surrogate_chart, made, f"{key}-{made.output}")
     return blocks

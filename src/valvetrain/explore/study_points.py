@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.study_charts import (
-    input_label,
     output_label,
     shown_input,
     shown_output,
@@ -75,18 +74,15 @@ def point_label(table: StudyTable, point: int, without: tuple[int, ...] = ()) ->
     indices = [alone[point]] if alone else changing(table)
     parts = []
     for index in (one for one in indices if one not in without):
-        one = table.plan.varied[index]
-        value = number(one.shown(float(draws_of(table)[point, index])), 5)
-        parts.append(f"{one.shown_name} {value} {unit_text(one.unit)}".strip())
+        parts.append(table.plan.varied[index].text(float(draws_of(table)[point, index])))
     return ", ".join(parts) or f"point {point + 1}"
 
 
 def _short_label(table: StudyTable, point: int) -> str:
     """The number of a point and, where they fit, its values without their names."""
     values = [
-        f"{number(one.shown(float(draws_of(table)[point, index])), 5)} {unit_text(one.unit)}".strip()
+        table.plan.varied[index].value_text(float(draws_of(table)[point, index]))
         for index in changing(table)
-        if (one := table.plan.varied[index])
     ]
     label = f"point {point + 1}: {', '.join(values)}"
     return label if len(label) <= MAX_LETTERS else f"point {point + 1}"
@@ -108,7 +104,8 @@ def point_table(
         for index, values in zip(varied, inputs, strict=True):
             one = table.plan.varied[index]
             own = [number(float(value), 5) for value in values]
-            rows.append((one.shown_name, *([""] * several), *own, unit_text(one.unit)))
+            unit = "× case" if one.operation == "factor" else unit_text(one.unit)
+            rows.append((one.shown_name, *([""] * several), *own, unit))
         for place, run in enumerate(runs):
             for name in table.outputs:
                 row, texts = definition_of(name), _texts(outputs[name][:, place])
@@ -131,7 +128,7 @@ def point_table(
             rows.append((name, *own, *([run_label(run)] * several), *texts))
     heads = (
         "point",
-        *(input_label(table, index) for index in varied),
+        *(table.plan.varied[index].axis_label for index in varied),
         *(["run"] * several),
         *map(output_label, table.outputs),
     )

@@ -70,20 +70,12 @@ def shape_of(table: StudyTable, name: str) -> Shape | None:
     unit, larger = unit_text(row.unit_word), sense == "larger is better"
     bound = f"{'stays at' if larger else 'stays within'} {number(float(good.min() if larger else good.max()), 3)} {unit}"
     frequency = frequency_clause(table, int(designs[edge]))
-    at = f"{_at(table, along[0], place[edge])}{f' ({frequency})' if frequency else ''}"
+    varied = table.plan.varied[along[0]]
+    at = f"{varied.text(float(place[edge]), 4)}{f' ({frequency})' if frequency else ''}"
     where = f"{'up to' if upward else 'from'} {at}{'' if upward else ' on'}"
     touch = touch_clause(table, designs[: edge + 1] if upward else designs[edge:])
     clause = (
         f"{'at every engine speed ' if held else ''}{row.label} {bound}{' or more' if larger else ''} {where}{touch}, "
-        f"but {number(float(values[beyond]), 3)} {unit} at {_value(table, along[0], place[beyond])}"
+        f"but {number(float(values[beyond]), 3)} {unit} at {varied.value_text(float(place[beyond]), 4)}"
     )
     return Shape(clause, int(designs[edge]), f"; {NO_LASH}" if without_lash(table).any() else "")
-
-
-def _at(table: StudyTable, index: int, value: float) -> str:
-    return f"{table.plan.varied[index].shown_name} {_value(table, index, value)}"
-
-
-def _value(table: StudyTable, index: int, value: float) -> str:
-    one = table.plan.varied[index]
-    return f"{number(one.shown(float(value)), 4)} {unit_text(one.unit)}".strip()

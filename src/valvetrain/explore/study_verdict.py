@@ -35,6 +35,7 @@ from valvetrain.explore.study_points import (
     point_names,
 )
 from valvetrain.explore.study_shape import Shape, shape_of
+from valvetrain.explore.surrogate import POOR
 from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.quantities.request import BY_SIZE
 from valvetrain.report.clauses import joined
@@ -342,11 +343,40 @@ def _scatter(table: StudyTable, name: str) -> str:
     )
     low, middle, high = (float(value) for value in ends[run])
     where = f" at {run_label(run)}" if len(table.plan.runs) > 1 else ""
+    if table.plan.kind == "surrogate":
+        return _over_ranges(table, name, run, where)
     said = f"the {label_of(name)} is {number(low, 4)} to {value_text(name, high)} in nine of ten draws{where}, median {value_text(name, middle)}"
     cause = next(
         (one for one in table.sensitivities if one.output == name and one.run == run), None
     )
     return said + (_cause(cause) if cause is not None else "")
+
+
+def _over_ranges(table: StudyTable, name: str, run: Run, where: str) -> str:
+    """From where to where an output goes over the ranges of a surrogate, with what it goes most, and how
+    well the surrogate tells it.
+    """
+    rows = table.rows_of(run)
+    values = shown_output(table, name)[rows]
+    there = np.isfinite(values)
+    ends = (
+        f"{number(float(values[there].min()), 4)} to {value_text(name, float(values[there].max()))}"
+    )
+    said = f"the {label_of(name)} is {ends} over the ranges{where}"
+    if np.ptp(values[there]) > 0:
+        links = [
+            float(np.corrcoef(one, values[there])[0, 1]) if np.ptp(one) > 0 else 0.0
+            for one in table.inputs[rows][there].T
+        ]
+        most = int(np.argmax(np.abs(links)))
+        verb = "rises" if links[most] > 0 else "falls"
+        said += f" and {verb} most with {table.plan.varied[most].shown_name} ({100 * links[most] ** 2:.0f} % of its variance)"
+    made = next((one for one in table.surrogates if (one.output, one.run) == (name, run)), None)
+    if made is None:
+        return said
+    good = " and cannot replace a run" if made.share >= POOR else ""
+    share = "less than 0.1" if made.share < 1e-3 else number(100 * made.share, 2)
+    return f"{said}; the surrogate errs by {share} % of its scatter{good}"
 
 
 def _cause(one: Sensitivity) -> str:

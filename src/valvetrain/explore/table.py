@@ -167,9 +167,7 @@ class StudyTable(Reported):
     def row_label(self, row: int) -> str:
         """The inputs of a row in words."""
         pairs = zip(self.plan.varied, self.inputs[row], strict=True)
-        inputs = [
-            f"{one.shown_name} {one.shown(value):.6g} {one.unit}".strip() for one, value in pairs
-        ]
+        inputs = [one.text(value, 6) for one, value in pairs]
         return ", ".join([*inputs, *filter(None, [run_label(self.runs[row])])])
 
     def column(self, name: str) -> Array:

@@ -52,7 +52,7 @@ class Marks:
 
 @dataclass(frozen=True, eq=False)
 class HeatMap:
-    """``z`` (y, x) as colour from zero; the colour scale is stretched at small values, the numbers
+    """``z`` (y, x) as colour from ``low``; the colour scale is stretched at small values, the numbers
     are not.
 
     ``second`` (y, x) is read on hover too, in words such as ``{:.0f} Hz`` given by ``second_unit``.
@@ -68,6 +68,13 @@ class HeatMap:
     second: Array | None = None
     second_unit: str = ""
     colours: tuple[str, ...] = theme.SEQUENTIAL
+    low: float = 0.0
+
+    @property
+    def top(self) -> float:
+        """The value that has the last colour."""
+        top = float(np.nanmax(self.z, initial=self.low))
+        return top if top > self.low else self.low + 1.0
 
 
 Layer = Line | Marks | HeatMap

@@ -53,6 +53,9 @@ _MAX_LETTERS = 40
 #: Height in px of a panel on a narrow page, where all are in one column: of one of two, what each
 #: further one takes off, and the least.
 NARROW_PANEL, _NARROW_STEP, _MIN_NARROW = 220, 20, 150
+#: Height in px of a row on a narrow page, whose label stands this far above its marks; and share of
+#: its height on a wide page that a figure has at most for that.
+NARROW_ROW, _ABOVE_MARKS, _MORE_HEIGHT = 29, 11, 1.3
 
 
 def figure(chart: Chart) -> dict[str, Any]:
@@ -84,6 +87,14 @@ def figure(chart: Chart) -> dict[str, Any]:
 def _narrow_panel(chart: Chart) -> int:
     """Height in px of a panel of weight 1 on a narrow page: less where there are many."""
     return max(NARROW_PANEL - _NARROW_STEP * max(len(chart.panels) - 2, 0), _MIN_NARROW)
+
+
+def _height_of_rows(panel: Panel) -> int:
+    """Height in px in which the labels of rows stand clear of each other's marks."""
+    places = np.sort([value for value, _ in panel.y_tick_labels])
+    if len(places) < 2:
+        return 0
+    return int(NARROW_ROW * np.ptp(visible_range(panel)[1]) / np.diff(places).min())
 
 
 def _columns(panel: Panel, layer: Layer) -> list[str]:
@@ -126,7 +137,9 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     )
     gap = above + (28 if shared else _BOTTOM)
     if narrow and max(worded, default=0):
-        panel_height = chart.height - above - _BOTTOM
+        own = chart.height - above - _BOTTOM
+        rows_of_names = max(map(_height_of_rows, chart.panels))
+        panel_height = max(own, min(rows_of_names, int(_MORE_HEIGHT * own)))
     weights = row_weights(chart, columns)
     height = (
         int(sum(weights) * panel_height) + (rows - 1) * gap + above + bottom
@@ -269,7 +282,8 @@ def _add_axes(
         layout["annotations"] += [
             {
                 "xref": f"x{suffix} domain", "yref": f"y{suffix}", "x": 0, "y": at, "xanchor": "left", "yanchor": "bottom",
-                "yshift": 4, "showarrow": False, "text": plain(one), "font": {"size": 10.5 if narrow else 11.5, "color": theme.MUTED},
+                "yshift": 4 if panel.row_labels else _ABOVE_MARKS, "showarrow": False, "text": plain(one), "borderpad": 0,
+                "bgcolor": theme.PAPER, "font": {"size": 10.5 if narrow else 11.5, "color": theme.MUTED},
             }
             for at, one in inside
         ]  # fmt: skip
@@ -452,8 +466,8 @@ def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
     room = {} if narrow else {"xpad": 54}  # names of lines stand between the map and its scale
     return {
         "colorscale": stops,
-        "cmin": 0.0,
-        "cmax": float(np.nanmax(heat.z, initial=0.0)) or 1.0,
+        "cmin": heat.low,
+        "cmax": heat.top,
         "colorbar": bar | room,
     }
 

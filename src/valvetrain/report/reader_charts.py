@@ -58,7 +58,9 @@ def _layer(layer: Layer, x: float, y: float) -> Layer:
     moved = replace(layer, x=layer.x * x, y=layer.y * y)
     if isinstance(moved, HeatMap):
         factor = reader_factor(moved.unit)
-        moved = replace(moved, z=moved.z * factor, unit=reader_unit(moved.unit))
+        moved = replace(
+            moved, z=moved.z * factor, low=moved.low * factor, unit=reader_unit(moved.unit)
+        )
     return moved
 
 

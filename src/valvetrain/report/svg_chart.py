@@ -354,8 +354,8 @@ def _legend(chart: Chart) -> str:
 
 
 def _heat(frame: _Frame, heat: HeatMap) -> str:
-    top = float(np.nanmax(heat.z, initial=0.0)) or 1.0
-    pixels = _coloured(np.nan_to_num(heat.z) / top, heat)[::-1]
+    shares = (np.nan_to_num(heat.z, nan=heat.low) - heat.low) / (heat.top - heat.low)
+    pixels = _coloured(shares, heat)[::-1]
     x, y = np.asarray(heat.x, dtype=float), np.asarray(heat.y, dtype=float)
     half_x, half_y = (np.ptp(values) / max(len(values) - 1, 1) / 2 for values in (x, y))
     left, right = float(frame.x(x.min() - half_x)), float(frame.x(x.max() + half_x))
@@ -405,7 +405,6 @@ def png(pixels: NDArray[np.uint8]) -> bytes:
 
 def _colour_bar(frame: _Frame, heat: HeatMap) -> str:
     left, count = frame.left + frame.wide + (58 if heat.second is not None else 14), 60
-    top = float(np.nanmax(heat.z, initial=0.0)) or 1.0
     shares = np.linspace(1, 0, count)
     link = (
         "data:image/png;base64," + base64.b64encode(png(_coloured(shares[:, None], heat))).decode()
@@ -413,12 +412,12 @@ def _colour_bar(frame: _Frame, heat: HeatMap) -> str:
     parts = [
         f'<image x="{left:.1f}" y="{frame.top:.1f}" width="10" height="{frame.high:.1f}" preserveAspectRatio="none" href="{link}"/>'
     ]
-    values, decimals = ticks(0.0, top, count=5)
+    values, decimals = ticks(heat.low, heat.top, count=5)
     for value in values:
         parts.append(
             _text(
                 left + 14,
-                frame.top + frame.high * (1 - value / top) + 4,
+                frame.top + frame.high * (heat.top - value) / (heat.top - heat.low) + 4,
                 f"{value + 0.0:.{decimals}f}",
                 colour=theme.MUTED,
                 size=11,
