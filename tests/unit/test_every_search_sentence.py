@@ -97,7 +97,7 @@ CASE = "The case itself keeps every bound."
 ANSWERS = {
     "a better one": ({}, "Within all bounds the wire mass falls from 50 g of the case to 40 g (−10 g, −20.0 %)."),
     "a larger one": ({"case": trial(0.032)}, "Within all bounds the wire mass rises from 32 g of the case to 40 g (+8 g, +25.0 %)."),
-    "the case": ({"best": design(trial(0.05, number=0))}, "No trial beats the case itself, whose wire mass is 50 g."),
+    "the case": ({"best": design(trial(0.05, number=0))}, "None of 40 trials beats the case itself, whose wire mass is 50 g."),
     "a case that misses": ({"case": trial(0.05, feasible=False, missed=(0.0, 0.1, 0.2))},
                            "The least that keeps every bound: wire mass 40 g. The case itself misses: bound 1; bound 2."),
     "a case that fails": ({"case": trial(np.nan, feasible=False, failure="coils overlap"), "maximise": True},

@@ -128,6 +128,59 @@ def test_two_lobes_tell_overlap(table, tmp_path):
     )
 
 
+def test_two_lobes_are_told_and_drawn_together(table, tmp_path):
+    """The second lobe began with a capital within the sentence, and the picture had the first alone."""
+    exhaust = tmp_path / "exhaust.dat"
+    rows = (f"{angle - 105:g};{lift:.5f}" for angle, lift in zip(ANGLES, TRUE, strict=True))
+    exhaust.write_text(HEAD + "\n".join(rows))
+    words = ("lift", str(table), "--exhaust", str(exhaust), "--json", "--output", "out")
+    said = json.loads(invoke(*words).stdout)["verdict"]
+    assert said.startswith("Intake valve lift 9.00") and "; exhaust valve lift " in said
+    assert re.search(
+        r"; lobe separation 10[45].\d+ ± [\d.]+ cam degrees, overlap at 0.050 in −?[\d.]+", said
+    )
+    page = open("out/report.html").read()
+    assert page.index("Lift and acceleration of both lobes") < page.index(
+        "Lift, velocity, acceleration and jerk"
+    )
+
+
+def test_a_stated_noise_and_band_are_in_the_file_that_is_written(table):
+    """Contract: the law of lift.toml is that of the page; --noise was left out of it."""
+    words = ("lift", str(table), "--noise", "8 um", "--band", "20 um", "--output", "out")
+    assert invoke(*words).exit_code == 0
+    law = vt.load_case(_case_of(open("out/lift.toml").read())).lift_law
+    assert law.values["noise"] == pytest.approx(8e-6) and law.values["band"] == pytest.approx(2e-5)
+    assert invoke("lift", str(table), "--output", "found").exit_code == 0
+    assert 'noise = "0.0 m"' in open("found/lift.toml").read()
+
+
+def _case_of(text: str) -> str:
+    """A case file with that lift law."""
+    with open("with-lift.toml", "w") as file:
+        file.write(f'name = "own"\n{text}')
+    return "with-lift.toml"
+
+
+def test_the_sentence_of_a_lift_in_a_case_tells_what_the_case_does(table, tmp_path):
+    """Its float speed and forces were in the table alone."""
+    case = own_case(tmp_path)
+    words = (
+        "--case",
+        str(case),
+        "--engine-speed",
+        "3000 rpm",
+        "--draws",
+        "4",
+        "--spring",
+        "massless",
+    )
+    said = json.loads(invoke("lift", str(table), *words, "--json").stdout)["verdict"]
+    assert re.search(
+        r"; in the case peak spring force [\d.]+ ± [\d.]+ N \(massless, 3000 rpm\)\.$", said
+    )
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -13,7 +13,8 @@ import pytest
 from spring_parts import CLOSED_ENDS
 from valvetrain.lift.band import CarriedSpread
 from valvetrain.lift.figures import LiftFigure, figure_rows
-from valvetrain.lift.page import carried_text, derivatives_chart, residuals_chart
+from valvetrain.lift.page import derivatives_chart, residuals_chart
+from valvetrain.lift.verdict import carried_text
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.report import theme
 from valvetrain.report.chart import Line

@@ -13,9 +13,14 @@ import pytest
 from valvetrain.compare_test import page as compare_test_page
 from valvetrain.explore import identification_charts
 from valvetrain.explore.identification_charts import _density
+from valvetrain.explore.identification_file import Search
+from valvetrain.explore.identification_summary import identified_verdict
+from valvetrain.explore.posterior import Datum, Posterior, Unknown
+from valvetrain.explore.solve import solve
 from valvetrain.explore.space import Prior
+from valvetrain.explore.store import Store
 from valvetrain.lift.page import derivatives_chart, residuals_chart
-from valvetrain.report.chart import Band, Chart, Line, Panel, Rule, rule_place
+from valvetrain.report.chart import Band, Chart, Line, Marks, Panel, Rule, rule_place
 from valvetrain.report.motion.parts import Body, Colouring, Shape, SpringDrawing
 from valvetrain.report.motion.project import SLICES, _wire
 from valvetrain.report.motion.project import _body_project as _body
@@ -153,6 +158,31 @@ def test_a_piece_of_wire_has_the_colour_of_its_own_coil_in_its_frame(frame, coil
     assert bright.sum() > 0.5 * len(pieces) and np.allclose(shown[bright], due[bright], atol=0.02)
 
 
+def test_a_marginal_bears_the_unit_of_its_density_and_a_name_within_a_sentence_is_lower_case():
+    """A density of millimetres is per millimetre; names of quantities stood with capitals within the sentence."""
+
+    def model(points):
+        return [{"load": 1e6 * wire, "turns": coils} for wire, coils in points]
+
+    priors = {
+        name: Prior("uniform", low, high)
+        for name, low, high in (("wire_diameter", 3e-3, 5e-3), ("closed_coils", 0.5, 1.5))
+    }
+    unknowns = tuple(
+        Unknown(name, prior, unit)
+        for (name, prior), unit in zip(priors.items(), ("mm", ""), strict=True)
+    )
+    data = (Datum("load", 4e3, 40.0), Datum("turns", 1.0, 0.05))
+    with Store(None) as journal:
+        found = solve(Posterior(unknowns, data, journal.through(model)), Search(draws=4), journal)
+    first, second = identification_charts.marginals_chart(found).panels
+    assert (first.y_label, second.y_label) == ("density (1/mm)", "density")
+    said = identified_verdict(found)
+    assert re.match(
+        r"(Wire diameter|Closed coils) [\d.]+ .*\), (closed coils|wire diameter) ", said
+    )
+
+
 @pytest.mark.parametrize("scale", [1e-9, 1e-3, 1.0, 1e6])
 def test_a_marginal_of_draws_is_the_same_curve_in_any_unit(scale):
     """Draws of 0 to 1 within bounds of -10 to 10: bars over 1.8 times the middle 90 % alone, as
@@ -196,6 +226,21 @@ def test_the_speed_of_a_recording_is_drawn_from_its_first_cut_to_its_last():
     assert mean.x == pytest.approx([0.5, 0.7, 0.9, 1.1, 1.3]) and mean.y == pytest.approx(
         (100 + 50 * mean.x) * 30 / np.pi
     )
+
+
+@pytest.mark.parametrize("rows", [3, 16])
+def test_on_a_narrow_page_the_label_of_a_row_is_clear_of_the_marks_of_both_rows(rows):
+    """Labels stood on dots and rules at 390 px; a label takes 15 px above its row, a dot 4 either way."""
+    height = np.arange(rows, dtype=float)
+    marks = Marks(height, height, "", "#000000", filled=True, size=8.0)
+    names = tuple((float(at), f"row {at:g}") for at in height)
+    panel = Panel("x (m)", "", (marks,), y_range=(-0.7, rows - 0.3), y_tick_labels=names)
+    layout = figure(Chart("rows", "title", "", (panel,), 1, max(240, 26 * rows + 110)))["narrow"]
+    inside = layout["height"] - layout["margin"]["t"] - layout["margin"]["b"]
+    each = inside / rows
+    labels = [one for one in layout["annotations"] if one["text"].startswith("row ")]
+    assert len(labels) == rows and all(one["bgcolor"] for one in labels)
+    assert all(4 < one["yshift"] <= each - 15 - 4 for one in labels), each
 
 
 def test_rules_and_bands_lie_where_they_are_put_across_the_whole_panel():

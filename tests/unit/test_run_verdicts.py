@@ -546,6 +546,43 @@ def test_modes_are_told_before_the_load_where_they_were_asked_for():
     assert study_page(replace(rest, command="modes")).kicker == "Natural modes"
 
 
+def test_modes_of_a_wire_say_why_they_are_below_those_of_its_card():
+    """Closed form: d / (2 pi n D^2) sqrt(G / (2 rho)) of five active turns; a beehive, whose rate is not
+    that of its free coils, and a model of torsion alone say nothing.
+    """
+    case = vt.load_case("uniform-spring")
+    said = static_study(case, command="modes", modes=12).verdict
+    metal = case.springs[0].wire.material
+    torsion = (
+        3.8e-3 / (2 * np.pi * 5 * 22e-3**2) * math.sqrt(metal.shear_modulus / (2 * metal.density))
+    )
+    assert said.endswith(": few coils also tilt and move sideways.")
+    found = re.search(
+        r"; torsion of the wire alone, by which cards go, gives (\d+) Hz, ([\d.]+) % more", said
+    )
+    assert float(found[1]) == pytest.approx(torsion, rel=0.01)
+    mode = float(re.match(r"First axial mode (\d+) Hz", said)[1])
+    assert float(found[2]) == pytest.approx(100 * (float(found[1]) / mode - 1), abs=0.3)
+    by_torsion = static_study(case, ["modal-uniform"], command="modes", modes=4).verdict
+    assert (
+        "cards go"
+        not in by_torsion
+        + static_study(vt.load_case("gu2021-beehive"), command="modes", modes=8).verdict
+    )
+
+
+def test_the_largest_error_bars_fit_on_the_first_screen():
+    """Twenty-four rows pushed the axis off it; the caption counts what is left."""
+
+    def row(place: int) -> Uncertainty:
+        return Uncertainty(f"mode_{place}_frequency", None, 100.0, 1.0 + place, None, 100.0, 0.0, (100.0,) * 2, (100.0,) * 2, "")  # fmt: skip
+
+    chart = error_bar_chart([row(place) for place in range(1, 31)])
+    assert len(chart.panels[0].y_tick_labels) == 16 and chart.caption == "The 16 largest of 30."
+    assert chart.height < 520 and chart.panels[0].x_range[0] < 0
+    assert error_bar_chart([row(1)]).caption == ""
+
+
 def test_a_map_of_models_names_a_few_quantities_of_each():
     """Eleven names in a sentence are ten lines of a narrow page; the table below holds them."""
     names = ("peak_spring_force", "minimum_spring_force", "seating_velocity", "loft_gap", "lift_loss_displacement")  # fmt: skip

@@ -11,10 +11,12 @@ import pytest
 
 from unit.cli_parts import call as invoke
 from valvetrain.errors import InputError
-from valvetrain.measured.force_height import read_force_height
+from valvetrain.measured.force_height import ForceHeight, read_force_height
 from valvetrain.parameters.loading import load_case
 from valvetrain.spring_card.card import GROUND, CatalogueCard, SpringLoad, Winding
-from valvetrain.spring_card.fit import _left_free, forces_at
+from valvetrain.spring_card.fit import _left_free, forces_at, spring_from_card
+from valvetrain.spring_card.page import _card_chart, _tester_chart
+from valvetrain.spring_card.tester import card_from_table, spring_from_tester
 
 CARD = ("spring-card", "--wire-diameter", "4.4 mm", "--outer-diameter", "32 mm")
 LOADS = ("--installed", "46 mm, 350 N", "--open-load", "34 mm, 830 N")
@@ -49,6 +51,28 @@ def test_a_card_gives_a_spring_that_a_case_takes(tmp_path, monkeypatch):
     spring = load_case("out/spring.toml").springs[0]
     assert spring.name == "outer" and spring.installed_height == pytest.approx(46e-3, abs=1e-9)
     assert forces_at(spring.wire, [46e-3, 34e-3]) == pytest.approx((350, 830), rel=1e-3)
+
+
+def test_the_line_of_a_card_goes_through_its_loads():
+    """Contract: between even heights the line passed the open load of a spring that closes by 150 N."""
+    low, high = SpringLoad("1.80 in", "130 lbf"), SpringLoad("1.25 in", "318 lbf")
+    card = CatalogueCard(
+        wire_diameter="0.165 in", outer_diameter="1.29 in", top_outer_diameter="1.05 in", installed_load=low, open_load=high,
+        solid_height="1.10 in",
+    )  # fmt: skip
+    (panel,) = _card_chart(spring_from_card(card)).panels
+    line, loads = panel.layers
+    assert np.interp(loads.x, line.x[::-1], line.y[::-1]) == pytest.approx(loads.y, rel=2e-3)
+
+
+def test_the_rate_of_a_table_fills_its_figure():
+    """The figure went to six times the median rate whatever the rates were."""
+    table = ForceHeight(1e-3 * HEIGHTS, FORCES)
+    fit = spring_from_tester(
+        table, card_from_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3)
+    )
+    force, rate = _tester_chart(fit).panels
+    assert 40 < rate.y_range[1] < 60 and rate.x_range == force.x_range
 
 
 def test_two_cards_make_springs_of_two_names(tmp_path, monkeypatch):

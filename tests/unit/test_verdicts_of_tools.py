@@ -38,12 +38,12 @@ def scan(*shares: float, failures: tuple[str, ...] = ()) -> SimpleNamespace:
     ("found", "sentence"),
     [
         (scan(0.006, -0.002), "As drawn within 0.6 %."),
-        (scan(0.001, 0.03), "1 of 2 quantities are as drawn within 0.1 %, not installed rate +3.0 %."),
-        (scan(0.05), "Not as drawn: preload +5.0 %."),
+        (scan(0.001, 0.03), "1 of 2 quantities are as drawn within 0.1 %, but not installed rate (+3.0 %)."),
+        (scan(0.05), "Not as drawn: preload (+5.0 %)."),
         (
             scan(0.03, 0.04, 0.05, 0.001, 0.0),
-            "2 of 6 quantities are as drawn within 0.1 %, not peak spring force at 6000 rpm −12.5 %, solid height +5.0 %, "
-            "installed rate +4.0 % and 1 more.",
+            "2 of 6 quantities are as drawn within 0.1 %, but not peak spring force at 6000 rpm (−12.5 %), solid height (+5.0 %), "
+            "installed rate (+4.0 %) and 1 more.",
         ),
         (scan(failures=("design: lost",)), "1 run did not complete; nothing of scan and design can be compared."),
     ],
@@ -116,10 +116,37 @@ def test_a_search_that_found_nothing_says_what_comes_nearest():
     )
 
 
-def test_a_gauge_says_of_which_channel_it_records_least():
-    one = SimpleNamespace(
-        channel="seat_force", unit="N", label="chain", engine_speed=200 * np.pi, true_peak=970.0, recorded_peak=614.0, share=(0.62, 0.64)
+def gauge(at: float, largest: float, recorded: float) -> SimpleNamespace:
+    """A spike of 970 N in the middle of 100 ms; ``largest`` is recorded at ``at`` (s), ``recorded`` about it."""
+    time = np.linspace(0.0, 0.1, 201)
+    values, seen = np.full(201, 200.0), np.full(201, 200.0)
+    values[100], seen[100] = 970.0, recorded
+    seen[round(at / 0.0005)] = largest
+    return SimpleNamespace(
+        channel="seat_force", unit="N", label="chain", engine_speed=200 * np.pi, true_peak=970.0, recorded_peak=largest,
+        share=(largest / 970 - 0.001, largest / 970 + 0.001), time=time, values=values,
+        recorded=SimpleNamespace(time=time, values=seen, peak=largest),
     )  # fmt: skip
-    assert sensor_verdict(one) == (
-        "The gauge records at least 63 % of each peak; least of the seat force, chain, 6000 rpm: 614 of 970 N."
-    )
+
+
+@pytest.mark.parametrize(
+    ("one", "sentence"),
+    [
+        (
+            gauge(0.05, 614.0, 614.0),
+            "The gauge records at least 63 % of each peak; least of the seat force, chain, 6000 rpm: 614 of 970 N.",
+        ),
+        (
+            gauge(0.02, 614.0, 300.0),
+            "The gauge records at least 63 % of each peak; least of the seat force, chain, 6000 rpm: 614 of 970 N, "
+            "and that at another angle: about the true peak it records 300 N.",
+        ),
+        (
+            gauge(0.05, 970.0, 970.0),
+            "The gauge records every peak within 0.5 %; least of the seat force, chain, 6000 rpm: 970 of 970 N.",
+        ),
+    ],
+)
+def test_a_gauge_says_of_which_channel_it_records_least(one, sentence):
+    """The largest value that it records may belong to another, wider peak than the true one."""
+    assert sensor_verdict(one) == sentence

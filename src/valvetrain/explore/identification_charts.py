@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.explore.identification_summary import datum_label, title_of
+from valvetrain.explore.identification_summary import datum_label, density_label, title_of
 from valvetrain.explore.identified import Branch, Identified
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
@@ -50,7 +50,7 @@ def marginals_chart(found: Identified) -> Chart:
         panels.append(
             Panel(
                 title_of(one),
-                "density",
+                density_label(one),
                 tuple(layers),
                 x_range=(low / scale, high / scale),
                 rules=(Rule("x", best),),

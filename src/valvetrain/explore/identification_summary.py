@@ -185,7 +185,7 @@ def identified_verdict(found: Identified) -> str:
     branch = found.branches[0]
     order = np.argsort(-branch.information.determined, kind="stable").tolist()
     known = [k for k in order if branch.information.determined[k] >= LEARNED]
-    open_ = [_plain_name(found.unknowns[k].name) for k in order if k not in known]
+    open_ = [_inner_name(found.unknowns[k].name) for k in order if k not in known]
     parts = []
     for index in known[:MAX_NAMED]:
         one = found.unknowns[index]
@@ -194,18 +194,19 @@ def identified_verdict(found: Identified) -> str:
             shown(value, one.unit, 4) for value in (interval.low, interval.best, interval.high)
         )
         parts.append(
-            f"{_plain_name(one.name)} {best} {unit_text(one.unit)}".rstrip()
+            f"{_inner_name(one.name)} {best} {unit_text(one.unit)}".rstrip()
             + f" (95 % {low} to {high}{f'; {meaning}' if (meaning := found.meanings.get(one.name)) else ''})"
         )
     if len(known) > MAX_NAMED:
         parts.append(f"{len(known) - MAX_NAMED} more")
-    said = ", ".join(parts) or "The data determine nothing"
+    said = ", ".join(parts) or "the data determine nothing"
+    said = f"{said[:1].upper()}{said[1:]}"
     if parts and open_:
         said += f"; not determined: {', '.join(open_[:MAX_NAMED])}"
     missed, fitted = odd(found), len(found.predicted)
     if missed:
         verb = "is" if len(missed) == 1 else "are"
-        said += f"; {len(missed)} of {fitted} measurements {verb} missed, first {datum_label(missed[0].datum)}"
+        said += f"; {len(missed)} of {fitted} measurements {verb} missed, first {_lower(datum_label(missed[0].datum))}"
     elif fitted and not (found.fit and found.fit.missed):
         said += (
             f"; every one of {fitted} measurements is met"
@@ -225,6 +226,20 @@ def identified_verdict(found: Identified) -> str:
 def title_of(one: Unknown) -> str:
     """A quantity with its unit, as an axis has it."""
     return f"{_plain_name(one.name)}{f' ({unit_text(one.unit)})' if one.unit else ''}"
+
+
+def density_label(one: Unknown) -> str:
+    """Axis of a probability density of a quantity, with its unit."""
+    return f"density (1/{unit_text(one.unit)})" if one.unit else "density"
+
+
+def _lower(phrase: str) -> str:
+    """A phrase within a sentence; what begins with a sign or an abbreviation stays."""
+    return phrase if phrase[1:2].isupper() else f"{phrase[:1].lower()}{phrase[1:]}"
+
+
+def _inner_name(name: str) -> str:
+    return _lower(_plain_name(name))
 
 
 def _plain_name(name: str) -> str:

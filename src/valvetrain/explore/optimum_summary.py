@@ -120,7 +120,8 @@ def answer(found: Optimum, values: str = "", more: str = "") -> str:
     value, before = float(best.trial.objectives[0]), float(case.objectives[0])
     at = f", with {values}" if values else ""
     if best.trial.number == 0:
-        return f"No trial beats the case itself, whose {one.label} is {reported(one, value)}{more}."
+        trials = f"of {len(found.trials) - 1} trials " if len(found.trials) > 1 else ""
+        return f"None {trials}beats the case itself, whose {one.label} is {reported(one, value)}{more}."
     confirmed = _confirmed_change(found, one)
     if not case.feasible:
         most = "most" if goals[0].maximise else "least"

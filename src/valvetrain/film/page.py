@@ -43,6 +43,8 @@ TURNS, GREYS = 3.0, ("#000000", "#a4acb5")
 SEEN = tuple(theme.mix(colour, "#ffffff", 0.35) for colour in theme.SERIES)
 #: What the film measured has the first colour wherever it is shown with the model's.
 FILM, MODEL = theme.SERIES[0], theme.SERIES[1]
+#: Share of the largest motion below which a coil stands still.
+STILL = 0.02
 
 
 def coil_colour(coil: int) -> str:
@@ -188,10 +190,13 @@ def peaks_chart(motion: CoilMotion, model: FilmedModel | None) -> Chart | None:
 
 
 def overlay_chart(motion: CoilMotion, model: FilmedModel) -> Chart:
-    """A panel per coil section: film and model over the cam angle."""
+    """A panel per coil section, the one that moves most first: film and model over the cam angle."""
     panels = []
     degrees = np.degrees(model.cam_angle)
-    for coil, cycles in enumerate(motion.cycles):
+    largest = [1e3 * float(np.ptp(mean_of(cycles.values))) for cycles in motion.cycles]
+    for coil in np.argsort(-np.array(largest), kind="stable").tolist():
+        cycles = motion.cycles[coil]
+        still = largest[coil] < STILL * max(largest)
         layers: tuple[Layer, ...] = (
             Line(degrees, 1e3 * mean_of(cycles.values), "film, mean of the turns", FILM, 1.8),
             Line(
@@ -212,6 +217,8 @@ def overlay_chart(motion: CoilMotion, model: FilmedModel) -> Chart:
                 title,
                 x_range=(0.0, 360.0),
                 x_step=90.0,
+                # what hardly moves is noise, which a scale of its own would make a motion
+                y_range=(-STILL * max(largest), STILL * max(largest)) if still else None,
             )
         )
     columns = 2 if len(panels) > 1 else 1

@@ -234,7 +234,7 @@ def _answer(request: _Request) -> None:
 
     lobes, pair = _lobes(request)
     carried = _carried(request, lobes[0])
-    own = lift_case(f"lift-{request.file.stem}", lobes[0])
+    own = lift_case(f"lift-{request.file.stem}", lobes[0], request.noise, request.band)
     title = (
         f"{request.file.name}{'' if request.exhaust is None else ' and ' + request.exhaust.name}"
     )
@@ -245,7 +245,7 @@ def _answer(request: _Request) -> None:
         pages.append(
             write_text(folder / "report.html", render(lift_page(title, lobes, pair, carried)))
         )
-        return [*write_lift(lobes, folder), *pages]
+        return [*write_lift(lobes, folder, request.noise, request.band), *pages]
 
     with busy("writing files"):
         choices = {
@@ -271,7 +271,7 @@ def _answer(request: _Request) -> None:
     from valvetrain.lift.verdict import lift_verdict
 
     show = partial(_show, lobes=lobes, pair=pair, carried=carried, folder=folder)
-    deliver(Outcome(data, show, failures, lift_verdict(lobes)))
+    deliver(Outcome(data, show, failures, lift_verdict(lobes, pair, carried)))
 
 
 def _lobes(request: _Request) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]:
@@ -402,7 +402,8 @@ def _show(
 ) -> None:
     from valvetrain.cli.outcome import plain_table
     from valvetrain.lift.figures import figure_rows
-    from valvetrain.lift.page import carried_rows, carried_text, lift_notes
+    from valvetrain.lift.page import carried_rows, lift_notes
+    from valvetrain.lift.verdict import carried_text
 
     for one in lobes:
         said = ", ".join(

@@ -13,7 +13,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
 from valvetrain.lift.figures import LiftFigure, LobeResult, figure_rows
-from valvetrain.lift.verdict import lift_verdict
+from valvetrain.lift.verdict import carried_text, lift_verdict
 from valvetrain.measured.lift_formats import LiftFormat, LiftTable
 from valvetrain.measured.lift_smoothing import BAND
 from valvetrain.parameters.case import Case
@@ -23,9 +23,7 @@ from valvetrain.parameters.toml_text import resolved, toml_text
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, thin
 from valvetrain.report.page import Block, Cell, Figure, Grid, Page, Section, text
-from valvetrain.report.text import number, speed_text, unit_text
 from valvetrain.solution.atomic import write_bytes, write_text
-from valvetrain.solution.definition import definition_of, label_of, shown
 
 #: Derivative -> label of its axis and factor from SI.
 AXES = (
@@ -59,9 +57,9 @@ def lift_page(
     ]
     if pair:
         sections.append(Section("pair", "Both lobes", (figure_grid(pair),)))
-    picture = Figure(derivatives_chart(lobes[0]))
+    picture = Figure(derivatives_chart(lobes[0]) if len(lobes) == 1 else lobes_chart(lobes))
     for one in lobes:
-        other = () if one is lobes[0] else (Figure(derivatives_chart(one)),)
+        other = () if len(lobes) == 1 else (Figure(derivatives_chart(one)),)
         drawn = (*other, Figure(residuals_chart(one)))
         sections.append(
             Section(f"curves-{one.measured.name}", f"Lift and derivatives, {_whose(one)}", drawn)
@@ -93,7 +91,7 @@ def lift_page(
         "The curves are the law behind the measured stations. The bands hold 95 % of the laws that these stations allow; where a band is "
         "wide, the table leaves it open."
     )
-    foot, said = "Angles are cam degrees.", lift_verdict(lobes)
+    foot, said = "Angles are cam degrees.", lift_verdict(lobes, pair, carried)
     return Page(title, "Measured lift", lead, facts, tuple(sections), foot, said, (picture,))
 
 
@@ -178,8 +176,25 @@ def derivatives_chart(one: LobeResult) -> Chart:
         caption,
         tuple(panels),
         1,
-        900,
+        830,
     )
+
+
+def lobes_chart(lobes: Sequence[LobeResult]) -> Chart:
+    """Lift and acceleration of both lobes on their one zero of the angle."""
+    panels = []
+    for derivative in (0, 2):
+        label, factor = AXES[derivative]
+        layers = []
+        for one, colour in zip(lobes, theme.SERIES, strict=False):
+            grid = np.linspace(*one.smoothed.event, 1501)
+            values = one.smoothed.lift(grid, derivative) * factor
+            x, y = thin(np.degrees(grid), values)
+            layers.append(Line(x, y, one.measured.name, colour, 1.6, in_legend=derivative == 0))
+        ends = np.degrees([one.smoothed.event for one in lobes])
+        reach = (float(ends.min()), float(ends.max()))
+        panels.append(Panel("cam angle (cam degrees)", label, tuple(layers), x_range=reach))
+    return Chart("lobes", "Lift and acceleration of both lobes", "", tuple(panels), 1, 480)
 
 
 def residuals_chart(one: LobeResult) -> Chart:
@@ -265,20 +280,6 @@ def carried_rows(carried: LiftBandStudy) -> list[CarriedSpread]:
     return [one for name in CARRIED for one in carried.spreads if one.quantity == name]
 
 
-def carried_text(one: CarriedSpread) -> tuple[str, str, str, str, str]:
-    """Quantity, run, value, 95 % interval and unit of a carried spread as people read them."""
-    unit = unit_text(definition_of(one.quantity).unit_word)
-    value, spread = (
-        float(shown(one.quantity, number_)[0]) for number_ in (one.value, BAND * one.spread)
-    )
-    run = one.label + (
-        ""
-        if one.engine_speed is None
-        else f"{', ' if one.label else ''}{speed_text(one.engine_speed)}"
-    )
-    return label_of(one.quantity), run, number(value, 4), f"±{number(spread, 2)}", unit
-
-
 def carried_blocks(carried: LiftBandStudy) -> tuple[Block, ...]:
     """Table of forces and speeds with the interval that the noise of the lift gives them."""
     rows = []
@@ -299,7 +300,7 @@ def carried_blocks(carried: LiftBandStudy) -> tuple[Block, ...]:
 #: Cam degrees between the rows of the curves.
 STEP = 0.25
 #: First line of the law for a case file.
-AS_MEASURED = "# Stations as measured; noise and band of 0 are found from them in each run.\n"
+AS_MEASURED = "# Stations as measured; a noise or band of 0 is found from them in each run.\n"
 
 
 def lift_parameters(
@@ -313,15 +314,22 @@ def lift_parameters(
     return LiftLawParameters("measured", values, lobe.measured.lift_of, lobe.measured.zero)  # type: ignore[arg-type]
 
 
-def lift_case(name: str, lobe: LobeResult) -> Case:
+def lift_case(
+    name: str, lobe: LobeResult, noise: float | None = None, band: float | None = None
+) -> Case:
     """A case that holds nothing but the lift of ``lobe``; its text can be put into any case file."""
-    text = toml_text({"name": name, **resolved({"lift_law": {}}, lift_parameters(lobe))})
-    return parse_case(text, name)
+    law = lift_parameters(lobe, noise, band)
+    return parse_case(toml_text({"name": name, **resolved({"lift_law": {}}, law)}), name)
 
 
-def write_lift(lobes: Sequence[LobeResult], folder: Path) -> list[Path]:
+def write_lift(
+    lobes: Sequence[LobeResult],
+    folder: Path,
+    noise: float | None = None,
+    band: float | None = None,
+) -> list[Path]:
     """``lift.csv`` (or ``intake.csv``, ``exhaust.csv``): lift to jerk and standard deviations; and
-    the lift as part of a case file.
+    the lift as part of a case file, with the stated ``noise`` and ``band`` (m).
     """
     files = []
     for lobe in lobes:
@@ -351,7 +359,8 @@ def write_lift(lobes: Sequence[LobeResult], folder: Path) -> list[Path]:
         files.append(
             write_text(
                 folder / f"{name}.toml",
-                AS_MEASURED + toml_text(resolved({"lift_law": {}}, lift_parameters(lobe))),
+                AS_MEASURED
+                + toml_text(resolved({"lift_law": {}}, lift_parameters(lobe, noise, band))),
             )
         )
     return files

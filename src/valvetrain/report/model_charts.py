@@ -14,7 +14,7 @@ from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.uncertainty import Uncertainty
 
 #: Lines and rows of one figure at most.
-MAX_LINES, MAX_ROWS = 8, 24
+MAX_LINES, MAX_ROWS = 8, 16
 #: Letters of the name of a row.
 MAX_LETTERS = 54
 
@@ -53,14 +53,17 @@ def error_bar_chart(every: Sequence[Uncertainty]) -> Chart | None:
     names = tuple((float(level), _cut(name)) for name, level in zip(named, height, strict=True))
     panel = Panel(
         "numerical error, share of the value (%)",
-        "headline number (name)",
+        "",
         (marks,),
         y_range=(-0.6, len(rows) - 0.4),
         y_tick_labels=names,
     )
-    panel = replace(panel, x_range=(0.0, 1.08 * float(sizes.max()) or 1.0))
-    title = "Size of the error bars"
-    return Chart("opening", title, "", (panel,), 1, max(240, 24 * len(rows) + 110), legend=False)
+    most = float(sizes.max()) or 1.0
+    panel = replace(panel, x_range=(-0.02 * most, 1.08 * most))
+    known = sum(bool(row.value) for row in every)
+    caption = f"The {len(rows)} largest of {known}." if known > len(rows) else ""
+    height_px = max(240, 24 * len(rows) + 110)
+    return Chart("opening", "Size of the error bars", caption, (panel,), 1, height_px, legend=False)
 
 
 def _names(rows: Sequence[Uncertainty]) -> list[str]:

@@ -55,7 +55,7 @@ _MAX_LETTERS = 40
 NARROW_PANEL, _NARROW_STEP, _MIN_NARROW = 220, 20, 150
 #: Height in px of a row on a narrow page, whose label stands this far above its marks; and share of
 #: its height on a wide page that a figure has at most for that.
-NARROW_ROW, _ABOVE_MARKS, _MORE_HEIGHT = 29, 11, 1.3
+NARROW_ROW, _ABOVE_MARKS, _MORE_HEIGHT = 32, 11, 1.4
 
 
 def figure(chart: Chart) -> dict[str, Any]:

@@ -41,6 +41,8 @@ from valvetrain.units.reader import reader_factor
 
 #: Further springs whose loads are named, and share by which a rate differs from that as installed.
 MAX_SPRINGS, SAME_RATE = 2, 0.02
+#: Share within which a spring has the rate of the torsion of its wire.
+OF_TORSION = 0.03
 #: What models are compared in.
 PEAK = "peak_spring_force"
 #: What spring sets of a train are weighed by.
@@ -173,6 +175,8 @@ def rest_clauses(study: Study) -> list[str]:
     if others:
         apart = share(max(map(abs, others)))
         text += f", other models {apart if apart.startswith('less') else f'within {apart}'} off in that mode"
+    if modes:
+        text += _less_than_torsion(study, modes[0])
     texts = [*pair_clause(study), f"{text}{_to_solid(study, first)}"]
     named = {one.spring: one for one in reversed(study.rest) if one.spring != first.spring}
     for name, one in list(reversed(named.items()))[:MAX_SPRINGS]:
@@ -226,6 +230,27 @@ def _orders(study: Study, frequency: float) -> str:
         return ""
     ends = (f"{order} at {120 * frequency / order:.0f} rpm" for order in MODE_ORDERS)
     return f" (cam order {' to '.join(ends)})"
+
+
+def _less_than_torsion(study: Study, frequency: float) -> str:
+    """``; torsion of the wire alone, by which cards go, gives 681 Hz, ...`` of a wire whose rate is that of
+    its torsion; empty for any other, and with a mass or a free end.
+    """
+    first = study.rest[0]
+    sizes = study.still.get("") or study.still.get(f"{first.spring}, {first.model}") or {}
+    alone, torsion = sizes.get("estimated_surge_frequency"), sizes.get("estimated_rate")
+    curve, modes = first.curve, first.modes
+    if study.command != "modes" or not alone or not torsion or curve is None or modes is None:
+        return ""
+    rate = float(curve.stiffness_at(first.precompression))
+    below = 1 - frequency / alone
+    sideways = len(modes.coil_number) > 0 and modes.attached_mass is None
+    if not sideways or abs(rate / torsion - 1) > OF_TORSION or not 0.005 < below < 0.06:
+        return ""
+    return (
+        f"; torsion of the wire alone, by which cards go, gives {figure(alone)} Hz, {share(alone / frequency - 1)} more: "
+        "few coils also tilt and move sideways"
+    )
 
 
 def pair_clause(study: Study) -> list[str]:

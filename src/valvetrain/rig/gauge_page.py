@@ -22,6 +22,9 @@ from valvetrain.solution.atomic import write_text
 #: Figures of a page, the channels that lose most first; points of a drawn trace; part of the
 #: revolution that is drawn about the peak.
 MAX_FIGURES, POINTS, WINDOW = 8, 1500, 12
+#: Share within which a peak is recorded whole; share by which what is recorded about the true peak is
+#: below what is recorded elsewhere.
+WHOLE, ELSEWHERE = 0.005, 0.1
 
 
 def _run_label(one: ChannelResponse) -> str:
@@ -125,17 +128,31 @@ def sensor_verdict(worst: ChannelResponse) -> str:
     """One sentence on the channel of which a gauge loses most."""
     unit, _ = shown_unit(worst.channel, worst.unit)
     peaks = f"{_shown(worst.recorded_peak, worst, 4)} of {_shown(worst.true_peak, worst, 4)} {unit}"
-    share = f"{100 * sum(worst.share) / 2:.0f} %"
-    return f"The gauge records at least {share} of each peak; least of the {_channel_label(worst)}, {_run_label(worst)}: {peaks.strip()}."
+    share = sum(worst.share) / 2
+    least = f"least of the {_channel_label(worst)}, {_run_label(worst)}: {peaks.strip()}"
+    if abs(share - 1) < WHOLE:
+        return f"The gauge records every peak within {100 * WHOLE:g} %; {least}."
+    first, last = _about_peak(worst)
+    there = (worst.recorded.time >= first) & (worst.recorded.time <= last)
+    near = float(np.max(worst.recorded.values[there], initial=-np.inf))
+    elsewhere = ""
+    if np.isfinite(near) and near < (1 - ELSEWHERE) * worst.recorded.peak:
+        elsewhere = f", and that at another angle: about the true peak it records {_shown(near, worst, 4)} {unit}".rstrip()
+    return f"The gauge records at least {100 * share:.0f} % of each peak; {least}{elsewhere}."
+
+
+def _about_peak(one: ChannelResponse) -> tuple[float, float]:
+    """First and last time (s) of what is drawn about the true peak."""
+    middle = float(one.time[int(np.argmax(one.values))])
+    half = (one.time[-1] - one.time[0]) / (2 * WINDOW)
+    return max(middle - half, float(one.time[0])), min(middle + half, float(one.time[-1]))
 
 
 def trace_chart(one: ChannelResponse, count: int) -> Chart:
     """True trace, output of the gauge, and its samples, about the true peak."""
     unit, factor = shown_unit(one.channel, one.unit)
     recorded = one.recorded
-    middle = float(one.time[int(np.argmax(one.values))])
-    half = (one.time[-1] - one.time[0]) / (2 * WINDOW)
-    first, last = max(middle - half, float(one.time[0])), min(middle + half, float(one.time[-1]))
+    first, last = _about_peak(one)
     drawn, sampled = ((at >= first) & (at <= last) for at in (one.time, recorded.time))
     at, values = 1e3 * recorded.time[sampled], recorded.values[sampled] * factor
     layers: list[Line | Marks] = [

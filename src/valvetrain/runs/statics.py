@@ -19,6 +19,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.plausible import plausible_rest, refuse_implausible_motion
 from valvetrain.quantities.statics import (
     buckling_quantities,
+    estimated_rate,
     formula_compression,
     rest_quantities,
     size_quantities,
@@ -131,6 +132,7 @@ def static_study(
             again = sum(other == label or other.startswith(f"{label}, ") for other in still)
             still[f"{label}, {again + 1}" if again else label] = (
                 size_quantities(spring)
+                | (_estimates(spring) if command == "modes" else {})
                 | rest_quantities(one)
                 | buckling_quantities(installed, one, lift)
                 | _travel(installed, lift, case.train is not None)
@@ -161,6 +163,14 @@ def _travel(spring: InstalledSpring, lift: float, train: bool) -> dict[str, floa
     """
     found = {"rigid_maximum_valve_lift" if train else "maximum_lift": lift} if lift > 0 else {}
     return found if spring.room is None else found | {"coil_bind_lift": spring.room}
+
+
+def _estimates(spring: InstalledSpring) -> dict[str, float]:
+    """What a card would have of a wire: rate and surge frequency by torsion alone."""
+    if spring.wire is None:
+        return {}
+    rate, mass = estimated_rate(spring.wire)
+    return {"estimated_rate": rate, "estimated_surge_frequency": 0.5 * float(np.sqrt(rate / mass))}
 
 
 def curve_by_model(

@@ -41,13 +41,13 @@ def scan_comparison_verdict(found: ScanComparison) -> str:
     far = sorted((row for row in rows if row[0] > AS_DRAWN), key=lambda row: -row[0])
     if not far:
         return _sentence(lead, f"as drawn within {100 * max(near):.1f} %")
-    named = ", ".join(f"{_name(one)} {percent(_apart(one))}" for _, one in far[:NAMED])
+    named = ", ".join(f"{_name(one)} ({percent(_apart(one))})" for _, one in far[:NAMED])
     more = f" and {len(far) - NAMED} more" if len(far) > NAMED else ""
     if not near:
         return _sentence(lead, f"not as drawn: {named}{more}")
     return _sentence(
         lead,
-        f"{len(near)} of {len(rows)} quantities are as drawn within {100 * max(near):.1f} %, not {named}{more}",
+        f"{len(near)} of {len(rows)} quantities are as drawn within {100 * max(near):.1f} %, but not {named}{more}",
     )
 
 

@@ -34,7 +34,7 @@ LOOKED_AT = (
     "largest_pitch", "wire_length",
 )  # fmt: skip
 #: Heights at which the curve of a card's spring is drawn.
-POINTS = 15
+POINTS = 25
 
 
 def held_rows(held: Sequence[CardDeviation]) -> list[tuple[str, str, str, str, str]]:
@@ -197,8 +197,9 @@ def _card_chart(fit: SpringFit) -> Chart:
         wire.solid_height + 0.03 * wire.solid_compression,
         min(card.open_load.height, wire.solid_height + 0.1 * wire.solid_compression),
     )
-    heights = np.linspace(wire.free_length - 1e-4, lowest, POINTS)
     loads = (card.installed_load, card.open_load)
+    even = np.linspace(wire.free_length - 1e-4, lowest, POINTS)
+    heights = np.unique([*even, *(one.height for one in loads)])[::-1]  # the line meets both loads
     marks = Marks(
         np.array([1e3 * one.height for one in loads]),
         np.array([one.force for one in loads]),
@@ -290,12 +291,15 @@ def _tester_chart(fit: TesterFit) -> Chart:
         for high, force in ((heights, forces), (table.heights, table.forces))
     ]
     between = Marks(*rates[1], "between stations of the table", theme.INK, size=3.0, filled=True)
-    top, most = 1.1 * float(np.max(table.forces)), 6 * float(np.median(rates[1][1]))
+    top = 1.1 * float(np.max(table.forces))
+    largest = max(float(np.max(rate)) for _, rate in rates)
+    most = min(1.15 * largest, 6 * float(np.median(rates[1][1])))
+    ends = (1e3 * float(np.min(heights)), 1e3 * float(np.max(heights)))
     panels = (
-        Panel("height between the seats (mm)", "force (N)", (rod, measured), y_range=(0.0, top)),
+        Panel("height between the seats (mm)", "force (N)", (rod, measured), x_range=ends, y_range=(0.0, top)),
         Panel(
             "height between the seats (mm)", "rate (N/mm)",
-            (Line(*rates[0], "finite-element rod", theme.SERIES[0], in_legend=False), between), y_range=(0.0, most),
+            (Line(*rates[0], "finite-element rod", theme.SERIES[0], in_legend=False), between), x_range=ends, y_range=(0.0, most),
         ),
     )  # fmt: skip
     caption = "Rate between neighbouring stations carries the scatter of both."

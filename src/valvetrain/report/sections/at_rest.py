@@ -418,11 +418,12 @@ def _carried(one: SpringAtRest, label: str) -> Panel:
     result = one.modes
     assert result is not None
     share = np.abs(np.asarray(result.axial_transmission, dtype=float))
-    share = share / max(float(share.max(initial=0.0)), 1e-300)
     axial, found = (
         np.isin(np.arange(len(share)), result.axial_modes),
         np.asarray(result.natural_frequency, dtype=float),
     )
+    top = float((found[axial] if np.any(axial) else found).max()) * 1.12
+    share = share / max(float(share[found <= top].max(initial=0.0)), 1e-300)  # of what is drawn
     layers: list[Layer] = []
     for name, mine, colour in (
         ("other mode", ~axial, theme.MUTED),
@@ -433,7 +434,6 @@ def _carried(one: SpringAtRest, label: str) -> Panel:
             layers.append(
                 Marks(found[mine], share[mine], name, colour, size=8, filled=True, hints=hints)
             )
-    top = float((found[axial] if np.any(axial) else found).max()) * 1.12
     return Panel(
         "natural frequency (Hz)",
         "force carried, largest 1",
