@@ -115,7 +115,7 @@ def test_two_heights_are_as_good_as_a_rate():
 @pytest.mark.parametrize(
     ("outer", "inner", "given", "says"),
     [
-        ('mass = "90 g"', "", {}, "leave mass out"),
+        ('mass = "90 g"', "", {}, "change total_coils or wire_diameter, and leave mass out"),
         ("", 'preload = "90 N"', {}, "are those of both; leave preload out here"),
         ('free_length = "45 mm"', "", {}, "the free length of the outer spring makes"),
         ("", "", {"rate": 3 * RATE}, "check wires, diameters, turns and loads"),
@@ -149,3 +149,33 @@ def test_a_run_says_how_the_loads_were_parted():
     springs = springs.replace("PRELOAD", "800.0").replace("RATE", "66000.0")
     study = vt.simulate(parse_case(law + springs, "own"), "3000 rpm")
     assert any(note.startswith("Total loads parted by the rates") for note in study.notes)
+
+
+def test_a_pair_is_detuned_by_the_turns_of_one_which_leave_the_loads_of_both(tmp_path):
+    """Closed form: the rate of a spring goes as 1 / turns, its mass as turns; a study of detuning varied the
+    mass, which a pair refuses.
+    """
+    turns = np.array([4.7, 5.2, 5.7])
+    text = PAIR.replace("OUTER", "").replace("INNER", "")
+    text = text.replace("PRELOAD", repr(float(PRELOAD))).replace("RATE", repr(float(RATE)))
+    (tmp_path / "pair.toml").write_text(text)
+    study = f"""
+case = "{(tmp_path / "pair.toml").as_posix()}"
+spring_models = ["multi-mass"]
+outputs = ["inner_card_surge_frequency", "inner_card_rate", "outer_card_rate", "inner_card_preload", "outer_card_preload"]
+points = {{ sampler = "grid" }}
+vary = [{{ key = "spring.1.active_coils", values = {turns.tolist()} }}]
+"""
+    table = vt.study(study, workers=1)
+    rates, loads = (
+        [table.column(f"{one}_card_{name}") for one in ("inner", "outer")]
+        for name in ("rate", "preload")
+    )
+    assert sum(rates) == pytest.approx(np.full(3, RATE)) and sum(loads) == pytest.approx(
+        np.full(3, PRELOAD)
+    )
+    wire, mean, _, _ = INNER
+    mass = 7850 * np.pi**2 * wire**2 * mean * turns / 4
+    assert table.column("inner_card_surge_frequency") == pytest.approx(
+        0.5 * np.sqrt(rates[0] / mass)
+    )

@@ -17,10 +17,10 @@ OFF = 4.0
 #: Figures between which the acceleration lies: over the nose, on the flanks.
 PEAKS = ("nose_acceleration", "largest_acceleration")
 #: What is told of a case that has the lift, as many as there are up to a number.
-TOLD = (
+IN_CASE = (
     "float_engine_speed", "minimum_open_cam_contact_force", "peak_cam_contact_force", "peak_spring_force",
 )  # fmt: skip
-MAX_TOLD = 2
+MAX_NAMED = 2
 
 
 def lift_verdict(
@@ -39,12 +39,12 @@ def lift_verdict(
 
 
 def _in_case(carried: LiftBandStudy) -> str:
-    """``; in the case float speed 7094 ± 20 rpm``: the speeds and forces of :data:`TOLD` that it has."""
+    """``; in the case float speed 7094 ± 20 rpm``: the speeds and forces of :data:`IN_CASE` that it has."""
     known = [
-        one for name in TOLD for one in carried.spreads if one.quantity == name and one.value > 0
+        one for name in IN_CASE for one in carried.spreads if one.quantity == name and one.value > 0
     ]
     first = {one.quantity: one for one in reversed(known)}
-    rows = [carried_text(first[name]) for name in TOLD if name in first][:MAX_TOLD]
+    rows = [carried_text(first[name]) for name in IN_CASE if name in first][:MAX_NAMED]
     parts = [
         f"{label} {value} {spread.replace('±', '± ')} {unit}{f' ({run})' if run else ''}"
         for label, run, value, spread, unit in rows

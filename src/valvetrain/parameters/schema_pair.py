@@ -51,8 +51,11 @@ class PairedCard(CardBlock):
         """What the parting needs to know of it; ``height``: installed, where it has none of its own."""
         for key in ("mass", "preload_height"):
             if getattr(self, key) is not None:
-                why = "the mass is computed of both wires" if key == "mass" else "loads of a pair are those at installed_height"  # fmt: skip
-                raise problem(f"{why}; leave {key} out", (key,))
+                if key == "mass":
+                    raise problem("the mass follows from both wires; change total_coils or wire_diameter, and leave mass out", (key,))  # fmt: skip
+                raise problem(
+                    f"loads of a pair are those at installed_height; leave {key} out", (key,)
+                )
         if self.wire_diameter is None:
             raise problem(
                 "total loads are parted by both wires; give wire_diameter", ("wire_diameter",)

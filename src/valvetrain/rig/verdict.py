@@ -29,10 +29,10 @@ def rig_verdict(result: RigResult) -> str:
     for channel in result.channels[:MAX_CHANNELS]:
         peak = peaks_of(channel)[0]
         unit, _ = shown_unit(peak.quantity, peak.unit)
-        scatter = f" ± {peak.shown(2 * peak.scatter, 2)}" if peak.scatter > 0 else ""
-        parts.append(
-            f"{label_of(peak.quantity)} at most {peak.shown(peak.mean, 4)}{scatter} {unit}".strip()
-        )
+        said = f"{label_of(peak.quantity)} at most {peak.shown(peak.mean, 4)} {unit}".strip()
+        if peak.scatter > 0:
+            said += f" (± {peak.shown(2 * peak.scatter, 2)} from cycle to cycle)"
+        parts.append(said)
     more = len(result.channels) - MAX_CHANNELS
     if more > 0:
         parts.append(f"{more} more channel{'s' * (more > 1)}")

@@ -51,6 +51,7 @@ class Run:
     title : title of the case
     models : words of the spring models that ran
     engine_speeds : crank speeds (rpm)
+    verdict : the sentence with which its report opens
     """
 
     run_id: str
@@ -63,6 +64,7 @@ class Run:
     title: str = ""
     models: tuple[str, ...] = ()
     engine_speeds: tuple[float, ...] = ()
+    verdict: str = ""
 
     @property
     def answer(self) -> Mapping[str, Any]:
@@ -230,6 +232,7 @@ def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
         str(answer.get("title", "")),
         saved.spring_models,
         saved.engine_speeds,
+        str(answer.get("verdict", "")),
     )
 
 

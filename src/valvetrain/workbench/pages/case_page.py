@@ -47,7 +47,7 @@ from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.html import job_shown, sentence_of
 from valvetrain.workbench.pages.orders import choices_for, models_for, request_of
 from valvetrain.workbench.pages.pictures import has_picture, of_case, prepare
-from valvetrain.workbench.pages.runs import earlier, run_head, run_table
+from valvetrain.workbench.pages.runs import earlier, first_sentence, run_head, run_table
 from valvetrain.workbench.saved_runs import Run
 from valvetrain.workbench.starts import additions, removable
 from valvetrain.workbench.workspace import CaseId
@@ -111,6 +111,7 @@ class CasePage:
                 choices_for(self.read, quantities, remembered), self.estimate, self.start
             )
             self.panel = JobPanel(self.cancel, self.again)
+            self.newest = tag("p", classes="newest")
             with tag("div", classes="split"):
                 tag("p", f"Case {self.case}. Changes are saved as you make them.", "said")
                 with tag("div", classes="row"):
@@ -152,7 +153,7 @@ class CasePage:
                     self.slider = Slider(
                         [*engine_speed(self.read), *quantities], "", self.floats(), handlers
                     )
-                    self.head = tag("div", classes="run-head")
+                    self.head = tag("div", classes="run-head", id="results")
                     self.results = Results()
                     self.list = tag("div", classes="run-list")
         self.figure.set_visibility(has_picture(self.read))
@@ -417,6 +418,11 @@ class CasePage:
             return
         self.results.show(f"/part/{chosen.run_id}")
         verdict = await asyncio.to_thread(verdict_in, chosen)
+        self.newest.clear()
+        with self.newest:
+            if verdict:
+                tag("strong", first_sentence(verdict))
+                link("Results", "#results", "quiet")
         self.head.clear()
         with self.head:
             run_head(self.desk, chosen, full=False, verdict=verdict)

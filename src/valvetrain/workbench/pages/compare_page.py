@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from html import unescape
+from html import escape, unescape
 from typing import Any
 from urllib.parse import quote
 
@@ -15,7 +15,7 @@ from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Results, tag
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.html import figure_html, grid_of
-from valvetrain.workbench.pages.runs import models_of, name_of, speeds_of
+from valvetrain.workbench.pages.runs import first_sentence, models_of, name_of, speeds_of
 from valvetrain.workbench.saved_runs import Run
 
 _DATA = re.compile(
@@ -24,9 +24,10 @@ _DATA = re.compile(
 _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)</script>')
 #: Pictures for readers without scripts.
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
-_VERDICT = re.compile(r'<p class="verdict">([^<]*)</p>')
+_VERDICT = re.compile(r'<p class="verdict">(.*?)</p>', re.DOTALL)
 #: What stands between the picture of a report and its first section, which the page of a run shows itself.
 _ABOUT = re.compile(r'<div class="about">.*?</dl>\n</div>\n?', re.DOTALL)
+_TAG = re.compile(r"<[^>]*>")
 _CHART = re.compile(r'data-chart="([^"]*)"')
 #: Sections that are seen first, whose figures come with them.
 FIRST = ("opening", "answers", "force", "verdict")
@@ -53,7 +54,7 @@ def verdict_in(run: Run) -> str:
         found = _VERDICT.search(_report(run))
     except (InputError, OSError):
         return ""
-    return "" if found is None else unescape(found[1])
+    return "" if found is None else unescape(_TAG.sub("", found[1]))
 
 
 def report_rest(run: Run) -> str:
@@ -105,7 +106,7 @@ FIGURES = {
 
 def compare_page(desk: Desk, a: str, b: str) -> None:
     """The page of a comparison; without two runs it asks for them."""
-    runs = desk.workspace.runs()
+    runs = [run for run in desk.workspace.runs() if run.command != "study"]  # which has no inputs
     with frame("Compare", "/compare"):
         tag("h1", "Compare two runs")
         if len(runs) < 2:
@@ -169,12 +170,17 @@ def comparison_part(desk: Desk, a: str, b: str) -> str:
         for key, title in FIGURES.items()
         if key in first and key in second
     ]
+    said = "".join(
+        f'<p class="verdict"><span>Run {label}: </span>{escape(first_sentence(run.verdict))}</p>'
+        for label, run in (("A", one), ("B", other))
+        if run.verdict
+    )
     return "".join(
         (
+            f'<section id="verdicts">{said}{"".join(drawn)}</section>' if said or drawn else "",
             grid_of(
                 "inputs-differ", "Inputs that differ", found.inputs, "The inputs are the same."
             ),
-            f'<section id="curves"><h2>Curves</h2>{"".join(drawn)}</section>' if drawn else "",
             grid_of(
                 "results-differ", "Results that differ", found.results, "The results are the same."
             ),

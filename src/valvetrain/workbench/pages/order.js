@@ -21,11 +21,17 @@ export default {
   methods: {
     wish() {
       return { kind: this.kind, speeds: this.kind === "sweep" ? this.over : this.at, models: this.models.map((one) => one.word).filter((word) => this.chosen[word]),
-        sets: this.sets.length ? this.sets.map((one) => one.word).filter((word) => this.chosenSets[word]) : null, key: this.key, low: this.low, high: this.high, points: Number(this.points), output: this.output };
+        sets: this.sets.length ? this.sets.map((one) => one.word).filter((word) => this.chosenSets[word]) : null, key: this.key, low: this.low, high: this.high, points: Number(this.points), output: this.output,
+        label: this.quantity ? this.quantity.label.charAt(0).toLowerCase() + this.quantity.label.slice(1) : "" };
     },
     changed() { clearTimeout(this.timer); this.timer = setTimeout(() => this.$emit("estimate", this.wish()), 250); },
     pick() {
-      if (this.quantity) { this.low = this.text(this.quantity.low); this.high = this.text(this.quantity.high); }
+      // A fifth either way: over the whole range of a slider most points of a study may be no engine.
+      if (this.quantity) {
+        const { low, high, value } = this.quantity, ends = [0.8 * value, 1.2 * value].sort((one, other) => one - other);
+        this.low = this.text(value ? Math.max(low, ends[0]) : low);
+        this.high = this.text(value ? Math.min(high, ends[1]) : high);
+      }
       this.changed();
     },
     text(value) { return Number(Number(value).toPrecision(4)) + (this.quantity.unit ? " " + this.quantity.unit : ""); },

@@ -21,8 +21,8 @@ from valvetrain.workbench.jobs import JobRequest
 
 #: The model that a first run of a spring alone uses: seconds, and it moves.
 FIRST_MODEL, SWEEP = "multi-mass", "1000:8000:250 rpm"
-#: Points of a study.
-MIN_POINTS, MAX_POINTS = 2, 200
+#: Points of a study, and letters of what its quantity is called.
+MIN_POINTS, MAX_POINTS, MAX_LABEL = 2, 200, 80
 
 
 def springs_of(case: Case) -> tuple[InstalledSpring, ...]:
@@ -130,6 +130,8 @@ def _study(
         )
     ends = {"low": str(wish.get("low", "")).strip(), "high": str(wish.get("high", "")).strip()}
     vary = "".join(f"{name} = {_quoted(value)}\n" for name, value in ends.items())
+    label = str(wish.get("label", "")).strip()[:MAX_LABEL]
+    vary += f"label = {json.dumps(label, ensure_ascii=False)}\n" if label else ""
     header = f"engine_speeds = {json.dumps(speeds)}\n" if speeds else ""
     header += f"spring_sets = {json.dumps(list(sets), ensure_ascii=False)}\n" if sets else ""
     return (

@@ -97,7 +97,7 @@ export default {
   template: `
 <div class="results" :data-shown="shown || null">
   <p v-if="sentence" class="refusal" role="alert">{{ sentence }}</p>
-  <div v-if="tabs.length" class="jump" role="tablist" :aria-label="name || 'results'" @keydown.right.prevent="step($event, 1)" @keydown.left.prevent="step($event, -1)">
+  <div v-if="tabs.length" class="jump scroll" role="tablist" :aria-label="name || 'results'" @keydown.right.prevent="step($event, 1)" @keydown.left.prevent="step($event, -1)">
     <button v-for="tab in tabs" :key="tab.key" type="button" role="tab" :id="'tab-' + tab.key" :aria-selected="tab.key === chosen ? 'true' : 'false'"
       :tabindex="tab.key === chosen ? 0 : -1" aria-controls="result-sections" @click="choose(tab.key)">{{ tab.title }}</button>
   </div>

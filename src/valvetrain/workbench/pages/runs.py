@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 
 from valvetrain.report import theme
+from valvetrain.report.page import sentences
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import link, tag
 from valvetrain.workbench.saved_runs import Run
@@ -57,6 +58,11 @@ def name_of(run: Run) -> str:
     return f"{run.case}, {KINDS.get(run.command, run.command)} of {when(run)}"
 
 
+def first_sentence(verdict: str) -> str:
+    """The first sentence of a verdict, the answer itself; empty for none."""
+    return next(iter(sentences(verdict)), "")
+
+
 def run_table(runs: Sequence[Run], alone: bool = False) -> None:
     """A table of runs, newest first; ``alone``: all are of one case, whose name is then left out."""
     heads = (
@@ -82,11 +88,10 @@ def run_table(runs: Sequence[Run], alone: bool = False) -> None:
                     cells = (KINDS.get(run.command, run.command), models_of(run), speeds_of(run))
                     for label in cells if alone else (run.case, *cells):
                         tag("td", label)
-                    tag(
-                        "td",
-                        "complete" if run.completed else "in part",
-                        "good" if run.completed else "bad",
+                    result = first_sentence(run.verdict) or (
+                        "complete" if run.completed else "in part"
                     )
+                    tag("td", result, "" if run.completed else "bad")
 
 
 #: Kind of file -> words.
@@ -111,7 +116,11 @@ def run_head(desk: Desk, run: Run, full: bool, verdict: str = "") -> None:
         if not full:
             link("Open on its own page", f"/run/{run.run_id}", "quiet")
     if verdict:
-        tag("p", verdict, "verdict")
+        first = first_sentence(verdict)
+        with tag("p", classes="verdict"):
+            tag("b", first)
+            if rest := verdict[len(first) :].strip():
+                tag("span", f" {rest}")
     if full:
         facts = [
             ("case", run.case),
