@@ -77,7 +77,10 @@ def test_a_film_says_how_near_the_model_is_to_every_moving_coil(motion, beside, 
 
 
 def test_a_recording_says_its_cycles_its_largest_values_and_where_its_mark_is():
-    said = "3 of 4 cycles retained at 1010 rpm of the cam: valve lift at most 9 mm (± 0.2 from cycle to cycle), strain at most 160 µm/m (± 20 from cycle to cycle)"
+    said = (
+        "3 of 4 cycles retained at 1010 rpm of the cam: valve lift at most 9 mm (± 0.2 from cycle to cycle), "
+        "strain at most 160 µm/m (± 20 from cycle to cycle)"
+    )
     assert rig_verdict(result()) == f"{said}."
     synthetic = rig_verdict(result(alignment=LAID, synthetic=True))
     assert synthetic.startswith(f"Synthetic recording: {said}; its mark is at ")
