@@ -87,7 +87,8 @@ def test_what_clashing_coils_make_follows_no_order():
     """A coarser rod, 1 off: smooth numbers by order 2 and a factor of 2, those of clashes by order 1 and Roache's 3."""
     ways = {1 / 1.5: 99.0, 1 / 1.25: 99.0}
     assert bar_by_hand("minimum_spring_force", 2.0, ways) == pytest.approx(2 / (1.25**2 - 1))
-    assert bar_by_hand("largest_clash_impulse", 2.0, ways) == pytest.approx(3 / (1.25 - 1))
+    for name in ("largest_clash_impulse", "peak_clash_force", "surge_clash_peak_force"):
+        assert bar_by_hand(name, 2.0, ways) == pytest.approx(3 / (1.25 - 1))
 
 
 def blow(time: float, first: float, last: float, impulse: float, spring: str = "") -> Event:

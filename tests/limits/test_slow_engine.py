@@ -85,10 +85,14 @@ def test_a_peak_costs_no_scan_of_the_whole_trace():
     [
         ("multi-mass", 4000, 0.36, 0), ("multi-mass", 200, 1.7, 270), ("multi-mass", 100, 2.7, 320), ("multi-mass", 50, 3.3, 325),
         ("finite-element", 200, 3.3, 190), ("finite-element", 100, 5.8, 195), ("finite-element", 50, 12.6, 215),
+        ("multi-mass", 10, 9.9, 350), ("finite-element", 50, 24.3, 200), ("wave-rod", 50, 1.2, 190), ("wave-rod", 10, 4.0, 270),
+        ("wave-rod-clash", 100, 2.0, 170),
     ],
 )  # fmt: skip
 def test_estimates_hold_within_a_factor_of_two(model, engine_speed, seconds, megabytes):
-    """Processor time (s) and growth of memory (MB) as measured with the template of a spring."""
+    """Processor time (s) and growth of memory (MB) as measured with the template of a spring; of the rod
+    on a fast and on a busy machine.
+    """
     case = template()
     cost = request_cost(
         RunRequest("run", case.parameters, (engine_speed * math.pi / 30,), (model,), (), 1)

@@ -18,9 +18,11 @@ from valvetrain.measured import cycles
 from valvetrain.measured.cycles import read_cycles
 from valvetrain.measured.force_height import read_force_height
 from valvetrain.measured.lift_file import read_lift
+from valvetrain.measured.value_table import read_value_table
 from valvetrain.parameters.loading import parse_case
 from valvetrain.rig.reader import Budget, read_recording
 from valvetrain.scan.clouds import open_cloud
+from valvetrain.solution.atomic import closing_line
 
 MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 SHEET = "xl/worksheets/sheet1.xml"
@@ -97,6 +99,25 @@ def test_measured_cycles_of_more_numbers_than_are_held_are_refused(tmp_path, mon
     (tmp_path / "cycles.csv").write_text("\n".join(lines))
     with pytest.raises(InputError, match="holds more than"):
         read_cycles(tmp_path / "cycles.csv")
+
+
+def test_a_table_of_more_values_than_a_test_has_is_refused(tmp_path):
+    """A million rows within the bytes that are read: refused by their number, none is taken as a value."""
+    (tmp_path / "values.csv").write_text("quantity,unit,value,scatter\n" + "a\n" * 1_000_000)
+    with pytest.raises(InputError, match="holds more than 2000 values"):
+        read_value_table(tmp_path / "values.csv")
+
+
+def test_netcdf_cycles_that_claim_more_than_they_hold_are_refused(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "cycles.nc", "w") as file:
+        file.attrs["title"] = cycles._KIND
+        file.create_dataset("valve_lift", (10**6, 10**6), "f8", chunks=(1000, 1000))
+        file["cam_angle_of_valve_lift"] = np.arange(10.0)
+    content = (tmp_path / "cycles.nc").read_bytes()
+    (tmp_path / "cycles.nc").write_bytes(content + closing_line(content))
+    with pytest.raises(InputError, match=r"'valve_lift' claims 8e\+12 bytes and holds 0"):
+        read_cycles(tmp_path / "cycles.nc")
 
 
 def mat(path):

@@ -452,6 +452,17 @@ def test_the_hardest_clash_is_a_blow_at_the_angle_of_its_force():
     assert "coils 1–2 rest on each other as the spring closes" in quiet
 
 
+def test_the_hardest_clash_is_told_with_its_error_bar():
+    """Contract: a force that mesh and step move had no bar beside it, as other numbers have."""
+    (run,) = train({"clash_count": 1.0, "surge_clash_peak_force": 584.0}).solutions
+    blow, own = clash("clash", 584.0, 241.0, 242.0, 1, STRIKES), (584.0, 584.0)
+    row = Uncertainty("surge_clash_peak_force", run.engine_speed, 584.0, 120.0, None, 600.0, 0.0, own, own, run.label)  # fmt: skip
+    study = Study(CaseRecord("own"), solutions=(replace(run, events=(blow,)),))
+    assert "hardest 584 N between coils 1–2" in study.verdict
+    told = replace(study, error_bars=ErrorBars((row,))).verdict
+    assert "hardest 584 ± 120 N between coils 1–2" in told
+
+
 def test_the_clash_of_the_finest_model_is_told():
     """Of two models the sentence took the one with more energy, the coarser one's estimate."""
     one, other = train(

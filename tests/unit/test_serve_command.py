@@ -5,6 +5,7 @@ Evidence: what the command prints, the settings that reach the pages, and ports 
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 import signal
@@ -56,6 +57,36 @@ def test_it_listens_on_this_machine_alone_and_ends_cleanly(started, tmp_path):
         jobs.limits.bytes,
     ) == (2, 1800.0, 4e9)
     assert call("serve", "--no-open", "--port", "0").exit_code == 0, "the workspace was given back"
+
+
+def test_the_address_is_printed_when_it_answers_and_not_before(started, monkeypatch):
+    """Contract: it was printed 1.7 to 2.7 s before anything listened; a server that never does prints none."""
+
+    def start(workspace, jobs, settings, listening):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pages, "start", start)
+    told = call("serve", "--no-open", "--port", "0", "--host", "0.0.0.0").stderr
+    assert "http://" not in told and "token" not in told and "has ended" in told
+
+
+def test_listening_is_told_once_the_port_takes_connections():
+    """Contract: with a port that nobody holds it waits; it ends once somebody listens there."""
+
+    async def run():
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        waiting = asyncio.create_task(pages._until_listening("0.0.0.0", port))
+        await asyncio.sleep(4 * pages.LOOK)
+        assert not waiting.done()
+        server = await asyncio.start_server(
+            lambda reader, writer: writer.close(), "127.0.0.1", port
+        )
+        async with server:
+            await asyncio.wait_for(waiting, 10)
+
+    asyncio.run(run())
 
 
 def test_another_address_gets_a_random_token_that_is_printed_once(started):

@@ -250,9 +250,7 @@ def turn_quantities(
     ]
     cam = record.gaps[:, names.index("cam")]
     inside = window.holds(record.cam_angle)
-    values["loft_gap"] = (
-        float(np.max(cam[inside], initial=0.0)) if np.any(cam[inside] > SMALLEST_GAP) else 0.0
-    )
+    values["loft_gap"] = float(np.max(cam[inside], initial=0.0))  # wide open any gap is a loft
     nose = (rigid > 0.3 * window.top) & (mechanism.kinematics.valve_lift(record.cam_angle, 2) < 0)
     excess = np.where(np.any(np.array(apart) > SMALLEST_GAP, axis=0) & nose, lift - rigid, 0.0)
     values["float_excess_lift"] = float(

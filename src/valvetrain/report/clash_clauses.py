@@ -8,9 +8,8 @@ import math
 from collections.abc import Sequence
 
 from valvetrain.integrate.clash import RESTS, STRIKES
-from valvetrain.report.clauses import Clause, Runs, counted, figure, joined
+from valvetrain.report.clauses import Clause, Runs, Worst, counted, joined
 from valvetrain.report.headlines import clash_pair, peak_angle
-from valvetrain.report.text import unit_text
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.system.contract import TRAIN
@@ -54,7 +53,7 @@ def clash_clauses(runs: Runs, brief: bool) -> list[Clause]:
         text += f" ({runs.text(energy)} in all)"
     hardest = max(strikes(run), key=lambda one: one.size, default=None)
     if hardest and not brief:
-        text += f", {_hardest_text(hardest)}"
+        text += f", {_hardest_text(runs, run, hardest)}"
     parts = [text, closed] if closed and not brief else [text]
     about = run if (count or closed) and len(runs.solutions) > 1 else None
     return [Clause(part, about, lost=count > 0 and part == text) for part in parts]
@@ -68,8 +67,8 @@ def resting_text(run: Solution) -> str:
     return f"coils {joined(pairs)} rest on each other as the spring closes"
 
 
-def _hardest_text(hardest: Event) -> str:
-    size = f"{figure(hardest.size)} {unit_text(hardest.unit)}"
+def _hardest_text(runs: Runs, run: Solution, hardest: Event) -> str:
+    size = runs.text(Worst("surge_clash_peak_force", hardest.size, run))
     why = " under surge" if hardest.details.get("cause") == STRIKES else ""
     pair = clash_pair(hardest)
     return f"hardest {size} between coils {pair}{why} at {peak_angle(hardest):.0f} cam deg"

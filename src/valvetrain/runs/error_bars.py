@@ -29,7 +29,8 @@ Numbers = Mapping[str, float]
 SPRING_HEADLINES = (
     "peak_spring_force", "minimum_spring_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force",
     "main_clash_peak_force", "main_clash_below_20_khz_peak_force", "main_clash_below_10_khz_peak_force", "main_clash_cam_angle",
-    "main_clash_impulse", "clash_energy", "largest_clash_impulse", "peak_shear_stress", "outer_peak_shear_stress", "inner_peak_shear_stress",
+    "main_clash_impulse", "clash_energy", "largest_clash_impulse", "peak_clash_force", "surge_clash_peak_force", "peak_shear_stress",
+    "outer_peak_shear_stress", "inner_peak_shear_stress",
 )  # fmt: skip
 #: The variant with the mesh and step of the case.
 OWN = "mesh 1"

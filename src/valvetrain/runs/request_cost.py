@@ -40,8 +40,8 @@ REST, STEP, STEP_BYTES, STORED_BYTES, MAX_STEPS = 0.3, 2e-6, 128.0, 16.0, 2**20
 CLASH_TIME, CLASH_BYTES, CLASH_COPIES = 2e-6, 16.0, 1.2
 #: Time (s) in which the start of a spring alone is forgotten; two revolutions are computed at least.
 FORGOTTEN = 0.1
-#: Time of the rod alone as a share of that in a train, whose steps are shorter.
-ROD_ALONE = 0.4
+#: Time of a model alone as a share of that in a train, whose steps are shorter.
+ALONE = {ROD: 0.6, "wave-rod": 0.4, "wave-rod-clash": 0.4}
 #: Runs on the own mesh that take as long as all variants of a refinement, of a spring and of a
 #: train; bytes over those of a run.
 SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 3.0
@@ -213,7 +213,7 @@ def request_cost(request: Request, whole: bool = True, searches: bool = False) -
                     total += Cost(CLASH_TIME * sum(steps) / at_a_time)
                 running = STEP_BYTES * max(steps) + CLASH_COPIES * max(clash)
                 total += Cost(0.0, running * at_a_time + stored)
-                processor_time *= ROD_ALONE if model == ROD else 1.0
+                processor_time *= ALONE.get(model, 1.0)
             total += estimate(
                 runs=len(engine_speeds),
                 simulated_time=simulated_time,

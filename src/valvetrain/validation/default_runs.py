@@ -31,6 +31,8 @@ from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 
 RPM = math.pi / 30
+#: Raw forces of one impact of coils, which no division resolves and whose contact no source states: their bars alone tell of them.
+IMPACT_FORCES = ("peak_clash_force", "surge_clash_peak_force")
 #: Models that are compared: chain, surge modes, rod of the wave equation and, of a wire, the rod.
 MODELS = ("multi-mass", "modal-uniform", "wave-rod", "finite-element")
 #: Division of the finest run over that of the case (a chain of a card has at least CHAIN elements), and
@@ -205,6 +207,8 @@ def _numbers(
     runs = default, finest
     repeats = not any(name.startswith("cycle_scatter_") for run in runs for name in run.quantities)
     for name in NAMES:
+        if name in IMPACT_FORCES:
+            continue
         value, best = (run.quantities.get(name, math.nan) for run in runs)
         if not (math.isfinite(value) and math.isfinite(best)):
             continue
