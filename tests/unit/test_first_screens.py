@@ -261,3 +261,16 @@ def test_no_curve_runs_through_the_label_of_a_mark():
     levels = max(rule_levels(panel, True)) + 1
     share = (400 - low) / (narrow[1] - low)  # of the height that the curve takes
     assert share <= LABEL_TOP - LABEL_LINE * levels
+
+
+def test_the_worst_of_a_run_up_is_the_one_that_loses_contact_first():
+    """Contract: eight runs up of tdi-pushrod were "worst (stock): in contact" where five others lost it."""
+    first, turns = train_study().solutions[0], []
+    for label, lost_from, surge in (("stock", 9000, 20.0), ("soft", 3400, 10.0)):
+        for speed in range(3000, 4000, 100):
+            gap = 2e-4 if speed >= lost_from else 0.0
+            values = {"minimum_cam_contact_force": 0.0 if gap else 90.0, "loft_gap": gap, "surge_amplitude_force": surge}  # fmt: skip
+            origin = replace(first.provenance, label=label, spring_set=label, engine_speed=speed * RPM)  # fmt: skip
+            turns.append(replace(first, provenance=origin, quantities=values, events=()))
+    said = Study(CaseRecord("own"), "run-up", tuple(turns)).verdict
+    assert said.startswith("Worst (soft): contact is lost first at 3400 rpm")

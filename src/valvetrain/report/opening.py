@@ -33,6 +33,8 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
 
+#: What models are compared in; the verdict names the one that has least of it.
+PEAK = "peak_spring_force"
 #: Height of the panel of the lift next to that of the force, which tells more.
 LIFT_WEIGHT = 0.6
 #: A limit further above the curve than this share of its span is not drawn.
@@ -100,6 +102,8 @@ def _shown_runs(study: Study, worst: Solution, runs: list[Solution]) -> list[Sol
     those by the finest models.
     """
     named = {id(one.run) for one in run_clauses(judged_runs(study))}
+    if peaks := [(run.quantities[PEAK], id(run)) for run in runs if PEAK in run.quantities]:
+        named.add(min(peaks)[1])
     fine = {model: place for place, model in enumerate(FINEST)}
 
     def key(run: Solution) -> tuple[bool, bool, int]:

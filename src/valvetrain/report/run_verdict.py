@@ -109,7 +109,7 @@ def _power(study: Study) -> str:
 
 def _spread(study: Study) -> str:
     """How far models of one spring set are apart in the peak force, where there are several."""
-    worst: tuple[float, float, str] | None = None
+    worst: tuple[float, float, str, str] | None = None
     bars = judged_runs(study)
     for speed in study.engine_speeds:
         for name in {run.spring_set for run in study.solutions}:
@@ -130,13 +130,14 @@ def _spread(study: Study) -> str:
                     for run in (ends[0], ends[-1])
                 )
                 inside = ", inside their error bars" if high - low <= known else ""
-                found = ((high - low) / max(abs(high), 1e-12), speed, inside)
+                found = (high - low) / max(abs(high), 1e-12), speed, inside, ends[0].model
                 worst = found if worst is None or found > worst else worst
     if worst is None:
         return ""
-    apart, speed, inside = worst
+    apart, speed, inside, least = worst
     where = f" at {speed_text(speed)}" if len(study.engine_speeds) > 1 else ""
-    return f"models differ by {share(apart)} in peak force{where}{inside}"
+    least = f" (least by {least})" if len({run.model for run in study.solutions}) > 2 else ""
+    return f"models differ by {share(apart)} in peak force{where}{least}{inside}"
 
 
 def rest_failures(study: Study) -> list[str]:

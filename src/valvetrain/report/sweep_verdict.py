@@ -18,7 +18,7 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
-from valvetrain.report.control import control_clauses, controlled_to
+from valvetrain.report.control import control_clauses, controlled_to, first_losses
 from valvetrain.report.run_clauses import (
     ENDS_PULL,
     PULLS,
@@ -30,6 +30,7 @@ from valvetrain.report.run_clauses import (
     is_judged,
     passes_resolved,
 )
+from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.later import is_computed
@@ -146,7 +147,8 @@ def worst_label(study: Study) -> str:
     """
 
     def key(label: str) -> tuple[float, float, float]:
-        runs = runs_over_speed(study, label).solutions
+        every = runs_over_speed(study, label)
+        runs = every.solutions
         surge = worst_surge(runs)
         train = any(run.provenance.system == TRAIN for run in runs)
         clash = (
@@ -155,7 +157,9 @@ def worst_label(study: Study) -> str:
             else max((run.quantities.get("clash_energy", 0.0) for run in runs), default=0.0)
         )
         # what a stopped search has not computed ranks nothing
-        control = 0.0 if study.interruption else controlled_to(study, label)
+        lost = (run.engine_speed for run in first_losses(every).values())
+        limit = controlled_to(study, label) if searched(study) else min(lost, default=math.inf)
+        control = 0.0 if study.interruption else limit
         return control, -clash, -(surge.amplitude if surge else 0.0)
 
     return min(study.labels, key=key)
