@@ -1,4 +1,6 @@
-"""The solid in motion: its statics and modes against CalculiX, its clash spikes beside the rod's."""
+"""The solid in motion: its statics and modes against CalculiX, faces of bricks against Hertz and impact,
+its clash spikes beside the rod's.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,16 @@ from valvetrain.runs.run import run_study
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.solid.model import SolidModel
 from valvetrain.springs.spec import spring_model
+from valvetrain.validation.hertz import (
+    bouncing_ring,
+    colliding_bars,
+    crossed_wires,
+    pressed_blocks,
+    pressed_section,
+)
 from valvetrain.validation.models import SOLID, SOLID_BEEHIVE, solid_beehive
 from valvetrain.validation.row import Kind, Row, book_case
 from valvetrain.validation.springs import STEEL
-from valvetrain.validation.squeezed_section import squeezed_section
 
 KIND: Kind = "independent computation"
 
@@ -123,18 +131,71 @@ def curvature_in_job_c() -> list[Row]:
 
 
 @book_case()
-def section_squeezed() -> list[Row]:
-    """A slice of wire under Hertz pressure from two sides: what stiffness between coils is by elasticity."""
-    rows = []
-    for force in (1e3, 1e4, 1e5):
-        due = 1e6 * line_contact(4e-3, STEEL, force).approach
-        found = 1e6 * squeezed_section(4e-3, STEEL, force, across=16)
-        name = f"bricks, section squeezed by {force / 1e3:g} N/mm"
-        why = "mesh of the section"
-        rows.append(
-            Row("solids", name, "johnson1985", "wire 4 mm, plane strain", due, found, "um", 0.01 * due, why)
-        )  # fmt: skip
-    return rows
+def faces_as_hertz() -> list[Row]:
+    """Bricks pressed together by their faces: a section between two planes, a ring on a plane, wires
+    across each other.
+    """
+    wire, rows = 4e-3, []
+    for line in (1e3, 1e4, 1e5):
+        name = f"faces, section squeezed as far as {line / 1e3:g} N/mm needs"
+        force, what = (
+            pressed_section(wire, STEEL, line).force,
+            "wire 4 mm, plane strain, two planes",
+        )
+        rows.append(_hertz(name, what, 1e-3 * line, 1e-3 * force, "N/mm", 0.01))
+    for line in (1e3, 1e5):
+        what = "wire 4 mm, ring of index 6 between two planes"
+        ring = pressed_section(wire, STEEL, line, ring_radius=3 * wire)
+        width = line_contact(wire, STEEL, line).half_width
+        pressure = 2e-6 * line / (np.pi * width)
+        rows += [
+            _hertz(f"faces, ring on a plane, force at its approach, {line / 1e3:g} N/mm", what, 1e-3 * line, 1e-3 * ring.force, "N/mm", 0.02),
+            _hertz(f"faces, ring on a plane, half width, {line / 1e3:g} N/mm", what, 1e6 * width, 1e6 * ring.half_width, "um", 0.02),
+            _hertz(f"faces, ring on a plane, pressure, {line / 1e3:g} N/mm", what, pressure, 1e-6 * ring.pressure, "MPa", 0.02),
+        ]  # fmt: skip
+    half_width, what = 20e-6, "wires 4 mm at right angles, half width 20 um, 5 bricks in it"
+    modulus = STEEL.shear_modulus / (1 - STEEL.poisson_ratio)
+    crossed = crossed_wires(wire, STEEL, half_width)
+    force = 8 / 3 * modulus * half_width**3 / wire
+    pressure = 4e-6 * modulus * half_width / (np.pi * wire)
+    return [
+        *rows,
+        _hertz("faces, crossed wires, force at their approach", what, force, crossed.force, "N", 0.02),
+        _hertz("faces, crossed wires, pressure", what, pressure, 1e-6 * crossed.pressure, "MPa", 0.02),
+    ]  # fmt: skip
+
+
+def _hertz(name: str, what: str, due: float, found: float, unit: str, share: float) -> Row:
+    """A row of Hertz's contact; ``share``: tolerance over the expected value."""
+    return Row("solids", name, "johnson1985", what, due, found, unit, share * due, "mesh at the contact")  # fmt: skip
+
+
+@book_case()
+def faces_that_meet() -> list[Row]:
+    """Patch test of the contact of faces, and bodies that strike: a wave runs to the far end and back."""
+    patches, what = [], "cubes of 10 mm, bricks along their edges"
+    for cells, order, within in (((4, 4), 2, 1e-6), ((4, 6), 4, 0.02)):
+        name = "faces, patch test, largest pressure over mean, {} and {}".format(*cells)
+        found, why = 1 + pressed_blocks(STEEL, cells, order), "Gauss points across other edges"
+        patches.append(Row("solids", name, "", what, 1.0, found, "1", within, why))
+    speed = float(np.sqrt(STEEL.youngs_modulus / STEEL.density))
+    length, radius, wall, height = 40e-3, 2e-3, 0.5e-3, 60e-3
+    bars = colliding_bars(STEEL, length, radius, 1.0)
+    ring = bouncing_ring(STEEL, radius, wall, height, 1.0)
+    strike = STEEL.density * speed * np.pi * radius**2 / 2
+    fall = STEEL.density * speed * 24 * np.sin(2 * np.pi / 24) * radius * wall
+    touch, rest = 2e6 * length / speed, 2e6 * height / speed
+    bar, tube = "bars 4 x 40 mm, 1 m/s", "ring of 4 mm, wall 0.5, height 60 mm, 1 m/s"
+    why = "waves of a thick bar spread"
+    return [
+        *patches,
+        Row("solids", "faces, force of colliding bars", "", bar, strike, bars.force, "N", 0.02 * strike, why),
+        Row("solids", "faces, time that colliding bars touch", "", bar, touch, 1e6 * bars.duration, "us", 0.02 * touch, why),
+        Row("solids", "faces, velocity of the bar that was struck", "", bar, 1.0, bars.velocity, "m/s", 0.02, why),
+        Row("solids", "faces, force of a ring that falls flat", "", tube, fall, ring.force, "N", 0.02 * fall, why),
+        Row("solids", "faces, time that a ring that falls flat touches", "", tube, rest, 1e6 * ring.duration, "us", 0.02 * rest, why),
+        Row("solids", "faces, velocity at which the ring bounces", "", tube, 1.0, ring.velocity, "m/s", 0.05, "it goes on to breathe: " + why),
+    ]  # fmt: skip
 
 
 @book_case(slow=True)
