@@ -100,7 +100,7 @@ BETWEEN = {
     "end.inactive_coils": (None, 3), "end.ground_coils": (None, 3), "spring.total_coils": (None, 200), "card.active_coils": (None, 200),
     "material.poisson_ratio": (-1, 0.5), "options.massless.effective_mass_fraction": (None, 1),
     "options.multi-mass.masses_per_coil": (1, 2000), "options.multi-mass.elements": (1, 2000), "options.modal-uniform.modes": (1, 500),
-    "options.finite-element.elements_per_coil": (4, 1000), "options.reduced-rod.elements_per_coil": (8, 200),
+    "options.finite-element.coil_friction": (0, 1), "options.finite-element.elements_per_coil": (4, 1000), "options.reduced-rod.elements_per_coil": (8, 200),
     "options.solid.elements_per_coil": (4, 1000), "options.solid.bricks_per_coil": (8, 400), "options.solid.brick_core": (2, 16),
     "options.solid.brick_rings": (1, 16), "options.solid.mass_scaling": (0, 20),
     "options.solid.core": (1, 40), "options.solid.rings": (1, 40), "operation.output_step": (math.degrees(1e-4), math.degrees(0.5)),
