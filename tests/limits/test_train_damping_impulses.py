@@ -53,7 +53,7 @@ def drawn(rng: np.random.Generator, bodies: int, interactions: int, heavy: float
         share=np.ones(interactions),
         before=np.zeros((interactions, 1)),
         bend=np.zeros(interactions),
-        guides=np.stack([masses, *np.zeros((2, bodies))], 1),
+        guides=np.stack([masses, *np.zeros((2, bodies)), np.sqrt(masses)], 1),
         diagonal=np.zeros(interactions),
         right=np.zeros(interactions),
         rows=np.zeros(interactions, dtype=int),
@@ -141,7 +141,10 @@ def test_a_damper_met_since_the_last_step_acts_from_there_to_the_end_of_the_kick
             share,
         )
         scratch.gradients[0, 0], index = 1.0, np.array([[0, -1, -1, -1]])
-        scratch.old[0], scratch.guides[0, 0] = 1.0, 1e6  # so heavy that nothing slows it
+        scratch.old[0], scratch.guides[0, [0, 3]] = (
+            1.0,
+            (1e6, 1e3),
+        )  # so heavy that nothing slows it
         train_damping.damp(
             index, np.array([0]), scratch, STEP, 0.5 * before / kick, np.array([1.0])
         )
@@ -165,7 +168,7 @@ def test_a_guide_slows_by_viscous_drag_and_friction(now):
         ]
     )
     old, v = np.array([0.7, -1.3, 0.1, 2.0]), np.array([0.9, -1.1, -0.05, 1.8])
-    before, scratch = v.copy(), SimpleNamespace(guides=np.zeros((4, 3)), old=old)
+    before, scratch = v.copy(), SimpleNamespace(guides=np.zeros((4, 4)), old=old)
     train_damping.guide(body, scratch, STEP, now, v)
     speed = np.abs((1 - now) * old + now * before)
     drag = STEP * (body[:, 2] + body[:, 3] / np.maximum(speed, body[:, 4]))
