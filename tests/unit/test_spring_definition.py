@@ -205,3 +205,12 @@ def test_a_material_is_known_however_its_name_is_spaced_and_capitalised(name):
     assert {material_by_name(one) for one in writings} == {MATERIALS[name]}
     with pytest.raises(InputError, match="not in the library"):
         material_by_name(f"{name} X")
+
+
+@pytest.mark.parametrize("part", ["10", "40", "SC", "68"])
+def test_a_part_of_a_name_is_no_material(part):
+    """Contract: a wire goes by the last word of its name, where one has it, and by no fragment of that."""
+    assert material_by_name("VDSiCr") == MATERIALS["EN 10270-2 VDSiCr"]
+    assert material_by_name("4340") == MATERIALS["AISI 4340"]
+    with pytest.raises(InputError, match="not in the library"):
+        material_by_name(part)

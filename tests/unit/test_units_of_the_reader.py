@@ -22,6 +22,7 @@ from valvetrain.units.reader import (
     IMPERIAL,
     for_reader,
     reader_factor,
+    reader_text,
     reader_unit,
     request_units,
     shown_system,
@@ -106,6 +107,21 @@ def test_texts_are_in_pounds_and_inches(imperial):
     assert quantity_text("bounce_height", 50e-6) == "0.00197 in"
     assert amount(100.0, "N/mm") == "571 lbf/in" and amount_text(1000.0, "MPa") == "145 ksi"
     assert amount(62.0, "g") == "62 g" and amount(30.0, "deg") == "30 deg"
+
+
+@pytest.mark.parametrize(
+    ("metric", "pounds"),
+    [
+        ("they make 51.2 of 60 N/mm", "they make 292.4 of 342.6 lbf/in"),
+        ("537 to 611 N, 7240–7371 rpm", "120.7 to 137.4 lbf, 7240–7371 rpm"),
+        ("coils 1 and 2 at 584 ± 226 N", "coils 1 and 2 at 131.3 ± 50.81 lbf"),
+        ("from −3 to −1.5 mm", "from −0.1181 to −0.05906 in"),
+        ("2e10 N/m2, 3 mm^2 and N of 3", "2e10 N/m2, 3 mm^2 and N of 3"),
+    ],
+)
+def test_numbers_of_a_note_that_share_a_unit_are_all_converted(imperial, metric, pounds):
+    """Closed form: 4.4482 N a pound; of a range only the last number was converted."""
+    assert reader_text(metric) == pounds
 
 
 def test_axes_of_figures_are_scaled_with_all_that_is_on_them(imperial):

@@ -83,8 +83,8 @@ def material_by_name(name: str) -> Material:
     """
     word = _key(name)
     found = {_key(known): material for known, material in MATERIALS.items()}.get(word)
-    ends = [material for known, material in MATERIALS.items() if _key(known).endswith(word)]
-    if found is None and len(word) > 1 and len(ends) == 1:
+    ends = [one for known, one in MATERIALS.items() if _key(known.split()[-1]) == word]
+    if found is None and len(ends) == 1:
         found = ends[0]
     if found is None:
         raise InputError(

@@ -20,8 +20,11 @@ IMPERIAL = {
     "impulse": "lbf s", "velocity": "in/s", "acceleration": "in/s^2", "cam velocity": "in/deg", "cam acceleration": "in/deg^2",
     "power": "hp", "line stiffness": "ksi",
 }  # fmt: skip
-#: A number of prose with a metric unit behind it.
-_METRIC = re.compile(r"(?<![\w.\u2212-])(\d+(?:\.\d+)?)[ \xa0](N/mm|N|mm|MPa|m/s|mJ)(?![\w/^])")
+#: Numbers of prose that share the metric unit behind them: "72 N", "537 to 611 N", "−3 ± 0.2 mm".
+_NUMBER = r"\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+_METRIC = re.compile(
+    rf"(?<![\w.])({_NUMBER}(?:(?: (?:to|of|and|or|±) |[–±/-])[−-]?{_NUMBER})*)[ \xa0](N/mm|N|mm|MPa|m/s|mJ)(?![\w/^])"
+)
 #: Units as pages print them -> as they are read.
 _WRITTEN = {"m/s2": "m/s^2"}
 _REQUESTED: ContextVar[str] = ContextVar("requested_units", default="si")
@@ -87,8 +90,8 @@ def reader_text(text: str) -> str:
 
     >>> request_units("imperial")
     >>> with for_reader():
-    ...     reader_text("rate 41.4 N/mm, 72 N at 6593 rpm (1.33 m/s)")
-    'rate 236.4 lbf/in, 16.19 lbf at 6593 rpm (52.36 in/s)'
+    ...     reader_text("rate 41.4 N/mm, 72 N at 6593 rpm (1.33 m/s), 537 to 611 N")
+    'rate 236.4 lbf/in, 16.19 lbf at 6593 rpm (52.36 in/s), 120.7 to 137.4 lbf'
     >>> request_units("si")
     """
     if _SHOWN.get() == "si":
@@ -96,7 +99,9 @@ def reader_text(text: str) -> str:
 
     def converted(found: re.Match[str]) -> str:
         unit = found[2]
-        return f"{float(found[1]) * reader_factor(unit):.4g} {reader_unit(unit)}"
+        factor = reader_factor(unit)
+        numbers = re.sub(_NUMBER, lambda one: f"{float(one[0]) * factor:.4g}", found[1])
+        return f"{numbers} {reader_unit(unit)}"
 
     return _METRIC.sub(converted, text)
 
