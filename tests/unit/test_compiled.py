@@ -5,7 +5,9 @@ where they cannot be kept.
 from __future__ import annotations
 
 import importlib.util
+import os
 import shutil
+import subprocess
 import sys
 
 import numba
@@ -175,3 +177,27 @@ def test_all_kernels_of_the_package_are_kept_this_way():
     assert {line for lines in found.values() for line in lines} == {
         "from valvetrain.compiled import njit"
     }
+
+
+def test_stored_numbers_are_of_one_rounding():
+    """Contract: where another processor's linear algebra rounds a fit otherwise, its stored numbers have
+    another key, and the same one where it rounds alike.
+    """
+    program = (
+        "import numpy as np; from valvetrain.compiled import program_digest; "
+        "sample = np.sin(np.arange(37.0 * 23.0)).reshape(37, 23); "
+        "print(program_digest(), np.linalg.lstsq(sample, sample[:, 0] ** 2)[0].tobytes().hex())"
+    )
+    found = [
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, **more},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.split()
+        for more in ({}, {}, {"OPENBLAS_CORETYPE": "Prescott"})
+    ]
+    (here, bits), repeated, (other, other_bits) = found
+    assert repeated == [here, bits]
+    assert (other == here) == (other_bits == bits)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.compiled import PACKAGE, sources_digest
+from valvetrain.compiled import program_digest
 from valvetrain.contact.kernels import OWN_LAW
 from valvetrain.integrate.contract import Periodic, RunOptions, RunUp, Until
 from valvetrain.integrate.run import SHARED, run
@@ -108,16 +108,9 @@ def _key(system: DrivenSprings, cam_speed: float, until: Until, options: RunOpti
     numbers = (train.arrays, train.interaction_names, train.coordinate_names, train.crank)
     how = (cam_speed, until, options.samples, options.window, options.nose)
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
-        text = repr((parts, numbers, how, _sources()))
+        program = program_digest("integrate/*.py", "cosserat/*.py", "mechanism/*.py", "system/*.py")
+        text = repr((parts, numbers, how, program))
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
-
-
-def _sources() -> str:
-    """Digest of the program that makes a train's run with rods."""
-    folders = ("integrate", "cosserat", "mechanism", "system")
-    files = sorted(path for one in folders for path in (PACKAGE / one).glob("*.py"))
-    text = b"".join(path.read_bytes() for path in files)
-    return sources_digest(PACKAGE) + hashlib.blake2b(text, digest_size=16).hexdigest()
 
 
 def with_driven(train: Solution, alone: Solution, system: DrivenSprings) -> Solution:

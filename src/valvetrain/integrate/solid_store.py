@@ -8,13 +8,12 @@ import hashlib
 import os
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.compiled import PACKAGE, sources_digest
+from valvetrain.compiled import program_digest
 from valvetrain.continuum import time_kernels
 from valvetrain.errors import ValvetrainError
 from valvetrain.solution.netcdf import load_netcdf, save_netcdf
@@ -43,24 +42,13 @@ def run_key(model: SolidModel, *motion: ArrayLike | str) -> str:
         model.time_step,
         spring.material,
     )
-    digest.update(repr((texts, model.precompression, spring.total_coils, _sources())).encode())
+    program = program_digest("continuum/*.py", "springs/solid/*.py", "integrate/solid_*.py")
+    digest.update(repr((texts, model.precompression, spring.total_coils, program)).encode())
     for part in (
         wire.grid, wire.coil, points.distance, points.stiffness, *wire.seat_planes, *motion,
     ):  # fmt: skip
         digest.update(repr(part).encode() if isinstance(part, str) else np.asarray(part).tobytes())
     return digest.hexdigest()
-
-
-@cache
-def _sources() -> str:
-    """Digest of the program that makes a run."""
-    own = [
-        *(PACKAGE / "continuum").glob("*.py"),
-        *(PACKAGE / "springs" / "solid").glob("*.py"),
-        *(PACKAGE / "integrate").glob("solid_*.py"),
-    ]
-    text = b"".join(path.read_bytes() for path in sorted(own))
-    return sources_digest(PACKAGE) + hashlib.blake2b(text, digest_size=16).hexdigest()
 
 
 def _folder() -> Path | None:

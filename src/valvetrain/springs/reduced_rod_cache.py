@@ -11,21 +11,15 @@ from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import astuple, fields, is_dataclass
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from valvetrain.compiled import PACKAGE, sources_digest
+from valvetrain.compiled import program_digest
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.errors import InputError
 from valvetrain.solution.atomic import atomic_path
-from valvetrain.springs import (
-    finite_element_channels,
-    reduced_rod_kernel,
-    reduced_rod_sections,
-    reduced_rod_tables,
-)
+from valvetrain.springs import reduced_rod_kernel
 from valvetrain.springs.reduced_rod_tables import ReducedTables
 
 #: Tables that stay in memory and on disk (some 4 MB each); the oldest go.
@@ -56,7 +50,10 @@ def tables_of(
 
 def _key(mesh: RodMesh, numbers: tuple[object, ...]) -> str:
     digest = hashlib.blake2b(digest_size=16)
-    digest.update(repr((numbers, _sources())).encode())
+    program = program_digest(
+        "cosserat/*.py", "springs/reduced_rod_*.py", "springs/finite_element_channels.py"
+    )
+    digest.update(repr((numbers, program)).encode())
     for one in fields(mesh):
         value = getattr(mesh, one.name)
         whole = is_dataclass(value) and not isinstance(value, type)
@@ -65,15 +62,6 @@ def _key(mesh: RodMesh, numbers: tuple[object, ...]) -> str:
             array = part if isinstance(part, np.ndarray) else np.array(repr(part))
             digest.update(f"{one.name} {array.shape} {array.dtype} ".encode() + array.tobytes())
     return digest.hexdigest()
-
-
-@cache
-def _sources() -> str:
-    """Digest of the program that makes tables."""
-    rod = sorted((PACKAGE / "cosserat").glob("*.py"))
-    made_by = (reduced_rod_tables, reduced_rod_sections, finite_element_channels)
-    files = [path.read_bytes() for path in (*rod, *(Path(str(one.__file__)) for one in made_by))]
-    return sources_digest(PACKAGE) + hashlib.blake2b(b"".join(files), digest_size=16).hexdigest()
 
 
 def _folder() -> Path | None:
