@@ -78,6 +78,7 @@ card: preload_height rate open_lift open_height mass installed_height solid_heig
 guide: bore rod stiffness; options.finite-element: time_step; options.solid: time_limit
 train.follower: face_diameter; operation: red_line
 train.cam: base_radius width youngs_modulus; train.lever: drive_arm valve_arm inertia stiffness; train.pushrod: mass stiffness
+train.pushrod: length outer_diameter wall_thickness youngs_modulus density
 train.support: stiffness mass; train.valve: mass stem_stiffness permitted_seating_velocity; train.crank: radius rod_length clearance
 polynomial: maximum_lift; polydyne: maximum_lift effective_mass effective_stiffness ramp_lift; cycloidal: maximum_lift
 modified-sine: maximum_lift; harmonic: maximum_lift; sine-power: maximum_lift; ramped: maximum_lift ramp_lift

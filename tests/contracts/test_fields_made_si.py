@@ -51,6 +51,7 @@ IN_SI = {
     "8 mm": 0.008,
     "12 mm": 0.012,
     "600 mm/s": 0.6,
+    "7.8 g/cm^3": 7800.0,
 }
 LOADS = SpringLoad("46 mm", "350 N"), SpringLoad("34 mm", "830 N")
 CATALOGUE = CatalogueCard(
@@ -103,7 +104,8 @@ PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "LeverParameters": (lambda: LeverParameters((0.0, 0.0), 0.03, 0.04, 4e-5),
                         {"drive_arm": "29 mm", "valve_arm": "30 mm", "inertia": "2e-5 kg m^2", "valve_angle": "2 deg", "drive_angle": "2 deg",
                          "mass": MASS, "stiffness": RATE, "damping": DAMPING, "holding_torque": "2 N m", "tip_radius": "8 mm"}),
-    "PushrodParameters": (lambda: PushrodParameters(0.06, (0.0, 0.0)), {"mass": MASS, "stiffness": RATE, "damping": DAMPING}),
+    "PushrodParameters": (lambda: PushrodParameters(0.06, (0.0, 0.0)), {"mass": MASS, "stiffness": RATE, "damping": DAMPING, "length": "150 mm",
+                           "youngs_modulus": "30 N/mm^2", "density": "7.8 g/cm^3"}),
     "SupportParameters": (lambda: SupportParameters(2e7, 0.1),
                           {"stiffness": RATE, "mass": MASS, "damping": DAMPING, "direction": "2 deg"}),
     "ValveParameters": (lambda: ValveParameters(0.06, stem_stiffness=4e7),

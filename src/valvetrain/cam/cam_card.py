@@ -61,7 +61,7 @@ class CamCardModel(LiftModel):
     )
     valve_lift: PositiveLength | None = Field(
         default=None,
-        description="gross, without lash; without it from lobe_lift; with lift_of = 'valve' enough alone",
+        description="gross, at zero lash: the valve lifts less by the lash; without it from lobe_lift; with lift_of = 'valve' enough alone",
     )
     rocker_ratio: RockerRatio | None = Field(
         default=None,

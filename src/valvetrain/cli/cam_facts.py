@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from valvetrain.cli.case_facts import pushrod_doubt
 from valvetrain.quantities.cam_shape import (
     cam_durations,
     cam_quantities,
@@ -125,6 +126,8 @@ def check_verdict(
                 f"the contact stays {left} within the face" if inside else f"the contact runs {left} off the face, "
                 f"which needs a diameter of {quantity_text('cam_contact_face_radius', 2 * away)}"
             )  # fmt: skip
+    if (doubt := pushrod_doubt(case.train)) and problem is not None:
+        doubts.append(doubt)
     if (radius := cam.get("cam_least_radius")) is not None:
         facts.append(f"the cam's least radius is {quantity_text('cam_least_radius', radius)}")
     lift = quantities.get("rigid_maximum_valve_lift", quantities.get("maximum_lift"))

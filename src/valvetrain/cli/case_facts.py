@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
+from math import isfinite
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from valvetrain.errors import InputError
+from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.parameters.summary import number, value_text
 from valvetrain.report.text import amount, speed_text
@@ -15,18 +20,35 @@ if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
     from valvetrain.parameters.installed_spring import InstalledSpring
     from valvetrain.parameters.spring import SpringDefinition
+    from valvetrain.parameters.train import TrainParameters
+    from valvetrain.solution.static import RestPoint
     from valvetrain.system.problem import Problem
 
+#: Spring -> its states with the valve closed and at full lift, or why there are none.
+Loads = Mapping["InstalledSpring", "tuple[RestPoint, RestPoint] | str"]
+NO_LOADS: Loads = MappingProxyType({})
+#: Stiffness over that of a tube of the same mass, above which no such tube is: mass and length are rounded.
+#: Below half of it the value holds more than the tube.
+ABOVE_TUBE, BELOW_TUBE = 1.05, 0.5
+#: Share by which the length given may differ from that between the balls.
+LENGTH_SHARE = 0.02
 
-def case_facts(case: Case) -> list[tuple[str, str]]:
+
+def case_facts(
+    case: Case, problem: Problem | None = None, loads: Loads = NO_LOADS
+) -> list[tuple[str, str]]:
     """(subject, text) of everything the case holds; values that follow from it are in its named
-    quantities.
+    quantities. ``problem``: for its lifts; ``loads``: of :func:`spring_loads`.
     """
     facts = [("title", case.title)] if case.title else []
     for spring in case.springs:
         facts += _spring_facts(spring)
+        facts += [("loads", _load_fact(spring, loads[spring]))] if spring in loads else []
     if case.lift_law is not None:
-        facts.append(("lift law", f"{case.lift_law.kind}, lift of the {case.lift_law.lift_of}"))
+        lifts = "" if problem is None else _lift_fact(case, problem)
+        facts.append(
+            ("lift law", f"{case.lift_law.kind}, lift of the {case.lift_law.lift_of}{lifts}")
+        )
     if case.train is not None:
         train = case.train
         facts.append(
@@ -46,8 +68,16 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
         )
         if said := default_contacts(train.contacts):
             facts.append(("", said))
+        if train.pushrod is not None:
+            facts.append(("pushrod", _pushrod_fact(train)))
         for name, springs in train.springs.items():
-            facts.append((f"springs '{name}'", "; ".join(map(_spring_fact, springs))))
+            texts = [
+                ", ".join(
+                    (_spring_fact(one), *([_load_fact(one, loads[one])] if one in loads else []))
+                )
+                for one in springs
+            ]
+            facts.append((f"springs '{name}'", "; ".join(texts)))
             facts += [
                 ("", spring.card.remark) for spring in springs if spring.card and spring.card.remark
             ]
@@ -87,6 +117,97 @@ def case_facts(case: Case) -> list[tuple[str, str]]:
             )
         )
     return facts
+
+
+def _lift_fact(case: Case, problem: Problem) -> str:
+    """``; the lobe lifts 9.4 mm, the valve 9.24 mm (less the lash of 0.16 mm)`` of a train, of a law at the
+    valve ``; 9.6 mm at zero lash, the valve lifts 9.5 mm ...``; empty of springs alone.
+    """
+    from valvetrain.runs.prepared import largest_lift, law_lift
+
+    if case.train is None or case.lift_law is None:
+        return ""
+    of_law, valve = (amount(one * 1e3, "mm") for one in (law_lift(problem), largest_lift(problem)))
+    lash = case.train.lash
+    less = f" (less the lash of {amount(lash * 1e3, 'mm')})" if lash else ""
+    if case.lift_law.lift_of == "tappet":
+        return f"; the lobe lifts {of_law}, the valve {valve}{less}"
+    return f"; {of_law} at zero lash, the valve lifts {valve}{less}" if lash else ""
+
+
+def _pushrod_fact(train: TrainParameters) -> str:
+    rod = train.pushrod
+    assert rod is not None
+    length = pushrod_length(train)
+    between = f"{amount(length * 1e3, 'mm')} between its balls, " if isfinite(length) else ""
+    stiffness = (
+        "rigid"
+        if rod.stiffness is None
+        else f"stiffness {amount(rod.stiffness * 1e-6, 'kN/mm')} along its axis"
+    )
+    return f"{between}mass {number(rod.mass * 1e3)} g, {stiffness}"
+
+
+def pushrod_doubt(train: TrainParameters | None) -> str:
+    """Why mass, stiffness and length of a pushrod are hardly those of one tube; empty where they may be.
+
+    A tube of mass m and length L has E A / L = E m / (density L^2), whatever its diameters.
+    """
+    rod = None if train is None else train.pushrod
+    if train is None or rod is None:
+        return ""
+    length, given = pushrod_length(train), rod.length
+    if given is not None and abs(given / length - 1) > LENGTH_SHARE:
+        own, between = amount(given * 1e3, "mm"), amount(length * 1e3, "mm")
+        return f"the pushrod is {own} long, but between its balls are {between} (pivot, drive_arm, drive_angle, lower_end)"
+    if rod.stiffness is None or not isfinite(length):
+        return ""
+    tube = rod.youngs_modulus * rod.mass / (rod.density * length**2)
+    own, most = (amount(one * 1e-6, "kN/mm", 3) for one in (rod.stiffness, tube))
+    size = f"{number(rod.mass * 1e3, 3)} g and {amount(length * 1e3, 'mm')}"
+    if rod.stiffness > ABOVE_TUBE * tube:
+        return f"the pushrod's {own} are more than the {most} of a tube of {size}, whatever its diameters: one of both is wrong"
+    if rod.stiffness < BELOW_TUBE * tube:
+        return f"the pushrod's {own} are less than half of the {most} of a tube of {size}, as if more than the tube gave way"
+    return ""
+
+
+def spring_loads(case: Case, problem: Problem | None) -> Loads:
+    """The springs of a case at rest, those of every set of a train, with the valve closed and at full
+    lift: wires by the finite-element rod, cards by their rate.
+    """
+    from valvetrain.runs.prepared import largest_lift
+    from valvetrain.runs.statics import default_model, point_of
+    from valvetrain.springs.spec import spring_model
+
+    if problem is None or not problem.moves:
+        return NO_LOADS
+    lift = largest_lift(problem)
+    sets = () if case.train is None else case.train.springs.values()
+    found: dict[InstalledSpring, tuple[RestPoint, RestPoint] | str] = {}
+    for spring in (*case.springs, *(one for springs in sets for one in springs)):
+        closed = spring.precompression
+        try:
+            model = spring_model(default_model(spring)).build(spring)
+            found[spring] = point_of(spring, model, closed), point_of(spring, model, closed + lift)
+        except InputError as error:
+            found[spring] = error.reason
+    return found
+
+
+def _load_fact(spring: InstalledSpring, loads: tuple[RestPoint, RestPoint] | str) -> str:
+    """Loads and rate of a wire; of a card, which states the others, the load at full lift."""
+    if isinstance(loads, str):
+        return f"no load at full lift: {loads}"
+    closed, full = loads
+    lift = amount((full.compression - closed.compression) * 1e3, "mm")
+    rates = " to ".join(
+        dict.fromkeys(amount(one.stiffness * 1e-3, "N/mm", 3) for one in (closed, full))
+    )
+    full_load = f"{amount(full.force, 'N')} at the full lift of {lift}"
+    if spring.wire is None:
+        return full_load
+    return f"{amount(closed.force, 'N')} with the valve closed, {full_load}, rate {rates}"
 
 
 def _spring_fact(spring: InstalledSpring) -> str:

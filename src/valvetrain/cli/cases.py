@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -123,7 +124,7 @@ def check(
     where.
     """
     from valvetrain.cli.cam_facts import cam_facts, cam_rows, check_verdict
-    from valvetrain.cli.case_facts import case_facts, case_quantities
+    from valvetrain.cli.case_facts import case_facts, case_quantities, spring_loads
     from valvetrain.cli.options import choose_case
     from valvetrain.cli.outcome import Outcome, deliver, measured
     from valvetrain.report.json import quantities_object
@@ -134,8 +135,9 @@ def check(
     problem = put_together(chosen, read_models(spring), implausible)
     quantities = case_quantities(chosen, problem)
     cam, durations = cam_facts(chosen, problem)
+    facts = partial(case_facts, chosen, problem, spring_loads(chosen, problem))
     data = {
-        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(case_facts(chosen)),
+        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(facts()),
         "quantities": quantities_object(quantities | cam),
         "durations": [
             {"lift": measured(lift, "m"), "crank_angle": measured(angle, "rad")} for lift, angle in durations.items()
@@ -147,7 +149,7 @@ def check(
 
     def show(console: Console) -> None:
         rows = cam_rows(cam, durations)
-        _show_check(console, chosen, case_facts(chosen), quantities, rows)
+        _show_check(console, chosen, facts(), quantities, rows)
 
     deliver(Outcome(data, show, verdict=read))
 

@@ -75,7 +75,7 @@ def build_pushrod(
     support, support_links, direction, support_name = support_parts(train, lever.mass)
     bodies, bars, driven, driving = lever_bodies(train, lever)
     ball = (lever.pivot[0] + arm[0], lever.pivot[1] + arm[1])
-    length = math.dist(ball, rod.lower_end)
+    length = pushrod_length(train)
     along_rod = math.atan2(ball[1] - rod.lower_end[1], ball[0] - rod.lower_end[0])
     row = [
         *turning_row(lever.pivot, (arm[0], arm[1]), sign, direction),
@@ -103,6 +103,15 @@ def build_pushrod(
         kinematics,
         travel=lever_travel(train, bodies, [(along_rod, arm)], tip, sign),
     )
+
+
+def pushrod_length(train: TrainParameters) -> float:
+    """Length (m) of the pushrod between both balls; NaN where its lever's ``drive_angle`` is unknown."""
+    lever, rod = train.lever, train.pushrod
+    if lever is None or rod is None or lever.drive_angle is None:
+        return math.nan
+    x, y = (lever.drive_arm * part for part in unit(lever.drive_angle))
+    return math.dist((lever.pivot[0] + x, lever.pivot[1] + y), rod.lower_end)
 
 
 def _tappet_parts(
@@ -164,9 +173,7 @@ def _chain_ratio(
         lever.pivot[0] + moved[0] - rod.lower_end[0],
         lever.pivot[1] + moved[1] - rod.lower_end[1],
     )
-    length = math.hypot(
-        lever.pivot[0] + arm[0] - rod.lower_end[0], lever.pivot[1] + arm[1] - rod.lower_end[1]
-    )
+    length = pushrod_length(train)
     if np.any(np.abs(bx) >= length):
         raise InputError(
             "the pushrod cannot follow the rocker over its travel; check pivot, arm and lower_end"

@@ -156,22 +156,31 @@ class LeverParameters:
 @dataclass(frozen=True, slots=True)
 class PushrodParameters:
     """``mass`` (kg); ``stiffness`` (N/m) of the bar, None for rigid; ``lower_end`` (x, y in m): its
-    ball in the tappet at zero lift.
+    ball in the tappet at zero lift. ``length`` (m), None where not given, moves nothing: the motion
+    has that between both balls; ``youngs_modulus`` (Pa) and ``density`` (kg/m3) judge mass and stiffness.
     """
 
     mass: float
     lower_end: tuple[float, float]
     stiffness: float | None = None
     damping: float = 0.0
+    length: float | None = None
+    youngs_modulus: float = 206e9
+    density: float = 7850.0
 
     def __post_init__(self) -> None:
-        keep_si(self, "the pushrod", mass="moving_mass", stiffness="stiffness", damping="damping")
+        keep_si(
+            self, "the pushrod", mass="moving_mass", stiffness="stiffness", damping="damping", length="length", youngs_modulus="pressure",
+            density="density",
+        )  # fmt: skip
         lower = si_each(self.lower_end, "length", "lower_end of the pushrod")
         object.__setattr__(self, "lower_end", lower)
         _positive(self, "pushrod", "mass")
         _not_negative(self, "pushrod", "damping")
-        if self.stiffness is not None:
-            _positive(self, "pushrod", "stiffness")
+        _positive(self, "pushrod", "youngs_modulus", "density")
+        for name in ("stiffness", "length"):
+            if getattr(self, name) is not None:
+                _positive(self, "pushrod", name)
         warn_unusual(self, "the pushrod", mass=_MASS)
 
 

@@ -17,6 +17,7 @@ from valvetrain.parameters.schema_types import (
     MAX_MASS,
     Angle,
     Angles,
+    Density,
     Lash,
     Length,
     Mass,
@@ -162,18 +163,44 @@ class LeverModel(StrictModel):
 
 
 class PushrodModel(StrictModel):
-    """The [train.pushrod] table."""
+    """The [train.pushrod] table; a value given goes before that of the tube."""
 
-    mass: Mass
+    mass: Mass | None = Field(default=None, description="without it that of the tube")
     lower_end: Pair
-    stiffness: Stiffness | None = Field(default=None, description="of the bar; without it rigid")
+    stiffness: Stiffness | None = Field(
+        default=None, description="of the bar; without it that of the tube, without a tube rigid"
+    )
     damping: Damping = Field(default=0.0, description="of the bar")
+    length: PositiveLength | None = Field(default=None, description="of the tube")
+    outer_diameter: PositiveLength | None = Field(default=None, description="of the tube")
+    wall_thickness: PositiveLength | None = Field(default=None, description="of the tube")
+    youngs_modulus: Modulus = Field(default=206e9, description="of the tube; without it of steel")
+    density: Density = Field(default=7850.0, description="of the tube; without it of steel")
 
     def build(self) -> PushrodParameters:
-        """The pushrod of this table."""
+        """The pushrod of this table; refuses half a tube, and one without a mass."""
+        mass, stiffness, length = self.mass, self.stiffness, self.length
+        keys = ("length", "outer_diameter", "wall_thickness")
+        missing = [key for key in keys if getattr(self, key) is None]
+        outer, wall = self.outer_diameter, self.wall_thickness
+        if length is None or outer is None or wall is None:
+            if mass is None or len(missing) < len(keys):
+                raise problem(
+                    f"the pushrod needs its mass, or length, outer_diameter and wall_thickness of its tube; add {', '.join(missing)}",
+                    (missing[0],) if len(missing) < len(keys) else ("mass",),
+                )
+        else:
+            if not 2 * wall <= outer:
+                raise problem(
+                    f"a wall of {wall * 1e3:.4g} mm does not fit into an outer diameter of {outer * 1e3:.4g} mm",
+                    ("wall_thickness",),
+                )
+            area = math.pi * wall * (outer - wall)
+            mass = self.density * area * length if mass is None else mass
+            stiffness = self.youngs_modulus * area / length if stiffness is None else stiffness
         return PushrodParameters(
-            **(self.model_dump() | {"lower_end": _pair(self.lower_end, "lower_end")})
-        )
+            mass, _pair(self.lower_end, "lower_end"), stiffness, self.damping, length, self.youngs_modulus, self.density
+        )  # fmt: skip
 
 
 class SupportModel(StrictModel):
