@@ -179,7 +179,7 @@ def test_the_cause_of_a_loss_of_contact_is_the_same_on_every_grid() -> None:
     assert coarse.spring_force_loss == pytest.approx(fine.spring_force_loss, rel=0.02)
     assert coarse.surge_order == fine.surge_order
     assert coarse.cam_angle == pytest.approx(fine.cam_angle, abs=math.radians(0.5))
-    why = "because surge lowers the spring force by 54.6 N (order 6); contact opens at 158 cam deg;"
+    why = "because surge lowers the spring force by 54.6 N there (order 6); contact opens at 158 cam deg;"
     assert all(
         one.verdict.startswith("Controlled to 6863 rpm") and why in one.verdict for one in found
     )

@@ -88,7 +88,11 @@ def test_the_force_at_solid_of_a_spring_is_compared_with_its_own_runs(both, stud
         for one in study.solutions
     ]
     (note,) = beyond_wire_notes(problem, runs)
-    assert f"'{low}', all closed" in note and f"{low}, massless at" in note
+    assert (
+        f"Spring '{low}' solid at {middle - (solid[high] - solid[low]) / 2:.4g} N (all coils closed"
+        in note
+        and f"{low}, massless at" in note
+    )
     assert f"{high}, massless at" not in note and f"'{high}'" not in note
 
 

@@ -362,7 +362,10 @@ def test_every_file_is_told_and_there(written):
 def test_quantities_in_their_file(written):
     study, folder, _ = written["own"]
     found = rows(folder / "quantities.csv")
-    assert list(found[0]) == ["label", "engine speed [rpm]", "quantity", "value [SI]", "unit"]
+    heads = ["label", "engine speed [rpm]", "quantity", "value [SI]", "unit"]
+    assert list(found[0]) == [*heads, "shown value", "shown unit"]
+    bind = next(row for row in found if row["quantity"] == "coil_bind_lift")
+    assert (float(bind["shown value"]), bind["shown unit"]) == (pytest.approx(10.25), "mm")
     for run in study.solutions:
         speed = run.engine_speed / RPM
         mine = {

@@ -147,7 +147,7 @@ def test_files_are_read_back(tmp_path):
     rows = (tmp_path / "quantities.csv").read_text().splitlines()
     assert (
         len(rows) == 1 + len(own_study().quantities)
-        and "finite-element,5600.0,peak_spring_force,811.0,N" in rows
+        and "finite-element,5600.0,peak_spring_force,811.0,N,811.0,N" in rows
     )
     assert len((tmp_path / "events.csv").read_text().splitlines()) == 8
     assert not [path for path in tmp_path.rglob("*") if path.name.endswith(".part")]

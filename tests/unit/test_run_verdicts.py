@@ -22,6 +22,7 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE, CAUSE_VIBRATION
 from valvetrain.report.chart import Chart, Line, Panel, Rule
+from valvetrain.report.clauses import Runs, Worst
 from valvetrain.report.headlines import headline_rows
 from valvetrain.report.key_figures import key_figures
 from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
@@ -165,7 +166,10 @@ def test_a_loss_says_why_and_how_much_surge_takes_off_the_spring():
         return replace(study, solutions=(replace(study.solutions[0], events=(event,)),)).verdict
 
     surge = lost(CAUSE_SURGE, spring_force_loss=123.4)
-    assert "ms without contact because surge lowers the spring force by 123 N (order 7)," in surge
+    assert (
+        "ms without contact because surge lowers the spring force by 123 N there (order 7),"
+        in surge
+    )
     assert "because inertia exceeds the spring force," in lost(CAUSE_INERTIA)
     assert "because the train vibrates," in lost(CAUSE_VIBRATION)
     assert "because" not in lost("something else")
@@ -427,7 +431,63 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     flies = dict(key_figures(train(numbers | {"minimum_cam_contact_force": 0.0})))
     assert flies["cam power"] == "9.81 W, beyond control: with impacts"
     swept = dict(key_figures(sweep_study()))
-    assert set(swept) >= {"surge, 0 to peak"} and "(stock)" in swept["surge, 0 to peak"]
+    assert (
+        set(swept) >= {"surge of one cam order, 0 to peak"}
+        and "(stock)" in swept["surge of one cam order, 0 to peak"]
+    )
+
+
+def test_spring_margin_cam_force_and_red_line_stand_in_the_terminal(tmp_path):
+    """Contract: they stood on the page alone; of several runs the least margin and the largest force."""
+    margin, force = "minimum_spring_margin_force", "peak_cam_contact_force"
+    study = train({margin: 420.0, force: 4100.0}, {margin: 188.0, force: 4600.0})
+    study = replace(study, record=CaseRecord("own", red_line=7400 * RPM))
+    told = dict(key_figures(study))
+    assert told["spring margin over inertia, rigid parts at 7000 rpm"] == "188 N"
+    assert told["largest cam force"] == "4600 N"
+    assert told["fastest run"] == "7000 rpm, 400 rpm below the red line of 7400"
+    out = io.StringIO()
+    show_study(Console(file=out, width=300), study, tmp_path, None)
+    line = out.getvalue().splitlines()[-1]
+    assert "188 N" in line and "4600 N" in line and "red line of 7400" in line
+    swept = replace(study, command="sweep")
+    assert "fastest run" not in dict(key_figures(swept))
+
+
+def test_a_seating_velocity_on_a_ramp_that_no_card_gives_says_so():
+    """Contract: the default ramp was behind "above the 0.52 m/s called smooth" without a word."""
+    text = template_text("direct", cards=True).replace('"3000, 5500 rpm"', '"5500 rpm"')
+    said = "(on a ramp that is assumed)"
+    for ramp, assumed in (("", True), ('ramp_velocity = "0.0005 in/deg"\n', False)):
+        case = parse_case(text.replace('lash = "0.2 mm"', f'{ramp}lash = "0.2 mm"'), "own")
+        study = vt.simulate(case, spring_models="massless", workers=1)
+        notes = [one for one in study.notes if one.startswith("Ramp of the cam assumed: 0.0127 mm")]
+        assert len(notes) == assumed
+        (run,) = study.solutions
+        fast = replace(run, quantities={**run.quantities, "seating_velocity": 0.8})
+        told = replace(study, solutions=(fast,)).verdict
+        assert (f"0.8 m/s, above the 0.52 m/s called smooth {said}." in told) is assumed
+        assert assumed or said not in told
+
+
+def test_a_stress_that_is_capped_at_solid_says_so():
+    """Closed form: a force of 100 to 900 N at 1 MPa/N, of which 800 N press the spring solid."""
+    name = "nominal_peak_shear_stress"
+    values = {"minimum_spring_force": 100.0, "peak_spring_force": 900.0, "nominal_minimum_shear_stress": 1e8}  # fmt: skip
+    for peak, capped in ((8e8, True), (9e8, False)):
+        (run,) = train(values | {name: peak}).solutions
+        run = replace(run, provenance=replace(run.provenance, springs=("spring",)))
+        said = Runs((run,)).bounded(Worst(name, peak, run))
+        assert said == f"100 to {peak / 1e6:.0f} MPa{' (that of the solid spring: the peak force is above)' * capped}"  # fmt: skip
+
+
+def test_a_sentence_opens_with_the_doubt_of_a_model_that_does_not_hold():
+    """Contract: a note said that coils clash too hard for the model, behind firm numbers."""
+    said = ("± of reduced-rod: ...", "Coils clash too hard for reduced-rod at 6000 rpm (peak 2.1 %): take finite-element there.")  # fmt: skip
+    study = replace(train({}), error_bars=ErrorBars((), said))
+    begins = "Doubtful: coils clash too hard for reduced-rod at 6000 rpm (peak 2.1 %), take finite-element there; one bounce"
+    assert study.verdict.startswith(begins)
+    assert train({}).verdict.startswith("One bounce")
 
 
 def clash(kind: str, size: float, begins: float, peak: float, coils: int, cause: str) -> Event:

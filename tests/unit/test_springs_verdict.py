@@ -247,7 +247,7 @@ def test_a_cause_at_the_critical_speed_goes_before_those_of_swept_speeds():
                         Crossing(SpeedBracket(6140 * RPM, 6141 * RPM)), nominal_engine_speed=6140 * RPM,
                         cause=CAUSE_SURGE, spring_force_loss=54.6, surge_order=6)  # fmt: skip
     said = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds((row,))).verdict
-    assert "because surge lowers the spring force by 54.6 N (order 6)" in said
+    assert "because surge lowers the spring force by 54.6 N there (order 6)" in said
     assert "inertia" not in said
 
 

@@ -261,6 +261,12 @@ class CamCard:
         )
 
     @property
+    def assumed_ramp(self) -> float | None:
+        """Velocity (m/rad) of a ramp that no value of the card decides; None of one that the card does."""
+        given = self.ramp_velocity is not None or self._shapes_ramp
+        return None if given else RAMP_VELOCITY
+
+    @property
     def checking_points(self) -> list[tuple[str, float, float]]:
         """Name, lift (m) and duration (cam rad) of every specified duration, lowest lift first."""
         given_durations = [

@@ -177,7 +177,8 @@ RUNS: tuple[QuantityRow, ...] = (
         uses=("study", "one speed", "page")),
     both("surge_amplitude_force", "surge amplitude",
         "Largest amplitude (0 to peak), among the cam orders from half to one and a half times the surge order, of the spring "
-        "force less its static value at the same lift.", sense=LESS, topic=SURGE, uses=ALL, remark="0 to peak"),
+        "force less its static value at the same lift. What surge takes off the force where contact opens is that of all orders at one cam "
+        "angle, and need not be equal to it.", sense=LESS, topic=SURGE, uses=ALL, remark="0 to peak"),
     both("surge_amplitude_cam_order", "cam order of the surge amplitude",
         "Cam order whose amplitude is the surge amplitude; times the cam frequency it is the frequency at which the spring swings, "
         "which differs from that at rest where coils close or part. Absent where no order stands out by 5 % or the surge is below 0.2 % of the "

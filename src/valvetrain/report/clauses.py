@@ -110,8 +110,8 @@ class Runs:
         return f"{value.removesuffix(f' {unit}') if unit else value} ± {size}"
 
     def bounded(self, found: Worst) -> str:
-        """A value; of a stress by EN 13906-1 its range, and the uncorrected one beside what the wire is
-        permitted, as far as these are known.
+        """A value; of a stress by EN 13906-1 its range, where it is that of the closed spring, and the
+        uncorrected one beside what the wire is permitted, as far as these are known.
         """
         text, run = self.text(found), found.run or self.solutions[0]
         if STRESS not in found.name:
@@ -122,6 +122,11 @@ class Runs:
         )
         if math.isfinite(least):
             text = f"{quantity_text(found.name, least).partition(' ')[0]} to {text}"
+        first = found.name.removesuffix(f"{STRESS}_shear_stress")
+        low, high = (self.value(run, f"{first}{one}_spring_force") for one in ("minimum", "peak"))
+        # beyond solid it no longer follows the force
+        if (first or len(run.springs) < 2) and found.value * low < (1 - 1e-6) * least * high:
+            text += " (that of the solid spring: the peak force is above)"
         if not math.isfinite(plain - bound):
             return text
         known = quantity_text(found.name, plain).partition(" ")[0]

@@ -1,5 +1,5 @@
-"""Key figures next to the verdict: of one spring set how long the valve is open, what the cam takes,
-the time step and where a spring begins; of several, and over engine speed, power, stress, surge, clash and clearance of each.
+"""Key figures next to the verdict: of one spring set how long the valve is open, spring margin, force and power
+of the cam, red line, the time step and where a spring begins; of several, and over engine speed, power, stress, surge, clash and clearance of each.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from valvetrain.quantities.table import EVENT_LIFTS
 from valvetrain.report.clauses import Runs, Worst, figure, joined, quantity_text
-from valvetrain.report.control import controlled_to
+from valvetrain.report.control import controlled_to, red_line_margin
 from valvetrain.report.run_clauses import judged_runs, worst_run
 from valvetrain.report.sweep_verdict import NO_SURGE, runs_over_speed
 from valvetrain.report.text import rpm
@@ -27,14 +27,20 @@ CARD_LIFTS = ("50_thou", "1_mm")
 #: What is open for a duration at each of these heights, beside the valve of the run.
 ALSO_OPEN = {"lobe": "lobe", "rigid_valve": "rigid valve"}
 POWER = "mean_cam_power"
+CAM_FORCE = "peak_cam_contact_force"
+MARGIN = "minimum_spring_margin_force"
 CLEARANCE = "coil_bind_clearance"
-#: What is said of a power at a speed at which control is lost.
+#: What is said of a power or force of the cam at a speed at which control is lost.
 IMPACTS = ", beyond control: with impacts"
-#: What is listed of each label: quantity -> its name there, and whether the least counts.
-EACH = {
+#: What is listed of each label, of runs alone what is next: quantity -> its name, and whether the least counts.
+OF_RUNS = {
+    MARGIN: ("spring margin over inertia, rigid parts", True),
+    CAM_FORCE: ("largest cam force", False),
+}
+EACH = OF_RUNS | {
     POWER: ("cam power", False),
     "nominal_peak_shear_stress": ("shear stress", False),
-    "surge_amplitude_force": ("surge, 0 to peak", False),
+    "surge_amplitude_force": ("surge of one cam order, 0 to peak", False),
     "clash_energy": ("clash energy", False),
     CLEARANCE: ("clearance to coil bind at full lift", True),
 }
@@ -57,15 +63,25 @@ def key_figures(study: Study) -> tuple[tuple[str, str], ...]:
     if worst is None:
         return ()
     several = len({run.spring_set for run in runs.solutions}) > 1
+    line = () if study.over_speed else tuple(_red_line(study, runs))
     if study.over_speed or (several and len(study.labels) <= MAX_LABELS):
-        return tuple(_of_each(study)) if len(study.labels) <= MAX_LABELS else ()
+        return (*_of_each(study), *line) if len(study.labels) <= MAX_LABELS else line
     figures = list(_figures(runs, worst))
     several = len(runs.solutions) > 1
     alike = len({id(run) for _, run, _ in figures}) == 1
-    return tuple(
+    named = (
         (f"{name} {runs.place(run)}" if several and not (alike and place) else name, value)
         for place, (name, run, value) in enumerate(figures)
     )
+    return (*named, *line)
+
+
+def _red_line(study: Study, runs: Runs) -> Iterator[tuple[str, str]]:
+    """How far the fastest run is from the red line, where the case states one."""
+    if study.record.red_line is not None:
+        fastest = max(run.engine_speed for run in runs.solutions)
+        margin = red_line_margin(fastest, study.record.red_line)
+        yield "fastest run", f"{rpm(fastest):.0f} rpm{margin}"
 
 
 def _of_each(study: Study) -> Iterator[tuple[str, str]]:
@@ -78,6 +94,8 @@ def _of_each(study: Study) -> Iterator[tuple[str, str]]:
     bound = {label: _with_bound(study, label, runs) for label, runs in known.items()}
     judged = {POWER: held, CLEARANCE: bound}
     for quantity, (name, least) in EACH.items():
+        if study.over_speed and quantity in OF_RUNS:
+            continue
         found = {
             label: one
             for label, runs in judged.get(quantity, known).items()
@@ -147,9 +165,9 @@ def _value(runs: Runs, one: Worst) -> str:
 
 
 def _impacts(runs: Runs, one: Worst) -> str:
-    """What is said of a power beyond control; empty of other values."""
+    """What is said of power and force of a cam beyond control; empty of other values."""
     run = one.run or runs.solutions[0]
-    return IMPACTS if one.name == POWER and beyond_control(run) else ""
+    return IMPACTS if one.name in (POWER, CAM_FORCE) and beyond_control(run) else ""
 
 
 def _imbalance(run: Solution) -> float:
@@ -206,8 +224,9 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
     if open_for:
         also = _also_open(runs, worst) if runs.labels == 1 else ""
         yield "valve open, crank deg", worst, ", ".join(open_for) + also
-    if (power := runs.worst(POWER, least=False)) is not None:
-        yield "cam power", power.run or worst, f"{runs.text(power)}{_impacts(runs, power)}"
+    for name, (label, smallest) in {**OF_RUNS, POWER: ("cam power", False)}.items():
+        if (one := runs.worst(name, smallest)) is not None:
+            yield label, one.run or worst, f"{runs.text(one)}{_impacts(runs, one)}"
     floats = runs.value(worst, "rigid_contact_loss_engine_speed")
     known = {runs.value(run, "rigid_contact_loss_engine_speed") for run in runs.solutions}
     if math.isfinite(floats) and len(known) == 1:  # of several, a table has the range

@@ -33,7 +33,7 @@ from valvetrain.report.contact_lost import (
     losses_while_open,
     worst_loss,
 )
-from valvetrain.runs.notes import rings
+from valvetrain.runs.notes import on_assumed_ramp, rings
 from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT
 from valvetrain.solution.definition import NESTED, label_of
@@ -59,6 +59,8 @@ FLIGHT = 10 * SMALLEST_GAP
 NEAR = 1e-3
 #: What is said of a model whose springs would pull.
 ENDS_PULL = "the ends of the spring would lift, which {} does not show (take wave-rod)"
+#: What a run says behind it.
+DOUBTFUL = ", so that all that follows is doubtful"
 #: What is said of a least force below zero.
 PULLS = ", where the spring would leave its seat"
 #: Word of a spring without room.
@@ -94,7 +96,7 @@ def run_clauses(runs: Runs) -> Iterator[Clause]:
     passed = list(limit_clauses(runs))
     yield from (clause for name, clause in passed if name != SEATING)
     if pulling := ends_that_pull(runs):
-        yield Clause(ENDS_PULL.format(pulling[0].model), pulling[0])
+        yield Clause(f"{ENDS_PULL.format(pulling[0].model)}{DOUBTFUL}", pulling[0])
     bind = [one for one in (bind_clause(runs),) if one is not None]
     train = any(run.provenance.system == TRAIN for run in runs.solutions)
     contact = sorted(_contact_clauses(runs) if train else (), key=lambda one: not one.lost)
@@ -141,6 +143,7 @@ def limit_clauses(runs: Runs) -> Iterator[tuple[str, Clause]]:
         bound = one.phrase.format(quantity_text(name, one.limit))
         if not resolved:
             bound = bound.replace("above", "not resolved from", 1)
+        bound += on_assumed_ramp(run.provenance.notes) if name == SEATING else ""
         yield name, Clause(f"{label_of(name)} {text}, {bound}", run)
 
 
@@ -313,13 +316,13 @@ def cause_text(run: Solution, event: Event, size: bool = True, where: str = "") 
 
 
 def cause_phrase(cause: str, loss: float, order: int, where: str = "") -> str:
-    """A cause in words, of surge with the spring force (N) that it takes ``where``, and its cam order, each
-    left out at 0.
+    """A cause in words, of surge with the spring force (N) that it takes ``where`` (empty: at that cam
+    angle), which is not the surge amplitude, and its cam order, each left out at 0.
     """
     phrase = CAUSES.get(cause, "")
     if phrase != CAUSES[CAUSE_SURGE]:
         return phrase
-    force = f" by {amount_text(loss, 'N')}{where}" if loss else ""
+    force = f" by {amount_text(loss, 'N')}{where or ' there'}" if loss else ""
     return f"{phrase}{force}{f' (order {order})' if order else ''}"
 
 

@@ -34,9 +34,11 @@ from valvetrain.report.springs_verdict import springs_verdict
 from valvetrain.report.sweep_verdict import runs_over_speed, sweep_clauses, worst_label
 from valvetrain.report.text import speed_text
 from valvetrain.solution.definition import NESTED
+from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import TOO_HARD
 from valvetrain.units.reader import reader_factor
 
 #: Further springs whose loads are named, and share by which a rate differs from that as installed.
@@ -65,12 +67,23 @@ def study_verdict(study: Study) -> str:
     judged = judged_runs(study)
     found = [
         *ended_clauses(study.solutions),
+        *_too_hard(study),
         *rest_failures(study),
         *clause_texts(list(run_clauses(judged)), judged),
         _power(study),
         _spread(study),
     ]
     return in_sentences(found, [], published, condition_of(judged))
+
+
+def _too_hard(study: Study) -> list[str]:
+    """That a model does not hold for some of the runs, by their error bars where these are computed."""
+    said = study.error_bars.sentences if is_computed(study, "error_bars") else ()
+    return [
+        f"doubtful: {one[:1].lower()}{one[1:]}".removesuffix(".").replace(": take", ", take")
+        for one in said
+        if one.startswith(TOO_HARD)
+    ]
 
 
 def in_sentences(lead: list[str], more: list[str], published: str, condition: str) -> str:

@@ -520,19 +520,22 @@ def frequency_table(result: ModalResult) -> Table:
 
 
 def quantity_table(study: Study) -> Table:
-    """Every named number in SI: ``label``, ``engine speed`` (rpm; empty where none applies),
-    ``quantity``, ``value``, ``unit``.
+    """Every named number: ``label``, ``engine speed`` (rpm; empty where none applies), ``quantity``,
+    ``value`` and ``unit`` in SI, and both as terminal and page show them (speeds in rpm, angles in deg).
     """
     items = list(study.quantities.items())
     speeds = [None if key.engine_speed is None else rpm(key.engine_speed) for key, _ in items]
     label = {"label": [key.label for key, _ in items], "quantity": [key.name for key, _ in items]}
     units = [definition_of(key.name).si_unit for key, _ in items]
+    seen = [shown(key.name, float(value)) for key, value in items]
     return table(
         ("label", "", np.array(label["label"], dtype=object)),
         ("engine speed", "rpm", np.array(speeds, dtype=object)),
         ("quantity", "", np.array(label["quantity"], dtype=object)),
         ("value", "SI", np.array([float(value) for _, value in items])),
         ("unit", "", np.array(units, dtype=object)),
+        ("shown value", "", np.array([float(value) for value, _ in seen])),
+        ("shown unit", "", np.array([unit for _, unit in seen], dtype=object)),
     )
 
 

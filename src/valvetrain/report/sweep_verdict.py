@@ -32,6 +32,7 @@ from valvetrain.report.run_clauses import (
 )
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
+from valvetrain.runs.notes import on_assumed_ramp
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
@@ -77,11 +78,14 @@ def sweep_clauses(study: Study) -> tuple[list[str], list[str]]:
         more.append(bind.text)
     if pulling := ends_that_pull(runs):
         where = speeds_text(pulling, runs.solutions)
+        if train and first and pulling[0].engine_speed <= controlled_to(study, label):
+            first[0] = f"doubtful where ends of the spring would lift ({where}): {first[0]}"
         more.append(f"{where} {ENDS_PULL.format(pulling[0].model)}")
     limits = limits_over_speed(runs)
     more += [text for name, text in limits.items() if name != SEATING]
     more += _surge(study, label, runs)
-    more += [text for name, text in limits.items() if name == SEATING]
+    ramp = on_assumed_ramp(study.notes)
+    more += [f"{text}{ramp}" for name, text in limits.items() if name == SEATING]
     more += unsettled(study.runs(label))
     if not first:
         first, more = more[:1], more[1:]

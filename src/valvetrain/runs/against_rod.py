@@ -21,7 +21,7 @@ from valvetrain.quantities.signal import fine_series, low_pass
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.result import Solution
-from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.solution.uncertainty import TOO_HARD, Uncertainty
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.system.contract import System
@@ -190,9 +190,7 @@ def rod_bars(
         f"{100 * max(measured):.2g} % (rms below 20 kHz)."
     ]
     if far:
-        said.append(
-            f"Coils clash too hard for {REDUCED} at {', '.join(far)}: take finite-element there."
-        )
+        said.append(f"{TOO_HARD} for {REDUCED} at {', '.join(far)}: take finite-element there.")
     return tuple(rows), tuple(said)
 
 

@@ -24,6 +24,8 @@ from valvetrain.units import believed
 MAX_STRENGTH = 2.5e9
 #: A raw peak over that below 10 kHz from which a spike is told with its band.
 SPIKE = 1.02
+#: How the note on a ramp begins that the cam card does not give.
+ASSUMED_RAMP = "Ramp of the cam assumed"
 #: What the note on springs without damping says of them.
 NO_DAMPING = "no damping, so that surge lives on from cycle to cycle"
 
@@ -64,6 +66,28 @@ def ringing_note(members: Iterable[Member]) -> str:
         "damping, such as 'damping = { ratio = 0.016, ratio_frequency = \"600 Hz\" }' at the first surge frequency (0.016: the beehive of "
         "gu2021)."
     )
+
+
+def ramp_notes(members: Iterable[Member]) -> tuple[str, ...]:
+    """A sentence on the ramp of a cam card that gives none, which the seating velocity follows."""
+    laws = [member.gear.mechanism.kinematics.law for member in members if member.gear is not None]
+    found = (getattr(law, "assumed_ramp", None) for law in laws)
+    return tuple(
+        dict.fromkeys(
+            f"{ASSUMED_RAMP}: {np.radians(velocity) * 1e3:.4g} mm per cam degree, for your card gives none; the seating velocity follows "
+            "from it (ramp_velocity, ramp_lift)."
+            for velocity in found
+            if velocity is not None
+        )
+    )
+
+
+def on_assumed_ramp(notes: Iterable[str]) -> str:
+    """What a sentence says behind a seating velocity that rests on an assumed ramp, by the notes of its
+    run or study; empty elsewhere.
+    """
+    assumed = any(one.startswith(ASSUMED_RAMP) for one in notes)
+    return " (on a ramp that is assumed)" if assumed else ""
 
 
 def rings(run: Solution) -> bool:
@@ -127,6 +151,7 @@ def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...
             (
                 *parting_notes((member,)),
                 ringing_note((member,)),
+                *ramp_notes((member,)),
                 *undamped_notes((member,)),
                 *chain_notes((member,)),
                 *buckling_notes(alone),
@@ -300,17 +325,17 @@ def beyond_wire_notes(problem: Problem, solutions: Iterable[Solution]) -> tuple[
         if force > most:
             own = numbers.get(f"{first}peak_shear_stress")
             shown = "" if own is None else f", {own / 1e6:.4g} MPa in its wire"
-            beyond.setdefault(f"'{name}', all closed at {most:.4g} N", []).append(
-                f"{label} {force:.4g} N{shown}"
-            )
+            beyond.setdefault(
+                f"'{name}' solid at {most:.4g} N (all coils closed, at rest)", []
+            ).append(f"{label} {force:.4g} N{shown}")
         strength = numbers.get(f"{first}wire_tensile_strength", MAX_STRENGTH)
         names = ("peak_shear_stress", "nominal_peak_shear_stress")
         stress = max(numbers.get(first + one, 0.0) for one in names)
         if stress > strength:
             broken.append(f"{label} {stress / 1e6:.4g} MPa")
     return tuple(
-        f"Coils of spring {spring} strike one another: {', '.join(runs)} at the peak. What passes the force at solid goes from "
-        "coil to coil and depends on their contact, so it makes no stress by EN 13906-1, which is that at solid."
+        f"Spring {spring}; peaks are above that, for coils strike one another: {', '.join(runs)}. What is above goes from coil to coil and "
+        "does not twist the wire, so the stress by EN 13906-1 shown there is that of the solid spring."
         for spring, runs in beyond.items()
     ) + (
         (

@@ -30,6 +30,7 @@ from valvetrain.runs.notes import (
     driven_notes,
     parting_notes,
     pulling_end_notes,
+    ramp_notes,
     refuse_implausible,
     refuse_speeds,
     ringing_note,
@@ -415,6 +416,7 @@ def _notes(problem: Problem) -> tuple[str, ...]:
         CARD_WIRE_NOTE if assumed_wire else "",
         *dict.fromkeys(contacts),
         ringing_note(members),
+        *ramp_notes(members),
     )
     named = (
         *parting_notes(members),

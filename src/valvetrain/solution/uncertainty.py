@@ -43,6 +43,10 @@ class Uncertainty:
         )
 
 
+#: How the sentence of error bars begins on reduced rods that their rods contradict.
+TOO_HARD = "Coils clash too hard"
+
+
 class ErrorBars(NamedTuple):
     """Rows of the runs of a study, and sentences on what they are, which are large, and where there
     are none.
