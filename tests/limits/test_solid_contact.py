@@ -44,6 +44,7 @@ def two_bars(gap: float) -> tuple[np.ndarray, ContactPoints]:
         np.ones(count, dtype=bool),
         np.zeros((2, count)),
         np.zeros((2, 1)),
+        np.zeros(count),
     )
     return np.concatenate([x, 0 * x, z]), points
 
@@ -112,7 +113,11 @@ def test_a_ring_bounces_on_a_plane():
     v sqrt(m / k), leaves as fast as it came, and is never pulled."""
     stations, mass, velocity = 24, 0.05, 1.5
     planes = SeatPlanes(
-        np.arange(stations), np.ones(stations), np.zeros(stations), np.full(stations, STIFFNESS)
+        np.arange(stations),
+        np.ones(stations),
+        np.zeros(stations),
+        np.full(stations, STIFFNESS),
+        np.zeros(stations),
     )
     omega = np.sqrt(stations * STIFFNESS / mass)
     centre, step, speed = np.zeros(3 * stations), 0.002 / omega, -velocity

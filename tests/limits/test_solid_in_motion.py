@@ -1,4 +1,5 @@
-"""The solid in the slot of spring models: channels and numbers beside the rod's, stored runs, refusals."""
+"""The solid in the slot of spring models: channels and numbers beside the rod's, patches of contact,
+stored runs, refusals."""
 
 from __future__ import annotations
 
@@ -9,9 +10,16 @@ from valvetrain.errors import InputError
 from valvetrain.integrate import solid_store
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run
+from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.quantities.contact_patches import contact_patches, hertz_of
 from valvetrain.quantities.signal import fine_filtered, fine_series
+from valvetrain.report.page import Figure, Grid
+from valvetrain.report.sections.coils import coils_blocks
 from valvetrain.runs.run import run_study
+from valvetrain.solution.channels import FINE, spring_channels
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 
 RPM = np.pi / 30
@@ -48,6 +56,26 @@ engine_speeds = "7000 rpm"
 cycles = 1
 output_step = "1 deg"
 """
+
+WIRE = cylindrical("4 mm", "24 mm", total_coils=6, free_length="44 mm")
+#: Coils 1 to 2.5 that lie close, so that they strike; a cone whose free wire lies on its seat.
+PROGRESSIVE = SPRING.replace('free_length = "44 mm"\n', "").replace(
+    "[spring.lower_end]",
+    '[spring.pitch]\ncoils = [0, 1, 1.5, 2.5, 4.5, 5.5]\nclearances = "0, 0, 0.4, 5, 5, 0 mm"\n[spring.lower_end]',
+)
+CONE = (
+    SPRING.replace('wire_diameter = "4 mm"', 'wire_diameter = "3 mm"')
+    .replace("total_coils = 5.5", "total_coils = 4")
+    .replace('mean_diameter = "24 mm"\n', "")
+    .replace("44 mm", "22 mm")
+    .replace('precompression = "4 mm"', 'precompression = "10 mm"')
+    .replace('"6 mm"', '"4 mm"')
+    .replace("7000 rpm", "2000 rpm")
+    .replace(
+        "[spring.lower_end]",
+        '[spring.mean_diameter]\ncoils = [0, 4]\nvalues = "50, 18 mm"\n[spring.lower_end]',
+    )
+)
 
 
 @pytest.fixture
@@ -182,3 +210,106 @@ def test_ends_that_would_lift_are_told():
     (run_of,) = study.solutions
     pulled = run_of.channel("seat_force").min() < 0 or run_of.channel("retainer_force").min() < 0
     assert pulled and any("bonded to seat and retainer" in note for note in study.notes)
+
+
+def drawn(force: np.ndarray, coil: list[float]) -> Solution:
+    """A run of one revolution whose force per length between coils (N/m) is given."""
+    angle = 2 * np.pi * np.arange(len(force)) / (len(force) - 1)
+    channels = spring_channels(
+        angle, angle, {"coil_line_force": force}, extra=FINE, point_coils={"coil_point": coil}
+    )
+    return Solution(channels)
+
+
+def test_a_patch_runs_through_the_zero_of_the_cam_angle():
+    """Property: what touches before and after the zero of the angle is one patch, also where the place
+    moves by one point there; what never opens lasts the whole revolution."""
+    force = np.zeros((361, 6))
+    force[350:, 1] = 2e3
+    force[0, 2], force[1:11, 2] = 5e3, 1e3
+    force[:, 5] = 3e3
+    force[-1] = force[0]
+    first, second = contact_patches(drawn(force, [1.5, 2.0, 2.5, 3.0, 3.5, 4.0]), WIRE)
+    assert (first.first_coil, first.last_coil, first.coil) == (2.0, 2.5, 2.5)
+    assert np.degrees(first.first_angle) == pytest.approx(350)
+    assert np.degrees(first.duration) == pytest.approx(21)
+    assert (first.line_force, first.cam_angle) == (5e3, 0.0)
+    assert (second.first_coil, second.last_coil) == (4.0, 4.0)
+    assert second.duration == pytest.approx(2 * np.pi)
+
+
+def test_patches_apart_stay_apart():
+    """Contract: a gap of one point or one sample parts patches; other runs have none."""
+    force = np.zeros((361, 3))
+    force[100:110, 0], force[100:110, 2], force[111:120, 0] = 1e3, 2e3, 3e3
+    run = drawn(force, [2.0, 2.5, 3.0])
+    assert [one.line_force for one in contact_patches(run, WIRE)] == [3e3, 2e3, 1e3]
+    assert contact_patches(Solution(run.arrays.only([])), WIRE) == ()
+
+
+@pytest.mark.parametrize("partner", ["coil below", "seat", "retainer"])
+def test_width_and_pressure_are_those_of_hertz(partner):
+    """Closed form: a = sqrt(4 q R / (pi E*)), p = sqrt(q E* / (pi R)) with R half of the wire's radius
+    between wires, the radius itself on a plane."""
+    steel, force = WIRE.material, 2.5e4
+    radius = 1e-3 if partner == "coil below" else 2e-3
+    stiff = steel.youngs_modulus / (2 * (1 - steel.poisson_ratio**2))
+    width, pressure = hertz_of(WIRE, 3.0, partner, force)
+    assert width == pytest.approx(2 * np.sqrt(4 * force * radius / (np.pi * stiff)), rel=1e-9)
+    assert pressure == pytest.approx(np.sqrt(force * stiff / (np.pi * radius)), rel=1e-9)
+
+
+@pytest.fixture(scope="module")
+def coils() -> Study:
+    return run_study(parse_case(PROGRESSIVE, "progressive"), spring_models=["solid"], workers=1)
+
+
+@pytest.fixture(scope="module")
+def cone() -> Study:
+    return run_study(parse_case(CONE, "cone"), spring_models=["solid"], workers=1)
+
+
+def test_forces_per_length_add_up_to_those_of_pairs(coils):
+    """Property: over the wire of a pair of coils, the peaks of its points reach the peak of the pair,
+    and no more than their number times it; where a pair is pressed at no instant, no point is."""
+    (run,) = coils.solutions
+    line, pair = (run.channel(name) for name in ("coil_line_force", "coil_contact_peak_force"))
+    points, pairs = (run.arrays.along(n) for n in ("coil_line_force", "coil_contact_peak_force"))
+    wire = coils.record and parse_case(PROGRESSIVE, "progressive").springs[0].wire
+    mean = (wire.line_speed(points) + wire.line_speed(points - 1)) / 2
+    force = line * mean * np.gradient(points)
+    own = np.searchsorted(pairs, np.round(points * 8) / 8)
+    added = np.stack([force[:, own == place].sum(axis=1) for place in range(len(pairs))], axis=1)
+    assert pair.max() > 100
+    inner = slice(1, -1)  # the first and the last pair have points whose wire ends
+    assert np.all(added[1:, inner] >= pair[1:, inner] * (1 - 1e-6))
+    assert np.all(added[1:, inner] <= 3 * pair[1:, inner] + 1e-9)
+
+
+def test_the_page_maps_and_lists_patches_of_coils(coils):
+    """Contract: the clash map is of force per length, its largest the first row of the table of
+    patches; turns that never part are named."""
+    blocks = coils_blocks(coils)
+    maps = {one.chart.key: one.chart for one in blocks if isinstance(one, Figure)}
+    heat = next(chart for key, chart in maps.items() if key.startswith("clash")).panels[0].layers[0]
+    (grid,) = (one for one in blocks if isinstance(one, Grid))
+    assert heat.unit == "N/mm" and not any(key.startswith("seats") for key in maps)
+    assert float(grid.rows[0][0][4].text) == pytest.approx(heat.z.max(), rel=1e-3)
+    assert "bonded to the seat" in grid.caption and "never touches seat or retainer" in grid.caption
+
+
+def test_a_cone_lies_on_its_seat(cone):
+    """Property: the free wire of a cone meets the seat where and while its axis has come down to the
+    wire's radius, its force is part of that on the seat, and the page maps it."""
+    (run,) = cone.solutions
+    wire = parse_case(CONE, "cone").springs[0].wire
+    patches = [one for one in contact_patches(run, wire) if one.partner == "seat"]
+    assert patches and all(120 < np.degrees(one.first_angle) < 240 for one in patches)
+    coil, line = run.arrays.along("seat_line_force"), run.channel("seat_line_force")
+    force = line * wire.line_speed(coil) * np.gradient(coil)
+    assert 0 < force.max() <= 1.001 * run.channel("seat_force_highest").max()
+    places, height = run.arrays.along("axial_position"), run.channel("axial_position")
+    above = np.array([np.interp(coil, places, one) for one in height]) - 1.5e-3
+    assert above[line > 0].max() < 5e-5 and above[line == 0].min() > -1e-6
+    charts = [one.chart for one in coils_blocks(cone) if isinstance(one, Figure)]
+    assert any(chart.key.startswith("seats") for chart in charts)

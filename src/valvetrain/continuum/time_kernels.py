@@ -277,6 +277,10 @@ def integrate_solid(begin, end, travel, motion, parts, points, planes, clock, re
             if sample >= clock.discard:
                 records.position[sample - clock.discard] = x
                 records.centre_rate[sample - clock.discard] = rate
+                records.point_peak[sample - clock.discard] = points.peak
+                records.plane_peak[sample - clock.discard] = planes.peak
+            points.peak[:] = 0.0
+            planes.peak[:] = 0.0
             fastest = 0.0
             for s in range(len(rate)):
                 fastest = max(fastest, abs(rate[s]))

@@ -117,6 +117,8 @@ class SolidRecords(NamedTuple):
     impulse: Array
     peak: Array
     carried: Array
+    point_peak: Array
+    plane_peak: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +126,8 @@ class SolidTransient:
     """Raw records of a run: ns samples, nd dense records, np pairs of coils; SI units.
 
     ``position`` (ns, nodes, 3, stations), ``centre_rate`` (ns, 3, stations); ``contact_force`` and
-    ``contact_peak`` (ns, np) mean and peak since the last sample; ``extremes`` (ns, 8) of all steps
+    ``contact_peak`` (ns, np) mean and peak since the last sample, ``point_peak`` and ``plane_peak``
+    (N; ns, points) peak of each contact point and each station at a seat plane; ``extremes`` (ns, 8) of all steps
     up to the next sample: largest seat force, its time, least, its time, and the same of the retainer
     force; ``energy`` (ns, 8) by the columns of :mod:`time_kernels`; ``dense_*`` (nd,); ``pair_force``
     (N) and ``pair_energy`` (J) at ``pair_time``, (nc, np). ``steps_done`` < ``steps`` when the run
@@ -137,6 +140,8 @@ class SolidTransient:
     centre_rate: Array
     contact_force: Array
     contact_peak: Array
+    point_peak: Array
+    plane_peak: Array
     extremes: Array
     energy: Array
     dense_time: Array
@@ -232,6 +237,8 @@ def simulate_solid(
     substeps = max(1, math.ceil(sample_interval / dense / limit * (1 - 1e-9)))
     step, steps = sample_interval / (dense * substeps), samples * dense * substeps
     bricks, law, points = wire.bricks, wire.contact.law, start.points.copy()
+    planes = wire.seat_planes._replace(peak=np.zeros(len(wire.seat_planes.peak)))
+    points.peak[:] = 0.0
     branch_step = step / dynamics.branch_time
     decay = math.exp(-branch_step)
     mean = (1 - decay) / branch_step
@@ -265,6 +272,7 @@ def simulate_solid(
         contact=np.zeros((samples + 1, 2, pairs)), pairs=np.zeros((recorded // spacing + 1, 2, pairs)),
         position=np.zeros((stored, x.size)), centre_rate=np.zeros((stored, 3 * stations)),
         impulse=np.zeros(pairs), peak=np.zeros(pairs), carried=np.zeros(6),
+        point_peak=np.zeros((stored, len(points.peak))), plane_peak=np.zeros((stored, len(planes.peak))),
     )  # fmt: skip
     done, stopped = 0, False
     for begin in range(0, steps + 1, BLOCK):
@@ -272,7 +280,7 @@ def simulate_solid(
         times = np.maximum(step * np.arange(begin - 1.0, end + 1.0), 0.0)
         travel = np.ascontiguousarray(motion(times), dtype=float)
         done = time_kernels.integrate_solid(
-            begin, end, travel, numbers, arrays, points, wire.seat_planes, clock, records
+            begin, end, travel, numbers, arrays, points, planes, clock, records
         )
         stopped = watch is not None and not watch(end / (steps + 1)) and end <= steps
         if done < end or stopped:
@@ -290,6 +298,8 @@ def simulate_solid(
         centre_rate=records.centre_rate[:count].reshape(count, 3, stations),
         contact_force=records.contact[keep, 0][:count],
         contact_peak=records.contact[keep, 1][:count],
+        point_peak=records.point_peak[:count],
+        plane_peak=records.plane_peak[:count],
         extremes=extremes[keep][:count],
         energy=records.energy[keep][:count],
         dense_time=step * substeps * np.arange(float(len(records.ends)))[dense_keep],

@@ -34,7 +34,8 @@ class ContactPoints(NamedTuple):
     """Contact points of the wire with the turn below: ``station`` and ``place`` in its span,
     ``distance`` (m) at which contact begins, ``stiffness`` (N/m), ``pair`` of coils; what kernels
     carry: ``foot`` (in stations), distance ``apart`` (m), ``near``, ``drag`` (2, points): damping
-    force (N) and closing speed (m/s) of the step before, ``pressed`` (2, pairs): force and energy.
+    force (N) and closing speed (m/s) of the step before, ``pressed`` (2, pairs): force and energy,
+    ``peak`` (points,): largest force (N) since it was reset.
     """
 
     station: Integers
@@ -47,6 +48,7 @@ class ContactPoints(NamedTuple):
     near: NDArray[np.bool_]
     drag: Array
     pressed: Array
+    peak: Array
 
     def copy(self) -> ContactPoints:
         """With arrays of its own for what kernels carry."""
@@ -56,18 +58,21 @@ class ContactPoints(NamedTuple):
             near=self.near.copy(),
             drag=self.drag.copy(),
             pressed=self.pressed.copy(),
+            peak=self.peak.copy(),
         )
 
 
 class SeatPlanes(NamedTuple):
     """Stations that a plane may press on: ``side`` +1 at the seat, -1 at the retainer, the centre's
-    ``height`` (m) at which it touches with the retainer at its free height, ``stiffness`` (N/m).
+    ``height`` (m) at which it touches with the retainer at its free height, ``stiffness`` (N/m);
+    ``peak`` (N) as of :class:`ContactPoints`.
     """
 
     station: Integers
     side: Array
     height: Array
     stiffness: Array
+    peak: Array
 
 
 @dataclass(frozen=True)
@@ -245,6 +250,7 @@ class SolidWire:
             np.zeros(len(station), dtype=bool),
             np.zeros((2, len(station))),
             np.zeros((2, len(pairs))),
+            np.zeros(len(station)),
         )
         free = self.centres(self.free_position).ravel()
         contact_kernels.follow_feet(free, self.stations, points, 0.0, 20)
@@ -288,7 +294,7 @@ class SolidWire:
         station = np.concatenate([low, high])
         side = np.concatenate([np.ones(len(low)), -np.ones(len(high))])
         stiffness = self.contact.stiffness * self._station_length[station]
-        return SeatPlanes(station, side, height, stiffness)
+        return SeatPlanes(station, side, height, stiffness, np.zeros(len(station)))
 
     def contact_line(self, points: ContactPoints) -> tuple[Integers, Array]:
         """Control stations (points, 6) and their weights for the point and its foot, negative there."""

@@ -146,9 +146,7 @@ def joined(parts: tuple[Solution, ...], names: tuple[str, ...], provenance: Prov
     coords = {name: first[name][:count] for name in ("time", "cam_angle")}
     for one, spring in zip(labelled, names, strict=True):
         renamed: dict[str, str] = {
-            dim: f"{spring}_{dim}"
-            for dim in ("wire_point", "coil_pair", "mode", "subsample")
-            if dim in one.dims
+            str(dim): f"{spring}_{dim}" for dim in one.dims if dim != "sample"
         }
         renamed |= {
             str(name): f"{spring}_{name}"

@@ -273,6 +273,21 @@ FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
         "time of the minimum retainer force up to the next sample",
     ),
     "coil_contact_peak_force": (("coil_pair",), "N", "largest contact force since the last sample"),
+    "coil_line_force": (
+        ("coil_point",),
+        "N/m",
+        "largest force per length on the coil below since the last sample",
+    ),
+    "seat_line_force": (
+        ("seat_point",),
+        "N/m",
+        "largest force per length of free wire on the seat since the last sample",
+    ),
+    "retainer_line_force": (
+        ("retainer_point",),
+        "N/m",
+        "largest force per length of free wire on the retainer since the last sample",
+    ),
 }
 
 #: Suffixes of the channels of an end force on every step: value and time of the largest and of the
@@ -288,12 +303,13 @@ def spring_channels(
     coil_number: ArrayLike | None = None,
     upper_coil: ArrayLike | None = None,
     extra: Mapping[str, tuple[tuple[str, ...], str, str]] | None = None,
+    point_coils: Mapping[str, ArrayLike] | None = None,
 ) -> ChannelArrays:
     """The channels of a spring run from plain arrays.
 
     ``values``: channel name -> array (sample,) or (sample, wire_point / coil_pair), SI. ``extra``
-    declares further channels as name -> (dims after ``sample``, unit, label). Raises
-    :class:`InputError` for an undeclared name.
+    declares further channels as name -> (dims after ``sample``, unit, label); ``point_coils``: dimension
+    of points of contact -> their coil numbers. Raises :class:`InputError` for an undeclared name.
     """
     declared: dict[str, tuple[tuple[str, ...], str, str]] = {
         name: ((second,) if second else (), unit, label)
@@ -318,6 +334,10 @@ def spring_channels(
         ("cam_angle", "sample", cam_angle, "rad", CAM_ANGLE_LABEL),
         ("coil_number", "wire_point", coil_number, "1", "turns from the lower wire tip"),
         ("upper_coil", "coil_pair", upper_coil, "1", "coil number of the upper partner"),
+        *(
+            (f"{dim}_coil", dim, coil, "1", "turns from the lower wire tip")
+            for dim, coil in (point_coils or {}).items()
+        ),
     )
     coords = {
         name: Variable((dim,), np.asarray(values, dtype=float), {"units": unit, "long_name": label})

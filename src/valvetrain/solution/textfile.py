@@ -161,8 +161,8 @@ def _column_labels(arrays: ChannelArrays, name: str) -> list[str]:
     if len(one.dims) == 1:
         return [f"{name} [{unit}]"]
     dimension = one.dims[1]
-    coil = {"wire_point": "coil_number", "coil_pair": "upper_coil"}.get(dimension, dimension)
-    places = arrays.coords[coil].values if coil in arrays.coords else np.arange(one.values.shape[1])
+    along = (coord.values for coord in arrays.coords.values() if coord.dims == one.dims[1:])
+    places = next(along, np.arange(one.values.shape[1]))
     return [f"{name} at {dimension.replace('_', ' ')} {place:.6g} [{unit}]" for place in places]
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.quantities.contact_patches import contact_patches
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Panel, thin
+from valvetrain.report.motion.scene import member_of
 from valvetrain.report.page import (
     Block,
     Cell,
@@ -59,6 +61,7 @@ def coils_blocks(study: Study) -> tuple[Block, ...]:
                         f"{name.split()[0].lower()}-{place}",
                         label,
                     )
+                found += patch_blocks(study, run, spring, place, title)
             if found:
                 items.append((known[run.label].label, found))
         if len(items) > MAX_OPEN and len(study.engine_speeds) == 1:
@@ -124,12 +127,34 @@ def position_chart(study: Study, run: Solution, spring: str, key: str, title: st
 
 
 def clash_chart(study: Study, run: Solution, spring: str, key: str, title: str) -> Chart | None:
-    """Force between coils (N) by cam angle and place along the wire; cells hold the largest force,
-    so that thinning loses no clash.
+    """Force between coils (N; of solid finite elements per length, N/mm) by cam angle and place along
+    the wire; cells hold the largest force, so that thinning loses no clash.
     """
-    found = along(run, run.channel_of(spring, "coil_contact_force"))
+    per_length = along(run, run.channel_of(spring, "coil_line_force"))
+    found = per_length or along(run, run.channel_of(spring, "coil_contact_force"))
     if found is None:
         return None
+    caption = "Where, when and how hard a coil presses on the one below: long stretches are coils at rest, short ones clashes."
+    if per_length is not None:
+        caption += " Force per length of wire, the largest since the sample before."
+        found = found[0], found[1] * 1e-3
+    unit = "N" if per_length is None else "N/mm"
+    return contact_map(
+        study, run, (key, title, caption), found, "coil number of the upper coil", unit
+    )
+
+
+def contact_map(
+    study: Study,
+    run: Solution,
+    texts: tuple[str, str, str],
+    found: tuple[Array, Array],
+    label: str,
+    unit: str,
+) -> Chart:
+    """Map of ``found``, coil numbers and a force (sample, place) in ``unit``; ``texts``: key, title and
+    caption of the figure.
+    """
     order = np.argsort(found[0])
     coil, force, angle = (
         found[0][order],
@@ -142,7 +167,7 @@ def clash_chart(study: Study, run: Solution, spring: str, key: str, title: str) 
         _middle(coil, COILS_MAX_ROWS),
         _largest(force, 0, COILS_MAX_ROWS),
         "contact force",
-        "N",
+        unit,
         y_tick_labels="coil",
     )
     bands = tuple(
@@ -150,14 +175,112 @@ def clash_chart(study: Study, run: Solution, spring: str, key: str, title: str) 
     )
     panel = Panel(
         ANGLE_LABEL,
-        "coil number of the upper coil",
+        label,
         (heat,),
         bands=bands,
         x_range=(0, 360),
         x_step=30,
     )
-    caption = "Where, when and how hard a coil presses on the one below: long stretches are coils at rest, short ones clashes."
-    return Chart(key, title, caption, (panel,), height=380, legend=False)
+    return Chart(*texts, (panel,), height=380, legend=False)
+
+
+#: Patches in the table, those of the largest force.
+MAX_PATCHES = 24
+PATCH_HEADERS = ("wire on", "coils", "first (deg)", "last (deg)", "N/mm", "at coil", "at (deg)", "width (µm)", "pressure (MPa)")  # fmt: skip
+
+
+def patch_blocks(
+    study: Study, run: Solution, spring: str, key: str, title: str
+) -> tuple[Block, ...]:
+    """What touches along the free wire and across it, by solid finite elements: map of the seats where
+    the wire meets them, and a table of all patches.
+    """
+    if not run.has(run.channel_of(spring, "coil_line_force")):
+        return ()
+    member = member_of(study.record, run)
+    named = zip(run.springs, member.springs if member else (), strict=False)
+    wire = dict(named)[spring].wire if member else None
+    if wire is None:
+        return ()
+    patches = contact_patches(run, wire, spring)
+    rows = []
+    for one in patches[:MAX_PATCHES]:
+        always = one.duration > 2 * np.pi - 1e-9
+        last = np.degrees(one.first_angle + one.duration) % 360
+        spans = ("always", "") if always else (number(np.degrees(one.first_angle)), number(last))
+        numbers = (
+            f"{one.first_coil:.2f} to {one.last_coil:.2f}",
+            *spans,
+            number(one.line_force * 1e-3),
+            f"{one.coil:.2f}",
+            number(np.degrees(one.cam_angle)),
+            number(one.width * 1e6),
+            number(one.pressure * 1e-6),
+        )
+        cells = (Cell(one.partner), *(Cell(value, "number") for value in numbers))
+        rows.append((cells, (one.partner,)))
+    left = len(patches) - len(rows)
+    first, end = wire.free_coils
+    bonded = ", ".join(
+        f"coils {turns[0]:.2f} to {turns[1]:.2f} are bonded to the {name} and never part, under at most "
+        f"{number(_mean_line_force(run, spring, name, wire.integrate_along_wire(between=turns)))} N/mm on average"
+        for name, turns in (("seat", (0.0, first)), ("retainer", (end, wire.total_coils)))
+        if turns[1] > turns[0]
+    )
+    caption = (
+        "Wire that touches without a break, over the cam cycle: its ends along the wire, from when to when, the largest force per length, "
+        "and there the width across the wire and the pressure by Hertz for round elastic wires. Angles to one sample."
+    )
+    if left:
+        caption += f" {left} more of less force are left out."
+    if bonded:
+        caption += f" {bonded[0].upper()}{bonded[1:]}."
+    found: tuple[Block, ...] = ()
+    seats, touched = _on_seats(run, spring), {one.partner for one in patches}
+    untouched = [partner for partner in ("seat", "retainer") if partner not in touched]
+    if seats is not None and len(untouched) < 2:
+        label = f"Wire on its seats: {title}"
+        about = (
+            "Force per length of the free wire on seat (lower coils) and retainer (upper coils), the largest since the sample before. "
+            "The turns bonded to them are left out."
+        )
+        found += figure_or_gap(
+            label,
+            contact_map,
+            study,
+            run,
+            (f"seats-{key}", label, about),
+            seats,
+            "coil number",
+            "N/mm",
+        )
+    if untouched:
+        caption += f" The free wire never touches {' or '.join(untouched)}."
+    grid = Grid(PATCH_HEADERS, tuple(rows), ("wire on",), caption)
+    return (*found, text(f"Contact patches: {title}"), grid)
+
+
+def _mean_line_force(run: Solution, spring: str, end: str, length: float) -> float:
+    """Largest force of an end over the length of its bonded turns (N/mm)."""
+    channel = run.channel_of(spring, f"{end}_force_highest")
+    return float(np.max(reported_cycle(run).channel(channel))) / length * 1e-3
+
+
+def _on_seats(run: Solution, spring: str) -> tuple[Array, Array] | None:
+    """Coil numbers and force per length (N/mm) of the free wire that seat or retainer may press on."""
+    parts = [
+        one
+        for name in ("seat_line_force", "retainer_line_force")
+        if (one := along(run, run.channel_of(spring, name))) is not None
+    ]
+    if not parts:
+        return None
+    coil = np.unique(np.concatenate([places for places, _ in parts]))
+    force = np.zeros((len(parts[0][1]), len(coil)))
+    for places, values in parts:
+        at = np.searchsorted(coil, places)
+        force[:, at] = np.maximum(force[:, at], values * 1e-3)
+    return coil, force
 
 
 def _starts(count: int, most: int) -> np.ndarray:

@@ -55,8 +55,10 @@ def solid_channels(
         values["coil_contact_force"] = run.contact_force
         values["coil_contact_peak_force"] = run.contact_peak
         values |= _gaps(model.wire, run)
+    points: dict[str, Array] = {}
     if inside:
-        values |= _inside(model, run)
+        line, points = _line_forces(model.wire, run)
+        values |= _inside(model, run) | line
     return spring_channels(
         run.time,
         cam_speed * run.time,
@@ -64,7 +66,29 @@ def solid_channels(
         coil_number=wire_points(model.definition.total_coils) if inside else None,
         upper_coil=model.wire.pair_coils if pairs else None,
         extra=FINE,
+        point_coils=points,
     )
+
+
+def _line_forces(wire: SolidWire, run: SolidTransient) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Largest force per length (N/m) at every contact point between the samples by channel, and the
+    coil numbers of the points by dimension; nothing where no wire can touch.
+    """
+    number, contact = np.arange(wire.stations, dtype=float), wire.contact_points
+    planes, whole = wire.seat_planes, wire.contact.stiffness
+    coil = np.interp(contact.station + contact.place, number, wire.coil)
+    groups = (
+        ("coil", run.point_peak, contact.stiffness, coil, contact.station >= 0),
+        ("seat", run.plane_peak, planes.stiffness, wire.coil[planes.station], planes.side > 0),
+        ("retainer", run.plane_peak, planes.stiffness, wire.coil[planes.station], planes.side < 0),
+    )
+    forces, places = dict[str, Array](), dict[str, Array]()
+    for name, peak, stiffness, there, own in groups:
+        if own.any():
+            # stiffness of a point over that per metre is the wire that it stands for
+            forces[f"{name}_line_force"] = peak[:, own] * whole / stiffness[own]
+            places[f"{name}_point"] = there[own]
+    return forces, places
 
 
 def _inside(model: SolidModel, run: SolidTransient) -> dict[str, Array]:
