@@ -183,11 +183,11 @@ def modes(study: Study) -> Panels:
     ):  # the drawn half waves, turned so that the largest is +1
         wave = np.sin(np.pi * waves * coil / 7)
         top = wave[np.argmax(np.abs(wave))]
-        shapes[f"axial mode {number}"] = (coil, wave / top)
+        shapes[f"mode {number}"] = (coil, wave / top)
     force = "force carried, largest 1"
     return [
         (
-            "Shapes, finite-element rod",
+            "Axial shapes, finite-element rod",
             "coil number (turns from the lower end)",
             "axial part, largest 1",
             shapes,

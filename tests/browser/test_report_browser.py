@@ -42,6 +42,8 @@ window.addEventListener("load", () => setTimeout(() => {
   seen.folded = parts.map((part) => !part.open);
   seen.height = document.querySelector("main") ? document.querySelector("main").scrollHeight : 0;
   const picture = document.querySelector("#opening figure");
+  const plot = picture && picture.querySelector(".plot");
+  seen.bottom = plot ? plot.getBoundingClientRect().bottom + window.scrollY : -1;
   seen.picture = picture ? picture.getBoundingClientRect().top + window.scrollY : -1;
   const aim = document.querySelector("details.part figure");
   if (aim) { location.hash = aim.id; }
@@ -179,6 +181,13 @@ def test_the_picture_begins_on_the_first_screen(visit):
     """Contract: whatever the sentence and its figures say, a third of a screen is left to the picture."""
     _, _, seen, _ = visit
     assert 0 < seen["picture"] < 844 * 2 / 3
+
+
+def test_the_picture_of_a_train_leaves_half_of_the_first_screen_to_its_sentence(visit, request):
+    """Contract: under ten lines of a phone the panel of the force ended below the first screen."""
+    _, _, seen, _ = visit
+    if request.node.callspec.params["visit"][0] == "train":
+        assert 0 < seen["bottom"] - seen["picture"] < 460
 
 
 def test_the_first_screen_answers_in_order(visit):

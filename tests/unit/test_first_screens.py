@@ -4,6 +4,7 @@ templates and library cases.
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -13,9 +14,10 @@ from synthetic_study import own_study, rod_run, sweep_study, train_study
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.report.chart import (
-    LABEL_LINE,
     LABEL_TOP,
+    NARROW_LINE,
     Line,
+    Marks,
     Panel,
     Rule,
     range_below_labels,
@@ -23,7 +25,7 @@ from valvetrain.report.chart import (
     visible_range,
 )
 from valvetrain.report.key_figures import key_figures
-from valvetrain.report.opening import opening_chart
+from valvetrain.report.opening import motion_blocks, opening_chart
 from valvetrain.report.page import Grid, render
 from valvetrain.report.run_charts import with_extremes
 from valvetrain.report.sections import at_rest
@@ -150,6 +152,13 @@ def test_loads_at_rest_go_up_to_full_lift_and_say_what_is_left_to_coil_bind():
     }
 
 
+def test_a_caption_tells_of_closing_coils_only_where_the_stiffness_rises():
+    """Contract: of a card's constant rate the caption said that it rises."""
+    cards = static_study(parse_case(template_text("direct", cards=True)), command="static")
+    rod = static_study(parse_case(template_text("direct")), command="static")
+    assert "rises" not in opening_chart(cards).caption and "rises" in opening_chart(rod).caption
+
+
 def test_a_rate_that_rises_to_full_lift_is_told():
     """Example: coils of the template close on the way, which its one rate left out."""
     said = static_study(parse_case(template_text("spring"))).verdict
@@ -188,11 +197,14 @@ def test_modes_open_with_the_orders_that_meet_the_first_one():
     """Closed form: order n meets f at 120 f / n rpm; 24 dots at one height told nothing."""
     study = static_study(parse_case(template_text("direct", cards=True)), command="modes", modes=6)
     (panel,) = opening_chart(study).panels
-    marks = next(one for one in panel.layers if not isinstance(one, Line))
+    marks = next(one for one in panel.layers if isinstance(one, Marks) and one.hints)
     assert marks.y == pytest.approx(541.78, abs=0.01)
     assert marks.x == pytest.approx(120 * marks.y / np.arange(6, 13))
     order = lines(panel)["order 8"]
     assert order.y == pytest.approx(8 * order.x / 120)
+    names = next(one for one in panel.layers if isinstance(one, Marks) and one.labels)
+    orders = np.array([int(one) for one in names.labels])
+    assert names.y == pytest.approx(orders * names.x / 120), "each at the end of its line"
     assert not any("mode" in one.title.lower() for one in figures(study)), "nothing more to show"
 
 
@@ -260,7 +272,7 @@ def test_no_curve_runs_through_the_label_of_a_mark():
     assert bare == (low, high) and narrow[0] == low
     levels = max(rule_levels(panel, True)) + 1
     share = (400 - low) / (narrow[1] - low)  # of the height that the curve takes
-    assert share <= LABEL_TOP - LABEL_LINE * levels
+    assert share <= LABEL_TOP - NARROW_LINE * levels
 
 
 def test_the_worst_of_a_run_up_is_the_one_that_loses_contact_first():
@@ -272,5 +284,21 @@ def test_the_worst_of_a_run_up_is_the_one_that_loses_contact_first():
             values = {"minimum_cam_contact_force": 0.0 if gap else 90.0, "loft_gap": gap, "surge_amplitude_force": surge}  # fmt: skip
             origin = replace(first.provenance, label=label, spring_set=label, engine_speed=speed * RPM)  # fmt: skip
             turns.append(replace(first, provenance=origin, quantities=values, events=()))
-    said = Study(CaseRecord("own"), "run-up", tuple(turns)).verdict
-    assert said.startswith("Worst (soft): contact is lost first at 3400 rpm")
+    study = Study(CaseRecord("own"), "run-up", tuple(turns))
+    assert study.verdict.startswith("Worst (soft): contact is lost first at 3400 rpm")
+    drawn = opening_chart(study)
+    assert drawn.title == "Least cam force over engine speed" and len(drawn.panels) == 1
+
+
+def test_the_motion_beside_a_loft_is_that_of_a_run_that_lofts():
+    """Contract: tdi-pushrod told of a loft of its massless performance spring, which is not drawn among eight
+    runs, and moved its stock spring.
+    """
+    whole = load_case("tdi-pushrod")
+    speed = whole.operation.engine_speeds[-1:]
+    study = simulate(whole, engine_speeds=speed, workers=1)
+    assert study.verdict.startswith("Worst (performance, as printed, zeta 1): loft of 1.52 mm")
+    assert "lands at 283 cam deg in every cycle" in study.verdict
+    (block,) = motion_blocks(study)
+    first = json.loads(block.data)["variants"][0]["words"]
+    assert first == "performance, as printed, zeta 1, 4000 rpm"

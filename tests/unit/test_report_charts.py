@@ -12,13 +12,14 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.report.chart import (
+    Band,
     Chart,
     HeatMap,
     Line,
     Marks,
     Panel,
     Rule,
-    near_right_end,
+    labelled_left,
     rule_levels,
     stems,
     thin,
@@ -184,15 +185,31 @@ def test_only_an_axis_that_is_asked_for_has_decades(y_log):
 
 
 def test_words_of_near_rules_stand_on_different_lines():
-    rules = (Rule("x", 5.0, "bounce"), Rule("x", 4.5, "float"), Rule("x", 9.5, "surge"))
+    rules = (Rule("x", 5.0, "bounce"), Rule("x", 4.5, "float"), Rule("x", 5.5, "surge"))
     line = Line(np.array([0.0, 10.0]), np.zeros(2), "", "#000000")
-    assert rule_levels(Panel("x", "y", (line,), rules=rules)) == [1, 0, 0]
+    near = Panel("x", "y", (line,), rules=rules)
+    assert rule_levels(near) == [0, 0, 1]
     # labels that are written towards each other, from a rule on the left and one near the end
     facing = Panel(
         "x", "y", (line,), rules=(Rule("x", 5.5, "contact 6970"), Rule("x", 9.0, "float 8539"))
     )
     assert rule_levels(facing) == [0, 0] and rule_levels(facing, narrow=True) == [0, 1]
-    assert near_right_end(facing, Rule("x", 8.7, "spring (2) contact 5892"))  # else it is cut off
+    assert labelled_left(facing, Rule("x", 8.7, "spring (2) contact 5892"))  # else it is cut off
+
+
+def test_no_rule_runs_through_the_label_of_the_one_before():
+    """Contract: "full lift" stood on the rule of the solid spring, whose label stood on that of the full
+    lift.
+    """
+    line = Line(np.array([0.0, 28.3]), np.zeros(2), "", "#000000")
+    rules = tuple(
+        Rule("x", value, label)
+        for value, label in ((8.3, "installed"), (22.6, "full lift"), (24.8, "solid"))
+    )
+    panel = Panel("x", "y", (line,), rules=rules)
+    for narrow in (False, True):
+        assert [labelled_left(panel, rule, narrow) for rule in rules] == [False, True, False]
+        assert rule_levels(panel, narrow) == [0, 0, 0]
 
 
 def test_tables_write_units_and_quote():
@@ -263,6 +280,31 @@ def test_a_narrow_figure_of_many_panels_is_lower_for_each():
         return figure(Chart("key", "t", "c", panels))["narrow"]["height"]
 
     assert height(2) < height(6) < 2.6 * height(2)
+
+
+def test_panels_over_one_axis_name_its_ticks_and_bands_once():
+    """Contract: the first screen of a phone held the lift and half of the force."""
+    line = Line(np.array([0.0, 360.0]), np.arange(2.0), "a", "#000000")
+    band = (Band(100.0, 250.0, "lift event"),)
+    panels = tuple(
+        Panel("cam angle", name, (line,), bands=band, x_range=(0, 360), weight=weight)
+        for name, weight in (("lift", 0.6), ("force", 1.0))
+    )
+    drawn = figure(Chart("opening", "t", "c", panels), opening=True)
+    for layout in (drawn["layout"], drawn["narrow"]):
+        assert [note["text"] for note in layout["annotations"]].count("lift event") == 1
+        assert layout["xaxis"]["showticklabels"] is False
+        assert "showticklabels" not in layout["xaxis2"]
+        assert sum(shape["type"] == "rect" for shape in layout["shapes"]) == 2
+    assert drawn["narrow"]["height"] < 400 < figure(Chart("x", "t", "c", panels))["narrow"]["height"]  # fmt: skip
+
+
+def test_a_mark_without_size_is_its_text_alone():
+    """Contract: numbers of orders stood beside rings."""
+    text = Marks(np.array([5.0]), np.array([1.0]), "", "#000000", labels=("12",), size=0)
+    chart = _chart(Line(np.array([0.0, 9.0]), np.zeros(2), "a", "#000000"), text)
+    assert figure(chart)["data"][1]["mode"] == "text"
+    assert "<circle" not in svg(chart) and ">12<" in svg(chart)
 
 
 def test_words_from_outside_are_no_markup_in_a_figure():

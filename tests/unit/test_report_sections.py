@@ -270,9 +270,7 @@ def test_the_page_of_a_spring_at_rest_opens_with_its_curve_or_its_modes(command,
 def test_modes_and_frequencies_side_by_side(own):
     chart = own["modes-1"]
     shape = at_rest()[0].modes.shape[2, :, 2]
-    np.testing.assert_allclose(
-        lines(chart)["axial mode 2"].y, shape / shape[np.argmax(np.abs(shape))]
-    )
+    np.testing.assert_allclose(lines(chart)["mode 2"].y, shape / shape[np.argmax(np.abs(shape))])
     axial = next(layer for layer in chart.panels[1].layers if layer.name == "axial mode")
     np.testing.assert_array_equal(axial.x, [631, 1120, 1639])
     grid = next(

@@ -333,6 +333,21 @@ def test_a_landing_is_as_hard_as_the_hardest_of_its_samples():
     assert np.degrees(loft.details["landing_cam_angle"]) == pytest.approx(165, abs=0.3)
 
 
+def test_a_follower_that_comes_down_after_the_rigid_valve_has_seated_lands_there():
+    """Contract: the loft counts while the rigid valve is open, its landing is where the contact closes;
+    found on tdi-pushrod, whose blow at 283 degrees was told as a landing at 270 without force.
+    """
+    away = degrees(230, 285)
+    force = np.where(away, 0.0, 300.0)
+    force[int(np.argmax(ANGLE >= np.radians(285))) + 1] = 3536.0
+    (loft,) = of_kind(
+        found(cam_gap=np.where(away, 1e-4, -1e-5), cam_contact_force=force).events, "loft"
+    )
+    assert loft.duration < np.radians(45) / CAM_SPEED
+    assert np.degrees(loft.details["landing_cam_angle"]) == pytest.approx(285, abs=0.3)
+    assert loft.details["landing_force"] == 3536.0
+
+
 def test_details_of_an_event_are_its_own_and_cannot_be_changed():
     """Neither through the event nor through what it was made of; it travels between processes as it
     is.

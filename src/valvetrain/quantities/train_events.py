@@ -120,7 +120,7 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
                 size = largest if whole else _largest_within(solution.cam_angle, gap, part)
                 least = 0.0 if shared([part], rigid.wide_open) else SMALLEST_GAP
                 if size > least:
-                    details = _loss_details(solution, rigid, place, part)
+                    details = _loss_details(solution, rigid, place, part, end)
                     found.append(_event(solution, kind, part, size, name, details))
         found += _unloaded(solution, rigid, place, found)
     return found
@@ -143,7 +143,12 @@ def _unloaded(
     none = force <= max(0.0, float(np.min(force)))  # between samples: at the one next to it
     return [
         _event(
-            solution, PLACES[place], part, 0.0, name, _loss_details(solution, rigid, place, part)
+            solution,
+            PLACES[place],
+            part,
+            0.0,
+            name,
+            _loss_details(solution, rigid, place, part, part[1]),
         )
         for part in spans_above(angle, np.where(none, 1.0, -1.0))
     ]
@@ -177,13 +182,14 @@ def _largest_within(cam_angle: Array, values: Array, span: Span) -> float:
 
 
 def _loss_details(
-    solution: Solution, rigid: RigidCycle, place: str, part: Span
+    solution: Solution, rigid: RigidCycle, place: str, part: Span, landing: float
 ) -> dict[str, Detail]:
+    """Cause of a loss and where the contact closes again, which may be after the rigid valve has."""
     force = solution.channel(f"{place}_contact_force")
-    last = int(np.argmin((solution.cam_angle - part[1]) % TURN))
+    last = int(np.argmin((solution.cam_angle - landing) % TURN))
     return {
         **_cause_within(solution, rigid, part),
-        "landing_cam_angle": part[1] % TURN,
+        "landing_cam_angle": landing % TURN,
         "landing_force": float(np.max(force[np.arange(last - 1, last + 7) % len(force)])),
     }
 

@@ -35,7 +35,7 @@ class Line:
 @dataclass(frozen=True, eq=False)
 class Marks:
     """Single points, published values or events, each with a text next to it (empty for none) and
-    ``hints`` read on hover.
+    ``hints`` read on hover; of size 0 the text alone.
     """
 
     x: Array
@@ -146,32 +146,39 @@ def rule_levels(panel: Panel, narrow: bool = False) -> list[int]:
     )
     for value, index in upright:
         wide = letter * (len(panel.rules[index].label) + 1)
-        left = value - wide if near_right_end(panel, panel.rules[index], narrow) else value
+        left = value - wide if labelled_left(panel, panel.rules[index], narrow) else value
         taken = {level for level, start, end in written if start < left + wide and left < end}
         levels[index] = next(level for level in range(len(upright)) if level not in taken)
         written.append((levels[index], left, left + wide))
     return levels
 
 
-#: Where the label of an upright rule begins below the top of a panel, and its height, as shares of that.
-LABEL_TOP, LABEL_LINE = 0.98, 0.08
+#: Where the label of an upright rule begins below the top of a panel, and its height, as shares of that, on
+#: a narrow page of its lower panels.
+LABEL_TOP, LABEL_LINE, NARROW_LINE = 0.98, 0.08, 0.11
+
+
+def label_line(narrow: bool) -> float:
+    """Height of the label of an upright rule as a share of that of its panel."""
+    return NARROW_LINE if narrow else LABEL_LINE
 
 
 def range_below_labels(panel: Panel, narrow: bool = False) -> tuple[float, float]:
     """The visible range of y, widened upwards where a curve would run through the label of an upright rule."""
     (left, right), (low, high) = visible_range(panel)
     levels, letter = rule_levels(panel, narrow), NARROW_LETTER if narrow else ALONE_LETTER
+    line = label_line(narrow)
     lines = [_shares(panel, one.x, one.y) for one in panel.layers if isinstance(one, Line)]
     covered, lowest = False, LABEL_TOP
     for rule, level in zip(panel.rules, levels, strict=True):
         if rule.axis != "x" or not rule.label or panel.y_log:
             continue
         wide, at = letter * (len(rule.label) + 1), (rule.value - left) / (right - left)
-        begin = at - wide if near_right_end(panel, rule, narrow) else at
-        top = LABEL_TOP - LABEL_LINE * level
-        box = begin, begin + wide, top - LABEL_LINE, top
+        begin = at - wide if labelled_left(panel, rule, narrow) else at
+        top = LABEL_TOP - line * level
+        box = begin, begin + wide, top - line, top
         covered = covered or any(_crossings(x, y, *box) for x, y in lines)
-        lowest = min(lowest, top - LABEL_LINE)
+        lowest = min(lowest, top - line)
     return (low, low + (high - low) / lowest) if covered else (low, high)
 
 
@@ -207,11 +214,18 @@ def label_heights(panel: Panel) -> dict[int, float]:
     return heights
 
 
-def near_right_end(panel: Panel, rule: Rule, narrow: bool = False) -> bool:
-    """Whether a vertical rule is so far right that its label is written left of it."""
+def labelled_left(panel: Panel, rule: Rule, narrow: bool = False) -> bool:
+    """Whether the label of a vertical rule is written left of it: near the right end, or where on the
+    right alone another rule would run through it.
+    """
     low, high = visible_range(panel)[0]
     room = max(0.1, (NARROW_LETTER if narrow else ALONE_LETTER) * len(rule.label))
-    return rule.value > high - room * (high - low)
+    if rule.value > high - room * (high - low):
+        return True
+    wide = (NARROW_LETTER if narrow else WIDE_LETTER) * (len(rule.label) + 1) * (high - low)
+    steps = [one.value - rule.value for one in panel.rules if one.axis == "x"]
+    left = any(-wide < step < 0 for step in steps) or rule.value - wide < low
+    return any(0 < step < wide for step in steps) and not left
 
 
 #: Height of a label of a level rule as a share of the panel, and how close to its rule a curve may run.

@@ -11,6 +11,7 @@ import numpy as np
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
 from valvetrain.report.clash_clauses import FINEST
+from valvetrain.report.contact_lost import losses_while_open
 from valvetrain.report.model_charts import fidelity_chart
 from valvetrain.report.motion.parts import Variant
 from valvetrain.report.motion.project import motion_json, still_svg
@@ -86,7 +87,7 @@ def run_chart(study: Study) -> Chart | None:
     )
     if any(isinstance(one, Line) and one.name == STATIC_LABEL for one in panels[0].layers):
         caption += " Dashed: what a spring without inertia would give at the same lift."
-    height = 70 + round(210 * sum(one.weight for one in panels)) if train else 360
+    height = 50 + round(200 * sum(one.weight for one in panels)) if train else 340
     return Chart(
         "opening",
         f"{what} at {speed_text(run.engine_speed)}{worst}",
@@ -192,10 +193,11 @@ def _of_case(study: Study, name: str) -> list[float]:
 def motion_blocks(study: Study) -> tuple[Block, ...]:
     """The moving picture; nothing where no run moves, a sentence where it fails."""
     try:
-        moving = moving_picture(study)
+        worst = worst_run(judged_runs(study))
+        moving = moving_picture(study, worst=worst)
         if moving is None:
             return ()
-        first = _first_shown(study, moving.variants)
+        first = _first_shown(study, moving.variants, worst)
         others = tuple(one for one in moving.variants if one is not first)
         moving = replace(moving, variants=(first, *others))
         caption = (
@@ -208,17 +210,17 @@ def motion_blocks(study: Study) -> tuple[Block, ...]:
         return (gap(f"The moving picture could not be drawn: {reason(error)}"),)
 
 
-def _first_shown(study: Study, variants: tuple[Variant, ...]) -> Variant:
+def _first_shown(study: Study, variants: tuple[Variant, ...], worst: Solution | None) -> Variant:
     """The variant that shows most of its wire among those at the speed and of the spring set of the
-    worst run; the worst run itself where others show no more.
+    worst run that lose contact if that does; the worst run itself where others show no more.
     """
-    worst = worst_run(judged_runs(study))
     if worst is None:
         return variants[0]
+    flies = bool(losses_while_open(worst))
     alike = {
         run.label
         for run in runs_at(study, worst.engine_speed)
-        if run.spring_set == worst.spring_set
+        if run.spring_set == worst.spring_set and bool(losses_while_open(run)) == flies
     }
     known = [
         one for one in variants if one.engine_speed == worst.engine_speed and one.label in alike

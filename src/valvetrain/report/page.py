@@ -290,7 +290,8 @@ def render(page: Page, gaps: PartialFailures | None = None) -> str:
     """The page as one self-contained HTML document, Plotly and data included; figures that cannot
     be drawn are added to ``gaps``.
     """
-    drawn = {chart.key: _drawn(chart, gaps) for chart in charts(page)}
+    first = {block.chart.key for block in _all(page.picture) if isinstance(block, Figure)}
+    drawn = {chart.key: _drawn(chart, gaps, chart.key in first) for chart in charts(page)}
     library, moving = plotly_script() if drawn else "", _moving(page)
     return _template("page.html.j2").render(
         page=page,
@@ -376,12 +377,12 @@ def _css_string(label: str) -> str:
     )
 
 
-def _drawn(chart: Chart, gaps: PartialFailures | None) -> str:
-    """The figure as JSON, or the reason why it cannot be drawn."""
+def _drawn(chart: Chart, gaps: PartialFailures | None, opening: bool = False) -> str:
+    """The figure as JSON, or the reason why it cannot be drawn; ``opening``: it opens the page."""
     from valvetrain.report.plotly_chart import in_script, to_json
 
     try:
-        return to_json(chart_for_reader(chart))
+        return to_json(chart_for_reader(chart), opening)
     except Exception as error:  # one figure must not cost the page
         label = f"The figure could not be drawn: {reason(error)}"
         if gaps is not None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import base64
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from valvetrain.report import theme
 from valvetrain.report.chart import (
-    LABEL_LINE,
     LABEL_TOP,
     Chart,
     HeatMap,
@@ -22,7 +22,8 @@ from valvetrain.report.chart import (
     Marks,
     Panel,
     label_heights,
-    near_right_end,
+    label_line,
+    labelled_left,
     range_below_labels,
     row_weights,
     rule_levels,
@@ -53,14 +54,18 @@ _MAX_LETTERS = 40
 #: Height in px of a panel on a narrow page, where all are in one column: of one of two, what each
 #: further one takes off, and the least.
 NARROW_PANEL, _NARROW_STEP, _MIN_NARROW = 220, 20, 150
+#: Height in px of all panels together of the figure that opens a narrow page, as far as none is lower
+#: than the least, and what lies between two of them that share an axis, whose ticks the last one names.
+_OPENING, _NAMELESS = 250, 10
 #: Height in px of a row on a narrow page, whose label stands this far above its marks; and share of
 #: its height on a wide page that a figure has at most for that.
 NARROW_ROW, _ABOVE_MARKS, _MORE_HEIGHT = 32, 11, 1.4
 
 
-def figure(chart: Chart) -> dict[str, Any]:
+def figure(chart: Chart, opening: bool = False) -> dict[str, Any]:
     """``data``, ``layout`` and ``narrow`` (the layout of a narrow page) of a chart for Plotly;
-    arrays are packed (:func:`packed`).
+    arrays are packed (:func:`packed`). ``opening``: it opens a page, so its panels are as low there as
+    the first screen needs.
     """
     data: list[dict[str, Any]] = []
     for index, panel in enumerate(chart.panels):
@@ -80,13 +85,16 @@ def figure(chart: Chart) -> dict[str, Any]:
     return {
         "data": data,
         "layout": _layout(chart, chart.columns, 0),
-        "narrow": _layout(chart, 1, _narrow_panel(chart)),
+        "narrow": _layout(chart, 1, _narrow_panel(chart, opening)),
     }
 
 
-def _narrow_panel(chart: Chart) -> int:
+def _narrow_panel(chart: Chart, opening: bool) -> int:
     """Height in px of a panel of weight 1 on a narrow page: less where there are many."""
-    return max(NARROW_PANEL - _NARROW_STEP * max(len(chart.panels) - 2, 0), _MIN_NARROW)
+    height = NARROW_PANEL - _NARROW_STEP * max(len(chart.panels) - 2, 0)
+    if opening:
+        height = min(height, int(_OPENING / sum(row_weights(chart, 1))))
+    return max(height, _MIN_NARROW)
 
 
 def _height_of_rows(panel: Panel) -> int:
@@ -132,10 +140,12 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     parted = narrow and any(
         panel.title and len(panel.title + panel.y_label) > _MAX_LETTERS for panel in chart.panels
     )
-    above = (
-        _ABOVE + (16 if any(panel.bands for panel in chart.panels) else 0) + (16 if parted else 0)
+    panels = _bands_named_once(chart.panels) if shared else chart.panels
+    above, inner = (
+        _ABOVE + (16 if any(map(_has_named_bands, some)) else 0) + (16 if parted else 0)
+        for some in (panels, panels[1:])
     )
-    gap = above + (28 if shared else _BOTTOM)
+    gap = inner + _NAMELESS if shared else above + _BOTTOM
     if narrow and max(worded, default=0):
         own = chart.height - above - _BOTTOM
         rows_of_names = max(map(_height_of_rows, chart.panels))
@@ -153,12 +163,12 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
     }
     wide = (1 - (columns - 1) * _GAP_X / _MIN_WIDTH) / columns
     unit = (inside - (rows - 1) * gap) / sum(weights) / inside
-    for index, panel in enumerate(chart.panels):
+    for index, panel in enumerate(panels):
         row, column = divmod(index, columns)
         start, high = column * (wide + _GAP_X / _MIN_WIDTH), unit * weights[row]
         top = 1 - unit * sum(weights[:row]) - row * gap / inside
         x_domain, y_domain = [start, min(start + wide, 1.0)], [max(top - high, 0.0), min(top, 1.0)]
-        named = not shared or index == len(chart.panels) - 1
+        named = not shared or index == len(panels) - 1
         for heat in (layer for layer in panel.layers if isinstance(layer, HeatMap)):
             layout[f"coloraxis{index + 1 if index else ''}"] = _colour_axis(heat, narrow)
         _add_axes(
@@ -172,12 +182,25 @@ def _layout(chart: Chart, columns: int, panel_height: int) -> dict[str, Any]:
             shared and index > 0,
             parted,
         )
+        if not named:
+            layout[f"xaxis{index + 1 if index else ''}"]["showticklabels"] = False
     return layout
 
 
-def to_json(chart: Chart) -> str:
-    """The figure as JSON text that is safe in a script element."""
-    return in_script(json.dumps(figure(chart), separators=(",", ":"), allow_nan=False))
+def _bands_named_once(panels: tuple[Panel, ...]) -> tuple[Panel, ...]:
+    """Panels over one axis; those below the first do not name the bands that it names."""
+    first, *others = panels
+    bare = tuple(replace(band, label="") for band in first.bands)
+    return first, *(replace(one, bands=bare) if one.bands == first.bands else one for one in others)
+
+
+def _has_named_bands(panel: Panel) -> bool:
+    return any(band.label for band in panel.bands)
+
+
+def to_json(chart: Chart, opening: bool = False) -> str:
+    """The figure as JSON text that is safe in a script element; ``opening`` as in :func:`figure`."""
+    return in_script(json.dumps(figure(chart, opening), separators=(",", ":"), allow_nan=False))
 
 
 def in_script(text: str) -> str:
@@ -338,10 +361,10 @@ def _add_furniture(
             shapes.append(
                 across | thin_line | {"x0": rule.value, "x1": rule.value, "y0": 0, "y1": 1}
             )
-            left_of_it = near_right_end(panel, rule, narrow)
+            left_of_it = labelled_left(panel, rule, narrow)
             place: dict[str, Any] = across | {
                 "x": rule.value,
-                "y": LABEL_TOP - LABEL_LINE * level,
+                "y": LABEL_TOP - label_line(narrow) * level,
                 "xanchor": "right" if left_of_it else "left",
                 "yanchor": "top",
                 "xshift": -3 if left_of_it else 3,
@@ -380,7 +403,7 @@ def _add_furniture(
     }
     head = {
         "showarrow": False,
-        "yshift": 20 if panel.bands else 5,
+        "yshift": 20 if _has_named_bands(panel) else 5,
         "font": {"size": 12.5, "color": theme.MUTED},
         "align": "left",
     }
@@ -429,6 +452,7 @@ def _trace(layer: Layer) -> dict[str, Any]:
             "textposition": side,
         }
         text = text_options if any(layer.labels) else {"mode": "markers"}
+        text |= {} if layer.size else {"mode": "text"}
         caption = {"textfont": {"size": 11.5, "color": layer.colour}, "cliponaxis": False}
         return place | {"type": "scatter", "marker": marker, **_hover(layer)} | text | caption
     hover = f"%{{x:.1f}}, {plain(layer.y_tick_labels)} %{{y:.4g}}: %{{z:.4g}} {layer.unit}"

@@ -188,7 +188,7 @@ def rest_clauses(study: Study) -> list[str]:
     text = f"{whose}{joined(parts)} by {first.model}"
     if others:
         apart = share(max(map(abs, others)))
-        text += f", other models {apart if apart.startswith('less') else f'within {apart}'} off in that mode"
+        text += f", other models {apart if apart.startswith('less') else f'at most {apart}'} off in that mode"
     if modes:
         text += _less_than_torsion(study, modes[0])
     texts = [*pair_clause(study), f"{text}{_to_solid(study, first)}"]

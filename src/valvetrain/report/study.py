@@ -160,7 +160,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
         listed = f"{len(speeds)} from {' to '.join(ends)}"
     ended = sum(run.status.completed for run in study.solutions)
     word = (
-        "turns of a run-up"
+        "cam revolutions of the run-up"
         if study.command == "run-up"
         else "settled"
         if study.command in SWEEPS

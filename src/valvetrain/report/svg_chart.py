@@ -22,8 +22,8 @@ from valvetrain.report.chart import (
     Marks,
     Panel,
     label_heights,
+    labelled_left,
     legend_entries,
-    near_right_end,
     row_weights,
     rule_levels,
     rule_place,
@@ -275,7 +275,7 @@ def _rules(frame: _Frame) -> str:
         if rule.axis == "x":
             place = float(frame.x(rule.value))
             path = f"M{place:.1f} {frame.top:.1f}v{frame.high:.1f}"
-            left = near_right_end(frame.panel, rule)
+            left = labelled_left(frame.panel, rule)
             label = _text(
                 place + (-4 if left else 4),
                 frame.top + 13 + 15 * level,
@@ -316,7 +316,8 @@ def _marks(frame: _Frame, marks: Marks) -> str:
         ):
             continue
         across, down = float(frame.x(x)), float(frame.y(y))
-        parts.append(_symbol(across, down, marks))
+        if marks.size:
+            parts.append(_symbol(across, down, marks))
         if label:
             right, lower, anchor = _OFFSETS[theme.LABEL_SIDES.get(marks.symbol, "top")]
             parts.append(

@@ -60,7 +60,8 @@ def regime_chart(study: Study) -> Chart | None:
     if train:
         panels[0] = from_zero(panels[0])
     drawn = [panel for panel in panels if panel.layers]
-    title = "Least cam force and control over engine speed" if train else "Forces over engine speed"
+    title = f"Least cam force{' and control' if found else ''} over engine speed"
+    title = title if train else "Forces over engine speed"
     whose = f", those of {label}" if len(study.labels) > 1 and not several else ""
     caption = "A point per cam revolution." if study.command == "run-up" else ""
     caption += f" Dotted: the speeds of the verdict{whose}." if marks else ""

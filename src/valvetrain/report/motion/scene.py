@@ -124,13 +124,16 @@ class Limits:
     size: int = MAX_BYTES
 
 
-def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
+def moving_picture(
+    study: Study, limits: Limits = Limits(), worst: Solution | None = None
+) -> Moving | None:
     """The moving picture of a study, from its solutions and the parts of its case.
 
     Parameters
     ----------
     study : what ``simulate`` or ``compare`` gave; runs without channels are left out
     limits : largest number of runs and frames, and largest size
+    worst : run that is drawn whatever others know of their coils; None for no such run
 
     Returns
     -------
@@ -150,7 +153,7 @@ def moving_picture(study: Study, limits: Limits = Limits()) -> Moving | None:
     runs = [run for run in study.solutions if run.has("valve_lift") and len(run.time) > 2]
     if study.over_speed or not runs or not study.record.text:
         return None
-    ranked = sorted(runs, key=_worth, reverse=True)
+    ranked = sorted(runs, key=lambda run: (run is worst, *_worth(run)), reverse=True)
     chosen = [run for run in runs if any(run is one for one in ranked[: limits.variants])]
     try:
         _problem(study.record, (), ())

@@ -4,6 +4,8 @@ frequencies and modes.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 
 from valvetrain.report import theme
@@ -16,8 +18,14 @@ from valvetrain.solution.status import COMPLETED
 from valvetrain.solution.study import Study
 
 MAX_SHAPES, MAX_MODES = 4, 6
-#: Top of an axis over its highest curve, so that labels of rules stand above that.
-LABELLED = 1.25
+#: Top of an axis over its highest curve, so that labels of rules stand above that, and its end beyond the
+#: last rule, so that the label of that stands there.
+LABELLED, BEYOND = 1.25, 1.14
+#: Share by which a stiffness rises where coils close, and what is said of that.
+RISE = 0.02
+CLOSING = " The stiffness rises where coils come to lie on the ones below."
+#: Dash of a model -> how a caption gives it.
+DASHES = {"solid": "solid", "dash": "dashed", "dot": "dotted"}
 #: Share of the largest force below which a difference in force tells of rounding.
 LEAST_LOAD = 1e-3
 #: Cam orders that are named with a mode, and share of its frequency that a figure shows about it.
@@ -136,10 +144,11 @@ def springs_chart(study: Study, key: str) -> Chart | None:
     force, stiffness = list[Layer](), list[Layer]()
     for spring, model in sorted(curves, key=lambda one: (springs.index(one[0]), one[1])):
         lift, load, rate = curves[spring, model]
-        name = spring if len(models) < 2 else f"{spring}, {theme.model_label(model)}"
+        name = spring if model == models[0] else f"{spring}, {theme.model_label(model)}"
         colour = theme.SERIES[springs.index(spring) % len(theme.SERIES)]
-        dash = ("solid", "dash", "dot")[models.index(model) % 3]
-        force.append(Line(lift * 1e3, load, name, colour, dash=dash))
+        dash = list(DASHES)[models.index(model) % 3]
+        named = model == models[0]
+        force.append(Line(lift * 1e3, load, name, colour, dash=dash, in_legend=named))
         stiffness.append(Line(lift * 1e3, rate * 1e-3, name, colour, dash=dash, in_legend=False))
     lifts = [
         found["full lift"] - one.precompression
@@ -150,12 +159,33 @@ def springs_chart(study: Study, key: str) -> Chart | None:
     # the wall of a solid spring would flatten all else
     top = max(min(rate.max(), 4 * np.median(rate)) for _, _, rate in curves.values()) * 1e-3
     axis, heights = "valve lift (mm)", (0.0, LABELLED * float(top))
+    reach = 0.0, 1e3 * max(float(lift[-1]) for lift, _, _ in curves.values())
     panels = (
-        Panel(axis, "force (N)", tuple(force), "Force", rules=rules),
-        Panel(axis, "tangent stiffness (N/mm)", tuple(stiffness), "Stiffness", rules=rules, y_range=heights),
+        Panel(axis, "force (N)", tuple(force), "Force", rules=rules, x_range=reach),
+        Panel(axis, "tangent stiffness (N/mm)", tuple(stiffness), "Stiffness", rules=rules, x_range=reach, y_range=heights),
     )  # fmt: skip
-    caption = "Static force over the lift from the installed state. The stiffness rises where coils come to lie on the ones below."
+    caption = "Static force over the lift from the installed state."
+    caption += _closing(rate for _, _, rate in curves.values()) + dash_key(models)
     return Chart(key, "Static force of the springs", caption, panels, 2, 370)
+
+
+def _closing(stiffnesses: Iterable[np.ndarray]) -> str:
+    """What a caption says of coils that close; empty where no stiffness rises."""
+    rises = any(
+        float(rate.max()) > (1 + RISE) * float(rate[0]) for rate in stiffnesses if len(rate)
+    )
+    return CLOSING if rises else ""
+
+
+def dash_key(models: Sequence[str]) -> str:
+    """`` Solid: modal model, dashed: finite-element rod.``; empty for one model."""
+    if len(models) < 2:
+        return ""
+    looks = [DASHES[list(DASHES)[place % 3]] for place in range(len(models))]
+    texts = (
+        f"{look}: {theme.model_label(model)}" for look, model in zip(looks, models, strict=True)
+    )
+    return f" {', '.join(texts).capitalize()}."
 
 
 def _over_lift(one: SpringAtRest, curve: StaticCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -241,7 +271,7 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
     # Room at the right for the words next to the last mark.
     reach = (
         0.0,
-        1.08
+        BEYOND
         * max(
             [
                 *(float(curve.compression[-1]) * 1e3 for _, curve in known),
@@ -273,7 +303,8 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
                 x_range=reach,
             )
         )
-    caption = "Static compression from the free length. The stiffness rises where coils come to lie on the ones below."
+    caption = "Static compression from the free length."
+    caption += _closing(np.asarray(curve.stiffness, dtype=float) for _, curve in known)
     return Chart(
         key, title, caption, tuple(panels), 2, 350 * (-(-len(panels) // 2)) + 20, len(known) > 1
     )
@@ -319,11 +350,11 @@ def frequency_grid(members: list[SpringAtRest], whose: str = "") -> tuple[Block,
 
 
 def orders_chart(study: Study, key: str) -> Chart | None:
-    """First axial mode of every spring and the cam orders that meet it over engine speed, with the shapes
-    of the first spring that has any.
+    """First axial mode of every spring and the cam orders that meet it over engine speed, of one spring
+    alone with its shapes.
     """
     found = {
-        (one.spring, theme.model_label(one.model)): float(one.modes.axial_frequencies[0])
+        (one.spring, one.model): float(one.modes.axial_frequencies[0])
         for one in reversed(study.rest)
         if one.modes is not None and len(one.modes.axial_frequencies)
     }
@@ -335,18 +366,36 @@ def orders_chart(study: Study, key: str) -> Chart | None:
     first, last = 60 * 2 * low / MODE_ORDERS[1], 60 * 2 * high / MODE_ORDERS[0]
     ends = np.array([first - 0.06 * (last - first), last + 0.1 * (last - first)])
     layers: list[Layer] = []
+    above = (1 + ABOUT) * high
+    upper = [
+        order
+        for order in range(MODE_ORDERS[0], MODE_ORDERS[1] + 1)
+        if 120 * above / order < ends[1]
+    ]
     for order in range(MODE_ORDERS[0], MODE_ORDERS[1] + 1):
-        x = np.clip(120 * np.array([(1 - ABOUT) * low, (1 + ABOUT) * high]) / order, *ends)
+        x = np.clip(120 * np.array([(1 - ABOUT) * low, above]) / order, *ends)
+        at_end = "" if order in upper else f"{order}"
         layers.append(
-            Line(x, order * x / 120, f"order {order}", theme.MUTED, 1.0, "dot", False, f"{order}")
+            Line(x, order * x / 120, f"order {order}", theme.MUTED, 1.0, "dot", False, at_end)
         )
+    # numbers of the lines that end at the top stand above those
+    layers.append(
+        Marks(
+            120 * above / np.array(upper),
+            np.full(len(upper), above),
+            "",
+            theme.MUTED,
+            labels=tuple(map(str, upper)),
+            in_legend=False,
+            size=0,
+        )
+    )
     for (spring, model), value in found.items():
-        name = ", ".join(
-            [*([spring] if len(springs) > 1 else []), *([model] if len(models) > 1 else [])]
-        )
+        name = spring if model == models[0] else f"{spring}, {theme.model_label(model)}"
         colour = theme.SERIES[springs.index(spring) % len(theme.SERIES)]
-        dash = ("solid", "dash", "dot")[models.index(model) % 3]
-        layers.append(Line(ends, np.full(2, value), name or "first axial mode", colour, dash=dash))
+        dash = list(DASHES)[models.index(model) % 3]
+        named = model == models[0] and len(springs) > 1
+        layers.append(Line(ends, np.full(2, value), name, colour, dash=dash, in_legend=named))
         orders = np.arange(MODE_ORDERS[0], MODE_ORDERS[1] + 1)
         speeds = 120 * value / orders
         hints = tuple(
@@ -365,11 +414,12 @@ def orders_chart(study: Study, key: str) -> Chart | None:
             )
         )
     axes = "engine speed (rpm)", "frequency (Hz)"
-    heights = (1 - ABOUT) * low, (1 + 1.2 * ABOUT) * high
+    heights = (1 - ABOUT) * low, (1 + 1.4 * ABOUT) * high
     panels = [Panel(*axes, tuple(layers), "First axial mode and cam orders", x_range=(float(ends[0]), float(ends[1])), y_range=heights)]  # fmt: skip
-    shapes = (shapes_panel(one) for one in study.rest)
+    shapes = (shapes_panel(one) for one in study.rest if len(springs) == 1)
     panels += [one for one in shapes if one is not None][:1]
     caption = "Dotted: cam orders with their numbers; at a dot one meets the mode and excites surge most. Both ends of the spring are fixed."
+    caption += dash_key(models)
     return Chart(key, "Natural modes", caption, tuple(panels), len(panels), 370)
 
 
@@ -384,10 +434,10 @@ def shapes_panel(one: SpringAtRest) -> Panel | None:
         largest = shape[np.argmax(np.abs(shape))] if len(shape) else 0.0
         if largest:
             x, y = thin(np.asarray(result.coil_number), shape / largest)
-            lines.append(Line(x, y, f"axial mode {place}", colour))
+            lines.append(Line(x, y, f"mode {place}", colour))
     axes, title = (
         ("coil number (turns from the lower end)", "axial part, largest 1"),
-        f"Shapes, {theme.model_label(one.model)}",
+        f"Axial shapes, {theme.model_label(one.model)}",
     )
     return Panel(*axes, tuple(lines), title, y_range=(-1.15, 1.15)) if lines else None
 

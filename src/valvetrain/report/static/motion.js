@@ -12,7 +12,8 @@ const STYLE = `
 .vtm select option { color: #1b2430; background: #fff; }
 .vtm button:hover { background: var(--soft); }
 .vtm :focus-visible { outline: 2px solid #3f7fd6; outline-offset: 2px; }
-.vtm-play { min-width: 78px; font-weight: 600; }
+.vtm-group button { padding: 4px 6px; font-size: 13.5px; }
+.vtm .vtm-play { min-width: 60px; font-weight: 600; }
 .vtm-stage { display: grid; grid-template-columns: minmax(0, 1.15fr) minmax(0, 1fr); gap: 10px 20px; align-items: start; }
 .vtm-narrow .vtm-stage { grid-template-columns: minmax(0, 1fr); }
 .vtm-view { position: relative; border: 1px solid var(--line); border-radius: 6px; overflow: hidden; height: 460px; }
@@ -26,7 +27,7 @@ const STYLE = `
 .vtm-scale { margin: 6px 0 0; font-size: 12.5px; }
 .vtm-scale div { height: 12px; border-radius: 3px; }
 .vtm-scale p { display: flex; justify-content: space-between; gap: 12px; margin: 2px 0 0; max-width: none; font-variant-numeric: tabular-nums; }
-.vtm-scale strong { font-weight: 550; }
+.vtm-scale strong { font-weight: 550; } .vtm-scale span { white-space: nowrap; }
 .vtm-plot svg { display: block; width: 100%; overflow: visible; cursor: crosshair; touch-action: pan-y; }
 .vtm-plot text { fill: currentColor; font-size: 12px; }
 .vtm-key { display: flex; flex-wrap: wrap; gap: 2px 14px; margin: 0 0 2px; font-size: 12.5px; }
