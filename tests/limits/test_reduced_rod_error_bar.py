@@ -1,4 +1,4 @@
-"""The error bar of a reduced rod is its difference from the rod under the motion that the run found
+"""The error bar of a reduced rod holds its difference from the rod under the motion that the run found
 (limit between models; property: it names the rod where it is too far off).
 """
 
@@ -28,7 +28,7 @@ def test_the_bar_holds_what_the_rod_has(study):
 
 def test_a_run_too_far_off_names_the_rod(study, monkeypatch):
     said = " ".join(study.error_bars.sentences)
-    assert "beside its rod" in said and "take finite-element" not in said
+    assert "difference from its rod" in said and "take finite-element" not in said
     monkeypatch.setattr(against_rod, "TOO_FAR", 1e-9)
     again = vt.simulate("job-c", "3000 rpm", spring_models=["reduced-rod"])
     assert "take finite-element there" in " ".join(again.error_bars.sentences)

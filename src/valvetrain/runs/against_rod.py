@@ -17,11 +17,12 @@ from valvetrain.cam.contract import LiftLaw
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run as integrate
 from valvetrain.integrate.train_channels import position_name
+from valvetrain.quantities.clash import clash_events, clash_numbers
 from valvetrain.quantities.signal import fine_series, low_pass
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.result import Solution
-from valvetrain.solution.uncertainty import TOO_HARD, Uncertainty
+from valvetrain.solution.uncertainty import TOO_HARD
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.system.contract import System
@@ -94,23 +95,32 @@ def difference_from_rods(
     """Reduced rods and their rods, both driven by ``law`` at a cam speed (rad/s); None where a run
     failed.
     """
-    found = _forces(reduced, law, cam_speed)
-    expected = _forces([spring.rod for spring in reduced], law, cam_speed)
+    found = _last_revolution(reduced, law, cam_speed)
+    expected = _last_revolution([spring.rod for spring in reduced], law, cam_speed)
     if found is None or expected is None:
         return None
-    own, rods = found["below_20_khz"], expected["below_20_khz"]
-    differences = {
-        f"{kind}_{end}_force": pick(found[channel]) - pick(expected[channel])
-        for end, channel in (("spring", "seat_force"), ("retainer", "retainer_force"))
-        for kind, pick in (("peak", np.max), ("minimum", np.min))
-    }
-    differences["below_20_khz_peak_spring_force"] = np.max(own) - np.max(rods)
+    own, rods = (low_pass(one.time, one.seat_force, CUTOFF) for one in (found, expected))
+    numbers, others = (
+        {
+            f"{kind}_{end}_force": float(pick(force))
+            for end, force in (("spring", one.seat_force), ("retainer", one.retainer_force))
+            for kind, pick in (("peak", np.max), ("minimum", np.min))
+        }
+        | {
+            f"below_{cutoff:g}_khz_peak_spring_force": float(
+                np.max(low_pass(one.time, one.seat_force, 1e3 * cutoff))
+            )
+            for cutoff in (10, 20)
+        }
+        | one.clashes
+        for one in (found, expected)
+    )
     installed = sum(spring.rod.installed.seat_force for spring in reduced)
     return RodDifference(
         float(np.sqrt(np.mean((own - rods) ** 2) / np.mean(rods**2))),
         float(abs(np.max(own) / np.max(rods) - 1)),
         float(abs(np.min(own) - np.min(rods)) / max(installed, 1e-12)),
-        {name: float(value) for name, value in differences.items()},
+        {name: value - others[name] for name, value in numbers.items() if name in others},
     )
 
 
@@ -128,70 +138,74 @@ def _motion(system: System, solution: Solution) -> LiftLaw:
     return _Recorded(CubicHermiteSpline(np.append(angle, angle[0] + 2 * np.pi), *around))
 
 
-def _forces(
+class _LastRevolution(NamedTuple):
+    """End forces (N) of all springs at even times (s) of a last revolution, and numbers of their clashes."""
+
+    time: Array
+    seat_force: Array
+    retainer_force: Array
+    clashes: dict[str, float]
+
+
+def _last_revolution(
     springs: Sequence[SpringModel], law: LiftLaw, cam_speed: float
-) -> dict[str, Array] | None:
-    """End forces of all springs over the last revolution at even times, and the seat force below
-    20 kHz; None of a run that failed.
-    """
+) -> _LastRevolution | None:
+    """The last revolution of springs that are driven side by side; None of a run that failed."""
     grid = np.arange(0.0, 2 * np.pi / cam_speed, 2e-6)
-    total = {name: np.zeros(len(grid)) for name in ("seat_force", "retainer_force")}
+    forces, clashes = np.zeros((2, len(grid))), []
     for spring in springs:
         alone = PrescribedSpring((spring,), law)
         one = integrate(alone, cam_speed, Cycles(REVOLUTIONS), RunOptions(keep="ends"))
         if not one.status.completed:
             return None
-        for name in total:
+        for total, name in zip(forces, ("seat_force", "retainer_force"), strict=True):
             time, _, values = fine_series(one, name)
-            total[name] += np.interp(grid, time - time[0], values)
-    return total | {"below_20_khz": low_pass(grid, total["seat_force"], CUTOFF)}
+            total += np.interp(grid, time - time[0], values)
+        begun = float(one.cam_angle[-1]) - 2 * np.pi
+        late = tuple(event for event in clash_events(one) if event.cam_angle >= begun)
+        clashes.append(clash_numbers(one, late))
+    names = {name for found in clashes for name in found}
+    joined = {
+        name: (sum if name == "clash_energy" else max)(found.get(name, 0.0) for found in clashes)
+        for name in names
+    }
+    return _LastRevolution(grid, forces[0], forces[1], joined)
 
 
-def rod_bars(
+def differences_from_rods(
     problem: Problem,
     members: Sequence[Member],
     solutions: Sequence[Solution],
-    names: Sequence[str],
     rest: Rest,
     workers: int,
-) -> tuple[tuple[Uncertainty, ...], tuple[str, ...]]:
-    """Rows of ``names`` of the runs of ``members``, reduced rods, beside their rods, and sentences
-    on them.
+) -> tuple[Mapping[tuple[str, float], Mapping[str, float]], tuple[str, ...]]:
+    """Differences (SI) of the numbers of ``members``, reduced rods, from their rods by label and engine
+    speed (rad/s) of their runs, and sentences on them.
     """
     ready = {member.label: prepare(problem, member, rest, "") for member in members}
     runs = [
         run for run in solutions if run.label in ready and run.status.completed and run.quantities
     ]
     if not runs:
-        return (), ()
+        return {}, ()
     found = map_points(
         _rod_difference, (ready, runs), range(len(runs)), workers, lost=lambda _: None
     )
-    rows, far, measured = [], [], []
-    for run, one in zip(runs, found, strict=True):
-        if one is None:
-            continue
-        measured.append(one.rms)
-        if one.too_far:
-            far.append(f"{run.engine_speed * 30 / math.pi:.6g} rpm ({one.too_far})")
-        for name in set(names) & set(one.differences) & set(run.quantities):
-            value, bar = run.quantities[name], abs(one.differences[name])
-            bar += run.quantities.get(f"cycle_scatter_{name}", 0.0)
-            same = (value, value)
-            rows.append(
-                Uncertainty(
-                    name, run.engine_speed, value, bar, None, value, 0.0, same, same, run.label
-                )
-            )
-    if not measured:
-        return (), ()
+    known = [(run, one) for run, one in zip(runs, found, strict=True) if one is not None]
+    if not known:
+        return {}, ()
     said = [
-        f"± of {REDUCED}: beside its rod under the motion found; the seat force differs by up to "
-        f"{100 * max(measured):.2g} % (rms below 20 kHz)."
+        f"± of {REDUCED}: with the difference from its rod under the motion found; the seat force differs by up to "
+        f"{100 * max(one.rms for _, one in known):.2g} % (rms below 20 kHz)."
+    ]
+    far = [
+        f"{run.engine_speed * 30 / math.pi:.6g} rpm ({one.too_far})"
+        for run, one in known
+        if one.too_far
     ]
     if far:
         said.append(f"{TOO_HARD} for {REDUCED} at {', '.join(far)}: take finite-element there.")
-    return tuple(rows), tuple(said)
+    return {(run.label, run.engine_speed): one.differences for run, one in known}, tuple(said)
 
 
 def _rod_difference(

@@ -1,5 +1,5 @@
 """Error bars of the runs of any case: each run twice more, its springs and its step divided more
-finely and more coarsely; springs reduced from their rods beside those rods.
+finely and more coarsely; springs reduced from their rods beside those rods too.
 """
 
 from __future__ import annotations
@@ -126,15 +126,15 @@ def own_error_bars(
     rest = at_rest.value.springs
     undivided: list[str] = []
     reduced = [member for member in problem.members if member.model.word == REDUCED]
-    differing: tuple[Uncertainty, ...] = ()
+    from_rods: Mapping[tuple[str, float], Mapping[str, float]] = {}
     far: tuple[str, ...] = ()
     if reduced:
-        from valvetrain.runs.against_rod import rod_bars  # loads the rod, which few runs need
+        from valvetrain.runs.against_rod import (
+            differences_from_rods,
+        )  # loads the rod, which few runs need
 
-        differing, far = rod_bars(problem, reduced, solutions, NAMES, rest, workers)
+        from_rods, far = differences_from_rods(problem, reduced, solutions, rest, workers)
     for member in problem.members:
-        if member in reduced:
-            continue
         found = _further(problem, member, rest)
         if not found:
             undivided.append(member.model.word)
@@ -161,14 +161,18 @@ def own_error_bars(
     for point, found_again in zip(points, again, strict=True):
         way = further[point.label][point.place]
         numbers.setdefault((point.label, point.engine_speed), []).append((way, found_again))
-    rows = tuple(row for run in runs for row in _rows(run, numbers[run.label, run.engine_speed]))
+    rows = tuple(
+        row
+        for run in runs
+        for key in [(run.label, run.engine_speed)]
+        for row in _rows(run, numbers[key], from_rods.get(key, {}))
+    )
     barred = {(row.label, row.engine_speed) for row in rows}
     without = [
         f"{run.label} at {run.engine_speed * 30 / math.pi:.6g} rpm"
         for run in solutions
         if run.label in further and (run.label, run.engine_speed) not in barred
     ]
-    rows += differing
     ways = [way for several in further.values() for way in several]
     return ErrorBars(rows, (*_sentences(rows, ways, undivided, without), *far))
 
@@ -192,12 +196,14 @@ def _point(problem: Problem, run: Solution, place: int, way: _Further) -> _Point
 
 def _further(problem: Problem, member: Member, rest: Rest) -> list[_Further]:
     """A member with its springs divided otherwise, prepared; empty where nothing divides them."""
-    rod = member.model.word == ROD
+    rod = member.model.word in (ROD, REDUCED)
     parts = min(_parts(member, member.springs), default=FEW)
     if rod:
+        # the shapes of a reduced rod change with its division: no order is seen
+        order = ROD_ORDER if member.model.word == ROD else OTHER_ORDER
+        ways = [_way(problem, member, rest, (1 / RATIO, RATIO), None, order)]
         # a rod is not compared from cycle to cycle: one revolution less shows what it still remembers
-        ways = [_way(problem, member, rest, (1 / RATIO, RATIO), None, ROD_ORDER)]
-        ways += [_way(problem, member, rest, (1 / NEAR_RATIO,), None, ROD_ORDER, sooner=True)]
+        ways += [_way(problem, member, rest, (1 / NEAR_RATIO,), None, order, sooner=True)]
     elif member.model.word == SOLID:  # one coarser mesh: a finer one takes longer than the run
         ways = [_way(problem, member, rest, (1 / RATIO,), None, ROD_ORDER)]
     elif member.model.word in BY_STEP:
@@ -289,9 +295,13 @@ def _run_again(
 
 
 def _rows(
-    run: Solution, further: Sequence[tuple[_Further, Mapping[str, float]]]
+    run: Solution,
+    further: Sequence[tuple[_Further, Mapping[str, float]]],
+    from_rods: Mapping[str, float],
 ) -> Iterable[Uncertainty]:
-    """Rows of a run beside its further ones; none where these had no further parts to take."""
+    """Rows of a run beside its further ones, with the differences ``from_rods`` that are known;
+    none where these had no further parts to take.
+    """
     known = [
         (way, numbers)
         for way, numbers in further
@@ -314,6 +324,7 @@ def _rows(
         safety = DOUBTFUL if doubtful else SAFETY
         bar = max(_bar(value, again, way, min(way.order, order), safety) for way, again in pairs)
         bar += run.quantities.get(f"cycle_scatter_{SAME_SCATTER.get(name, name)}", 0.0)
+        bar += abs(from_rods.get(name, 0.0))
         if name == "loss_of_contact_duration":
             bar += marginal_duration(run.events)
         if name in ONE_CLASH:

@@ -44,7 +44,7 @@ class Uncertainty:
 
 
 #: How the sentence of error bars begins on reduced rods that their rods contradict.
-TOO_HARD = "Coils clash too hard"
+TOO_HARD = "Coils clash or swing too hard"
 
 
 class ErrorBars(NamedTuple):

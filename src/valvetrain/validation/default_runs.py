@@ -33,12 +33,14 @@ from valvetrain.system.problem import Member, Problem
 RPM = math.pi / 30
 #: Raw forces of one impact of coils, which no division resolves and whose contact no source states: their bars alone tell of them.
 IMPACT_FORCES = ("peak_clash_force", "surge_clash_peak_force")
-#: Models that are compared: chain, surge modes, rod of the wave equation and, of a wire, the rod.
-MODELS = ("multi-mass", "modal-uniform", "wave-rod", "finite-element")
+#: Models of a wire, that of a card being made up; models that are compared: chain, surge modes, rod of the
+#: wave equation and, of a wire, reduced rod and rod.
+OF_WIRES = ("reduced-rod", "finite-element")
+MODELS = ("multi-mass", "modal-uniform", "wave-rod", *OF_WIRES)
 #: Division of the finest run over that of the case (a chain of a card has at least CHAIN elements), and
 #: its step over the default one; the grid of the wave equation follows its step, the step of the rod its elements.
-FINER = {"multi-mass": 2.0, "modal-uniform": 2.0, "wave-rod": 1.0, "finite-element": 1.5}
-STEPS = {"multi-mass": 0.5, "modal-uniform": 0.5, "wave-rod": 0.25}
+FINER = {"multi-mass": 2.0, "modal-uniform": 2.0, "wave-rod": 1.0, **dict.fromkeys(OF_WIRES, 1.5)}
+STEPS = {"multi-mass": 0.5, "modal-uniform": 0.5, "wave-rod": 0.25, "reduced-rod": 0.5}
 CHAIN = 60
 #: Share of a number, and of the preload for a force, up to which the default is converged; so are
 #: lengths (m) and cam angles (rad) that differ by less than these.
@@ -142,8 +144,8 @@ def compare(subject: Subject, models: Sequence[str] = MODELS) -> Iterator[Compar
     case, sets = subject.case(), (subject.spring_set,) if subject.spring_set else ()
     springs = case.springs if case.train is None else case.train.spring_parts(*sets)
     for model in models:
-        if model == "finite-element" and any(spring.wire is None for spring in springs):
-            continue  # the wire of a card is made up
+        if model in OF_WIRES and any(spring.wire is None for spring in springs):
+            continue
         problem = build(case, spring_models=(model,), spring_set=sets)
         speeds = [rpm * RPM for rpm in subject.engine_speeds]
         study = run_problem(problem, speeds, workers=1, error_bars=True)

@@ -86,7 +86,9 @@ def reduced_rod_at_rest() -> list[Row]:
     """Force and six frequencies over lift, between the tables as well, of the beehive and of springs in
     no library.
     """
-    lifts = {CASE: (_beehive()[1], (0.0, 2.1e-3, 5.3e-3, 9.0e-3))}
+    lifts: dict[str, tuple[ReducedRod, tuple[float, ...]]] = {
+        CASE: (_beehive()[1], (0.0, 2.1e-3, 5.3e-3, 9.0e-3))
+    }
     for name, (*_, largest, _speed) in OTHER_SPRINGS.items():
         shares = (0.0, 0.33, 0.5, 0.71, 1.0)
         lifts[name] = (other_spring(name), tuple(share * largest for share in shares))
