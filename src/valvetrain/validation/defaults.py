@@ -104,11 +104,11 @@ def summary() -> str:
 
 
 #: Text above the table.
-SUMMARY = """*Computed* is what a run prints with no option, *expected* the same spring model divided more finely (chain twice and, of a card, at least 60
-elements; modes twice; rod and reduced rod 1.5 times) at half the step (the wave rod, whose grid follows its step, a quarter), or the exact damped
-wave equation. {numbers} headline numbers of {runs} runs of {labels} cases at three engine speeds, the last just below float: {converged} within 1 %
-(forces: or 0.5 % of the preload; lengths: or 0.5 um; cam angles: within 0.5 degrees), {inside} more inside the bar printed with them, {missed}
-beyond both{which}. Each run has the row of its number nearest to its limit, and a row for each number beyond. All numbers:
+SUMMARY = """*Computed* is what a run prints with no option, *expected* the same spring model divided more finely (chain twice and, of a card, at
+least 60 elements; modes twice; rod and reduced rod 1.5 times) at half the step (the wave rod, whose grid follows its step, a quarter), or the exact
+damped wave equation. {numbers} headline numbers of {runs} runs of {labels} cases at three engine speeds, the last just below float: {converged}
+within 1 % (forces: or 0.5 % of the preload; lengths: or 0.5 um; cam angles: within 0.5 degrees), {inside} more inside the bar printed with them,
+{missed} beyond both{which}. Each run has the row of its number nearest to its limit, and a row for each number beyond. All numbers:
 [validation-defaults.csv](data/validation-defaults.csv).
 
 """
