@@ -483,9 +483,9 @@ def test_a_stress_that_is_capped_at_solid_says_so():
 
 def test_a_sentence_opens_with_the_doubt_of_a_model_that_does_not_hold():
     """Contract: a note said that coils clash too hard for the model, behind firm numbers."""
-    said = ("± of reduced-rod: ...", "Coils clash or swing too hard for reduced-rod at 6000 rpm (peak 2.1 %): take finite-element there.")  # fmt: skip
+    said = ("± of reduced-rod: ...", "Coils clash or swing too hard for reduced-rod at 6000 rpm (peak 2 %): take finite-element there.")  # fmt: skip
     study = replace(train({}), error_bars=ErrorBars((), said))
-    begins = "Doubtful: coils clash or swing too hard for reduced-rod at 6000 rpm (peak 2.1 %), take finite-element there; one bounce"
+    begins = "Doubtful: coils clash or swing too hard for reduced-rod at 6000 rpm (peak 2 %), take finite-element there; one bounce"
     assert study.verdict.startswith(begins)
     assert train({}).verdict.startswith("One bounce")
 

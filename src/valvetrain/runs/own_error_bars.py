@@ -46,6 +46,9 @@ SAFETY = 2.0
 #: Order assumed of a rod, whose refinement shows it, and of chains and modes, of which few parts are far
 #: from the limit, as is what clashing coils of a rod make: they meet node by node.
 ROD_ORDER, OTHER_ORDER = 2.0, 1.0
+#: That of a reduced rod, whose shapes change with its division: its numbers show none (as far from those of 1.5
+#: times fewer elements as from those of 1.5 times more, at the median), so the difference itself is taken.
+NO_ORDER = 0.0
 OF_CLASHES = ("clash", "peak_spring", "peak_retainer", "below_", "peak_shear")
 #: Numbers that the largest clash gives, by the detail of its event.
 ONE_CLASH = {"largest_clash_impulse": "impulse", "largest_clash_energy": "energy"}
@@ -199,8 +202,7 @@ def _further(problem: Problem, member: Member, rest: Rest) -> list[_Further]:
     rod = member.model.word in (ROD, REDUCED)
     parts = min(_parts(member, member.springs), default=FEW)
     if rod:
-        # the shapes of a reduced rod change with its division: no order is seen
-        order = ROD_ORDER if member.model.word == ROD else OTHER_ORDER
+        order = ROD_ORDER if member.model.word == ROD else NO_ORDER
         ways = [_way(problem, member, rest, (1 / RATIO, RATIO), None, order)]
         # a rod is not compared from cycle to cycle: one revolution less shows what it still remembers
         ways += [_way(problem, member, rest, (1 / NEAR_RATIO,), None, order, sooner=True)]
@@ -359,6 +361,8 @@ def _may_leave_the_cam(
 
 def _bar(value: float, again: float, way: _Further, order: float, safety: float) -> float:
     """Bar of ``value`` by one further run, finer or coarser."""
+    if order == NO_ORDER:
+        return DOUBTFUL * abs(value - again)
     if way.ratio > 1:
         return two_grids(value, again, way.ratio, order, safety).uncertainty
     return two_grids(again, value, 1 / way.ratio, order, safety).finest_index

@@ -169,7 +169,7 @@ def _ends(name: str, found: Sequence[RodDifference | None]) -> list[Row]:
         for end in ("peak", "minimum")
     )
     named = [one.too_far for one in found if one is not None and one.too_far]
-    said = f"coils clash too hard: the run says so ({', '.join(named)}) and names the rod"
+    said = f"too hard a clash: the run says so ({', '.join(named)}) and names the rod"
     of = f"{name}: seat force below 20 kHz, largest difference of the"
     return [
         _of_rod(f"{of} peak", PER_COIL, peak, PEAK_TOO_FAR, "of the peak", said if named else ""),
