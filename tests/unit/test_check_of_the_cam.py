@@ -254,6 +254,7 @@ def test_check_prints_the_loads_of_a_wire_and_both_lifts(tmp_path):
     assert "lbf with the valve closed" in check_text(path, "--units", "imperial")
     path.write_text(template_text("direct", cards=True), encoding="utf-8")
     text = check_text(path)
+    assert "masses, forces and power are per valve" in text
     assert "the lobe lifts 9.2 mm, the valve 9 mm (less the lash of 0.2 mm)" in text
     assert "560 N at the full lift of 9 mm" in text  # as its card says
     path.write_text(template_text("pushrod"), encoding="utf-8")

@@ -60,7 +60,9 @@ def test_error_bars_of_the_headline_numbers(small):
     assert {line[0] for line in told[1:]} >= {
         name for name, _ in rows
     } and "engine speed [rpm]" in " ".join(told[0])
-    assert "Numbers with error bars" in (small / "out" / "report.html").read_text(encoding="utf-8")
+    assert "How exact the numbers are" in (small / "out" / "report.html").read_text(
+        encoding="utf-8"
+    )
 
 
 def numbers(elements_per_coil: int) -> dict[str, float]:

@@ -319,7 +319,9 @@ def test_a_large_request_says_what_it_will_take_and_a_bound_can_be_raised(small,
     monkeypatch.setattr(run, "answer_study", lambda *_, **__: None)
     words = ("run", "small.toml", "--set", "operation.cycles=3000")
     result = call(*words, "--limit", "1 d, 1 TB")
-    assert result.exit_code == 0 and re.match(r"this will take about .* and .*\n", result.stderr)
+    assert result.exit_code == 0 and re.match(
+        r"this will take about .* on an idle machine with its error bars and .*\n", result.stderr
+    )
     assert call(*words, "--limit", "1 d, 1 TB", "--quiet").stderr == ""
 
 

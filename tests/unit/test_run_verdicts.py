@@ -221,14 +221,14 @@ def test_two_spring_sets_are_listed_with_power_stress_and_clash(tmp_path):
     soft = replace(one, provenance=replace(one.provenance, label="soft, multi-mass", spring_set="soft"))  # fmt: skip
     study = Study(CaseRecord("own"), solutions=(soft, stiff))
     assert key_figures(study) == (
-        ("cam power", "39.3 W (soft), 44.1 W (stiff)"),
+        ("cam power per valve", "39.3 W (soft), 44.1 W (stiff)"),
         ("shear stress", "420 to 1035 MPa, uncorrected 880 of 1100 MPa permitted (soft)"),
         ("clash energy", "none (soft), 153 mJ (stiff)"),
         ("clearance to coil bind at full lift", "2.2 mm"),
     )
     out = io.StringIO()
     show_study(Console(file=out, width=100), study, tmp_path, None)
-    assert out.getvalue().splitlines()[-4] == "cam power 39.3 W (soft), 44.1 W (stiff)"
+    assert out.getvalue().splitlines()[-4] == "cam power per valve 39.3 W (soft), 44.1 W (stiff)"
     assert study.verdict.endswith("; cam power 39.3 W (soft), 44.1 W (stiff), 4.8 W more.")
 
 
@@ -413,7 +413,7 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     assert "clear of coil bind by 2.2 mm at full lift (at rest)," in clashes.verdict.lower()
     expected = (
         ("valve open, crank deg", "225.9 at 0.050 in, 234.1 at 1 mm"),
-        ("cam power", "9.81 W"),
+        ("cam power per valve", "9.81 W"),
         ("stable time step", "1.68 µs"),
         ("begins at rest, at a preload of", "303 N"),
     )
@@ -424,12 +424,12 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     both = key_figures(train(numbers, numbers | {"mean_cam_power": 12.0}))
     assert [name for name, _ in both][:2] == [
         "valve open, crank deg at 7000 rpm",
-        "cam power",
+        "cam power per valve",
     ]
     apart = key_figures(train(numbers | {"mean_cam_power": 12.0}, numbers))
-    assert apart[1] == ("cam power at 6000 rpm", "12 W")
+    assert apart[1] == ("cam power per valve at 6000 rpm", "12 W")
     flies = dict(key_figures(train(numbers | {"minimum_cam_contact_force": 0.0})))
-    assert flies["cam power"] == "9.81 W, beyond control: with impacts"
+    assert flies["cam power per valve"] == "9.81 W, beyond control: with impacts"
     swept = dict(key_figures(sweep_study()))
     assert (
         set(swept) >= {"surge of one cam order, 0 to peak"}

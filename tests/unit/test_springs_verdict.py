@@ -234,9 +234,9 @@ def test_the_power_of_a_sweep_is_that_of_its_controlled_speeds():
         run("a", 6500, mean_cam_power=31.0, minimum_cam_contact_force=8.0),
         run("a", 7000, mean_cam_power=900.0, minimum_cam_contact_force=0.0),
     )
-    assert dict(key_figures(Study(CaseRecord("own"), "sweep", runs)))["cam power"] == "31 W at 6500 rpm"  # fmt: skip
+    assert dict(key_figures(Study(CaseRecord("own"), "sweep", runs)))["cam power per valve"] == "31 W at 6500 rpm"  # fmt: skip
     flying = dict(key_figures(Study(CaseRecord("own"), "sweep", runs[2:])))
-    assert flying["cam power"] == "900 W, beyond control: with impacts"
+    assert flying["cam power per valve"] == "900 W, beyond control: with impacts"
 
 
 def test_a_cause_at_the_critical_speed_goes_before_those_of_swept_speeds():

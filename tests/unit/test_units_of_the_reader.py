@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 
 import numpy as np
@@ -9,11 +10,14 @@ import pint
 import pytest
 from typer.testing import CliRunner
 
+import valvetrain as vt
 from valvetrain.cli.main import app
 from valvetrain.errors import InputError
 from valvetrain.parameters.templates import template_text
 from valvetrain.report.chart import Chart, HeatMap, Line, Panel, Rule
 from valvetrain.report.clauses import amount_text, quantity_text
+from valvetrain.report.motion.project import motion_data
+from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.reader_charts import chart_for_reader
 from valvetrain.report.text import amount
 from valvetrain.solution.definition import definition_of, shown, tables
@@ -186,3 +190,41 @@ def test_check_in_imperial_and_by_the_environment(tmp_path, monkeypatch):
     assert as_json["verdict"].endswith("2.16 mm are left to coil bind.")
     wrong = CliRunner().invoke(app, ["check", str(path), "--units", "stones"])
     assert wrong.exit_code == 2
+
+
+def test_refusals_are_read_in_the_units_requested_and_quote_the_input_as_it_is(tmp_path):
+    """Contract: a refusal said mm to a reader of inches; what the file says stays as written."""
+    path = tmp_path / "v8.toml"
+    tube = 'length = "7.63 in"\nouter_diameter = "9.5 mm"\nwall_thickness = "6 mm"\nlower_end'
+    path.write_text(template_text("pushrod").replace("lower_end", tube, 1), encoding="utf-8")
+    said = {
+        units: " ".join(
+            CliRunner().invoke(app, ["check", str(path), "--units", units]).stderr.split()
+        )
+        for units in ("si", "imperial")
+    }
+    assert "a wall of 6 mm does not fit into an outer diameter of 9.5 mm" in said["si"]
+    assert "a wall of 0.2362 in does not fit into an outer diameter of 0.374 in" in said["imperial"]
+    path.write_text(template_text("pushrod").replace('"60 kN/mm"', '"60 mm"'), encoding="utf-8")
+    assert "60 mm" in CliRunner().invoke(app, ["check", str(path), "--units", "imperial"]).stderr
+
+
+def test_the_player_shows_pounds_and_inches():
+    """Contract: forces, lift and colours of the motion stayed SI on a page in inches and pounds."""
+    study = vt.simulate("job-c", "4000 rpm", spring_models=["finite-element"], workers=1)
+    (plain,) = motion_data(moving_picture(study))["variants"]
+    request_units("imperial")
+    with for_reader():
+        (read,) = motion_data(moving_picture(study))["variants"]
+    request_units("si")
+    assert read["units"] == {"lift": "in", "force": "lbf"} and plain["units"]["force"] == "N"
+
+    def force(one):
+        return np.frombuffer(base64.b64decode(one["forces"][0]["values"]), "<f4")
+
+    assert force(read) * 4.4482216 == pytest.approx(force(plain), rel=1e-5)
+    colours = [
+        {one["key"]: one for one in found["springs"][0]["colours"]} for found in (plain, read)
+    ]
+    assert colours[1]["stress"]["unit"] == "ksi"
+    assert colours[1]["stress"]["high"] * 6.894757 == pytest.approx(colours[0]["stress"]["high"])

@@ -57,6 +57,7 @@ def case_facts(
                 f"{train.kind}, {train.model} model, {train.model_of()} springs, lash {amount(train.lash * 1e3, 'mm')}",
             )
         )
+        facts.append(("", "one valve and its cam: masses, forces and power are per valve"))
         facts.append(
             (
                 "contacts",

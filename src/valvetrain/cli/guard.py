@@ -202,9 +202,19 @@ def _say(sentence: str, code: int, where: str = "") -> int:
     """Print an error on standard error, and under ``--json`` as an object on standard output."""
     message = " ".join(sentence.split())
     placed = where and not message.startswith(where)
-    complain(f"error: {where}: {message}" if placed else f"error: {message}")
+    read = _in_units_of_reader(message)
+    complain(f"error: {where}: {read}" if placed else f"error: {read}")
     _as_json(message, where, code)
     return code
+
+
+def _in_units_of_reader(message: str) -> str:
+    """A refusal with its numbers in the units requested, but what is quoted from the input as it is."""
+    from valvetrain.units.reader import for_reader, reader_text
+
+    parts = re.split(r"('[^']*')", message)
+    with for_reader():
+        return "".join(one if one.startswith("'") else reader_text(one) for one in parts)
 
 
 def _as_json(message: str, where: str, code: int) -> None:

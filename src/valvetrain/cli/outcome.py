@@ -280,12 +280,18 @@ def quantity_rows(values: Mapping[str, float]) -> list[tuple[str, str, str]]:
 WORTH_SAYING = 20.0
 
 
-def say_cost(cost: Cost, limits: Limits, fewer: str) -> None:
+def say_cost(cost: Cost, limits: Limits, fewer: str, repeated: float = 1.0) -> None:
     """Print the estimated cost of a long request; raise :class:`InputError` with the numbers, and
-    the advice to request ``fewer``, for one beyond ``limits``.
-    """
-    from valvetrain.runs.cost import refuse_cost
+    the advice to request ``fewer``, for one beyond ``limits``, which hold for its own runs.
 
-    estimate = refuse_cost(cost, limits, fewer=fewer)
-    if cost.seconds > WORTH_SAYING:
-        tell(f"this will take {estimate}")
+    ``repeated``: time with the finer runs of its error bars over that of its own.
+    """
+    from valvetrain.runs.cost import duration_text, memory_text, refuse_cost
+
+    refuse_cost(cost, limits, fewer=fewer)
+    seconds = cost.seconds * repeated
+    if seconds > WORTH_SAYING:
+        bars = " with its error bars" if repeated > 1 else ""
+        tell(
+            f"this will take about {duration_text(seconds)} on an idle machine{bars} and {memory_text(cost.bytes)}"
+        )

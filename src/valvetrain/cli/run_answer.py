@@ -488,13 +488,15 @@ def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = Fa
     critical speeds are searched as well.
     """
     from valvetrain.runs.cost import FEWER, refuse_cost
+    from valvetrain.runs.measured_cost import REPEATED
     from valvetrain.runs.request_cost import request_cost
 
     cost = request_cost(request, whole, searches)
     if searches and request.case.train is not None:
         refuse_cost(cost, request.limits, fewer=FEWER)  # say_sweep_time gives the time, measured
     else:
-        say_cost(cost, request.limits, FEWER)
+        solid = "solid" in request.spring_models  # whose coarser mesh is in its cost
+        say_cost(cost, request.limits, FEWER, REPEATED if whole and not solid else 1.0)
 
 
 def say_sweep_time(request: StudyRequest) -> None:
@@ -518,5 +520,5 @@ def say_sweep_time(request: StudyRequest) -> None:
         )
     if seconds is not None and seconds > WORTH_SAYING:
         tell(
-            f"this will take about {duration_text(seconds)}, by a run at the middle and at the highest speed"
+            f"this will take about {duration_text(seconds)} on an idle machine, by a run at the middle and at the highest speed"
         )

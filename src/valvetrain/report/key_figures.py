@@ -38,7 +38,7 @@ OF_RUNS = {
     CAM_FORCE: ("largest cam force", False),
 }
 EACH = OF_RUNS | {
-    POWER: ("cam power", False),
+    POWER: ("cam power per valve", False),
     "nominal_peak_shear_stress": ("shear stress", False),
     "surge_amplitude_force": ("surge of one cam order, 0 to peak", False),
     "clash_energy": ("clash energy", False),
@@ -224,7 +224,7 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
     if open_for:
         also = _also_open(runs, worst) if runs.labels == 1 else ""
         yield "valve open, crank deg", worst, ", ".join(open_for) + also
-    for name, (label, smallest) in {**OF_RUNS, POWER: ("cam power", False)}.items():
+    for name, (label, smallest) in {**OF_RUNS, POWER: ("cam power per valve", False)}.items():
         if (one := runs.worst(name, smallest)) is not None:
             yield label, one.run or worst, f"{runs.text(one)}{_impacts(runs, one)}"
     floats = runs.value(worst, "rigid_contact_loss_engine_speed")

@@ -11,7 +11,6 @@ from valvetrain.coil_contact.record import MAX_BYTES as RECORD_BYTES
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.registry import names as registered_names
 from valvetrain.runs.cost import Cost, estimate
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import default_models
@@ -111,8 +110,10 @@ def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledS
     :func:`valvetrain.system.build.build` chooses them.
     """
     case, models = request.case, request.spring_models
-    if request.command == "compare":
-        models = models or registered_names("springs")
+    if request.command == "compare" and not models:
+        from valvetrain.runs.compare import SPRING_MODELS, TRAIN_MODELS  # as for _compared_cost
+
+        models = SPRING_MODELS if case.train is None else TRAIN_MODELS
     if case.train is None:
         return [(models or default_models(case.springs), case.springs)]
     train, sets = case.train, case.train.springs
@@ -265,10 +266,12 @@ def _compared_cost(request: Request) -> Cost:
     if request.command != "compare" or request.case.train is not None:
         return Cost()
     # This imports the finite-element spring, which a sweep of a train never needs.
-    from valvetrain.runs.compare import FINE_STEPS
+    from valvetrain.runs.compare import FINE_STEPS, STEPS
 
     return _sum(
-        solid_statics_cost(spring) if model == SOLID else spring_cost(spring, model, FINE_STEPS)
+        solid_statics_cost(spring)
+        if model == SOLID
+        else spring_cost(spring, model, FINE_STEPS if SOLID in models else STEPS)
         for models, springs in planned(request)
         for spring in springs
         for model in models

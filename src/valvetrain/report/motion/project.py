@@ -29,6 +29,7 @@ from valvetrain.report.motion.parts import (
 )
 from valvetrain.report.plotly_chart import in_script
 from valvetrain.report.text import rpm
+from valvetrain.units.reader import reader_factor, reader_text, reader_unit
 
 MM = 1e3
 #: Colour of each part, readable on light and on dark paper.
@@ -59,10 +60,11 @@ def _variant(one: Variant) -> dict[str, Any]:
         "words": one.title,
         "rpm": rpm(one.engine_speed),
         "closed": one.closed,
-        "notes": list(one.notes),
+        "notes": [reader_text(note) for note in one.notes],
+        "units": {"lift": reader_unit("mm"), "force": reader_unit("N")},
         "start": round(float(np.degrees(one.cam_angle[still_frame(one)])), 4),
         "angle": single(np.degrees(one.cam_angle)),
-        "lift": single(MM * one.valve_lift),
+        "lift": single(MM * reader_factor("mm") * one.valve_lift),  # which is printed alone
         "springs": [_spring(spring) for spring in one.springs],
         "bodies": [_body(body) for body in one.bodies],
         "forces": [_series(series) for series in one.forces],
@@ -70,7 +72,7 @@ def _variant(one: Variant) -> dict[str, Any]:
             {
                 "angle": round(float(np.degrees(mark.cam_angle)), 3),
                 "kind": mark.kind,
-                "words": mark.label,
+                "words": reader_text(mark.label),
             }
             for mark in one.marks
         ],
@@ -97,12 +99,13 @@ def _spring(spring: SpringDrawing) -> dict[str, Any]:
 
 def _colouring(one: Colouring) -> dict[str, Any]:
     share = np.clip((one.values - one.low) / (one.high - one.low), 0.0, 1.0)
+    factor, unit = reader_factor(one.unit), reader_unit(one.unit)
     return {
         "key": one.key,
-        "words": one.label,
-        "unit": one.unit,
-        "low": one.low,
-        "high": one.high,
+        "words": reader_text(one.label),
+        "unit": unit,
+        "low": one.low * factor,
+        "high": one.high * factor,
         "stops": list(one.stops),
         "d": _text(np.round(share * 255).astype("u1")),
     }
@@ -129,7 +132,7 @@ def _body(body: Body) -> dict[str, Any]:
 
 
 def _series(series: Series) -> dict[str, Any]:
-    x, y = thin(np.degrees(series.cam_angle), series.values)
+    x, y = thin(np.degrees(series.cam_angle), series.values * reader_factor("N"))
     return {"words": series.label, "colour": series.colour, "angle": single(x), "values": single(y)}
 
 

@@ -67,7 +67,7 @@ def colourings_of(
         found.append(
             _rising(
                 "contact",
-                "contact force per mm of wire",
+                "contact force per length of wire",
                 "N/mm",
                 _on_nodes(force, upper, coil, 0.0, np.maximum),
             )

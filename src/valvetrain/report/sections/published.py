@@ -254,7 +254,7 @@ def uncertainty_blocks(study: Study) -> tuple[Block, ...]:
     )
 
 
-UNCERTAINTY_SPEC = SectionSpec("uncertainty", "Numbers with error bars", uncertainty_blocks)
+UNCERTAINTY_SPEC = SectionSpec("uncertainty", "How exact the numbers are", uncertainty_blocks)
 
 
 #: Share of a value that its numerical uncertainty may be for it to count as firm.
@@ -403,7 +403,7 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
     )
     facts = (("case", case.name), *meshes)
     footer = "Angles are cam degrees. Engine speed is crank speed."
-    section = Section("uncertainty", "Numbers with error bars", blocks)
+    section = Section("uncertainty", "How exact the numbers are", blocks)
     chart = error_bar_chart(study.rows)
     return Page(
         f"{case.title or case.name}: uncertainty",

@@ -93,7 +93,7 @@ function number(value) {
 
 // Unpacks a variant once; a page with several unpacks those that are looked at.
 function unpack(packed) {
-  const one = { packed: packed, closed: packed.closed, rpm: packed.rpm, words: packed.words };
+  const one = { packed: packed, closed: packed.closed, rpm: packed.rpm, words: packed.words, units: packed.units };
   one.angle = numbers(packed.angle, Float32Array);
   one.lift = numbers(packed.lift, Float32Array);
   one.forces = packed.forces.map(function (force) {
@@ -404,7 +404,7 @@ function makePlot(box, seek) {
   function draw() {
     if (!shown || !width) { return; }
     box.replaceChildren();
-    drawing = svg("svg", { height: known.height, viewBox: "0 0 " + width + " " + known.height, role: "img", "aria-label": "Forces over the cam angle in newtons, with the moment shown" });
+    drawing = svg("svg", { height: known.height, viewBox: "0 0 " + width + " " + known.height, role: "img", "aria-label": "Forces over the cam angle in " + shown.units.force + ", with the moment shown" });
     const step = niceStep(high - low, 5);
     for (let value = Math.ceil(low / step) * step; value <= high + 1e-9; value += step) {
       drawing.append(svg("line", { x1: known.left, x2: width - known.right, y1: y(value), y2: y(value), stroke: "currentColor", "stroke-opacity": Math.abs(value) < 1e-9 ? 0.5 : 0.15 }));
@@ -420,7 +420,7 @@ function makePlot(box, seek) {
     const below = svg("text", { x: (known.left + width) / 2, y: known.height - 4, "text-anchor": "middle" });
     below.textContent = "cam angle";
     const beside = svg("text", { x: 12, y: known.height / 2 - 10, "text-anchor": "middle", transform: "rotate(-90 12 " + (known.height / 2 - 10) + ")" });
-    beside.textContent = "force (N)";
+    beside.textContent = "force (" + shown.units.force + ")";
     drawing.append(below, beside);
     shown.marks.forEach(function (mark) {
       if (mark.kind === "clash") { drawing.append(svg("line", { x1: x(mark.angle), x2: x(mark.angle), y1: known.height - known.bottom, y2: known.height - known.bottom - 7, stroke: "#c2410c", "stroke-width": 2 })); }
@@ -608,8 +608,8 @@ function mount(element, data) {
 
   function say() {
     const turn = 120000 / one.rpm, place = between(one, state.angle);
-    const parts = ["cam angle " + state.angle.toFixed(1) + "°", "time " + (turn * state.angle / 360).toFixed(2) + " ms", "valve lift " + at(one.lift, place).toFixed(3).replace("-", "\u2212") + " mm"];
-    one.forces.forEach(function (force) { parts.push(force.words + " " + number(plot.value(force, state.angle)) + " N"); });
+    const parts = ["cam angle " + state.angle.toFixed(1) + "°", "time " + (turn * state.angle / 360).toFixed(2) + " ms", "valve lift " + at(one.lift, place).toFixed(3).replace("-", "\u2212") + " " + one.units.lift];
+    one.forces.forEach(function (force) { parts.push(force.words + " " + number(plot.value(force, state.angle)) + " " + one.units.force); });
     now.textContent = parts.join(" · ") + " · 1/" + state.slow + " of real time: a cam turn in " + number(turn * state.slow / 1000) + " s";
     slider.value = String(state.angle);
     slider.setAttribute("aria-valuetext", state.angle.toFixed(1) + " degrees");
