@@ -36,7 +36,7 @@ from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
-from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 from valvetrain.springs.spec import spring_model
 
 DEGREES = np.arange(720) / 2
@@ -420,6 +420,57 @@ def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():
     np.testing.assert_allclose(allowed.x[:2], [1 - 20 / 790, 1 + 20 / 790])
     assert [name for name, _ in blocks[1].choices] == ["role", "engine speed", "given by"]
     assert dict(blocks[1].choices)["engine speed"] == ("at rest", "5600 rpm")
+
+
+def test_heights_of_solid_and_rod_stand_beside_the_source():
+    """Contract: the table holds a height of the source, the solid, the rod and the modal model, and how
+    far the rod is from the solid; the sentences say within what, and by what a larger difference is
+    covered."""
+    study = published_study()
+    rod = next(one for one in study.runs("finite-element") if one.engine_speed == SPEED)
+
+    def lowered(share: float):
+        forces = [name for name in rod.channels if str(name).startswith("seat_force")]
+        channels = rod.channels.assign({name: rod.channels[name] * share for name in forces})
+        numbers = {name: value * share for name, value in rod.quantities.items()}
+        numbers |= {
+            "stage_2_peak_force": 500.0 * share,
+            "below_10_khz_peak_spring_force": 500.0 * share,
+        }
+        who = replace(rod.provenance, model="solid", label="solid")
+        return replace(rod, channels=channels, quantities=numbers, provenance=who)
+
+    source = find("sections", "gu2021")
+    assert not any(isinstance(block, Grid) for block in source.blocks(study))
+    for share, verdict in (
+        (0.995, "0.5 % apart, within 1 %"),
+        (0.95, "5.3 % apart, more than 1 %"),
+    ):
+        with_solid = replace(study, solutions=(*study.solutions, lowered(share)))
+        shown = source.blocks(with_solid)
+        grid = next(block for block in shown if isinstance(block, Grid))
+        rows = {row[0][1].text: [cell.text for cell in row[0][2:]] for row in grid.rows}
+        band = rows["peak of Stage II below 10 kHz"]
+        assert band[0] == "–" and band[-1] == f"+{100 / share - 100:.1f} %"
+        said = " ".join(block.html for block in shown if isinstance(block, Text))
+        assert f"peak of Stage II below 10 kHz {verdict}" in said
+        assert ("decisions/0120" in said) == ("more than" in verdict)
+    nothing = (0.0, 0.0)
+    bar = Uncertainty(
+        "below_10_khz_peak_spring_force",
+        SPEED,
+        475.0,
+        40.0,
+        None,
+        475.0,
+        0.0,
+        nothing,
+        nothing,
+        "solid",
+    )
+    covered = replace(with_solid, error_bars=ErrorBars((bar,)))
+    said = " ".join(block.html for block in source.blocks(covered) if isinstance(block, Text))
+    assert "more than 1 % but inside the error bars (40 N)" in said
 
 
 def test_figures_of_a_source_are_drawn_for_its_case_only():
