@@ -176,6 +176,39 @@ def job_reduced(repeats: int) -> dict[str, Any]:
     return _job_of_model(model, repeats) | {"tables": made}
 
 
+def job_beehive(repeats: int) -> dict[str, Any]:
+    """Two revolutions of the beehive at 4200, 5600 and 8000 rpm by the reduced rod and by its rod in turn, channels read
+    later as in a run: median CPU times and median ratio of the pairs.
+    """
+    from valvetrain.integrate.contract import Cycles, RunOptions
+    from valvetrain.integrate.run import run
+    from valvetrain.springs.reduced_rod import ReducedRod
+    from valvetrain.system.build import build
+    from valvetrain.system.prescribed import PrescribedSpring
+
+    system = build("gu2021-beehive-blind", spring_models=("reduced-rod",)).members[0].system()
+    assert isinstance(system, PrescribedSpring)
+    (reduced,) = system.springs
+    assert isinstance(reduced, ReducedRod)
+    models: tuple[Any, ...] = (reduced.rod, reduced)
+    for model in models:  # compiles, and makes the tables
+        run(PrescribedSpring((model,), system.valve_lift), 4200 * np.pi / 60, Cycles(2))
+    found: dict[str, Any] = {"cpus": [], "ratios": []}
+    for rpm in (4200.0, 5600.0, 8000.0):
+        pairs = []
+        for _ in range(repeats):
+            taken = []
+            for model in models:
+                alone = PrescribedSpring((model,), system.valve_lift)
+                begun = time.process_time()
+                run(alone, rpm * np.pi / 60, Cycles(2), RunOptions(later=True))
+                taken.append(time.process_time() - begun)
+            pairs.append(taken)
+        found["cpus"].append([statistics.median(side) for side in zip(*pairs, strict=True)])
+        found["ratios"].append(statistics.median(rod / own for rod, own in pairs))
+    return found
+
+
 def _job_of_model(model: Any, repeats: int) -> dict[str, Any]:
     """Time and trace of a spring model driven by the motion of C."""
     from numba import njit
@@ -225,6 +258,7 @@ def main(options: dict[str, Any]) -> None:
             "M": lambda: job_modes(24, repeats),
             "chain": lambda: job_chain(repeats),
             "reduced": lambda: job_reduced(repeats),
+            "beehive": lambda: job_beehive(repeats),
         }[job]()
     result["memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print("RESULT " + json.dumps(result))

@@ -43,7 +43,7 @@ def measure(interpreter: str, quick: bool = False) -> list[Row]:
         rows += mine
         if not quick:
             rows += _peer_rows(interpreter, job, damping, reference, mine)
-    return rows + small_jobs() + batch() + growth()
+    return rows + small_jobs() + beehive() + batch() + growth()
 
 
 def _transient_row(job: str, per_coil: int, damping: str, reference: Array) -> Row:
@@ -160,6 +160,23 @@ def small_jobs() -> list[Row]:
             )
         )
     return rows
+
+
+def beehive() -> list[Row]:
+    """The beehive by the reduced rod beside its rod, a row a speed."""
+    found = own({"job": "beehive", "repeats": 7})
+    return [
+        Row(
+            f"beehive at {rpm} rpm",
+            "valvetrain",
+            "reduced rod, two revolutions, channels read later",
+            cpu=cpu,
+            note=f"its rod in turn with it {rod:.3g} s, {ratio:.1f} times as much (target 8)",
+        )
+        for rpm, (rod, cpu), ratio in zip(
+            (4200, 5600, 8000), found["cpus"], found["ratios"], strict=True
+        )
+    ]
 
 
 def batch(variants: int = 256, workers: int = 2) -> list[Row]:

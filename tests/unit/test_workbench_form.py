@@ -19,6 +19,8 @@ from valvetrain.parameters.loading import LIBRARY, parse_case
 from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.units import parse_quantity, si_speeds, to_unit
 from valvetrain.workbench.form import Field, check, fields, read_change
+from valvetrain.workbench.live import LiveResult
+from valvetrain.workbench.pages.elements import live_lines
 from valvetrain.workbench.pages.forms import engine_speed, sliding
 from workbench_parts import SMALL
 
@@ -98,6 +100,20 @@ def test_values_of_the_beehive_as_its_file_has_them():
     assert form["spring.hand"].choices == ("right", "left")
     assert form["spring.options.multi-mass.masses_per_coil"].limits == (1.0, 2000.0)
     assert form["operation.cycles"].default_text == ""
+
+
+def test_options_of_the_reduced_rod_are_shown_of_wires_alone():
+    """Contract: it is the default of wires in trains, and no card has one."""
+    shown = {
+        key for key in flat((TEMPLATES / "pushrod.toml").read_text("utf-8")) if "reduced" in key
+    }
+    assert shown == {"train.springs.wire.0.options.reduced-rod.elements_per_coil"}
+
+
+def test_a_live_curve_says_by_which_model_the_case_is_drawn():
+    """Contract: under a slider a wire in a train runs by the chain, its runs by the reduced rod."""
+    curve = LiveResult((0.0, 1.0), (2.0, 3.0), (0.0, 0.0), model="multi-mass")
+    assert [line.name for line in live_lines(curve, None, None)] == ["the case, multi-mass chain"]
 
 
 def test_a_value_keeps_the_unit_it_is_written_in():

@@ -18,6 +18,7 @@ from valvetrain.integrate.contract import STEP_FRACTION
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.quantities.train_events import marginal_duration
 from valvetrain.runs.own_error_bars import NAMES, SAME_SCATTER
 from valvetrain.runs.prepared import Plan, integrate_from, prepare, provenance_of, with_quantities
 from valvetrain.runs.refine_trains import divided
@@ -103,7 +104,8 @@ SUBJECTS = (
 @dataclass(frozen=True, slots=True)
 class Compared:
     """One number (SI): the ``default`` with its printed ``bar`` (scatter of both runs included), the
-    ``finest``, and ``near``, what counts as nothing.
+    ``finest``, and ``near``, what counts as nothing. ``marginal``: of a time without contact, the gaps of the
+    finest that are so small that they are there or not.
     """
 
     subject: Subject
@@ -115,6 +117,7 @@ class Compared:
     finest: float
     near: float
     repeats: bool = True
+    marginal: float = 0.0
 
     @property
     def converged(self) -> float:
@@ -222,7 +225,10 @@ def _numbers(
         else:
             near = next((one for end, one in NEAR.items() if name.endswith(end)), 0.0)
         bar = max(bars.get(name, 0.0), own) + other
-        yield Compared(subject, model, default.engine_speed, name, value, bar, best, near, repeats)
+        marginal = marginal_duration(finest.events) if name == "loss_of_contact_duration" else 0.0
+        yield Compared(
+            subject, model, default.engine_speed, name, value, bar, best, near, repeats, marginal
+        )
 
 
 #: A card whose damping is of mass alone, and with a share of stiffness, under a lift with three continuous derivatives.

@@ -35,9 +35,9 @@ from valvetrain.workbench.edits import refuse_foreign_files
 from valvetrain.workbench.form_fields import FieldOf, field_of, text_of
 
 FieldKind = Literal["number", "text", "choice", "flag", "curve"]
-#: Spring models whose options a form shows even where the file gives none: the fast one and the
-#: rod.
-_DEFAULT_OPTIONS = ("multi-mass", "finite-element")
+#: Spring models whose options a form shows even where the file gives none: the fast one, the rod and, of
+#: a wire, the one reduced from it.
+_DEFAULT_OPTIONS, _OF_A_WIRE = ("multi-mass", "finite-element"), ("reduced-rod",)
 #: Tables of a case that a form leaves to its text.
 _LEFT = ("published", "points", "name", "sources", "remarks", "study")
 #: Angles of a cam card, in the degrees that its ``angle_of`` names.
@@ -276,9 +276,8 @@ class _Form:
             yield self.group(f"{key}.guide", f"{title}: guide", GuideModel, raw["guide"])
         given = raw.get("options")
         options: Mapping[str, Any] = given if isinstance(given, dict) else {}
-        for word in dict.fromkeys(
-            (*(word for word in options if word in registry.names("springs")), *_DEFAULT_OPTIONS)
-        ):
+        own = (word for word in options if word in registry.names("springs"))
+        for word in dict.fromkeys((*own, *_DEFAULT_OPTIONS, *(() if by_card else _OF_A_WIRE))):
             table = options_table(word)
             useless = table.wire_only if by_card else table.card_only
             name = _TITLES.get(word, word.replace("-", " "))

@@ -21,7 +21,7 @@ def live_lines(
     base: LiveResult, moved: LiveResult | None, rod: LiveResult | None, label: str = ""
 ) -> list[Line]:
     """Lines of the figure; ``words``: where the quantity was moved to."""
-    lines = [_line(base, "the case", theme.MUTED, "dash")]
+    lines = [_line(base, f"the case, {theme.model_label(base.model)}", theme.MUTED, "dash")]
     if moved is not None and moved.angle_deg:
         lines.append(
             _line(
