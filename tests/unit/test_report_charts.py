@@ -299,6 +299,15 @@ def test_panels_over_one_axis_name_its_ticks_and_bands_once():
     assert drawn["narrow"]["height"] < 400 < figure(Chart("x", "t", "c", panels))["narrow"]["height"]  # fmt: skip
 
 
+def test_four_panels_over_one_axis_end_on_the_first_screen():
+    """Contract: lift to jerk of a measured lobe, whose axis alone names its ticks."""
+    line = Line(np.array([0.0, 360.0]), np.arange(2.0), "a", "#000000")
+    panels = tuple(Panel("cam angle", f"y{n}", (line,), x_range=(0, 360)) for n in range(4))
+    chart = Chart("key", "t", "c", panels)
+    assert figure(chart, opening=True)["narrow"]["height"] < 570
+    assert figure(chart)["narrow"]["height"] > 700
+
+
 def test_a_mark_without_size_is_its_text_alone():
     """Contract: numbers of orders stood beside rings."""
     text = Marks(np.array([5.0]), np.array([1.0]), "", "#000000", labels=("12",), size=0)

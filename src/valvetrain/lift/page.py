@@ -118,7 +118,7 @@ def figure_grid(figures: Sequence[LiftFigure]) -> Grid:
 
 
 def derivatives_chart(one: LobeResult) -> Chart:
-    """Lift, velocity, acceleration and jerk above each other, each with its band; the stations on
+    """Lift, velocity, acceleration and jerk in two columns, each with its band; the stations on
     the lift.
     """
     lift, colour = one.smoothed, theme.SERIES[0]
@@ -175,8 +175,8 @@ def derivatives_chart(one: LobeResult) -> Chart:
         "Lift, velocity, acceleration and jerk",
         caption,
         tuple(panels),
-        1,
-        830,
+        2,
+        560,
     )
 
 

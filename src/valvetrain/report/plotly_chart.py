@@ -55,8 +55,9 @@ _MAX_LETTERS = 40
 #: further one takes off, and the least.
 NARROW_PANEL, _NARROW_STEP, _MIN_NARROW = 220, 20, 150
 #: Height in px of all panels together of the figure that opens a narrow page, as far as none is lower
-#: than the least, and what lies between two of them that share an axis, whose ticks the last one names.
-_OPENING, _NAMELESS = 250, 10
+#: than the least, and that of each of more than three; what lies between two of them that share an axis, whose
+#: ticks the last one names.
+_OPENING, _ONE_OF_MANY, _NAMELESS = 250, 95, 10
 #: Height in px of a row on a narrow page, whose label stands this far above its marks; and share of
 #: its height on a wide page that a figure has at most for that.
 NARROW_ROW, _ABOVE_MARKS, _MORE_HEIGHT = 32, 11, 1.4
@@ -92,6 +93,8 @@ def figure(chart: Chart, opening: bool = False) -> dict[str, Any]:
 def _narrow_panel(chart: Chart, opening: bool) -> int:
     """Height in px of a panel of weight 1 on a narrow page: less where there are many."""
     height = NARROW_PANEL - _NARROW_STEP * max(len(chart.panels) - 2, 0)
+    if opening and len(chart.panels) > 3 and shares_axis(chart, 1):
+        return _ONE_OF_MANY
     if opening:
         height = min(height, int(_OPENING / sum(row_weights(chart, 1))))
     return max(height, _MIN_NARROW)
