@@ -74,7 +74,7 @@ HEIGHTS = {
 CONTACT = (
     "What is between rod and solid is the contact of coils and the solid's mesh: without that contact both are within 0.6 % in Stage II, "
     "clamped ends change nothing where no free wire touches a seat, and on finer bricks (36 slices, two rings) Stage II at 8000 rpm "
-    "below 10 kHz is 0.9 % apart for 3.3 %, but the spike 7 %: docs/decisions/0120-solid-beside-rod-calibrated.md."
+    "below 10 kHz is 0.9 % apart for 3.4 %, but the spike 7 %: docs/decisions/0120-solid-beside-rod-calibrated.md."
 )
 #: Force (N) above 10 kHz, as a share of the peak, from which the peak of Stage II is that of a clash.
 CLASH_SHARE = 0.02
