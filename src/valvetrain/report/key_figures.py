@@ -224,7 +224,8 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
     if open_for:
         also = _also_open(runs, worst) if runs.labels == 1 else ""
         yield "valve open, crank deg", worst, ", ".join(open_for) + also
-    for name, (label, smallest) in {**OF_RUNS, POWER: ("cam power per valve", False)}.items():
+    more = OF_RUNS if runs.labels <= MAX_LABELS else {}  # of many the answer stays short
+    for name, (label, smallest) in {**more, POWER: ("cam power per valve", False)}.items():
         if (one := runs.worst(name, smallest)) is not None:
             yield label, one.run or worst, f"{runs.text(one)}{_impacts(runs, one)}"
     floats = runs.value(worst, "rigid_contact_loss_engine_speed")
