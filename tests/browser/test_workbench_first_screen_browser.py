@@ -171,6 +171,7 @@ def test_the_sentence_of_a_run_stands_below_the_button_and_in_every_list(bench, 
     assert "coil bind" in newest.inner_text()
     assert newest.bounding_box()["y"] < 800
     assert newest.bounding_box()["y"] > page.locator("#run-button").bounding_box()["y"]
+    page.locator(".results[data-shown]").wait_for(state="attached", timeout=30_000)
     run = page.get_attribute(".results", "data-shown").removeprefix("/part/")
     page.goto(f"{bench.url}/runs")
     assert "coil bind" in page.locator("table.runs td").last.inner_text()
