@@ -57,7 +57,7 @@ def test_a_card_gives_surge_seating_bind_and_valve_events(engine):
 
 
 def test_it_holds_the_cam_below_the_speed_of_rigid_theory_and_floats_above(engine):
-    """Float speed, rigid parts against the mass of this train at the nose by hand; the runs
+    """Contact-loss speed, rigid parts against the mass of this train at the nose by hand; the runs
     on both sides of it.
     """
     law = vt.cam.build_lift_law(engine.lift_law)

@@ -15,6 +15,8 @@ from valvetrain.quantities.forces import bind_clearances
 from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE
 from valvetrain.report.clauses import MAX_LEAD, parted
 from valvetrain.report.control import control_of, controlled_to
+from valvetrain.report.headlines import headline_rows
+from valvetrain.report.key_figures import key_figures
 from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.runs.critical_search import Search, SpeedSample
 from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed
@@ -70,7 +72,7 @@ def test_a_short_range_of_lost_contact_is_named_and_does_not_end_control():
     found = lost("contact-loss", 5218, 5258, bracket(6100, 8000), **SURGE)
     study = sweep(found, lost("float", 6917), runs=runs)
     assert study.verdict.startswith(
-        "Controlled to 6100 rpm, where contact is lost at the cam because inertia exceeds the spring force, apart from "
+        "Controlled to 6100 rpm, where contact is lost at the cam because inertia exceeds the spring force at 6250 rpm, apart from "
         "5218 to 5258 rpm, where contact is lost at the cam because surge lowers the spring force by 54.6 N there (order 6); "
         "floats from 6917 rpm; contact opens at 180 cam deg (run at 6250 rpm)."
     )
@@ -100,6 +102,36 @@ def test_what_is_wide_or_floats_or_bounces_or_comes_often_ends_control(rows):
     study = sweep(*rows)
     assert controlled_to(study, LABEL) == pytest.approx(begin) and not control_of(study, LABEL).islands  # fmt: skip
     assert study.verdict.startswith(f"Controlled to {begin / RPM:.0f} rpm, ")
+
+
+def test_a_short_range_below_two_motions_ends_control():
+    """Contract: "controlled to 7300 rpm apart from 6200" stood above a loss that falling speed regains at 6190 alone."""
+    ways = Crossing(bracket(6195, 6200), bracket(7290, 7300), bracket(6190, 6200))
+    found = replace(lost("contact-loss", 6200, 6210, bracket(7300, 8000)), begins=ways)
+    said = sweep(found).verdict
+    assert said.startswith(
+        "Controlled to 6200 rpm, where contact is lost at the cam, until 6210 and again from 7300 rpm; from 6190 to 7300 rpm both "
+        "motions exist: rising speed keeps control, falling speed does not regain it"
+    )
+    narrow = replace(found, begins=replace(ways, rising=bracket(6210, 6220)))
+    assert sweep(narrow).verdict.startswith("Controlled to 7300 rpm,") and "both motions" not in sweep(narrow).verdict  # fmt: skip
+
+
+def test_extremes_are_those_of_the_speeds_in_use_and_then_those_beyond():
+    """Contract: the surge and the largest stress were those of 8000 rpm, where nobody runs the engine."""
+    runs = tuple(
+        run(speed, surge_amplitude_force=surge, nominal_peak_shear_stress=surge * 1e7)
+        for speed, surge in ((4000, 40.0), (6000, 50.0), (8000, 90.0))
+    )
+    study = sweep(lost("contact-loss", 7000), runs=runs)
+    assert "Worst surge amplitude 50 N at 6000 rpm, beyond control 90 N at 8000 rpm" in study.verdict  # fmt: skip
+    told = dict(key_figures(study))
+    assert told["shear stress"] == "500 MPa at 6000 rpm (beyond control 900 MPa at 8000 rpm)"
+    row = next(one for one in headline_rows(study) if one.name == "surge_amplitude_force")
+    assert row.values == (50.0,) and row.beyond is not None
+    assert (row.beyond.label, row.beyond.values) == ("beyond control", (90.0,))
+    line = replace(study, record=replace(study.record, red_line=6500 * RPM))
+    assert dict(key_figures(line))["shear stress"] == "500 MPa at 6000 rpm (beyond the red line 900 MPa at 8000 rpm)"  # fmt: skip
 
 
 def test_one_speed_is_printed_once():

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import pytest
 
@@ -124,6 +125,27 @@ def test_a_run_without_numbers_counts_as_lost() -> None:
     )
     failed = sample_of(Solution(empty_channels()), CriticalOptions())
     assert all(failed.lost(kind) for kind in failed.margins)
+
+
+def test_a_run_that_ended_early_does_not_end_a_range_of_bounces() -> None:
+    """Contract: a valve "bounces from 8246 to 8424 and again from 8635" where the run between ended by coil bind."""
+
+    def run_at(engine_speed: float, orbit: object) -> SpeedSample:
+        ended = 8000 < engine_speed < 8200 or 8420 < engine_speed < 8635
+        lost = not ended and engine_speed > 8246
+        unknown = frozenset({KIND} if ended else ())
+        return SpeedSample({KIND: 0.0 if lost else 300.0}, {KIND: "seat"}, "motion", unknown=unknown)  # fmt: skip
+
+    speeds = grid(50, 7500)
+    found = Search(run_at, {one: run_at(one, None) for one in speeds}, LIMITS, RESOLUTION)
+    row = critical_speed(found, KIND, "own", 7500, 9000, CriticalOptions(resolution=RESOLUTION))
+    assert row.engine_speed == pytest.approx(8250, abs=RESOLUTION)
+    assert row.ends is None and not row.again
+    numbers = {
+        "quantities": {"float_excess_lift": 0.0},
+        "statistics": {"least_cam_contact_force": 9.0},
+    }
+    assert sample_of(replace(Solution(empty_channels()), **numbers), CriticalOptions()).unknown == {"bounce"}  # fmt: skip
 
 
 def test_rising_and_falling_speed_show_a_hysteresis() -> None:

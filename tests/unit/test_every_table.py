@@ -132,26 +132,33 @@ def test_answers_of_a_train_stand_under_its_sets():
             four(run.quantities[name] * factor) for run in (stock, race)
         ), words
     assert (
-        shown["Float speed, rigid parts (rpm)"] == (four(700 * 30 / np.pi),) * 2
+        shown["Contact-loss speed, rigid parts (rpm)"] == (four(700 * 30 / np.pi),) * 2
     )  # of the study, not of a run
 
 
 def test_a_sweep_answers_with_the_worst_of_each_label_and_its_speed():
     card = card_of(sweep_study())
     assert card.headers == ("stock", "<race & co>")
-    assert dict(card.lines) == {
-        "Spring force and coil bind": (),
-        "Peak spring force (N)": ("820 at 8000 rpm", "864 at 8000 rpm"),
-        "Minimum spring force (N)": ("181 at 8000 rpm", "181 at 8000 rpm"),
-        "Surge": (),
-        "Surge frequency (Hz)": ("560", "672"),
-        "Surge amplitude, 0 to peak (N)": ("64.99 at 7455 rpm", "64.8 at 4727 rpm"),
-        "Coil clash": (),
-        "Clash energy (mJ)": ("11 at 8000 rpm", "13.2 at 8000 rpm"),
-        "Seating and contact": (),
-        "Seating velocity (m/s)": ("0.42 at 8000 rpm",) * 2,
-        "Lift lost (mm)": ("0.11 at 8000 rpm",) * 2,
-    }  # the speeds where control is lost stand in their own table
+    beyond = "\u2003beyond 6217 rpm"
+    assert card.lines == (
+        ("Spring force and coil bind", ()),
+        ("Peak spring force (N)", ("740 at 5818 rpm", "768 at 5818 rpm")),
+        (beyond, ("820 at 8000 rpm", "864 at 8000 rpm")),
+        ("Minimum spring force (N)", ("217 at 5818 rpm",) * 2),
+        (beyond, ("181 at 8000 rpm", "181 at 8000 rpm")),
+        ("Surge", ()),
+        ("Surge frequency (Hz)", ("560", "672")),
+        ("Surge amplitude, 0 to peak (N)", ("64.71 at 4182 rpm", "64.8 at 4727 rpm")),
+        (beyond, ("64.99 at 7455 rpm", "–")),
+        ("Coil clash", ()),
+        ("Clash energy (mJ)", ("7 at 5818 rpm", "8.4 at 5818 rpm")),
+        (beyond, ("11 at 8000 rpm", "13.2 at 8000 rpm")),
+        ("Seating and contact", ()),
+        ("Seating velocity (m/s)", ("0.34 at 5818 rpm",) * 2),
+        (beyond, ("0.42 at 8000 rpm",) * 2),
+        ("Lift lost (mm)", ("0.07 at 5818 rpm",) * 2),
+        (beyond, ("0.11 at 8000 rpm",) * 2),
+    )  # the speeds where control is lost stand in their own table
 
 
 def test_critical_speeds_stand_in_a_table_with_how_they_were_searched():

@@ -71,3 +71,15 @@ def test_a_loss_that_is_over_before_a_float_begins_is_none_of_its_causes():
         "cause": CAUSE_VIBRATION
     }
     assert cause("float") == cause("bounce") == {}
+
+
+def test_the_cause_is_that_which_a_run_at_this_speed_gives():
+    """Contract: `run` passed over a small gap of vibration for one that surge makes, `sweep` did not; and a gap
+    that begins below a tenth of the lift did not count."""
+    small = event("loft", 1e-5, CAUSE_VIBRATION)
+    surge = event("loft", 8e-6, CAUSE_SURGE, 60.0, first=185.0)
+    assert cause("contact-loss", small, surge)["cause"] == CAUSE_SURGE
+    flight = event("loft", 3e-5, CAUSE_VIBRATION)
+    assert cause("contact-loss", flight, surge)["cause"] == CAUSE_VIBRATION
+    early = event("loft", 3e-5, CAUSE_SURGE, 60.0, first=89.9)
+    assert cause("contact-loss", early)["cause"] == CAUSE_SURGE

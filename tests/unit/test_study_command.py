@@ -69,6 +69,8 @@ def test_the_answer_is_one_json_object_with_every_point_and_its_status(file):
         [None if np.isnan(x) else x for x in row] for row in table.values.tolist()
     ]
     (file.parent / data["page"]).read_text().index("coil bind")
+    kept = json.loads((file.parent / data["folder"] / "study.json").read_text())
+    assert kept["verdict"] == data["verdict"] != ""  # as run.json has it
 
 
 def test_the_answer_for_people_says_the_same(file):

@@ -402,7 +402,7 @@ def test_a_list_with_names_tells_each_change_by_name_and_for_each_gram():
         plan, inputs, plan.runs * 7, np.column_stack([speeds, speeds]), (COMPLETED,) * 7
     )
     assert table.verdict == (
-        "Most is moved by valve and retainer of titanium: float speed, rigid parts 8451 rpm (+812 rpm, 16 rpm per g) from "
+        "Most is moved by valve and retainer of titanium: contact-loss speed, rigid parts 8451 rpm (+812 rpm, 16 rpm per g) from "
         "7639 rpm (as built); then retainer of titanium +143 rpm, 14 rpm per g, lighter tappet +134 rpm, 5.3 rpm per g, "
         "lighter pushrod +66.8 rpm, 5.6 rpm per g and 1 more."
     )
@@ -412,7 +412,7 @@ def test_a_list_with_names_tells_each_change_by_name_and_for_each_gram():
 def test_what_rigid_theory_gives_is_no_input():
     names = ("rigid_contact_loss_engine_speed", "minimum_spring_margin_force")
     table = listed([7.0, 9.0], [1.0, 1.1], [800.0, 820.0], names=names)
-    assert ": float speed, rigid parts 7830 rpm" in table.verdict
+    assert ": contact-loss speed, rigid parts 7830 rpm" in table.verdict
 
 
 @pytest.mark.parametrize("put_in", ["coil_bind_clearance", "outer_coil_bind_clearance"])

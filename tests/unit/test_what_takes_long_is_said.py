@@ -5,6 +5,7 @@ takes long, nothing where it does not.
 from __future__ import annotations
 
 import re
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,7 +13,9 @@ from unit.cli_parts import call
 from unit.test_identification_answer import CARD, FILE
 from unit.test_optimise_command import LIGHT
 from valvetrain.cli import outcome as limits
+from valvetrain.cli.run_answer import say_sweep_time
 from valvetrain.explore import identify_command as identify
+from valvetrain.runs import measured_cost
 
 STUDY = """
 case = "card.toml"
@@ -51,3 +54,12 @@ def test_what_takes_long_is_said_first(command, worth, tmp_path, monkeypatch):
         assert not lines
     else:
         assert len(lines) == 1 and re.fullmatch(SAID[command], lines[0]), lines
+
+
+def test_the_time_of_a_sweep_is_called_processor_time(monkeypatch, capsys):
+    """Contract: 71 s stood before a sweep that took 6 minutes on a busy machine."""
+    monkeypatch.setattr(measured_cost, "sweep_seconds", lambda *_, **__: 90.0)
+    case = SimpleNamespace(train="any")
+    say_sweep_time(SimpleNamespace(case=case, engine_speeds=(300.0,), spring_models=(), spring_sets=(), workers=2))  # fmt: skip
+    said = " ".join(capsys.readouterr().err.split())
+    assert said.startswith("this will take about 1.5 min of processor time on each of 2 cores, by ")

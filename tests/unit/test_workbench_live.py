@@ -52,7 +52,7 @@ def test_the_float_speed_of_rigid_parts_is_that_of_a_run():
     found = LiveCase(template_text("direct"), Path(), "").answer(changes, "5000 rpm")
     case = vt.Case(parse_case(template_text("direct"), "case", changes=changes))
     (still,) = case.compare("5000 rpm").still.values()
-    live_rpm = found["quantities"]["float speed, rigid parts"][0]
+    live_rpm = found["quantities"]["contact-loss speed, rigid parts"][0]
     assert live_rpm == pytest.approx(still["rigid_contact_loss_engine_speed"] * 30 / np.pi)
 
 

@@ -193,20 +193,23 @@ def _over_speeds(
                     table.add_row(
                         line.label if line.main else f"  {line.label}", "rpm", *line.cells
                     )
-        elif row is not None:
+        for one in () if row is None or (name in KINDS.values() and control) else (row, row.beyond):
+            if one is None:
+                continue
             pairs = zip(
-                row.values[first : first + len(columns)],
-                row.engine_speeds[first : first + len(columns)],
+                one.values[first : first + len(columns)],
+                one.engine_speeds[first : first + len(columns)],
                 strict=True,
             )
             still = name in names_for("case")
             cells = [
                 "–"
                 if value is None
-                else _at_speed(value, None if still else speed) + row.mark(first + place)
+                else _at_speed(value, None if still else speed) + one.mark(first + place)
                 for place, (value, speed) in enumerate(pairs)
             ]
-            table.add_row(row.label, unit_text(row.unit), *cells)
+            label = one.label if one is row else f"  {one.label}"
+            table.add_row(label, unit_text(one.unit), *cells)
     speeds = [study.runs(column.label) for column in columns]
     table.add_row("Engine speeds run", "", *(str(len(runs)) for runs in speeds))
     unsettled = [unsettled_text(runs) for runs in speeds]

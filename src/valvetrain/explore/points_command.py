@@ -181,7 +181,9 @@ def _study_written(request: _Request, table: StudyTable) -> Outcome:
 
     failures = PartialFailures()
     write = partial(write_points, table, request.folder, failures)
-    data = keep_points("study", points_json(table), request, write, STUDY_JSON, failures)
+    verdict = verdict_of(table)
+    answer = points_json(table) | {"verdict": verdict}
+    data = keep_points("study", answer, request, write, STUDY_JSON, failures)
     # that some points of a study cannot be built is part of its answer
     found = table.failures[:1]
     if table.completed.any():
@@ -189,7 +191,7 @@ def _study_written(request: _Request, table: StudyTable) -> Outcome:
         pairs = zip(table.failures, statuses, strict=True)
         found = tuple(text for text, one in pairs if one.code == "worker-lost")[:5]
     show = partial(_show_study, table=table, folder=request.folder)
-    return Outcome(data, show, (*found, *failures.sentences), verdict_of(table))
+    return Outcome(data, show, (*found, *failures.sentences), verdict)
 
 
 def _optimum_written(request: _Request, found: Optimum) -> Outcome:
@@ -202,10 +204,12 @@ def _optimum_written(request: _Request, found: Optimum) -> Outcome:
 
     failures = PartialFailures()
     write = partial(write_optimum, found, request.folder, failures)
-    data = keep_points("optimise", optimum_json(found), request, write, OPTIMUM_JSON, failures)
+    verdict = verdict_of(found)
+    plain = optimum_json(found) | {"verdict": verdict}
+    data = keep_points("optimise", plain, request, write, OPTIMUM_JSON, failures)
     nothing = () if found.best is not None or not found.finished else (answer(found),)
     show = partial(_show_optimum, found=found, folder=request.folder)
-    return Outcome(data, show, (*nothing, *failures.sentences), verdict_of(found))
+    return Outcome(data, show, (*nothing, *failures.sentences), verdict)
 
 
 def _show_study(console: Console, table: StudyTable, folder: Path) -> None:

@@ -13,12 +13,26 @@ from valvetrain.quantities.train_events import (
     CAUSE_SURGE,
     CAUSE_VIBRATION,
     PLACES,
+    SMALLEST_GAP,
     TURN,
     RigidCycle,
     cause_in,
 )
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Detail, Event
+
+#: Gap (m) from which a loss of contact is a flight, whose cause and angles are said.
+FLIGHT = 10 * SMALLEST_GAP
+
+
+def leading_loss(losses: Sequence[Event]) -> Event | None:
+    """The loss of contact whose cause is that of all: the largest, but of a gap that is no flight and comes of
+    vibration the largest one of another cause, where there is one; None without any.
+    """
+    ordered = sorted(losses, key=lambda one: -one.size)
+    ranks = ((one, _evidence(one)[0]) for one in ordered)
+    telling = (one for one, rank in ranks if rank > 0 or (rank == 0 and one.size > FLIGHT))
+    return next(telling, ordered[0] if ordered else None)
 
 
 def loss_cause(
@@ -36,12 +50,12 @@ def loss_cause(
     is least in the ``window`` (begin, end in cam rad) of the open valve. Empty where none is known.
     """
     losses = [one for one in solution.events if one.kind in PLACES.values()]
+    turn = len(solution.time) * float(solution.time[1] - solution.time[0])
     if kind == "float":
         floats = [one for one in solution.events if one.kind == "float"]
         largest = max(floats, key=lambda one: one.size, default=None)
         if largest is None:
             return {}
-        turn = len(solution.time) * float(solution.time[1] - solution.time[0])
         around = [one for one in losses if _holds(one, largest.cam_angle, turn)]
         # vibration is what is left where neither inertia nor surge shows, so either of both goes before it
         return max((largest, *around), key=_evidence).details
@@ -51,10 +65,11 @@ def loss_cause(
     here = [
         one
         for one in losses
-        if one.where in places and (one.cam_angle - begin) % TURN <= end - begin
+        if one.where in places
+        and ((one.cam_angle - begin) % TURN <= end - begin or _holds(one, begin, turn))
     ]
-    if here:
-        return max(here, key=lambda one: one.size).details
+    if (leading := leading_loss(here)) is not None:
+        return leading.details
     sample = least_force_sample(solution, places, window)
     return {} if sample is None else cause_in(solution, rigid, np.array([sample]))
 

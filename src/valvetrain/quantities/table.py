@@ -425,10 +425,10 @@ SWEEP: tuple[QuantityRow, ...] = (
     train("bounce_engine_speed", "bounce speed",
         "Lowest engine speed found at which the valve leaves its seat again by more than a limit (0.1 mm), every speed "
         "from rest; the nominal value.", sense=MORE, topic=CONTROL, uses=("sweep",)),
-    train("rigid_contact_loss_engine_speed", "float speed, rigid parts",
-        "Engine speed at which a contact of the drive is first lost by rigid theory: springs at rest, weight, gas and inertia.",
+    train("rigid_contact_loss_engine_speed", "contact-loss speed, rigid parts",
+        "Engine speed at which a contact of the drive is first lost by rigid theory: springs at rest, weight, gas and inertia, no surge or flex.",
         sense=MORE, topic=CONTROL, uses=("sweep", "case")),
-    train("rigid_contact_loss_cam_angle", "float speed, rigid parts, cam angle",
+    train("rigid_contact_loss_cam_angle", "contact-loss speed, rigid parts, cam angle",
         "Cam angle at which rigid theory first loses a contact."),
 )  # fmt: skip
 

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from valvetrain.quantities.loss_cause import leading_loss
 from valvetrain.report.clauses import Runs, joined
 from valvetrain.report.contact_lost import losses_while_open, time_lost
 from valvetrain.report.run_clauses import cause_phrase, cause_text
@@ -104,8 +105,21 @@ def _islands(contact: Loss | None, other: float) -> tuple[SpeedBracket, ...]:
         last = contact.row.last_engine_speed if contact is not None else 0.0
         if not (0 < low and high - low <= NARROW * low and high < min(other, last)):
             break
+        if contact is not None and low == contact.begin and _both_motions(contact.row):
+            break  # lost here it is not regained for long
         found.append(one)
     return tuple(found) if len(found) <= MAX_ISLANDS else ()
+
+
+def _both_motions(row: CriticalSpeed) -> tuple[float, float] | None:
+    """The engine speeds (rad/s) between which control is kept where the speed rises and is not regained where it
+    falls; None of a range that is narrow or was not followed.
+    """
+    begins = row.begins
+    if begins is None or begins.rising is None or begins.falling is None:
+        return None
+    low, high = begins.falling.lower_engine_speed, begins.rising.upper_engine_speed
+    return (low, high) if high - low > NARROW * low else None
 
 
 def controlled_to(study: Study, label: str) -> float:
@@ -113,6 +127,16 @@ def controlled_to(study: Study, label: str) -> float:
     left out: infinite for never, 0 where it does from the first speed on.
     """
     return control_of(study, label).limit
+
+
+def range_in_use(study: Study) -> tuple[float, str]:
+    """Engine speed (rad/s) up to which extremes over engine speed count first, and what ends there: the red line
+    where the case states one, else control; of several labels that of the first to lose it, so that they compare.
+    """
+    if (line := study.record.red_line) is not None:
+        return line, "the red line"
+    limit = min((controlled_to(study, label) for label in study.labels), default=math.inf)
+    return limit, "control" if len(study.labels) < 2 else f"{rpm(limit):.0f} rpm"
 
 
 def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
@@ -152,6 +176,11 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
     others = [_loses(one, runs, cause) for one in control.losses[1:]]
     unit = " rpm" if others and not others[-1].endswith(")") else ""
     also = [one for one in (_first_angle(lost, runs), _no_bounce(study, label, last)) if one]
+    both = _both_motions(row) if whole else None
+    if both is not None:
+        low, high = (f"{rpm(one):.0f}" for one in both)
+        branches = f"from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it"
+        also.insert(0, branches)
     return [f"{begun}{apart}", *([f"{joined(others)}{unit}"] if others else []), *also]
 
 
@@ -314,8 +343,12 @@ def _cause_in(run: Solution, kind: str, limit: float, place: str = "", size: boo
     events = [one for one in events if one.where in place.split(", ")] or events
     if not events:
         return ""
-    where = f" at {_speed(run)}" if size else ""
-    return cause_text(run, max(events, key=lambda one: one.size), size, where)
+    leading = leading_loss(events) if kind == "contact-loss" else None
+    at = f" at {_speed(run)}"
+    text = cause_text(
+        run, leading or max(events, key=lambda one: one.size), size, at if size else ""
+    )
+    return text if not size or not text or at in text else f"{text}{at}"
 
 
 def _control_of_runs(runs: Runs, red_line: float | None) -> str:

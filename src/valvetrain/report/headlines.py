@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,7 +50,8 @@ class HeadlineRow:
 
     ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that
     does not apply. ``cells``: what is shown where a number alone does not tell it (a bracket,
-    "none up to 9000"), empty elsewhere. ``passed``: whether a value passes its limit.
+    "none up to 9000"), empty elsewhere. ``passed``: whether a value passes its limit. ``beyond``:
+    the extremes of a sweep beyond its speeds in use (red line, else control) where they are worse.
     """
 
     topic: str
@@ -61,6 +62,7 @@ class HeadlineRow:
     engine_speeds: tuple[float | None, ...]
     cells: tuple[str, ...] = ()
     passed: tuple[bool, ...] = ()
+    beyond: HeadlineRow | None = None
 
     def mark(self, place: int) -> str:
         """The mark behind the value of a column that passes a limit, empty elsewhere."""
@@ -94,22 +96,63 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
     )
     cells = {row.name: row.cells for row in critical}
     rows = []
-    limits = [{one.quantity for one in _passed(_runs(study, column))} for column in columns]
+    used = [_in_use(study, column, _runs(study, column)) for column in columns]
+    limits = [{one.quantity for one in _passed(runs)} for runs in used]
     for topic, names in topics().items():
         for name in names:
-            found = [_value(study, column, name) for column in columns]
+            found = [
+                _value(study, column, name, runs)
+                for column, runs in zip(columns, used, strict=True)
+            ]
             if name in OF_EACH:
                 found = [
-                    (None, None) if _value(study, column, f"outer_{name}")[0] is not None else one
-                    for column, one in zip(columns, found, strict=True)
+                    (None, None)
+                    if _value(study, column, f"outer_{name}", runs)[0] is not None
+                    else one
+                    for column, runs, one in zip(columns, used, found, strict=True)
                 ]
             if name in cells or any(value is not None for value, _ in found):
                 values, speeds = zip(*found, strict=True)
                 unit, own = definition_of(name).unit_word, cells.get(name, ())
                 passed = tuple(name in some for some in limits)
                 label = quantity_label(name)
-                rows.append(HeadlineRow(topic, name, label, unit, values, speeds, own, passed))
+                row = HeadlineRow(topic, name, label, unit, values, speeds, own, passed)
+                rows.append(replace(row, beyond=_beyond(study, columns, row)))
     return tuple(rows)
+
+
+def _range_in_use(study: Study) -> tuple[float, str]:
+    from valvetrain.report.control import (
+        range_in_use,  # whose clauses on clashes import this module
+    )
+
+    return range_in_use(study)
+
+
+def _in_use(study: Study, column: HeadlineColumn, runs: list[Solution]) -> list[Solution]:
+    """Of a sweep the runs up to the red line, or while control is kept; all of them where none is."""
+    if column.engine_speed is not None or not study.solutions:
+        return runs
+    limit, _ = _range_in_use(study)
+    return [run for run in runs if run.engine_speed <= limit] or runs
+
+
+def _beyond(
+    study: Study, columns: Sequence[HeadlineColumn], row: HeadlineRow
+) -> HeadlineRow | None:
+    """The row of the extremes beyond the speeds in use; None where no column has a worse one there."""
+    found, passed = [], []
+    for column, value, speed in zip(columns, row.values, row.engine_speeds, strict=True):
+        runs = _runs(study, column)
+        worse = _value(study, column, row.name, runs) if speed is not None else (None, None)
+        found.append((None, None) if worse[0] == value else worse)
+        names = {one.quantity for one in _passed(runs)}
+        passed.append(found[-1][0] is not None and row.name in names)
+    if all(value is None for value, _ in found):
+        return None
+    values, speeds = zip(*found, strict=True)
+    label = f"beyond {_range_in_use(study)[1]}"
+    return replace(row, label=label, values=values, engine_speeds=speeds, passed=tuple(passed))
 
 
 def _runs(study: Study, column: HeadlineColumn) -> list[Solution]:
@@ -231,11 +274,12 @@ def _detail(event: Event, name: str) -> float:
     return float(value) if isinstance(value, (int, float)) else 0.0
 
 
-def _value(study: Study, column: HeadlineColumn, name: str) -> tuple[float | None, float | None]:
-    """A quantity of a column in its shown unit and, in a sweep, the engine speed of its worst
-    value.
+def _value(
+    study: Study, column: HeadlineColumn, name: str, runs: Sequence[Solution]
+) -> tuple[float | None, float | None]:
+    """A quantity of a column over its ``runs`` in its shown unit and, in a sweep, the engine speed of its
+    worst value.
     """
-    runs = _runs(study, column)
     known = [
         (run.quantities[name], run.engine_speed)
         for run in runs

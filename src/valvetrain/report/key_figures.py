@@ -12,7 +12,7 @@ import numpy as np
 
 from valvetrain.quantities.table import EVENT_LIFTS
 from valvetrain.report.clauses import Runs, Worst, figure, joined, quantity_text
-from valvetrain.report.control import controlled_to, red_line_margin
+from valvetrain.report.control import controlled_to, range_in_use, red_line_margin
 from valvetrain.report.run_clauses import judged_runs, worst_run
 from valvetrain.report.sweep_verdict import NO_SURGE, runs_over_speed
 from valvetrain.report.text import rpm
@@ -99,9 +99,13 @@ def _of_each(study: Study) -> Iterator[tuple[str, str]]:
         found = {
             label: one
             for label, runs in judged.get(quantity, known).items()
-            if (one := _worst(runs, quantity, least)) is not None
+            if (one := _worst(_in_use(study, runs), quantity, least)) is not None
         }
-        places = {label: _place(known[label], one) for label, one in found.items()}
+        beyond = {
+            label: _beyond(study, quantity, runs)
+            for label, runs in judged.get(quantity, known).items()
+        }
+        places = {label: _place(known[label], one) + beyond[label] for label, one in found.items()}
         alike = len(set(places.values())) == 1
         values = {label: _value(known[label], one) for label, one in found.items()}
         same = len(set(values.values())) == 1 and len(values) == len(known)
@@ -114,6 +118,24 @@ def _of_each(study: Study) -> Iterator[tuple[str, str]]:
         texts = texts[:1] if same and alike else texts
         if texts:
             yield name, ", ".join(texts) + (next(iter(places.values())) if alike else "")
+
+
+def _in_use(study: Study, runs: Runs) -> Runs:
+    """The runs of a label up to the red line, or while control is kept; all of them where none is or of runs
+    that are no sweep.
+    """
+    limit, _ = range_in_use(study)
+    some = [run for run in runs.solutions if run.engine_speed <= limit]
+    return replace(runs, solutions=tuple(some)) if some and study.over_speed else runs
+
+
+def _beyond(study: Study, quantity: str, runs: Runs) -> str:
+    """`` (beyond control 1573 MPa at 15000 rpm)``: an extreme that the speeds in use do not have; else empty."""
+    least = EACH[quantity][1]
+    used, every = (_worst(one, quantity, least) for one in (_in_use(study, runs), runs))
+    if used is None or every is None or used.value == every.value:
+        return ""
+    return f" (beyond {range_in_use(study)[1]} {_value(runs, every)}{_place(runs, every)})"
 
 
 def _controlled(study: Study, label: str, runs: Runs) -> Runs:
@@ -231,7 +253,7 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
     floats = runs.value(worst, "rigid_contact_loss_engine_speed")
     known = {runs.value(run, "rigid_contact_loss_engine_speed") for run in runs.solutions}
     if math.isfinite(floats) and len(known) == 1:  # of several, a table has the range
-        yield "float speed, rigid parts", worst, f"{rpm(floats):.0f} rpm"
+        yield "contact-loss speed, rigid parts", worst, f"{rpm(floats):.0f} rpm"
     stepped = next(
         (run for run in (worst, *runs.solutions) if "time_step_duration" in run.quantities), None
     )

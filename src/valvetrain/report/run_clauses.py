@@ -9,11 +9,11 @@ from dataclasses import replace
 from valvetrain.integrate.train_channels import LANDING_ENDS
 from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.limits import PassedLimit, passed_limits
+from valvetrain.quantities.loss_cause import FLIGHT, leading_loss
 from valvetrain.quantities.train_events import (
     CAUSE_INERTIA,
     CAUSE_SURGE,
     CAUSE_VIBRATION,
-    SMALLEST_GAP,
 )
 from valvetrain.report.clash_clauses import clash_clauses, strike_count
 from valvetrain.report.clauses import (
@@ -53,8 +53,6 @@ SEATING = "seating_velocity"
 SURGE_ORDER = "surge_amplitude_cam_order"
 #: Crank angle (rad) of the open valve above which its loss to flex is named.
 FLEX_ANGLE = math.radians(1.0)
-#: Gap (m) from which a loss of contact is a flight, whose cause and angles are said.
-FLIGHT = 10 * SMALLEST_GAP
 #: Room to coil bind (m) below which it is called close (docs/limits.md), that to the piston too.
 NEAR = 1e-3
 #: What is said of a model whose springs would pull.
@@ -298,12 +296,11 @@ def _places_lost(runs: Runs, lost: Worst) -> str:
 
 
 def _why_lost(runs: Runs, lost: Worst) -> str:
-    """Why contact is lost, in the largest gap."""
-    for event in _losses(runs, lost):
-        cause = cause_text(lost.run or runs.solutions[0], event)
-        if cause and (event.size > FLIGHT or cause != CAUSES[CAUSE_VIBRATION]):
-            return f" because {cause}"
-    return ""
+    """Why contact is lost; a gap of vibration that is no flight needs no cause."""
+    event = leading_loss(_losses(runs, lost))
+    cause = "" if event is None else cause_text(lost.run or runs.solutions[0], event)
+    small = event is None or (event.size <= FLIGHT and cause == CAUSES[CAUSE_VIBRATION])
+    return "" if small or not cause else f" because {cause}"
 
 
 def cause_text(run: Solution, event: Event, size: bool = True, where: str = "") -> str:

@@ -31,7 +31,7 @@ RANGES_NOTE = (
 #: What the rows below a critical speed mean.
 CRITICAL_LEGEND = (
     "until: control returns there; rising / falling speed: where control is lost when the motion is carried on from "
-    "speed to speed upwards, and where it returns downwards; again: further ranges of speed without control."
+    "speed to speed upwards, and where it returns downwards (between the two both motions exist); again: further ranges of speed without control."
 )
 #: Ranges of further stretches that are named; of more only how many.
 MAX_AGAIN = 2

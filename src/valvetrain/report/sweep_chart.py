@@ -12,7 +12,7 @@ import numpy as np
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
 from valvetrain.report.control import control_of, first_losses
 from valvetrain.report.run_charts import MAX_LINES, Array, from_zero, line_styles, with_between
-from valvetrain.report.sweep_verdict import runs_over_speed, worst_label, worst_surge
+from valvetrain.report.sweep_verdict import runs_over_speed, surge_in_use, worst_label
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import CriticalSpeed
 from valvetrain.solution.definition import label_of, shown
@@ -104,7 +104,7 @@ def _marks(study: Study, label: str, train: bool) -> tuple[Rule, ...]:
             Rule("x", rpm(run.engine_speed), f"{name}{_MARKS[kind]} {rpm(run.engine_speed):.0f}")
             for kind, run in first_losses(runs).items()
         ]
-    surge = worst_surge(runs.solutions)
+    surge = surge_in_use(study, runs)
     if surge is not None:
         order = f", order {surge.order}" if surge.order else ""
         rules.append(Rule("x", rpm(surge.run.engine_speed), f"{name}surge{order}"))

@@ -18,7 +18,12 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
-from valvetrain.report.control import control_clauses, controlled_to, first_losses
+from valvetrain.report.control import (
+    control_clauses,
+    controlled_to,
+    first_losses,
+    range_in_use,
+)
 from valvetrain.report.run_clauses import (
     ENDS_PULL,
     PULLS,
@@ -115,21 +120,32 @@ def _ended_between(study: Study, label: str) -> list[str]:
 
 
 def _surge(study: Study, label: str, runs: Runs) -> list[str]:
-    """The worst surge; one beyond control also with the worst below that."""
+    """The worst surge of the speeds in use, then a larger one beyond them."""
     surge = worst_surge(runs.solutions)
     if surge is None:
         return []
-    text, limit = f"worst surge amplitude {_surge_at(runs, surge)}", controlled_to(study, label)
+    text, (limit, end) = (
+        f"worst surge amplitude {_surge_at(runs, surge)}",
+        range_in_use(study),
+    )
     if text.endswith(UNRESOLVED):
         return [text]
     if surge.run.engine_speed > limit:
-        text += ", beyond control"
-        below = [run for run in runs.solutions if run.engine_speed < limit]
-        if (other := worst_surge(below)) is not None:
-            return [f"{text}, below that {_surge_at(runs, other)}"]
-    elif surge.run in (runs.solutions[0], runs.solutions[-1]) and runs.speeds > 1:
+        used = surge_in_use(study, runs)
+        if used is None or used.run is surge.run:
+            return [f"{text}, beyond {end}"]
+        first = f"worst surge amplitude {_surge_at(runs, used)}"
+        return [f"{first}, beyond {end} {_surge_at(runs, surge)}"]
+    if surge.run in (runs.solutions[0], runs.solutions[-1]) and runs.speeds > 1:
         text += ", at the end of the range"
     return [text]
+
+
+def surge_in_use(study: Study, runs: Runs) -> Surge | None:
+    """The worst surge up to the red line, or while control is kept; of all speeds where none is below."""
+    limit, _ = range_in_use(study)
+    used = [run for run in runs.solutions if run.engine_speed <= limit]
+    return worst_surge(used) or worst_surge(runs.solutions)
 
 
 def _surge_at(runs: Runs, surge: Surge) -> str:

@@ -26,7 +26,7 @@ class SpeedSample:
     ``locations`` of the loss, and the ``orbit`` on which the run ended (None where it cannot be
     continued). ``measures``: the margin of a kind continued below zero, where it ends there;
     ``repeats``: whether the motion repeats every cycle. ``cam_force``: the least one (N) while open, NaN where
-    there is none.
+    there is none. ``unknown``: kinds of which a run that ended early says nothing.
     """
 
     margins: Mapping[str, float]
@@ -35,6 +35,7 @@ class SpeedSample:
     measures: Mapping[str, float] = field(default_factory=dict)
     repeats: bool = True
     cam_force: float = math.nan
+    unknown: frozenset[str] = frozenset()
 
     def measure(self, kind: str) -> float:
         """What passes zero where control is lost, with a sign on either side."""
@@ -108,6 +109,11 @@ class Search:
     def _lost(self, kind: str, engine_speed: float) -> bool:
         return self._samples[engine_speed].lost(kind)
 
+    def _regained(self, kind: str, engine_speed: float) -> bool:
+        """Whether control is known to be kept: a run that ended early ends no range of loss."""
+        one = self._samples[engine_speed]
+        return not one.lost(kind) and kind not in one.unknown
+
     def onset(self, kind: str) -> SpeedBracket | float | None:
         """Bracket of the lowest onset; the first speed where control is lost there already; None
         for never.
@@ -125,7 +131,7 @@ class Search:
         """
         while True:
             above = self._speeds[bisect_left(self._speeds, engine_speed) :]
-            first = next((n for n, one in enumerate(above) if not self._lost(kind, one)), None)
+            first = next((n for n, one in enumerate(above) if self._regained(kind, one)), None)
             if first is None:
                 return None
             low, high = above[first - 1], above[first]
@@ -152,7 +158,7 @@ class Search:
         found: list[SpeedBracket] = []
         before = False
         for one in self._speeds:
-            now = self._lost(kind, one)
+            now = self._lost(kind, one) or (before and not self._regained(kind, one))
             if now and before:
                 found[-1] = replace(found[-1], upper_engine_speed=one)
             elif now:

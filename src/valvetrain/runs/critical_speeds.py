@@ -142,7 +142,9 @@ def sample_of(
     measures = {contact: margins[contact] or -missing}
     repeats = solution.status.completed and solution.statistics.get("motion_period_count") == 1
     force = float(solution.quantities.get("minimum_cam_contact_force", math.nan))
-    return SpeedSample(margins, locations, orbit, measures, repeats, force)
+    ended = whole and "bounce_height" not in solution.quantities  # before the valve closed
+    unknown = frozenset({bounces} if ended else ())
+    return SpeedSample(margins, locations, orbit, measures, repeats, force, unknown)
 
 
 def missing_force(ready: PreparedRun, solution: Solution) -> float:

@@ -118,6 +118,8 @@ def _side_by_side(study: Study, across: list[str], topics: dict[str, list[Headli
         for row in rows:
             if row.name != "largest_clash_impulse" or not largest:
                 lines.append((_name(row.label, row.unit), _values(row)))
+            if row.beyond is not None:
+                lines.append((f"\u2003{row.beyond.label}", _values(row.beyond)))
             if row.name == "clash_count":
                 lines += [(_name(f"\u2003{label}", unit), cells) for label, unit, cells in largest]
     return Card("", tuple(across), tuple(lines))
