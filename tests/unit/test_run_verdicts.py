@@ -313,10 +313,7 @@ def test_a_sweep_says_up_to_where_it_is_controlled():
         "Worst (stock): controlled to 6217 rpm, where contact is lost at the cam, until 6494 and again from 6589 rpm; "
         "floats from 6688 rpm; no bounce to 8000 rpm. "
     )
-    assert (
-        ". Worst surge amplitude 64.7 N at 4182 rpm, beyond 6217 rpm 65 N at 7455 rpm; "
-        in said
-    )
+    assert ". Worst surge amplitude 64.7 N at 4182 rpm, beyond 6217 rpm 65 N at 7455 rpm; " in said
     assert said.endswith("one of 12 speeds did not settle, at 8000 rpm.")
 
 
