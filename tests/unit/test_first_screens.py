@@ -278,7 +278,8 @@ def test_no_curve_runs_through_the_label_of_a_mark():
 def test_the_worst_of_a_run_up_is_the_one_that_loses_contact_first():
     """Contract: eight runs up of tdi-pushrod were "worst (stock): in contact" where five others lost it."""
     first, turns = train_study().solutions[0], []
-    for label, lost_from, surge in (("stock", 9000, 20.0), ("soft", 3400, 10.0)):
+    others = [(f"other {n}", 9000, 20.0) for n in range(4)]
+    for label, lost_from, surge in (("stock", 9000, 20.0), *others, ("soft", 3400, 10.0)):
         for speed in range(3000, 4000, 100):
             gap = 2e-4 if speed >= lost_from else 0.0
             values = {"minimum_cam_contact_force": 0.0 if gap else 90.0, "loft_gap": gap, "surge_amplitude_force": surge}  # fmt: skip
@@ -288,6 +289,7 @@ def test_the_worst_of_a_run_up_is_the_one_that_loses_contact_first():
     assert study.verdict.startswith("Worst (soft): contact is lost first at 3400 rpm")
     drawn = opening_chart(study)
     assert drawn.title == "Least cam force over engine speed" and len(drawn.panels) == 1
+    assert "soft" in {one.name for one in drawn.panels[0].layers}, "of which the sentence is"
 
 
 def test_the_motion_beside_a_loft_is_that_of_a_run_that_lofts():

@@ -114,7 +114,9 @@ def _marks(study: Study, label: str, train: bool) -> tuple[Rule, ...]:
 def _curves(study: Study, names: tuple[str, ...], rules: tuple[Rule, ...]) -> Panel:
     """Quantities over engine speed, a line per label, the second and further ones dashed."""
     known, layers, unit = line_styles(study), list[Layer](), ""
-    for label in study.labels[:MAX_LINES]:
+    worst = worst_label(study)  # its speeds are marked, so its curve is among those drawn
+    some = [worst, *(one for one in study.labels if one != worst)][:MAX_LINES]
+    for label in (one for one in study.labels if one in some):
         for place, name in enumerate(names):
             speeds, found = _with_searched(study, label, name)
             values, unit = shown(name, found)
