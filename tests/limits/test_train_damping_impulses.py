@@ -18,7 +18,16 @@ STEP = 2e-6
 @pytest.fixture(autouse=True)
 def plain_python(monkeypatch):
     """The kernels as they are written, not compiled."""
-    for name in ("_mean_share", "_damped_rows", "_solve", "_exchange", "damp", "guide", "losses"):
+    for name in (
+        "_mean_share",
+        "_damped_rows",
+        "_rate_of",
+        "_solve",
+        "_exchange",
+        "damp",
+        "guide",
+        "losses",
+    ):
         monkeypatch.setattr(train_damping, name, getattr(train_damping, name).py_func)
 
 
@@ -53,14 +62,19 @@ def drawn(rng: np.random.Generator, bodies: int, interactions: int, heavy: float
         share=np.ones(interactions),
         before=np.zeros((interactions, 1)),
         bend=np.zeros(interactions),
-        guides=np.stack([masses, *np.zeros((2, bodies)), np.sqrt(masses)], 1),
+        guides=np.stack([masses, *np.zeros((2, bodies)), 1 / masses], 1),
         diagonal=np.zeros(interactions),
         right=np.zeros(interactions),
         rows=np.zeros(interactions, dtype=int),
         held=np.zeros(interactions, dtype=int),
         matrix=np.zeros((interactions, interactions)),
         impulse=np.zeros(interactions),
+        row=np.zeros(interactions),
+        lowest=np.zeros(interactions, dtype=int),
+        place=np.zeros(interactions, dtype=int),
+        neighbour=np.zeros(interactions, dtype=int),
     )
+    train_damping.meet_neighbours.py_func(index, scratch.neighbour)
     return index, laws, scratch, masses
 
 
@@ -143,7 +157,7 @@ def test_a_damper_met_since_the_last_step_acts_from_there_to_the_end_of_the_kick
         scratch.gradients[0, 0], index = 1.0, np.array([[0, -1, -1, -1]])
         scratch.old[0], scratch.guides[0, [0, 3]] = (
             1.0,
-            (1e6, 1e3),
+            (1e6, 1e-6),
         )  # so heavy that nothing slows it
         train_damping.damp(
             index, np.array([0]), scratch, STEP, 0.5 * before / kick, np.array([1.0])

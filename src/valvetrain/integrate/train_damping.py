@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from valvetrain.compiled import njit
 from valvetrain.mechanism.gaps import OPTIONS
 
@@ -18,9 +16,23 @@ def _mean_share(now, z):
 
 
 @njit(forceinline=True, **OPTIONS)
+def meet_neighbours(index, neighbour):
+    """Fill ``neighbour`` (n,): for each interaction the first one that shares a coordinate with it or
+    with which it shares none, itself.
+    """
+    for k in range(index.shape[0]):
+        neighbour[k] = k
+        for other in range(k - 1, -1, -1):
+            for slot in range(4):
+                for its in range(4):
+                    if index[k, slot] >= 0 and index[k, slot] == index[other, its]:
+                        neighbour[k] = other
+
+
+@njit(forceinline=True, **OPTIONS)
 def _damped_rows(index, scratch, step, now, v):
-    """Collect the damped interactions: their places, gradients over the root of mass, right-hand
-    sides and diagonals.
+    """Collect the damped interactions: their places, velocities per impulse, right-hand sides,
+    diagonals and the first row that each can be coupled with.
 
     ``bend`` leads the rates, which were found with the gradients of t_n, to the middles of the
     steps on either side. A damper that was met since the last step acts for its share of the kick,
@@ -29,74 +41,89 @@ def _damped_rows(index, scratch, step, now, v):
     gaps, gradients, old, dense = scratch.gaps, scratch.gradients, scratch.old, scratch.dense
     count, onwards = 0, (1.0 - now) / now
     for k in range(index.shape[0]):
+        scratch.place[k] = count
         if gaps[k, 3] <= 0.0:
             continue
         if scratch.share[k] == 0.0:
             scratch.share[k] = (
                 2.0 * now * gaps[k, 0] / (gaps[k, 0] - scratch.before[k, 0]) + 1.0 - now
             )
-        damping = scratch.share[k] * gaps[k, 3]
+        drag = step * scratch.share[k] * gaps[k, 3]
         before, after, mobility = gaps[k, 1], gaps[k, 1], 0.0
         for i in range(v.shape[0]):
             dense[count, i] = 0.0
         for slot in range(4):
             i = index[k, slot]
             if i >= 0:
-                before += gradients[k, slot] * old[i]
-                after += gradients[k, slot] * v[i]
-                dense[count, i] = gradients[k, slot] / scratch.guides[i, 3]
-                mobility += dense[count, i] * dense[count, i]
-        theta = _mean_share(now, step * damping * mobility)
-        scratch.diagonal[count] = 1.0 / (step * damping * theta)
+                gradient = gradients[k, slot]
+                before += gradient * old[i]
+                after += gradient * v[i]
+                dense[count, i] = gradient * scratch.guides[i, 3]
+                mobility += gradient * dense[count, i]
+        # theta = upper / lower, see _mean_share
+        upper, lower = 6.0 * now + drag * mobility, 6.0 + drag * mobility
+        share = 1.0 / (drag * upper)
+        scratch.diagonal[count] = lower * share
         scratch.right[count] = (
-            after + onwards * scratch.bend[k] + (1.0 - theta) / theta * (before - scratch.bend[k])
+            after
+            + onwards * scratch.bend[k]
+            + (lower - upper) * share * drag * (before - scratch.bend[k])
         )
         scratch.rows[count] = k
+        scratch.lowest[count] = scratch.place[scratch.neighbour[k]]
         count += 1
     return count
 
 
 @njit(forceinline=True, **OPTIONS)
-def _solve(count, scratch):
-    """Impulses of all interactions that are not held at their bound: Cholesky in contact space (at
-    most n by n).
-    """
-    held, dense, right, diagonal, matrix, impulse = (
-        scratch.held, scratch.dense, scratch.right, scratch.diagonal, scratch.matrix, scratch.impulse,
-    )  # fmt: skip
-    for a in range(count):
-        for b in range(a + 1):
-            value = 0.0
-            if held[a] == 0 and held[b] == 0:
-                for i in range(dense.shape[1]):
-                    value += dense[a, i] * dense[b, i]
-            matrix[a, b] = value
-        matrix[a, a] += diagonal[a] if held[a] == 0 else 1.0
-        if held[a] == 0:
-            impulse[a] = right[a]
-            for b in range(count):
-                if held[b] == 1:
-                    for i in range(dense.shape[1]):
-                        impulse[a] -= dense[a, i] * dense[b, i] * impulse[b]
-    for a in range(count):
-        for b in range(a + 1):
-            value = matrix[a, b]
-            for c in range(b):
-                value -= matrix[a, c] * matrix[b, c]
-            matrix[a, b] = (
-                1.0 / math.sqrt(value) if a == b else value * matrix[b, b]
-            )  # reciprocal diagonal
-        for c in range(a):
-            impulse[a] -= matrix[a, c] * impulse[c]
-        impulse[a] *= matrix[a, a]
-    for a in range(count - 1, -1, -1):
-        for c in range(a + 1, count):
-            impulse[a] -= matrix[c, a] * impulse[c]
-        impulse[a] *= matrix[a, a]
+def _rate_of(k, row, index, scratch):
+    """Rate (m/s) of interaction ``k`` per impulse of the damped one of ``row``."""
+    rate = 0.0
+    for slot in range(4):
+        if index[k, slot] >= 0:
+            rate += scratch.gradients[k, slot] * scratch.dense[row, index[k, slot]]
+    return rate
 
 
 @njit(forceinline=True, **OPTIONS)
-def _exchange(count, laws, scratch, step, single):
+def _solve(count, index, scratch):
+    """Impulses of all interactions that are not held at their bound: L D L^T in contact space, row by
+    row within the envelope, since a contact meets only those that share a body with it.
+    """
+    rows, held, matrix, impulse, lowest, row = (
+        scratch.rows, scratch.held, scratch.matrix, scratch.impulse, scratch.lowest, scratch.row,
+    )  # fmt: skip
+    for a in range(count):
+        if held[a] == 1:
+            for b in range(lowest[a], a):
+                matrix[a, b] = 0.0
+            matrix[a, a] = 1.0
+            continue
+        k, first = rows[a], lowest[a]
+        value, pivot = scratch.right[a], scratch.diagonal[a] + _rate_of(k, a, index, scratch)
+        for b in range(count):
+            if held[b] == 1:
+                value -= _rate_of(k, b, index, scratch) * impulse[b]
+        for b in range(first, a):
+            row[b] = _rate_of(k, b, index, scratch) if held[b] == 0 else 0.0
+            for c in range(max(first, lowest[b]), b):
+                row[b] -= row[c] * matrix[b, c]
+            matrix[a, b] = row[b] * matrix[b, b]
+            pivot -= row[b] * matrix[a, b]
+            if held[b] == 0:
+                value -= matrix[a, b] * impulse[b]
+        matrix[a, a], impulse[a] = 1.0 / pivot, value
+    for a in range(count - 1, -1, -1):
+        if held[a] == 1:
+            continue
+        impulse[a] *= matrix[a, a]
+        for c in range(a + 1, count):
+            if lowest[c] <= a and held[c] == 0:
+                impulse[a] -= matrix[c, a] * impulse[c]
+
+
+@njit(forceinline=True, **OPTIONS)
+def _exchange(count, index, laws, scratch, step, single):
     """Hold the contacts that would pull, at no force, and free the held ones whose damper would
     press; returns how many changed.
 
@@ -117,8 +144,7 @@ def _exchange(count, laws, scratch, step, single):
         else:
             rate = scratch.right[a]
             for b in range(count):
-                for i in range(scratch.dense.shape[1]):
-                    rate -= scratch.dense[a, i] * scratch.dense[b, i] * impulse[b]
+                rate -= _rate_of(k, b, index, scratch) * impulse[b]
             if rate > scratch.diagonal[a] * impulse[a]:
                 held[a], changed = 0, changed + 1
     return changed
@@ -133,26 +159,20 @@ def damp(index, laws, scratch, step, now, v):
     than pull: which ones are held so is found together with the impulses (a linear
     complementarity).
     """
-    gaps, gradients, rows, held, impulse = (
-        scratch.gaps,
-        scratch.gradients,
-        scratch.rows,
-        scratch.held,
-        scratch.impulse,
-    )
+    gaps, rows, held, impulse = scratch.gaps, scratch.rows, scratch.held, scratch.impulse
     count = _damped_rows(index, scratch, step, now, v)
     for a in range(count):
         held[a] = 0
     for trial in range(8 * count):
-        _solve(count, scratch)
-        if _exchange(count, laws, scratch, step, 4 * count < trial) == 0:
+        _solve(count, index, scratch)
+        if _exchange(count, index, laws, scratch, step, 4 * count < trial) == 0:
             break
     for a in range(count):
         k = rows[a]
         for slot in range(4):
             i = index[k, slot]
             if i >= 0:
-                v[i] -= impulse[a] * gradients[k, slot] / scratch.guides[i, 0]
+                v[i] -= impulse[a] * scratch.dense[a, i]
         force = gaps[k, 2] + impulse[a] / step
         # a contact at its bound carries nothing, not the rounding of the difference
         gaps[k, 2] = force if laws[k] < 0 or (held[a] == 0 and force > 0.0) else 0.0
@@ -162,7 +182,7 @@ def damp(index, laws, scratch, step, now, v):
 @njit(forceinline=True, **OPTIONS)
 def guide(body, scratch, step, now, v):
     """Slow ``v`` in the guides, and fill ``guides``: the mass that an impulse of this step moves,
-    the guide's impulse per rate, its theta and the root of that mass.
+    the guide's impulse per rate, its theta and one over that mass.
 
     The guide acts on (1 - theta) v_before + theta v_after, so that it is solved together with the
     impulses that follow: slowed after them instead, a valve drifted through its stiff contacts.
@@ -178,8 +198,8 @@ def guide(body, scratch, step, now, v):
             )
             theta = _mean_share(now, drag / mass)
             guides[i, 0], guides[i, 1], guides[i, 2] = mass + theta * drag, drag, theta
-            v[i] = (mass * v[i] - (1.0 - theta) * drag * old[i]) / guides[i, 0]
-        guides[i, 3] = math.sqrt(guides[i, 0])
+            guides[i, 3] = 1.0 / guides[i, 0]
+            v[i] = (mass * v[i] - (1.0 - theta) * drag * old[i]) * guides[i, 3]
 
 
 @njit(forceinline=True, **OPTIONS)

@@ -63,14 +63,14 @@ def rub(train, q, cam_angle, cam_speed, step, v, scratch):
             i = index[k, slot]
             if i >= 0:
                 free += slides[k, slot] * v[i]
-                mobility += slides[k, slot] * slides[k, slot] / scratch.guides[i, 0]
+                mobility += slides[k, slot] * slides[k, slot] * scratch.guides[i, 3]
         limit = step * friction[k, 0] * gaps[k, 2]
         after = slowed(free, limit * mobility, friction[k, 1])
         impulse = limit * math.tanh(after / friction[k, 1])
         for slot in range(SLIDING_SLOTS):
             i = index[k, slot]
             if i >= 0:
-                v[i] -= impulse * slides[k, slot] / scratch.guides[i, 0]
+                v[i] -= impulse * slides[k, slot] * scratch.guides[i, 3]
         rubbing[k, 0], rubbing[k, 1] = impulse, driven
 
 

@@ -40,7 +40,7 @@ from valvetrain.contact.kernels import (
 )
 from valvetrain.contact.own_law import call_law
 from valvetrain.integrate.spring_slot import write_contacts
-from valvetrain.integrate.train_damping import damp, guide, losses
+from valvetrain.integrate.train_damping import damp, guide, losses, meet_neighbours
 from valvetrain.integrate.train_friction import friction_loss, rub
 from valvetrain.integrate.train_impacts import finest_step, meets_damper, parts_of
 from valvetrain.integrate.train_log import (
@@ -196,17 +196,17 @@ def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extreme
 
 
 @njit(forceinline=True, **OPTIONS)
-def _kick(index, body, gaps, gradients, step, v):
+def _kick(index, body, gaps, gradients, guides, step, v):
     """Velocity change by constant and rate-free forces."""
     for i in range(v.shape[0]):
-        v[i] += step * body[i, 1] / body[i, 0]
+        v[i] += step * body[i, 1] * guides[i, 4]
     for k in range(index.shape[0]):
         if gaps[k, 2] != 0.0:
+            impulse = step * gaps[k, 2]
             for slot in range(4):
-                if index[k, slot] >= 0:
-                    v[index[k, slot]] -= (
-                        step * gaps[k, 2] * gradients[k, slot] / body[index[k, slot], 0]
-                    )
+                i = index[k, slot]
+                if i >= 0:
+                    v[i] -= impulse * gradients[k, slot] * guides[i, 4]
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -225,7 +225,7 @@ def _accelerations(index, scratch, step, v):
                 i = index[k, slot]
                 if i >= 0:
                     scratch.accelerations[i] -= (
-                        missing * scratch.gradients[k, slot] / scratch.guides[i, 0]
+                        missing * scratch.gradients[k, slot] * scratch.guides[i, 3]
                     )
 
 
@@ -297,7 +297,10 @@ def _record(row, records, q, v, now, cam_angle, power, scratch, clock):
 
 @njit(forceinline=True, **OPTIONS)
 def _begin(train, motion, scratch):
-    """Penetrations at the start and, by their rates, one step before it."""
+    """Penetrations at the start and, by their rates, one step before it; masses and neighbours."""
+    meet_neighbours(train.coordinate_of, scratch.neighbour)
+    for i in range(motion.q.shape[0]):
+        scratch.guides[i, 3] = scratch.guides[i, 4] = 1.0 / train.body[i, 0]
     for k in range(train.laws.shape[0]):
         pen, _, rate = _gap(
             k, train, motion.q, motion.v, motion.clock[0], motion.clock[1], scratch.gradients
@@ -415,8 +418,8 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
         pull = (
             clock[4] + clock[6] + (1.0 - ahead / step) * change
         )  # inside a step the springs' force continues as it came
-        _kick(index, body, gaps, scratch.gradients, kick, v)
-        v[retainer] -= kick * pull / body[retainer, 0]
+        _kick(index, body, gaps, scratch.gradients, scratch.guides, kick, v)
+        v[retainer] -= kick * pull * scratch.guides[retainer, 4]
         pressed = 0.0
         if gas_coordinate >= 0:
             pressed, _, _ = table_value(train.gas, 0, cam_angle)
@@ -478,12 +481,16 @@ def scratch_of(n, count, states):
         np.zeros(n),
         np.zeros(n),
         np.zeros(n),
+        np.zeros(n),
+        np.zeros(n, dtype=np.int64),
+        np.zeros(n, dtype=np.int64),
+        np.zeros(n, dtype=np.int64),
         np.zeros(n, dtype=np.int64),
         np.zeros(n, dtype=np.int64),
         np.zeros((n, 2)),
         np.zeros((n, 4)),
         np.zeros(n, dtype=np.int64),
-        np.zeros((count, 4)),
+        np.zeros((count, 5)),
         np.zeros(n),
         np.zeros(n),
         np.zeros((n, 4)),

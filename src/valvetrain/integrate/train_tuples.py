@@ -117,10 +117,10 @@ class Scratch(NamedTuple):
     ``old`` (N,): velocities before the step. ``gaps`` (n, 4): penetration, gap rate of the cam
     alone, rate-free force that becomes the whole force, damping coefficient. ``gradients`` (n, 4)
     per coordinate slot, ``slides`` (n, 2) of the first two; ``rubbing`` (n, 2): friction impulse,
-    sliding of the cam. ``matrix`` to ``held``: the damping solve. ``before`` (n, 2): penetrations
+    sliding of the cam. ``matrix`` to ``neighbour``: the damping solve. ``before`` (n, 2): penetrations
     one and two steps ago. ``track`` (n, 4): largest gap, its cam angle and largest force since the
     last transition, force of the step before; ``latest`` (n,): its row, -1 for none. ``guides`` (N,
-    3): see ``train_damping.guide``. ``rate``, ``bend`` (n,): rate of the penetration before the
+    5): see ``train_damping.guide``, and last one over the mass of the body alone. ``rate``, ``bend`` (n,): rate of the penetration before the
     step, and by how much it exceeds the change of the penetration. ``impacts`` (n, 4): see
     ``train_impacts.finest_step``; ``trial``: copy of the memory of all laws. ``share`` (n,): part of
     the kick in which a contact's damper acts, 1 but in the step of its touch. ``accelerations``
@@ -137,8 +137,12 @@ class Scratch(NamedTuple):
     right: Array
     diagonal: Array
     impulse: Array
+    row: Array
     rows: Integers
     held: Integers
+    lowest: Integers
+    place: Integers
+    neighbour: Integers
     before: Array
     track: Array
     latest: Integers
