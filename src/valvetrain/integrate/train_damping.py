@@ -167,13 +167,14 @@ def damp(index, laws, scratch, step, now, v):
         _solve(count, index, scratch)
         if _exchange(count, index, laws, scratch, step, 4 * count < trial) == 0:
             break
+    per_step = 1.0 / step
     for a in range(count):
         k = rows[a]
         for slot in range(4):
             i = index[k, slot]
             if i >= 0:
                 v[i] -= impulse[a] * scratch.dense[a, i]
-        force = gaps[k, 2] + impulse[a] / step
+        force = gaps[k, 2] + impulse[a] * per_step
         # a contact at its bound carries nothing, not the rounding of the difference
         gaps[k, 2] = force if laws[k] < 0 or (held[a] == 0 and force > 0.0) else 0.0
     return count

@@ -162,6 +162,7 @@ def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extreme
     coefficient.
     """
     law_parameters, gaps, law_state = train.law_parameters, scratch.gaps, motion.law_state
+    per_elapsed = 1.0 / elapsed if elapsed > 0.0 else 0.0
     for k in range(train.laws.shape[0]):
         law = train.laws[k]
         pen, driven, rate = _gap(
@@ -170,7 +171,7 @@ def gaps_and_laws(train, motion, cam_angle, cam_speed, elapsed, scratch, extreme
         gaps[k, 0], gaps[k, 1], gaps[k, 2], gaps[k, 3] = pen, driven, 0.0, 0.0
         scratch.rate[k] = rate
         if elapsed > 0.0:
-            scratch.bend[k] = rate - (pen - scratch.before[k, 0]) / elapsed
+            scratch.bend[k] = rate - (pen - scratch.before[k, 0]) * per_elapsed
         if 0 <= law < OWN_LAW:
             impact_rate = 0.0
             if law == LANKARANI_NIKRAVESH or law == FLORES:

@@ -21,8 +21,8 @@ def table_value(tables, place_of_table, cam_angle):
     one turn, periodic; with a jump of the second derivative inside a cell of (m, nodes, 5).
     """
     nodes, m = tables.shape[1], place_of_table
-    spacing = 2.0 * math.pi / nodes
-    place = cam_angle / spacing
+    spacing, per_spacing = 2.0 * math.pi / nodes, nodes / (2.0 * math.pi)
+    place = cam_angle * per_spacing
     cell = math.floor(place)
     t = place - cell
     left = int(cell) % nodes
@@ -55,7 +55,7 @@ def table_value(tables, place_of_table, cam_angle):
         level += 0.5 * jump * beyond * beyond
         first += jump * beyond
         second += jump
-    return level, first / spacing, second / (spacing * spacing)
+    return level, first * per_spacing, second * per_spacing * per_spacing
 
 
 @njit(forceinline=True, **OPTIONS)
@@ -171,17 +171,19 @@ def _round_follower(k, geometry, tables, table_of, cam_angle, x, y, dx, dy, grad
     distance = math.sqrt(x * x + y * y)
     direction = math.atan2(y, x)
     away = direction - geometry[k, 9]
-    away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+    away -= 2.0 * math.pi * math.floor(away * (0.5 / math.pi) + 0.5)
     pitch, slope, bend = table_value(tables, table_of[k], cam_angle - geometry[k, 10] * away)
-    tangent = slope / pitch
-    cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
-    gap = pitch - distance
+    cosine = pitch / math.sqrt(pitch * pitch + slope * slope)
+    per_pitch, per_distance, gap = 1.0 / pitch, 1.0 / distance, pitch - distance
+    tangent = slope * per_pitch
     per_chi = (
         cosine * slope
-        - gap * tangent * (bend / pitch - tangent * tangent) * cosine * cosine * cosine
+        - gap * tangent * (bend * per_pitch - tangent * tangent) * cosine * cosine * cosine
     )
-    per_x = -cosine * x / distance + per_chi * geometry[k, 10] * y / (distance * distance)
-    per_y = -cosine * y / distance - per_chi * geometry[k, 10] * x / (distance * distance)
+    ex, ey = x * per_distance, y * per_distance
+    around = per_chi * geometry[k, 10] * per_distance
+    per_x = -cosine * ex + around * ey
+    per_y = -cosine * ey - around * ex
     gradients[k, 0] = per_x * dx + per_y * dy
     gradients[k, 1] = per_x * geometry[k, 6] + per_y * geometry[k, 7]
     return gap * cosine, per_chi

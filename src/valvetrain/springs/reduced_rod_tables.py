@@ -198,14 +198,13 @@ def _basis(
     closing = np.max([lift.overlap for lift in lifts], axis=0, initial=-np.inf) > 0
     for some, count in ((gradient[closing], CLOSING_SHAPES), (gradient, SHAPES)):
         if len(some):
+            # one coordinate beyond whole groups of a step would cost it as much as a group
+            count -= count == SHAPES and (shapes.shape[1] + SHAPES) % LANES == 1
             local = factor.T @ _under_forces(wire, shapes, some, count)
             basis = _extended(basis, local, 0.0)
             shapes = np.linalg.solve(factor.T, basis)
     squares, turn = np.linalg.eigh(shapes.T @ wire.stiffness @ shapes)
-    kept = int(np.sum(squares < (2 * np.pi * HIGHEST_FREQUENCY) ** 2))
-    if kept > 4 * LANES:  # the stiffest sets the step, and rows beside whole groups cost one more
-        kept -= kept % LANES
-    return (shapes @ turn)[:, :kept], middle
+    return (shapes @ turn)[:, squares < (2 * np.pi * HIGHEST_FREQUENCY) ** 2], middle
 
 
 def _under_forces(wire: CondensedRod, shapes: Array, gradient: Array, count: int) -> Array:
