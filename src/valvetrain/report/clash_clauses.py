@@ -16,6 +16,7 @@ from valvetrain.system.contract import TRAIN
 
 #: Models that resolve the wire, the finest first; others follow as they are.
 FINEST = ("solid", "finite-element", "wave-rod", "reduced-rod")
+AS_IT_CLOSES = " as the spring closes"
 
 
 def strikes(run: Solution) -> list[Event]:
@@ -54,17 +55,19 @@ def clash_clauses(runs: Runs, brief: bool) -> list[Clause]:
     hardest = max(strikes(run), key=lambda one: one.size, default=None)
     if hardest and not brief:
         text += f", {_hardest_text(runs, run, hardest)}"
+    if count:  # the clash itself says that the spring closes
+        closed = closed.removesuffix(AS_IT_CLOSES)
     parts = [text, closed] if closed and not brief else [text]
     about = run if (count or closed) and len(runs.solutions) > 1 else None
     return [Clause(part, about, lost=count > 0 and part == text) for part in parts]
 
 
 def resting_text(run: Solution) -> str:
-    """``coils 1–2 and 6–7 close as the spring is compressed``; empty where none does."""
+    """``coils 1–2 and 6–7 rest on each other as the spring closes``; empty where none does."""
     pairs = sorted({clash_pair(one) for one in resting(run)})
     if not pairs:
         return ""
-    return f"coils {joined(pairs)} rest on each other as the spring closes"
+    return f"coils {joined(pairs)} rest on each other{AS_IT_CLOSES}"
 
 
 def _hardest_text(runs: Runs, run: Solution, hardest: Event) -> str:

@@ -195,8 +195,8 @@ def differences_from_rods(
     if not known:
         return {}, ()
     said = [
-        f"± of {REDUCED}: with the difference from its rod under the motion found; the seat force differs by up to "
-        f"{100 * max(one.rms for _, one in known):.2g} % (rms below 20 kHz)."
+        f"± of {REDUCED} holds the difference from its rod ({100 * max(one.rms for _, one in known):.2g} % "
+        "of the seat force below 20 kHz)."
     ]
     far = [
         f"{run.engine_speed * 30 / math.pi:.6g} rpm ({one.too_far})"

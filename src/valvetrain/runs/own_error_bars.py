@@ -66,8 +66,6 @@ SAME_SCATTER = {
 }
 #: Share of a value that its uncertainty may be without being named.
 LARGE = 0.05
-#: Names in the sentence on large error bars.
-MAX_NAMES = 3
 #: Numbers that get a bar where a run has them; counts jump.
 NAMES = tuple(
     name
@@ -377,22 +375,23 @@ def _sentences(
     ways = sorted({one.ratio for one in further}, reverse=True)
     none = f"none by {', '.join(dict.fromkeys(undivided))}"
     if rows and ways:
-        divided_by = " and ".join(
-            f"{max(one, 1 / one):.3g} times {'finer' if one > 1 else 'coarser'}" for one in ways
+        large = sorted(
+            (row for row in rows if row.numerical > LARGE * abs(row.value) and row.value),
+            key=lambda row: -row.numerical / abs(row.value),
         )
-        end = f"; {none}." if undivided else "."
-        yield f"± from runs {divided_by}, where columns allow (all: --json){end}"
+        names = list(dict.fromkeys(label_of(row.quantity).lower() for row in large))
+        more = f", {len(names) - 1} more" if len(names) > 1 else ""
+        over = f"; over {100 * LARGE:.0f} %: {names[0]}{more}" if names else ""
+        divided_by = [f"{max(one, 1 / one):.3g}" for one in ways]
+        if any(one > 1 for one in ways):
+            words = ["finer" if one > 1 else "coarser" for one in ways]
+            pairs = zip(divided_by, words, strict=True)
+            how = " and ".join(f"{number} times {word}" for number, word in pairs)
+        else:
+            how = f"{' and '.join(divided_by)} times coarser"
+        yield f"± from runs {how} (all: --json){over}{f'; {none}' if undivided else ''}."
     elif undivided and not rows:
         yield f"No error bars: {none}, whose spring has no division."
-    large = sorted(
-        (row for row in rows if row.numerical > LARGE * abs(row.value) and row.value),
-        key=lambda row: -row.numerical / abs(row.value),
-    )
-    if large:
-        names = list(dict.fromkeys(label_of(row.quantity).lower() for row in large))
-        more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
-        named = f"{', '.join(names[:MAX_NAMES])}{more}"
-        yield f"Uncertain by more than {100 * LARGE:.0f} %: {named}."
     if without:
         more = f" and {len(without) - 3} more" if len(without) > 3 else ""
         yield f"No error bar of {', '.join(without[:3])}{more}: that run or its repeat did not settle."
