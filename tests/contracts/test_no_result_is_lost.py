@@ -137,7 +137,9 @@ def test_a_figure_that_fails_is_named_and_the_others_are_drawn(tmp_path, monkeyp
         monkeypatch.setattr(
             plotly_chart,
             "to_json",
-            lambda chart, bad=key: broken() if chart.key == bad else usual_page(chart),
+            lambda chart, opening, bad=key: (
+                broken() if chart.key == bad else usual_page(chart, opening)
+            ),
         )
         monkeypatch.setattr(
             write, "svg", lambda chart, bad=key: broken() if chart.key == bad else usual_svg(chart)

@@ -87,7 +87,7 @@ def test_terminal_page_and_json_say_why(text, tmp_path):
         for one in json.loads((tmp_path / "out" / "run.json").read_text())["notes"]
         if sentence in one
     ]
-    assert "multi-mass at 4000 rpm" in note and "closed at" in note
+    assert "multi-mass at 4000 rpm" in note and "solid at" in note
     assert sentence in (tmp_path / "out" / "report.html").read_text()
 
 

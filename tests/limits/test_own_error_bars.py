@@ -71,7 +71,7 @@ def bar_by_hand(name: str, order: float, further: dict[float, float]) -> float:
         (own_error_bars._Further(SimpleNamespace(member=member), ratio, order, None), {name: value})
         for ratio, value in further.items()
     ]
-    (row,) = own_error_bars._rows(run, ways)
+    (row,) = own_error_bars._rows(run, ways, {})
     return row.numerical
 
 

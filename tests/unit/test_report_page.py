@@ -261,10 +261,10 @@ def test_a_figure_that_cannot_be_rendered_is_a_named_gap(monkeypatch):
 
     whole = plotly_chart.to_json
 
-    def broken(chart):
+    def broken(chart, opening):
         if chart.key == "force-seat":
             raise ValueError("no such luck")
-        return whole(chart)
+        return whole(chart, opening)
 
     monkeypatch.setattr(plotly_chart, "to_json", broken)
     html = render(study_page(own_study()))

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from valvetrain.integrate.clash import RESTS, STRIKES
 from valvetrain.report.clauses import Clause, Runs, Worst, counted, joined
-from valvetrain.report.headlines import clash_pair, peak_angle
+from valvetrain.report.text import clash_pair, peak_angle
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.system.contract import TRAIN

@@ -9,8 +9,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from valvetrain.quantities.limits import MARK, PassedLimit, passed_limits
+from valvetrain.report.control import range_in_use
 from valvetrain.report.run_summary import critical_rows, searched
-from valvetrain.report.text import number, quantity_label, rpm_text, speed_text
+from valvetrain.report.text import (
+    clash_pair,
+    number,
+    peak_angle,
+    quantity_label,
+    rpm_text,
+    speed_text,
+)
 from valvetrain.solution.definition import definition_of, names_for, shown, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -121,19 +129,11 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
     return tuple(rows)
 
 
-def _range_in_use(study: Study) -> tuple[float, str]:
-    from valvetrain.report.control import (
-        range_in_use,  # whose clauses on clashes import this module
-    )
-
-    return range_in_use(study)
-
-
 def _in_use(study: Study, column: HeadlineColumn, runs: list[Solution]) -> list[Solution]:
     """Of a sweep the runs up to the red line, or while control is kept; all of them where none is."""
     if column.engine_speed is not None or not study.solutions:
         return runs
-    limit, _ = _range_in_use(study)
+    limit, _ = range_in_use(study)
     return [run for run in runs if run.engine_speed <= limit] or runs
 
 
@@ -151,7 +151,7 @@ def _beyond(
     if all(value is None for value, _ in found):
         return None
     values, speeds = zip(*found, strict=True)
-    label = f"beyond {_range_in_use(study)[1]}"
+    label = f"beyond {range_in_use(study)[1]}"
     return replace(row, label=label, values=values, engine_speeds=speeds, passed=tuple(passed))
 
 
@@ -196,21 +196,6 @@ def clashes_of(run: Solution) -> tuple[Event, ...]:
             key=lambda event: (-_detail(event, "energy"), -_detail(event, "impulse"), event.time),
         )
     )
-
-
-def peak_angle(event: Event) -> float:
-    """Cam angle (deg) at which the force of a clash is largest; where it begins, if that is not known."""
-    angle = event.details.get("peak_cam_angle", event.cam_angle)
-    return math.degrees(float(angle)) % 360
-
-
-def clash_pair(event: Event) -> str:
-    """The coils that met, with the spring where there are two: ``1–2``, ``outer 1–2``."""
-    detail = event.details
-    pair = "–".join(
-        number(float(detail[name]), 3) for name in ("lower_coil", "upper_coil") if name in detail
-    )
-    return event.where.partition("coils")[0] + pair if pair else event.where
 
 
 def largest_clash_rows(

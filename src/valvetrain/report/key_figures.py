@@ -111,7 +111,7 @@ def _of_each(study: Study) -> Iterator[tuple[str, str]]:
         same = len(set(values.values())) == 1 and len(values) == len(known)
         texts = [
             value
-            + (f" ({names[label]})" if len(known) > 1 and not same else "")
+            + (f" ({names[label]})" if len(known) > 1 and not (same and alike) else "")
             + ("" if alike else places[label])
             for label, value in values.items()
         ]

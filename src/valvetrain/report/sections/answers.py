@@ -12,14 +12,12 @@ from valvetrain.report import theme
 from valvetrain.report.headlines import (
     NAMED_CLASHES,
     HeadlineRow,
-    clash_pair,
     clash_size,
     clashes_of,
     headline_columns,
     headline_rows,
     largest_clash_rows,
     limit_sentences,
-    peak_angle,
 )
 from valvetrain.report.page import (
     Block,
@@ -35,7 +33,15 @@ from valvetrain.report.page import (
 )
 from valvetrain.report.run_charts import line_styles
 from valvetrain.report.run_summary import fidelity_notes, reach_rows, reason_for, share, speed_axis
-from valvetrain.report.text import number, quantity_label, rpm_text, speed_text, unit_text
+from valvetrain.report.text import (
+    clash_pair,
+    number,
+    peak_angle,
+    quantity_label,
+    rpm_text,
+    speed_text,
+    unit_text,
+)
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import topics
 from valvetrain.solution.fidelity import GOOD, MISSING, OPEN, POOR, FidelityMap, FidelityRow
