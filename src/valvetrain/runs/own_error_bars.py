@@ -384,9 +384,9 @@ def _sentences(
         over = f"; over {100 * LARGE:.0f} %: {names[0]}{more}" if names else ""
         divided_by = [f"{max(one, 1 / one):.3g}" for one in ways]
         if any(one > 1 for one in ways):
-            words = ["finer" if one > 1 else "coarser" for one in ways]
-            pairs = zip(divided_by, words, strict=True)
-            how = " and ".join(f"{number} times {word}" for number, word in pairs)
+            sides = ["finer" if one > 1 else "coarser" for one in ways]
+            pairs = zip(divided_by, sides, strict=True)
+            how = " and ".join(f"{number} times {side}" for number, side in pairs)
         else:
             how = f"{' and '.join(divided_by)} times coarser"
         yield f"± from runs {how} (all: --json){over}{f'; {none}' if undivided else ''}."
