@@ -17,8 +17,8 @@ def _mean_share(now, z):
 
 @njit(forceinline=True, **OPTIONS)
 def meet_neighbours(index, neighbour):
-    """Fill ``neighbour`` (n,): for each interaction the first one that shares a coordinate with it or
-    with which it shares none, itself.
+    """Fill ``neighbour`` (n,): for each interaction the first that shares a coordinate with it, itself
+    where none before it does.
     """
     for k in range(index.shape[0]):
         neighbour[k] = k

@@ -55,8 +55,8 @@ def clash_clauses(runs: Runs, brief: bool) -> list[Clause]:
     hardest = max(strikes(run), key=lambda one: one.size, default=None)
     if hardest and not brief:
         text += f", {_hardest_text(runs, run, hardest)}"
-    if count:  # the clash itself says that the spring closes
-        closed = closed.removesuffix(AS_IT_CLOSES)
+    if count:
+        closed = closed.replace(AS_IT_CLOSES, " at lift")
     parts = [text, closed] if closed and not brief else [text]
     about = run if (count or closed) and len(runs.solutions) > 1 else None
     return [Clause(part, about, lost=count > 0 and part == text) for part in parts]

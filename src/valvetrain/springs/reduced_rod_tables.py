@@ -198,8 +198,8 @@ def _basis(
     closing = np.max([lift.overlap for lift in lifts], axis=0, initial=-np.inf) > 0
     for some, count in ((gradient[closing], CLOSING_SHAPES), (gradient, SHAPES)):
         if len(some):
-            # one coordinate beyond whole groups of a step would cost it as much as a group
-            count -= count == SHAPES and (shapes.shape[1] + SHAPES) % LANES == 1
+            if some is gradient and (shapes.shape[1] + count) % LANES == 1:
+                count -= 1  # one coordinate beyond whole groups costs a step as much as a group
             local = factor.T @ _under_forces(wire, shapes, some, count)
             basis = _extended(basis, local, 0.0)
             shapes = np.linalg.solve(factor.T, basis)
