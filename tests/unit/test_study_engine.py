@@ -4,7 +4,6 @@ with lost workers and stops.
 
 from __future__ import annotations
 
-import time
 import tracemalloc
 from pathlib import Path
 
@@ -22,6 +21,7 @@ from valvetrain.explore.study import (
 )
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.workers import Lost
+from yardstick import quickest
 
 TEXT = """
 case = "gu2021-beehive-blind"
@@ -66,10 +66,14 @@ class Instant:
 
 def test_a_point_costs_the_engine_less_than_a_millisecond(tmp_path):
     """Processor time of this process, digest, store and table included, on disk."""
-    plan = plan_of(60)
-    begun = time.process_time()
-    table = run_points(plan, Instant(), tmp_path / "points", Limits(1e9, 1e12))
-    assert (time.process_time() - begun) / len(table) < 1e-3
+    plan, folders = plan_of(60), iter("abc")
+    tables = []
+
+    def anew():
+        tables.append(run_points(plan, Instant(), tmp_path / next(folders), Limits(1e9, 1e12)))
+
+    taken, table = quickest(anew), tables[0]
+    assert taken / len(table) < 1e-3
     assert np.array_equal(table.values, table.inputs)
 
 

@@ -7,7 +7,6 @@ a known curve.
 from __future__ import annotations
 
 import json
-import time
 
 import numpy as np
 import pytest
@@ -21,9 +20,11 @@ from valvetrain.report.page import Cards, Figure, Grid, Motion, Text, _all, rend
 from valvetrain.report.plotly_chart import figure
 from valvetrain.report.read_page import PageFigure, PageMotion, PageSentence, PageTable, sections_of
 from valvetrain.runs.saved_runs import Inputs, save_run
+from valvetrain.workbench import answers
 from valvetrain.workbench.answers import compare, figures, numbers, overlay, saved_study, sections
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL
+from yardstick import quickest
 
 
 @pytest.fixture(scope="module")
@@ -144,9 +145,13 @@ def test_numbers_stand_in_the_units_shown_what_is_asked_first_in_front(runs):
 
 def test_figures_come_quickly(runs):
     """Within 300 ms of processor time, plotly's own text included in the page."""
-    begun = time.process_time()
+
+    def read_anew():
+        answers._read.cache_clear()
+        figures(runs[0])
+
+    assert quickest(read_anew) < 0.3
     read = figures(runs[0])
-    assert time.process_time() - begun < 0.3
     assert {"force-seat", "force-retainer"} <= {one.key for one in read}
     assert sections(runs[0]) == sections(runs[0])
 
