@@ -48,7 +48,7 @@ MAX_COSTS = 3
 #: Share within which values are no better than each other, and points of that kind that are named.
 ALIKE, MAX_ALIKE = 0.01, 2
 #: Further changes of a list that are named behind the largest.
-MAX_NEXT = 3
+MAX_NEXT = 5
 #: Outputs by which springs are judged before all others, for by them they break.
 STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "nominal_peak_shear_stress")
 #: Share up to which the gain of a grid over what it is held against is called an only.
@@ -93,15 +93,17 @@ def study_verdict(table: StudyTable) -> str:
 
 
 def judged_output(table: StudyTable) -> str:
-    """The output that the sentence is about: of chosen points one that the motion gives, for the best
-    of what was put in is no finding; empty where none is known.
+    """The output that the sentence is about: of chosen points a stress, else a limit speed that is
+    searched, else one that the motion gives, for the best of what was put in is no finding; empty
+    where none is known.
     """
     known = [one for one in table.outputs if _known(table, one)]
     if not is_chosen(table):
         return next(iter(known), "")
     stress = (one for bare in STRESSES for one in known if _bare(one) == bare)
-    moved = (one for one in known if not _installed(one))
-    return next(stress, next(moved, next(iter(known), "")))
+    limits = {one.name for one in table.plan.experiment.outputs.limit_speeds}
+    moved = sorted((one for one in known if not _installed(one)), key=lambda one: one not in limits)
+    return next(stress, next(iter(moved), next(iter(known), "")))
 
 
 def _known(table: StudyTable, name: str) -> bool:
@@ -194,12 +196,11 @@ def _costs(
         else:
             side = gains if (own[best] > ideal) == larger else costs
             side.append(f"{text} against {value_text(one, ideal)}")
-    parts = [
-        f"{verb} {joined(some[:MAX_COSTS])}"
-        for verb, some in (("gains", gains), ("costs", costs))
+    said = "".join(
+        f"; {word} there: {joined(some[:MAX_COSTS])}"
+        for word, some in (("better", gains), ("worse", costs))
         if some
-    ]
-    said = f"; it {' and '.join(parts)}" if parts else ""
+    )
     return said + (_timing(table, best, base) if held and base is not None else "")
 
 

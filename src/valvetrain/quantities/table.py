@@ -202,7 +202,7 @@ RUNS: tuple[QuantityRow, ...] = (
     both("largest_clash_energy", "largest clash energy",
         "Largest energy stored at one time in the contacts that one clash presses.", sense=LESS),
     both("largest_clash_impulse", "largest clash impulse",
-        "Largest impulse that coils give each other within 0.3 ms beyond the force they hold before and after: the blow, without "
+        "Largest impulse that coils give each other within 0.3 ms beyond the force they hold before and after: the impact, without "
         "the load of coils that rest on each other.", sense=LESS, topic=CLASH, uses=("study", "page")),
     *with_angle(both("peak_shear_stress", "peak shear stress",
         "Largest shear stress at the inner fibre over wire and cycle, curvature and direct shear included.", sense=LESS,
