@@ -296,7 +296,10 @@ def test_error_bars_are_named_once_known_and_never_computed_for_it():
 @pytest.mark.parametrize(
     ("bar", "said"),
     [
-        (0.98, "seating velocity 0.542 ± 0.98 m/s, not resolved from the 0.52 m/s called smooth."),
+        (
+            0.98,
+            "seating velocity 0.542 m/s with an error bar of 0.98 m/s, not resolved from the 0.52 m/s called smooth.",
+        ),
         (0.01, "seating velocity 0.542 m/s, above the 0.52 m/s called smooth."),
     ],
 )
@@ -478,6 +481,32 @@ def test_a_stress_that_is_capped_at_solid_says_so():
         assert said == f"100 to {peak / 1e6:.0f} MPa{' (that of the solid spring: the peak force is above)' * capped}"  # fmt: skip
 
 
+def test_a_capped_stress_of_a_pair_and_of_a_force_below_zero_says_so():
+    """Closed form: a spring of 1 MPa/N solid at 800 N, by itself with −100 to 900 N, and as the outer one of a pair,
+    whose largest stress had no such remark.
+    """
+    name, least = "nominal_peak_shear_stress", "nominal_minimum_shear_stress"
+    remark = " (that of the solid spring: the peak force is above)"
+    forces = {"minimum_spring_force": -100.0, "peak_spring_force": 900.0}
+    (run,) = train({name: 8e8, least: -1e8, **forces}).solutions
+    alone = replace(run, provenance=replace(run.provenance, springs=("spring",)))
+    assert Runs((alone,)).bounded(Worst(name, 8e8, alone)) == f"−100 to 800 MPa{remark}"
+    pair = replace(run, provenance=replace(run.provenance, springs=("outer", "inner")))
+    values = {name: 8e8, f"outer_{name}": 8e8, f"inner_{name}": 6e8}
+    for force, capped in ((900.0, True), (800.0, False)):
+        logged = {"outer_minimum_spring_force": 100.0, "outer_peak_spring_force": force}
+        found = {**values, least: 1e8, f"outer_{least}": 1e8}
+        one = replace(pair, quantities=found, statistics=logged)
+        assert Runs((one,)).bounded(Worst(name, 8e8, one)) == f"100 to 800 MPa{remark * capped}"
+        still = replace(
+            one,
+            quantities={**found, f"outer_{least}": 0.0},
+            statistics={**logged, "outer_minimum_spring_force": 0.0},
+        )
+        said = Runs((still, one)).bounded(Worst(name, 8e8, still))
+        assert (remark in said) is capped
+
+
 def test_a_sentence_opens_with_the_doubt_of_a_model_that_does_not_hold():
     """Contract: a note said that coils clash too hard for the model, behind firm numbers."""
     said = ("± of reduced-rod: ...", "Coils clash or swing too hard for reduced-rod at 6000 rpm (peak 2 %): take finite-element there.")  # fmt: skip
@@ -518,6 +547,8 @@ def test_the_hardest_clash_is_told_with_its_error_bar():
     assert "hardest 584 N between coils 1–2" in study.verdict
     told = replace(study, error_bars=ErrorBars((row,))).verdict
     assert "hardest 584 ± 120 N between coils 1–2" in told
+    wide = replace(study, error_bars=ErrorBars((replace(row, numerical=700.0),))).verdict
+    assert "hardest not resolved (584 N with an error bar of 700 N) between coils 1–2" in wide
 
 
 def test_the_clash_of_the_finest_model_is_told():

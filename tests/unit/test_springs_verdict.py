@@ -23,7 +23,7 @@ from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing
 from valvetrain.solution.netcdf import load_result
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Event, Status
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 
@@ -130,8 +130,66 @@ def test_wide_error_bars_stand_in_the_sentence_and_hide_a_surge_below_them():
     swept = replace(pair("sweep", wide), between=())
     assert "Worst surge amplitude 340 ± 47 N at 6000 rpm" in swept.verdict
     hidden = replace(swept, error_bars=ErrorBars((bar("light", 6000, 340.0, 400.0),)))
-    assert hidden.verdict.endswith("Worst surge amplitude 340 ± 400 N at 6000 rpm, not resolved.")
+    assert hidden.verdict.endswith("Worst surge amplitude 340 N with an error bar of 400 N at 6000 rpm, not resolved.")  # fmt: skip
     assert "urge not resolved" in replace(hidden, command="compare-springs").verdict
+
+
+def lost_at(label: str, speed: float, kind: str = "contact-loss") -> CriticalSpeed:
+    return CriticalSpeed(label, kind, 0.0, 6000 * RPM, 7000 * RPM, RPM, True, "cam",
+                         Crossing(SpeedBracket(speed * RPM, (speed + 1) * RPM)), nominal_engine_speed=speed * RPM)  # fmt: skip
+
+
+def test_two_springs_are_weighed_at_the_speeds_in_use():
+    """Contract: surge, clash and stress were those of speeds at which a spring had lost control long before, and named
+    the other winner.
+    """
+    rows = CriticalSpeeds((lost_at("heavy, modal-uniform", 6300), lost_at("light, modal-uniform", 6600)))  # fmt: skip
+    study = replace(pair(), critical_speeds=rows)
+    assert study.verdict.endswith(
+        "up to 6300 rpm heavy surges less (280 N against 340 N); at all speeds light surges less (393 N against 476 N)."
+    )
+    red = replace(study, record=replace(study.record, red_line=6500 * RPM))
+    assert "; up to 6500 rpm light surges less (340 N against 476 N); at all speeds " in red.verdict
+    beyond = {"heavy": 0.5, "light": 2.0}
+    stress = [
+        replace(
+            one,
+            quantities={
+                **one.quantities,
+                "nominal_peak_shear_stress": (9e8 if one.spring_set == "heavy" else 8e8)
+                * (beyond[one.spring_set] if one.engine_speed > 6500 * RPM else 1.0),
+            },
+        )
+        for one in study.solutions
+    ]
+    assert replace(study, solutions=tuple(stress), between=()).verdict.startswith(
+        "Up to 6300 rpm heavy is stressed more, so of equal wires it breaks first (peak 900 MPa against 800 MPa)"
+    )
+
+
+def test_runs_that_end_beyond_control_come_after_control():
+    """Contract: the page of a pushrod controlled to 7056 rpm opened with two runs at coil bind at 8500 and 8600 rpm, and
+    said it was clear of it.
+    """
+    bound = Status("coil-bind", "solid")
+    runs = (run("a", 6000, coil_bind_clearance=4e-4), *(replace(run("a", speed), status=bound) for speed in (6800, 7000)))  # fmt: skip
+    row = lost_at("a, modal-uniform", 6500)
+    study = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds((row,)))
+    said = study.verdict
+    assert said.startswith("Controlled to 6500 rpm, where contact is lost at the cam.")
+    assert "2 of 3 runs reached coil bind at 6800 and 7000 rpm" in said and "clear of" not in said
+    early = replace(study, critical_speeds=CriticalSpeeds((lost_at("a, modal-uniform", 6900),)))
+    assert early.verdict.startswith("2 of 3 runs reached coil bind at 6800 and 7000 rpm; ")
+
+
+def test_a_tile_says_beyond_only_what_reads_otherwise():
+    """Contract: "2.5 mm at 6000 rpm (beyond control 2.5 mm at 7000 rpm)", and two brackets in a row."""
+    row = lost_at("a, modal-uniform", 6500)
+    runs = tuple(run("a", speed, coil_bind_clearance=bind) for speed, bind in ((5000, 2.9e-3), (6000, 2.5004e-3), (7000, 2.4986e-3)))  # fmt: skip
+    study = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds((row,)))
+    assert dict(key_figures(study))["clearance to coil bind at full lift"] == "2.5 mm at 6000 rpm"
+    far = replace(study, solutions=(*runs[:2], run("a", 7000, coil_bind_clearance=2e-3)))
+    assert dict(key_figures(far))["clearance to coil bind at full lift"] == "2.5 mm at 6000 rpm (beyond control 2 mm at 7000 rpm)"  # fmt: skip
 
 
 def test_large_numbers_are_written_out():

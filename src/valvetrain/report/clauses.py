@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby
 
 from valvetrain.report.text import number, rpm, unit_text
-from valvetrain.solution.definition import shown
+from valvetrain.solution.definition import NESTED, shown
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import Uncertainty
@@ -97,10 +97,14 @@ class Runs:
         )
 
     def text(self, found: Worst, digits: int = 3) -> str:
-        """Value and unit as tables print them, with an error bar above 5 %."""
+        """Value and unit as tables print them, with an error bar above 5 %; one above the value in words,
+        for of a force it would reach below zero.
+        """
         value, bar = quantity_text(found.name, found.value, digits), self.bar(found)
         if not bar:
             return value
+        if bar > abs(found.value):
+            return f"{value} with an error bar of {quantity_text(found.name, bar, 2)}"
         # both in the unit of the larger, so that neither has needless noughts
         unit = quantity_text(found.name, max(abs(found.value), bar)).partition(" ")[2]
         value, size = (
@@ -122,15 +126,34 @@ class Runs:
         )
         if math.isfinite(least):
             text = f"{quantity_text(found.name, least).partition(' ')[0]} to {text}"
-        first = found.name.removesuffix(f"{STRESS}_shear_stress")
-        low, high = (self.value(run, f"{first}{one}_spring_force") for one in ("minimum", "peak"))
-        # beyond solid it no longer follows the force
-        if (first or len(run.springs) < 2) and found.value * low < (1 - 1e-6) * least * high:
+        if self._is_capped(found, run):
             text += " (that of the solid spring: the peak force is above)"
         if not math.isfinite(plain - bound):
             return text
         known = quantity_text(found.name, plain).partition(" ")[0]
         return f"{text}, uncorrected {known} of {quantity_text(found.name, bound)} permitted"
+
+    def _is_capped(self, found: Worst, run: Solution) -> bool:
+        """Whether a stress by EN 13906-1 is less than its peak force alone would make: beyond solid it no longer
+        follows the force. Stress per force is that of the least force, of any run of the spring where that is 0.
+        """
+        first = found.name.removesuffix(f"{STRESS}_shear_stress")
+        if not first and len(run.springs) > 1:  # that of a pair is of one of its springs
+            values = {f"{one}_": self.value(run, f"{one}_{found.name}") for one in NESTED}
+            first = next((one for one, value in values.items() if value == found.value), "")
+
+        def force(one: Solution, end: str) -> float:
+            name = f"{first}{end}_spring_force"
+            return float(one.quantities.get(name, one.statistics.get(name, math.nan)))
+
+        same = (one for one in (run, *self.solutions) if one.spring_set == run.spring_set)
+        ratios = (
+            self.value(one, f"{first}nominal_minimum_shear_stress") / low
+            for one in same
+            if (low := force(one, "minimum"))
+        )
+        per_force = next(filter(math.isfinite, ratios), math.nan)
+        return found.value < (1 - 1e-6) * per_force * force(run, "peak")
 
     def bar(self, found: Worst, above: float = COARSE) -> float:
         """The known error bar of a value where it is ``above`` that share of it, else 0."""
@@ -201,6 +224,15 @@ def joined(parts: Sequence[str], last: str = "and") -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {last} {parts[-1]}"
 
 
+def one_bracket(text: str) -> str:
+    """Brackets behind each other as one.
+
+    >>> one_bracket("2.2 mm (at rest) (wave-rod)")
+    '2.2 mm (at rest; wave-rod)'
+    """
+    return text.replace(") (", "; ")
+
+
 def sentence(parts: Sequence[str], condition: str = "") -> str:
     """Parts behind each other, as a sentence under a ``condition``; empty without any."""
     text = "; ".join(part for part in parts if part)
@@ -248,7 +280,7 @@ def clause_texts(clauses: Sequence[Clause], runs: Runs) -> list[str]:
         text = ", ".join(one.text for one in some)
         run = some[0].run
         where = runs.place(run) if several and run is not None else ""
-        found.append(f"{text} {where}".strip())
+        found.append(one_bracket(f"{text} {where}".strip()))
     return found
 
 
@@ -264,6 +296,9 @@ def ended_clauses(runs: Sequence[Solution]) -> list[str]:
             found.append(f"the run {did}{f' ({said})' if said else ''}")
             continue
         places = [every.place(run) for run in some]
+        if every.labels == 1 and 1 < len(places) <= 3:
+            speeds = [one.removeprefix("at ").removesuffix(" rpm") for one in places]
+            places = [f"at {joined(speeds)} rpm"]
         named = (
             f"{'; '.join(places[:3])}{f' and {len(places) - 3} more' if len(places) > 3 else ''}"
         )

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from valvetrain.quantities.table import EVENT_LIFTS
-from valvetrain.report.clauses import Runs, Worst, figure, joined, quantity_text
+from valvetrain.report.clauses import Runs, Worst, figure, joined, one_bracket, quantity_text
 from valvetrain.report.control import controlled_to, range_in_use, red_line_margin
 from valvetrain.report.run_clauses import judged_runs, worst_run
 from valvetrain.report.sweep_verdict import NO_SURGE, runs_over_speed
@@ -117,7 +117,10 @@ def _of_each(study: Study) -> Iterator[tuple[str, str]]:
         ]
         texts = texts[:1] if same and alike else texts
         if texts:
-            yield name, ", ".join(texts) + (next(iter(places.values())) if alike else "")
+            yield (
+                name,
+                one_bracket(", ".join(texts) + (next(iter(places.values())) if alike else "")),
+            )
 
 
 def _in_use(study: Study, runs: Runs) -> Runs:
@@ -133,7 +136,7 @@ def _beyond(study: Study, quantity: str, runs: Runs) -> str:
     """`` (beyond control 1573 MPa at 15000 rpm)``: an extreme that the speeds in use do not have; else empty."""
     least = EACH[quantity][1]
     used, every = (_worst(one, quantity, least) for one in (_in_use(study, runs), runs))
-    if used is None or every is None or used.value == every.value:
+    if used is None or every is None or _value(runs, used) == _value(runs, every):
         return ""
     return f" (beyond {range_in_use(study)[1]} {_value(runs, every)}{_place(runs, every)})"
 

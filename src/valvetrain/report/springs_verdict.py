@@ -15,7 +15,7 @@ from valvetrain.report.clauses import (
     parted,
     sentence,
 )
-from valvetrain.report.control import Control, control_of, span_text
+from valvetrain.report.control import Control, control_of, range_in_use, span_text
 from valvetrain.report.run_clauses import bind_clause, condition_of
 from valvetrain.report.springs_stress import stress_clause
 from valvetrain.report.sweep_verdict import runs_over_speed
@@ -47,18 +47,22 @@ NEVER = {
 
 
 def springs_verdict(study: Study) -> str:
-    """Which of two springs is better in what, over the speeds of the sweep and those between them."""
+    """Which of two springs is better in what, over the speeds of the sweep and those between them; stress,
+    surge and clash at those in use, then how surge and clash are beyond.
+    """
     names = [study.runs(label)[0].spring_set or label for label in study.labels[:2]]
     pair = _alike_speeds([runs_over_speed(study, label) for label in study.labels[:2]])
     found = ended_clauses([run for run in study.solutions if run.status.code != "not-converged"])
     found.append(_named(study.interruption, study, names))
-    stress, why = stress_clause(names, pair)
-    found.append(stress)
+    used, until = _in_use(study, pair)
+    stress, why = stress_clause(names, used)
+    found.append(f"{until} {stress}".strip() if stress else "")
     if len(study.critical_speeds):
         found += [_later_text(kind, study, names) for kind in LATER]
     found += _near_bind(names, pair)
     for quantity in SAID:
-        found.append(_better(quantity, names, pair))
+        found.append(_better(quantity, names, used, until))
+        found.append(_beyond(quantity, names, used, pair, until))
     found.append(_unknown(names, pair))
     first, rest = parted(found, [])
     if not first:
@@ -78,8 +82,31 @@ def _sentence(parts: list[str], names: list[str], condition: str = "") -> str:
     return parts[0] + text[len(parts[0]) :]
 
 
-def _better(quantity: str, names: list[str], pair: list[Runs]) -> str:
-    """Which spring has less of a quantity, or that its error bar hides it; empty where both are alike."""
+def _in_use(study: Study, pair: list[Runs]) -> tuple[list[Runs], str]:
+    """The runs of both springs at the speeds in use, and ``up to 7056 rpm``; all of them and empty text where
+    there are no others, or one spring has none.
+    """
+    limit, _ = range_in_use(study)
+    used = [
+        replace(runs, solutions=tuple(one for one in runs.solutions if one.engine_speed <= limit))
+        for runs in pair
+    ]
+    counts = [[len(runs.solutions) for runs in some] for some in (used, pair)]
+    if counts[0] == counts[1] or 0 in counts[0]:
+        return pair, ""
+    return used, f"up to {rpm(limit):.0f} rpm"
+
+
+def _beyond(quantity: str, names: list[str], used: list[Runs], pair: list[Runs], until: str) -> str:
+    """``at all speeds a surges less (...)`` where that differs from what holds in use; empty elsewhere."""
+    text = _better(quantity, names, pair) if until else ""
+    return f"at all speeds {text}" if text and text != _better(quantity, names, used) else ""
+
+
+def _better(quantity: str, names: list[str], pair: list[Runs], until: str = "") -> str:
+    """Which spring has less of a quantity ``until`` a speed, or that its error bar hides it; empty where both
+    are alike.
+    """
     word, noun, least = SAID[quantity]
     one, other = (runs.worst(quantity, False) for runs in pair)
     if one is None or other is None:
@@ -92,8 +119,8 @@ def _better(quantity: str, names: list[str], pair: list[Runs]) -> str:
     )
     against = f"({better} against {worse})"
     if not (known and other_known):
-        return f"{noun} not resolved {against}"
-    return f"{names[place]} {word} {against}"
+        return f"{noun} not resolved {until} {against}".replace("  ", " ")
+    return f"{until} {names[place]} {word} {against}".strip()
 
 
 def _unknown(names: list[str], pair: list[Runs]) -> str:

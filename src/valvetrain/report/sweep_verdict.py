@@ -66,20 +66,24 @@ def sweep_clauses(study: Study) -> tuple[list[str], list[str]]:
     """
     counts = [run for run in study.solutions if run.status.code in ("completed", "not-converged")]
     stopped = [one for one in ended_clauses(study.solutions) if ENDED["not-converged"] not in one]
-    stopped += [study.interruption] if study.interruption else []
+    left = [study.interruption] if study.interruption else []
     if not counts:
-        return stopped, []
+        return [*stopped, *left], []
     label = worst_label(study)
     runs = runs_over_speed(study, label)
     if not runs.solutions:
-        return stopped, []
+        return [*stopped, *left], []
     train = any(run.provenance.system == TRAIN for run in runs.solutions)
     first = control_clauses(study, label, runs) if train else _spring_forces(runs)
     first += _ended_between(study, label)
     bind, more = bind_clause(runs), list[str]()
     if bind is not None and SOLID in bind.text:
         first.insert(0, bind.text)
-    elif bind is not None and not (train and "clear of coil bind by" in bind.text):
+    elif (
+        bind is not None
+        and not (train and "clear of coil bind by" in bind.text)
+        and not _bound(study, label)
+    ):
         more.append(bind.text)
     if pulling := ends_that_pull(runs):
         where = speeds_text(pulling, runs.solutions)
@@ -96,7 +100,24 @@ def sweep_clauses(study: Study) -> tuple[list[str], list[str]]:
         first, more = more[:1], more[1:]
     if len(study.labels) > 1 and first:
         first[0] = f"{label if study.interruption else f'worst ({label})'}: {first[0]}"
-    return [*stopped, *first], more
+    if first and _beyond_control(study):
+        return [*left, *first], [*stopped, *more]
+    return [*stopped, *left, *first], more
+
+
+def _bound(study: Study, label: str) -> bool:
+    """Whether a run of a label reached coil bind, so that there is no clearance left."""
+    return any(run.status.code == "coil-bind" for run in study.runs(label))
+
+
+def _beyond_control(study: Study) -> bool:
+    """Whether every run that ended is faster than its label is controlled, so that it is no answer for engines in
+    use.
+    """
+    ended = [
+        run for run in study.solutions if run.status.code not in ("completed", "not-converged")
+    ]
+    return all(run.engine_speed > controlled_to(study, run.label) for run in ended)
 
 
 def runs_over_speed(study: Study, label: str) -> Runs:

@@ -101,7 +101,14 @@ def static_study(
     lift = largest_lift(problem)
     found: list[SpringAtRest] = []
     still: dict[str, dict[str, float]] = {}
-    for installed in problem.springs:
+    # springs of several sets share their names, and sentences speak of the first
+    in_use = "" if case.train is None else case.train.spring_set
+    springs = [
+        one
+        for member in problem.only(lambda one: one.spring_set == in_use)
+        for one in member.springs
+    ]
+    for installed in dict.fromkeys((*springs, *problem.springs)):
         spring = installed if compression is None else _compressed(installed, compression)
         end = _curve_end(spring, lift, largest_compression)
         models = tuple(spring_models) or (default_model(spring),)
