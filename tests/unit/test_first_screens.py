@@ -304,3 +304,14 @@ def test_the_motion_beside_a_loft_is_that_of_a_run_that_lofts():
     (block,) = motion_blocks(study)
     first = json.loads(block.data)["variants"][0]["words"]
     assert first == "performance, as printed, zeta 1, 4000 rpm"
+
+
+def test_the_motion_shows_a_model_that_the_figure_draws_and_names_it():
+    """Contract: of six models the rod with clash moved, which is not among the four curves beside it."""
+    models = "massless", "modal-uniform", "modal-varied", "wave-rod", "wave-rod-clash", "multi-mass"
+    study = simulate("job-t", "3000 rpm", spring_models=models, workers=1)
+    drawn = {one.name for one in opening_chart(study).panels[0].layers}
+    (block,) = motion_blocks(study)
+    first = json.loads(block.data)["variants"][0]["words"].removesuffix(", 3000 rpm")
+    assert first in drawn and "equivalent rod with clash" not in drawn
+    assert block.caption.startswith(f"{first}, 3000 rpm. The reported cam revolution")

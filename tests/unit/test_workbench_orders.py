@@ -12,6 +12,7 @@ from valvetrain.cli.options import read_names
 from valvetrain.errors import InputError
 from valvetrain.explore.study import read_plan, read_study_file
 from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.parameters.templates import template_text
 from valvetrain.runs.cost import Cost, Limits
 from valvetrain.runs.request_cost import RunRequest, request_cost, static_cost
 from valvetrain.workbench.pages.orders import choices_for, request_of, sets_for
@@ -144,3 +145,14 @@ def test_a_study_calls_its_quantity_as_the_form_does(tmp_path):
     plan = read_plan(read_study_file(path))
     assert plan.varied[0].shown_name == 'lash "cold"'
     assert "label" not in request_of("tdi-pushrod", STUDY).study
+
+
+def test_models_offered_are_those_of_the_spring_set_in_use():
+    """Contract: a bucket train by wire was offered no reduced rod, its own model, and ran by modes, for its file holds a
+    card in another set.
+    """
+    offered = choices_for(parse_case(template_text("direct"), "bucket"), (), {})["models"]
+    assert ticked(offered) == ["reduced-rod"]
+    card = template_text("direct").replace('spring_set = "stock"', 'spring_set = "stiff"')
+    names = [one["word"] for one in choices_for(parse_case(card, "bucket"), (), {})["models"]]
+    assert "reduced-rod" not in names and "modal-uniform" in names

@@ -16,6 +16,8 @@ from valvetrain.units.reader import reader_factor, reader_unit
 
 #: How the names of the stresses by EN 13906-1 begin, but for their spring.
 STRESS = "nominal_peak"
+#: Least number that is written with noughts in place of a power of ten.
+TINY = 1e-6
 #: Share of a value above which its error bar is named.
 COARSE = 0.05
 #: Words of the first sentence of a verdict over engine speed, which pages show in bold.
@@ -193,7 +195,14 @@ class Runs:
 
 
 def figure(value: float, digits: int = 3) -> str:
-    """A number as a sentence gives it: three digits, whole ones never rounded away."""
+    """A number as a sentence gives it: three digits, whole ones never rounded away, small ones without powers
+    of ten.
+
+    >>> figure(7.283e-5), figure(0.01234), figure(12345.6)
+    ('0.000073', '0.0123', '12346')
+    """
+    if TINY <= abs(value) < 1e-4:
+        return f"{value:.6f}".rstrip("0").replace("-", "−")
     return number(float(round(value)), 12) if abs(value) >= 10**digits else number(value, digits)
 
 

@@ -68,11 +68,8 @@ def run_chart(study: Study) -> Chart | None:
     """Lift and cam force of the worst speed of a train, the force of a spring alone; None without
     channels.
     """
-    run = worst_run(judged_runs(study)) or next(iter(study.solutions[::-1]), None)
-    if run is None:
-        return None
-    runs = _shown_runs(study, run, runs_at(study, run.engine_speed))
-    if not runs:
+    run, runs = _drawn_runs(study)
+    if run is None or not runs:
         return None
     train = any(one.provenance.system == TRAIN for one in runs)
     panels = _train_panels(study, runs) if train else _spring_panels(study, runs)
@@ -96,6 +93,12 @@ def run_chart(study: Study) -> Chart | None:
         1,
         height,
     )
+
+
+def _drawn_runs(study: Study) -> tuple[Solution | None, list[Solution]]:
+    """The worst run, else the last, and those of its speed that the figure draws."""
+    run = worst_run(judged_runs(study)) or next(iter(study.solutions[::-1]), None)
+    return run, [] if run is None else _shown_runs(study, run, runs_at(study, run.engine_speed))
 
 
 def _shown_runs(study: Study, worst: Solution, runs: list[Solution]) -> list[Solution]:
@@ -201,7 +204,8 @@ def motion_blocks(study: Study) -> tuple[Block, ...]:
         others = tuple(one for one in moving.variants if one is not first)
         moving = replace(moving, variants=(first, *others))
         caption = (
-            "The reported cam revolution, slowed. Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
+            f"{first.title}. The reported cam revolution, slowed. "
+            "Drag or use the arrow keys on the picture to turn it; space plays, arrow keys step by one cam "
             "degree, with shift by ten, page keys go from mark to mark. Triangles on the slider are peaks of the force, orange strokes "
             "clashes."
         )
@@ -212,14 +216,15 @@ def motion_blocks(study: Study) -> tuple[Block, ...]:
 
 def _first_shown(study: Study, variants: tuple[Variant, ...], worst: Solution | None) -> Variant:
     """The variant that shows most of its wire among those at the speed and of the spring set of the
-    worst run that lose contact if that does; the worst run itself where others show no more.
+    worst run that the figure draws and that lose contact if that does; the worst run itself where others show no
+    more.
     """
     if worst is None:
         return variants[0]
     flies = bool(losses_while_open(worst))
     alike = {
         run.label
-        for run in runs_at(study, worst.engine_speed)
+        for run in _drawn_runs(study)[1]
         if run.spring_set == worst.spring_set and bool(losses_while_open(run)) == flies
     }
     known = [

@@ -26,12 +26,11 @@ MIN_POINTS, MAX_POINTS, MAX_LABEL = 2, 200, 80
 
 
 def springs_of(case: Case) -> tuple[InstalledSpring, ...]:
-    """Every spring of a case, those of a train's sets included."""
-    return (
-        case.springs
-        if case.train is None
-        else tuple(spring for one in case.train.springs.values() for spring in one)
-    )
+    """Every spring of a case, of a train those of the set in use: a card in another set runs by fewer models."""
+    if case.train is None:
+        return case.springs
+    sets = case.train.springs
+    return tuple(sets[case.train.spring_set or next(iter(sets))]) if sets else ()
 
 
 def models_for(case: Case, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
