@@ -58,7 +58,7 @@ From the command line
     valvetrain compare gu2021-beehive-blind --spring finite-element,modal-varied,solid
 
 sets static curve and modes about the installed state side by side, in one page with its data files (`--json` for programs). The solid is
-the one the others are set against. What it will take is told before it begins; `--solid-elements-per-coil`, `--solid-core` and
+the reference there. The expected time is printed before it begins; `--solid-elements-per-coil`, `--solid-core` and
 `--solid-rings` refine the mesh, `--solid-time-limit` bounds each run. Modes are paired by the agreement of their shapes. With an
 `--engine-speed` the solid moves too, by bricks of our own ([theory](theory/solid-in-motion.md)), as in `valvetrain run --spring solid`.
 
