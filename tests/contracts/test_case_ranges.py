@@ -105,6 +105,7 @@ BETWEEN = {
     "options.finite-element.elements_per_coil": (4, 1000), "options.reduced-rod.elements_per_coil": (8, 200),
     "options.solid.elements_per_coil": (4, 1000), "options.solid.bricks_per_coil": (8, 400), "options.solid.brick_core": (2, 16),
     "options.solid.brick_rings": (1, 16), "options.solid.mass_scaling": (0, 20),
+    "options.solid.coil_friction": (0, 1), "options.solid.seat_friction": (0, 1),
     "options.solid.core": (1, 40), "options.solid.rings": (1, 40), "operation.output_step": (math.degrees(1e-4), math.degrees(0.5)),
     "train.lever.ratio": (0.1, 10), "cam-card.rocker_ratio": (0.2, 5), "polydyne.ramp_blend": (0.01, 1), "ramped.ramp_blend": (0.01, 1),
     "cam-card.ramp_blend": (0.01, 1), "shaped.ramp_blend": (0.01, 0.99), "ramped.nose_acceleration": (None, 0),

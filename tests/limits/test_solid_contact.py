@@ -45,6 +45,7 @@ def two_bars(gap: float) -> tuple[np.ndarray, ContactPoints]:
         np.zeros((2, count)),
         np.zeros((2, 1)),
         np.zeros(count),
+        np.zeros((4, count)),
     )
     return np.concatenate([x, 0 * x, z]), points
 
@@ -117,7 +118,9 @@ def test_a_ring_bounces_on_a_plane():
         np.ones(stations),
         np.zeros(stations),
         np.full(stations, STIFFNESS),
+        np.full(stations, DIAMETER / 2),
         np.zeros(stations),
+        np.zeros((3, stations)),
     )
     omega = np.sqrt(stations * STIFFNESS / mass)
     centre, step, speed = np.zeros(3 * stations), 0.002 / omega, -velocity

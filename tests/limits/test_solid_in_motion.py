@@ -3,6 +3,8 @@ stored runs, refusals."""
 
 from __future__ import annotations
 
+from base64 import b64decode
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,8 @@ from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.quantities.contact_patches import contact_patches, hertz_of
 from valvetrain.quantities.signal import fine_filtered, fine_series
+from valvetrain.report.motion.project import motion_data
+from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.page import Figure, Grid
 from valvetrain.report.sections.coils import coils_blocks
 from valvetrain.runs.run import run_study
@@ -259,6 +263,20 @@ def test_width_and_pressure_are_those_of_hertz(partner):
     assert pressure == pytest.approx(np.sqrt(force * stiff / (np.pi * radius)), rel=1e-9)
 
 
+def test_ground_wire_touches_over_its_face():
+    """Closed form: where more turns are ground than are inactive, the plane cuts a chord 2 sqrt(r^2 - h^2)
+    out of wire whose axis is h above it; force per length over it is the mean pressure."""
+    ends = '[spring.lower_end]\nkind = "closed-ground"\ninactive_coils = 0.5\nground_coils = 1'
+    text = SPRING.replace('[spring.lower_end]\nkind = "closed"\ninactive_coils = 1', ends)
+    wire = parse_case(text, "ground").springs[0].wire
+    height, radius = float(wire.centreline(np.array([0.8]))[0, 2]) - wire.lower_seat_height, 2e-3
+    assert 0 < height < radius
+    chord = 2 * np.sqrt(radius**2 - height**2)
+    assert hertz_of(wire, 0.8, "seat", 1e4) == pytest.approx((chord, 1e4 / chord))
+    round_wire = hertz_of(wire, 2.0, "seat", 1e4)
+    assert round_wire == hertz_of(WIRE, 2.0, "seat", 1e4)
+
+
 @pytest.fixture(scope="module")
 def coils() -> Study:
     return run_study(parse_case(PROGRESSIVE, "progressive"), spring_models=["solid"], workers=1)
@@ -284,6 +302,22 @@ def test_forces_per_length_add_up_to_those_of_pairs(coils):
     inner = slice(1, -1)  # the first and the last pair have points whose wire ends
     assert np.all(added[1:, inner] >= pair[1:, inner] * (1 - 1e-6))
     assert np.all(added[1:, inner] <= 3 * pair[1:, inner] + 1e-9)
+
+
+def test_the_moving_picture_shows_stress_over_the_section(coils):
+    """Contract: its first colours are the stress around the wire, one byte for each fibre of each node and
+    frame; the largest around the section is that of the channel, and near the inner fibre's by its loads."""
+    (run,) = coils.solutions
+    moving = moving_picture(coils)
+    (spring,) = moving.variants[0].springs
+    surface = spring.colourings[0]
+    stress = run.channel("surface_equivalent_stress")
+    assert surface.key == "surface" and surface.around.shape == (*surface.values.shape, 8)
+    assert surface.values.max() == pytest.approx(1e-6 * stress.max(), rel=0.05)
+    inner = run.channel("inner_fibre_equivalent_stress")
+    assert stress.max() == pytest.approx(inner.max(), rel=0.1)
+    packed = motion_data(moving)["variants"][0]["springs"][0]["colours"][0]
+    assert packed["fibres"] == 8 and len(b64decode(packed["d"])) == surface.around.size
 
 
 def test_the_page_maps_and_lists_patches_of_coils(coils):

@@ -118,7 +118,7 @@ def test_every_channel_has_a_unit_and_words_for_people():
     """
     from valvetrain.solution.channels import FINE, SPRING_CHANNELS
 
-    units = {"m", "m/s", "m/s2", "N", "N/m", "N m", "J", "s", "1"}
+    units = {"m", "m/s", "m/s2", "N", "N/m", "N m", "J", "s", "1", "Pa"}
     for name, (_, unit, words) in {**SPRING_CHANNELS, **FINE}.items():
         assert unit in units, name
         assert len(words.split()) >= 2 and words not in units, name
@@ -126,4 +126,4 @@ def test_every_channel_has_a_unit_and_words_for_people():
     per_length = {name for name, (_, unit, _) in FINE.items() if unit == "N/m"}
     assert per_length == {name for name in FINE if name.endswith("_line_force")}
     others = {name for name in FINE if not name.endswith("_time")} - per_length
-    assert {FINE[name][1] for name in others} == {"N"}
+    assert {FINE[name][1] for name in others} == {"N", "Pa"}

@@ -100,7 +100,7 @@ def coil_forces(centre, rate, push, stations, points, law, row, damping_time, to
         drag = points.drag[0, k]
         if overlap <= 0.0:
             totals[LOST] += 0.5 * drag * points.drag[1, k]
-            points.drag[0, k] = 0.0
+            points.drag[0, k], points.held[0, k] = 0.0, 0.0
             continue
         a, b, c = _weights(place)
         span, there = _span(foot, stations)
@@ -119,7 +119,7 @@ def coil_forces(centre, rate, push, stations, points, law, row, damping_time, to
         # the damping force of a step works at the mean of the speeds before and after it
         totals[LOST] += 0.5 * (drag + force - elastic) * closing
         points.drag[0, k], points.drag[1, k] = force - elastic, closing
-        points.peak[k] = max(points.peak[k], force)
+        points.held[0, k], points.peak[k] = force, max(points.peak[k], force)
         points.pressed[0, points.pair[k]] += force
         points.pressed[1, points.pair[k]] += energy
         for axis in range(3):
@@ -146,10 +146,11 @@ def plane_forces(centre, push, stations, planes, travel, law, row, totals):
         limit = planes.height[k] if below else planes.height[k] - travel
         depth = planes.side[k] * (limit - centre[i])
         if depth <= 0.0:
+            planes.held[0, k] = 0.0
             continue
         _, force = contact_response(law, row, planes.stiffness[k], 0.0, depth, 0.0)
         totals[STORED] += contact_energy(law, row, planes.stiffness[k], 0.0, depth)
-        planes.peak[k] = max(planes.peak[k], force)
+        planes.held[0, k], planes.peak[k] = force, max(planes.peak[k], force)
         push[i] += planes.side[k] * force
         if below:
             lower += force

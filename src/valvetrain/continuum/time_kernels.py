@@ -21,6 +21,12 @@ from valvetrain.continuum.contact_kernels import (
     section_centres,
     spread_push,
 )
+from valvetrain.continuum.friction_kernels import (
+    rub_coils,
+    rub_planes,
+    section_spins,
+    spread_couple,
+)
 
 #: Stride of the rows of scratch per station, a constant so that loops vectorise, and those rows.
 STRIDE = 4104
@@ -215,6 +221,26 @@ def integrate_solid(begin, end, travel, motion, parts, points, planes, clock, re
         lower, upper = plane_forces(
             centre, push, stations, planes, travel[place], motion.law, row, totals
         )
+        rubbing = motion.coil_friction > 0.0 or motion.seat_friction > 0.0
+        if rubbing:
+            spin, couple = parts.spin, parts.couple
+            couple[:] = 0.0
+            section_spins(x, v, weights, stations, centre, rate, parts.inverse, spin)
+            rub_coils(
+                centre,
+                rate,
+                spin,
+                push,
+                couple,
+                stations,
+                points,
+                motion.coil_friction,
+                step,
+                totals,
+            )
+            rub_planes(
+                rate, spin, push, couple, stations, planes, motion.seat_friction, step, totals
+            )
         axial = 2 * stations
         seat = lower - axial_sum(force, nodes, stations, first, first + 1)
         retainer = upper + axial_sum(force, nodes, stations, last, last + 1)
@@ -246,6 +272,8 @@ def integrate_solid(begin, end, travel, motion, parts, points, planes, clock, re
             if since % clock.pair_steps == 0:
                 records.pairs[since // clock.pair_steps] = points.pressed
         spread_push(push, weights, stations, force)
+        if rubbing:
+            spread_couple(x, couple, parts.inverse, weights, stations, centre, force)
         accelerate(x, force, mass, parts.section, nodes, stations, first + 1, last, motion.scaling)
         if n % sample_steps == 0 or n - carried[LAST_ENERGY] >= clock.energy_steps:
             brick_energies(

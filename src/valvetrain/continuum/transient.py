@@ -65,6 +65,9 @@ class SolidArrays(NamedTuple):
     centre: Array
     rate: Array
     push: Array
+    spin: Array
+    inverse: Array
+    couple: Array
     constants: Array
     branch: Array
     scratch: Array
@@ -77,7 +80,9 @@ class SolidArrays(NamedTuple):
 
 
 class SolidMotionNumbers(NamedTuple):
-    """Numbers of a run for the kernel: step (s), damping, mass scaling, material, law of contact."""
+    """Numbers of a run for the kernel: step (s), damping, mass scaling, material, law of contact,
+    coefficients of friction.
+    """
 
     step: float
     mass_damping: float
@@ -88,6 +93,8 @@ class SolidMotionNumbers(NamedTuple):
     law: int
     law_numbers: Array
     damping_time: float
+    coil_friction: float
+    seat_friction: float
 
 
 class SolidClock(NamedTuple):
@@ -237,7 +244,8 @@ def simulate_solid(
     substeps = max(1, math.ceil(sample_interval / dense / limit * (1 - 1e-9)))
     step, steps = sample_interval / (dense * substeps), samples * dense * substeps
     bricks, law, points = wire.bricks, wire.contact.law, start.points.copy()
-    planes = wire.seat_planes._replace(peak=np.zeros(len(wire.seat_planes.peak)))
+    fresh = {name: np.zeros_like(getattr(wire.seat_planes, name)) for name in ("peak", "held")}
+    planes = wire.seat_planes._replace(**fresh)
     points.peak[:] = 0.0
     branch_step = step / dynamics.branch_time
     decay = math.exp(-branch_step)
@@ -248,6 +256,7 @@ def simulate_solid(
     arrays = SolidArrays(
         x=x, v=np.zeros_like(x), force=np.zeros_like(x), momentum=np.zeros_like(x), mass=bricks.mass.ravel(), weights=wire.weights,
         centre=np.zeros(3 * stations), rate=np.zeros(3 * stations), push=np.zeros(3 * stations),
+        spin=np.zeros(3 * stations), inverse=np.zeros(6 * stations), couple=np.zeros(3 * stations),
         constants=bricks.constants, branch=bricks.branch_states(), scratch=np.zeros(brick_kernels.SCRATCH),
         corners=bricks.corners, shape=bricks.shape,
         section=np.zeros(time_kernels.SECTION_ROWS * time_kernels.STRIDE),
@@ -260,6 +269,7 @@ def simulate_solid(
     numbers = SolidMotionNumbers(
         step, dynamics.mass_damping, dynamics.mass_scaling, dynamics.branch_time, bricks.lame, damper,
         law_address(law), law_numbers(law), wire.contact.damping_time,
+        wire.contact.coil_friction, wire.contact.seat_friction,
     )  # fmt: skip
     recorded = (samples - discard) * dense * substeps
     spacing = contact_spacing(CONTACT_INTERVAL, step, recorded, 2 * pairs)

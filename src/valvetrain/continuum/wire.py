@@ -35,7 +35,8 @@ class ContactPoints(NamedTuple):
     ``distance`` (m) at which contact begins, ``stiffness`` (N/m), ``pair`` of coils; what kernels
     carry: ``foot`` (in stations), distance ``apart`` (m), ``near``, ``drag`` (2, points): damping
     force (N) and closing speed (m/s) of the step before, ``pressed`` (2, pairs): force and energy,
-    ``peak`` (points,): largest force (N) since it was reset.
+    ``peak`` (points,): largest force (N) since it was reset, ``held`` (4, points): normal force and
+    friction on the upper wire along x, y, z (N).
     """
 
     station: Integers
@@ -49,6 +50,7 @@ class ContactPoints(NamedTuple):
     drag: Array
     pressed: Array
     peak: Array
+    held: Array
 
     def copy(self) -> ContactPoints:
         """With arrays of its own for what kernels carry."""
@@ -59,20 +61,24 @@ class ContactPoints(NamedTuple):
             drag=self.drag.copy(),
             pressed=self.pressed.copy(),
             peak=self.peak.copy(),
+            held=self.held.copy(),
         )
 
 
 class SeatPlanes(NamedTuple):
     """Stations that a plane may press on: ``side`` +1 at the seat, -1 at the retainer, the centre's
     ``height`` (m) at which it touches with the retainer at its free height, ``stiffness`` (N/m);
-    ``peak`` (N) as of :class:`ContactPoints`.
+    ``radius`` (m) of the wire, ``peak`` and ``held`` (3, stations: normal, x, y; N) as of
+    :class:`ContactPoints`.
     """
 
     station: Integers
     side: Array
     height: Array
     stiffness: Array
+    radius: Array
     peak: Array
+    held: Array
 
 
 @dataclass(frozen=True)
@@ -100,12 +106,15 @@ class SolidMeshSize:
 @dataclass(frozen=True)
 class SolidContactLaw:
     """Contact between coils and with seats, as the rod has it: ``stiffness`` (N/m per m of wire; 0:
-    coils pass through one another), ``damping_time`` (s), ``law``.
+    coils pass through one another), ``damping_time`` (s), ``law``. Coulomb coefficients of friction in
+    motion between coils and of free wire on its seats; none at rest.
     """
 
     stiffness: float = 2e10
     damping_time: float = 1e-6
     law: CoilContactLaw = field(default=LINEAR)
+    coil_friction: float = 0.0
+    seat_friction: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,6 +260,7 @@ class SolidWire:
             np.zeros((2, len(station))),
             np.zeros((2, len(pairs))),
             np.zeros(len(station)),
+            np.zeros((4, len(station))),
         )
         free = self.centres(self.free_position).ravel()
         contact_kernels.follow_feet(free, self.stations, points, 0.0, 20)
@@ -294,7 +304,8 @@ class SolidWire:
         station = np.concatenate([low, high])
         side = np.concatenate([np.ones(len(low)), -np.ones(len(high))])
         stiffness = self.contact.stiffness * self._station_length[station]
-        return SeatPlanes(station, side, height, stiffness, np.zeros(len(station)))
+        state = np.zeros(len(station)), np.zeros((3, len(station)))
+        return SeatPlanes(station, side, height, stiffness, radius[station], *state)
 
     def contact_line(self, points: ContactPoints) -> tuple[Integers, Array]:
         """Control stations (points, 6) and their weights for the point and its foot, negative there."""

@@ -45,7 +45,7 @@ def run_key(model: SolidModel, *motion: ArrayLike | str) -> str:
     program = program_digest("continuum/*.py", "springs/solid/*.py", "integrate/solid_*.py")
     digest.update(repr((texts, model.precompression, spring.total_coils, program)).encode())
     for part in (
-        wire.grid, wire.coil, points.distance, points.stiffness, *wire.seat_planes[:-1], *motion,
+        wire.grid, wire.coil, points.distance, points.stiffness, *wire.seat_planes[:-2], *motion,
     ):  # fmt: skip
         digest.update(repr(part).encode() if isinstance(part, str) else np.asarray(part).tobytes())
     return digest.hexdigest()

@@ -131,11 +131,21 @@ def _joined(touching: NDArray[np.bool_], whole: bool) -> list[NDArray[np.bool_]]
     return [joined == number for number in np.unique(joined) if number]
 
 
+def ground_width(wire: SpringDefinition, coil: Array, end: str) -> Array:
+    """Width (m) of the flat that the seat or retainer plane cuts into the free wire at coil numbers."""
+    level = np.asarray(wire.centreline(coil))[:, 2]
+    height = level - wire.lower_seat_height if end == "seat" else wire.upper_seat_height - level
+    radius = np.asarray(wire.wire_diameter.value(coil)) / 2
+    found: Array = 2 * np.sqrt(np.maximum(radius**2 - height**2, 0.0))
+    return found
+
+
 def hertz_of(
     wire: SpringDefinition, coil: float, partner: str, line_force: float
 ) -> tuple[float, float]:
     """Width (m) and largest pressure (Pa) across the wire at a coil number under a force per length
-    (N/m), by Hertz for round wires and for a flat seat of the same steel.
+    (N/m), by Hertz for round wires and for a flat seat of the same steel; of wire ground wider than
+    that its face and the mean pressure.
     """
     own = float(wire.wire_diameter.value(coil))
     if partner == "coil below":
@@ -144,4 +154,9 @@ def hertz_of(
     else:
         equal = 2 * own  # a plane is as two wires of twice the diameter
     half = line_contact(equal, wire.material, line_force).half_width
+    face = 0.0
+    if partner != "coil below":
+        face = float(ground_width(wire, np.array([coil]), partner)[0])
+    if face > 2 * half:
+        return face, line_force / face
     return 2 * half, 2 * line_force / (np.pi * half)

@@ -288,6 +288,11 @@ FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
         "N/m",
         "largest force per length of free wire on the retainer since the last sample",
     ),
+    "surface_equivalent_stress": (
+        ("surface_point",),
+        "Pa",
+        "von Mises stress on the surface of the wire, of each place from the outer fibre upward",
+    ),
 }
 
 #: Suffixes of the channels of an end force on every step: value and time of the largest and of the

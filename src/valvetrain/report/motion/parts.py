@@ -23,7 +23,8 @@ Places = NDArray[np.int64]
 @dataclass(frozen=True, eq=False)
 class Colouring:
     """A channel along the wire as colours: ``values`` (frame, node) in ``unit``, from ``low`` to
-    ``high`` over ``stops`` (``#rrggbb``).
+    ``high`` over ``stops`` (``#rrggbb``). ``around`` (frame, node, fibre): the same around the section,
+    evenly upward from the outward direction, of which ``values`` are the largest.
     """
 
     key: str
@@ -33,6 +34,7 @@ class Colouring:
     low: float
     high: float
     stops: tuple[str, ...]
+    around: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

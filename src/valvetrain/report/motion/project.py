@@ -98,7 +98,8 @@ def _spring(spring: SpringDrawing) -> dict[str, Any]:
 
 
 def _colouring(one: Colouring) -> dict[str, Any]:
-    share = np.clip((one.values - one.low) / (one.high - one.low), 0.0, 1.0)
+    values = one.values if one.around is None else one.around
+    share = np.clip((values - one.low) / (one.high - one.low), 0.0, 1.0)
     factor, unit = reader_factor(one.unit), reader_unit(one.unit)
     return {
         "key": one.key,
@@ -107,6 +108,7 @@ def _colouring(one: Colouring) -> dict[str, Any]:
         "low": one.low * factor,
         "high": one.high * factor,
         "stops": list(one.stops),
+        "fibres": 1 if one.around is None else one.around.shape[2],
         "d": _text(np.round(share * 255).astype("u1")),
     }
 

@@ -352,7 +352,8 @@ def _bytes_per_frame(run: Solution, member: Member) -> int:
         turns = spring.wire.total_coils if spring.wire is not None else 5.0
         nodes = run.channel(channel).shape[1] if run.has(channel) else 8 * turns
         bare = 0 if run.has(run.channel_of(name, "axial_position")) else 16
-        found += int(min(nodes, 16 * turns + 1) + bare) * (2 + colours)
+        surface = 8 * run.has(run.channel_of(name, "surface_equivalent_stress"))
+        found += int(min(nodes, 16 * turns + 1) + bare) * (2 + colours + surface)
     return found
 
 

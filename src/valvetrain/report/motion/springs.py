@@ -22,7 +22,7 @@ RISING = ("#8fa3b5", "#5b8fc9", "#3f6fd1", "#8a4fc4", "#d14a7a", "#e8503a", "#a3
 NEAR = ("#b3131c", "#ef7d2e", "#e9c46a", "#a9b4bf", "#8f9aa6")
 BOTH_WAYS = ("#1f4fb0", "#4f86d9", "#a9bdd3", "#9aa3ad", "#e0b59b", "#dd6b3a", "#a8201a")
 #: Keys of the colourings.
-COLOURS = ("stress", "contact", "gap", "velocity")
+COLOURS = ("surface", "stress", "contact", "gap", "velocity")
 #: Gaps (mm) from here on look alike.
 WIDEST_GAP = 1.0
 _ALONG = {"stress": "inner_fibre_shear_stress", "velocity": "axial_velocity"}
@@ -50,9 +50,10 @@ def colourings_of(
 
     Returns
     -------
-    Stress (MPa), contact force per length of wire (N/mm), gap (mm), velocity (m/s), those there are
+    Stress over the surface (solid finite elements) and at the inner fibre (MPa), contact force per
+    length of wire (N/mm), gap (mm), velocity (m/s), those there are
     """
-    found: list[Colouring] = []
+    found = _surface(cycle, channel["surface_equivalent_stress"], coil, sample)
     if (stress := _along(cycle, channel[_ALONG["stress"]], nodes, sample)) is not None:
         found.append(_rising("stress", "shear stress at the inner fibre", "MPa", 1e-6 * stress))
     pairs = _pairs(cycle, channel["coil_gap"], wire)
@@ -183,6 +184,23 @@ def _along(cycle: Cycle, name: str, nodes: Places, sample: Places) -> Array | No
     return values
 
 
+def _surface(cycle: Cycle, name: str, coil: Array, sample: Places) -> list[Colouring]:
+    """Stress over the surface of the wire, where a run has it; inactive wire shows what its neighbour
+    shows.
+    """
+    places = cycle.solution.arrays.along(name) if cycle.solution.has(name) else None
+    if places is None:
+        return []
+    own = np.unique(places)
+    fibres = len(places) // len(own)
+    values = 1e-6 * cycle.channel(name)[sample].reshape(len(sample), len(own), fibres)
+    right = np.clip(np.searchsorted(own, coil), 1, len(own) - 1)
+    share = np.clip((coil - own[right - 1]) / (own[right] - own[right - 1]), 0.0, 1.0)[:, None]
+    around = (1 - share) * values[:, right - 1] + share * values[:, right]
+    label = "von Mises stress on the wire's surface"
+    return [replace(_rising("surface", label, "MPa", around.max(axis=2)), around=around)]
+
+
 def _pairs(cycle: Cycle, name: str, wire: SpringDefinition) -> tuple[Places, Array, Array] | None:
     """Coil pairs in order of the coil number of the upper partner: places, coil numbers, length of
     wire (m) that each represents.
@@ -226,7 +244,7 @@ def _at(values: Array, upper: Array, coil: Array, outside: float) -> Array:
 MAX_PER_TURN, PER_TURN = 16, 8
 _CHANNELS = (
     "axial_position", "axial_displacement", "axial_velocity", "inner_fibre_shear_stress", "coil_gap", "coil_contact_force",
-    "coil_contact_peak_force",
+    "coil_contact_peak_force", "surface_equivalent_stress",
 )  # fmt: skip
 
 

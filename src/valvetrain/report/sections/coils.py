@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvetrain.quantities.contact_patches import contact_patches
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.quantities.contact_patches import contact_patches, ground_width
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Layer, Line, Panel, thin
@@ -222,8 +223,7 @@ def patch_blocks(
     left = len(patches) - len(rows)
     first, end = wire.free_coils
     bonded = ", ".join(
-        f"coils {turns[0]:.2f} to {turns[1]:.2f} are bonded to the {name} and never part, under at most "
-        f"{number(_mean_line_force(run, spring, name, wire.integrate_along_wire(between=turns)))} N/mm on average"
+        f"coils {turns[0]:.2f} to {turns[1]:.2f} are bonded to the {name} and never part, under at most {_on_bonded(run, spring, wire, name, turns)}"
         for name, turns in (("seat", (0.0, first)), ("retainer", (end, wire.total_coils)))
         if turns[1] > turns[0]
     )
@@ -260,10 +260,19 @@ def patch_blocks(
     return (*found, text(f"Contact patches: {title}"), grid)
 
 
-def _mean_line_force(run: Solution, spring: str, end: str, length: float) -> float:
-    """Largest force of an end over the length of its bonded turns (N/mm)."""
-    channel = run.channel_of(spring, f"{end}_force_highest")
-    return float(np.max(reported_cycle(run).channel(channel))) / length * 1e-3
+def _on_bonded(
+    run: Solution, spring: str, wire: SpringDefinition, end: str, turns: tuple[float, float]
+) -> str:
+    """Largest force of an end over the length of its bonded turns, and over their ground face."""
+    force = float(
+        np.max(reported_cycle(run).channel(run.channel_of(spring, f"{end}_force_highest")))
+    )
+    coil = np.linspace(*turns, 401)
+    face = float(np.trapezoid(ground_width(wire, coil, end) * wire.line_speed(coil), coil))
+    found = f"{number(force / wire.integrate_along_wire(between=turns) * 1e-3)} N/mm on average"
+    if face > 0:
+        found += f" ({number(1e-6 * force / face)} MPa over a ground face of {number(1e6 * face)} mm\u00b2)"
+    return found
 
 
 def _on_seats(run: Solution, spring: str) -> tuple[Array, Array] | None:

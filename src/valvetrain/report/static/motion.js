@@ -1,7 +1,7 @@
 // The spring in motion: mount(element, data) draws one moving picture into an element. Data come from report/motion/pack.py.
 // Everything it needs is here or in THREE; it loads nothing, evaluates nothing and keeps to the colours of the page around it.
 const SLOWNESS = [20, 50, 100, 200, 500, 1000, 2000], USUAL_SLOWNESS = 200;
-const AROUND = 10, RINGS_PER_TURN = 24, MOST_PIXELS = 1.5, THUMB = 16, NARROW = 720;
+const AROUND = 16, RINGS_PER_TURN = 24, MOST_PIXELS = 1.5, THUMB = 16, NARROW = 720;
 const STYLE = `
 .vtm { --line: rgba(128, 136, 148, .42); --soft: rgba(128, 136, 148, .14); --mark: #c2410c; color: inherit; font: inherit; font-size: 14px; max-width: 976px; }
 .vtm[hidden], .vtm [hidden] { display: none; }
@@ -173,15 +173,19 @@ function springMesh(spring) {
   const turn = [];
   for (let k = 0; k < AROUND; k++) { turn.push(Math.cos(2 * Math.PI * k / AROUND), Math.sin(2 * Math.PI * k / AROUND)); }
   return { spring: spring, mesh: mesh, ring: ring, rings: rings, nodes: nodes, turn: turn, position: position, normal: normal, colour: colour,
-    moved: new Float32Array(nodes), seen: new Float32Array(nodes) };
+    moved: new Float32Array(nodes), seen: new Float32Array(0) };
 }
 
 function moveSpring(tube, place, key) {
-  const spring = tube.spring, nodes = tube.nodes, ring = tube.ring, moved = tube.moved, seen = tube.seen;
+  const spring = tube.spring, nodes = tube.nodes, ring = tube.ring, moved = tube.moved;
   const a = place[0] * nodes, b = place[1] * nodes, share = place[2];
   for (let n = 0; n < nodes; n++) { moved[n] = spring.rest[n] + spring.scale * (spring.move[a + n] + (spring.move[b + n] - spring.move[a + n]) * share); }
   const painted = spring.colours.find(function (one) { return one.key === key; });
-  if (painted) { for (let n = 0; n < nodes; n++) { seen[n] = painted.values[a + n] + (painted.values[b + n] - painted.values[a + n]) * share; } }
+  // Values at the nodes, of a surface at some fibres of each from the outward one upward.
+  const fibres = painted ? painted.fibres : 1, count = painted ? nodes * fibres : 0;
+  if (tube.seen.length < count) { tube.seen = new Float32Array(count); }
+  const seen = tube.seen, first = place[0] * count, second = place[1] * count;
+  for (let n = 0; n < count; n++) { seen[n] = painted.values[first + n] + (painted.values[second + n] - painted.values[first + n]) * share; }
   const top = at(spring.retainer, place), rings = tube.rings;
   for (let i = 0; i < rings; i++) {
     const base = ring.base[i], w = 4 * i;
@@ -195,8 +199,13 @@ function moveSpring(tube, place, key) {
     const cos = ring.cos[i], sin = ring.sin[i], r = ring.radius[i], wire = ring.wire[i], base = ring.base[i];
     // The section's second axis: up, less what the wire climbs along the coil.
     const bx = spring.sign * s * sin, by = c, bz = -spring.sign * s * cos;
-    const level = seen[base] + (seen[base + 1] - seen[base]) * ring.share[i], tone = 3 * Math.max(0, Math.min(255, Math.round(level)));
+    let tone = 0;
     for (let k = 0; k < AROUND; k++) {
+      if (painted && (k === 0 || fibres > 1)) {
+        const turned = k * fibres / AROUND, low = Math.floor(turned), f = base * fibres + low, g = base * fibres + (low + 1) % fibres, t = turned - low;
+        const here = seen[f] + (seen[g] - seen[f]) * t, next = seen[f + fibres] + (seen[g + fibres] - seen[f + fibres]) * t;
+        tone = 3 * Math.max(0, Math.min(255, Math.round(here + (next - here) * ring.share[i])));
+      }
       const p = 3 * (i * AROUND + k), out = tube.turn[2 * k], up = tube.turn[2 * k + 1];
       const nx = out * cos + up * bx, ny = up * by, nz = out * sin + up * bz;
       tube.position[p] = r * cos + wire * nx;

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from valvetrain.continuum import contact_kernels, time_kernels
-from valvetrain.continuum.section_loads import section_loads
+from valvetrain.continuum.section_loads import SurfaceStress, section_loads
 from valvetrain.continuum.transient import SolidTransient
 from valvetrain.continuum.wire import ContactPoints, SolidWire
 from valvetrain.solution.channels import EXTREMES, FINE, ChannelArrays, spring_channels
@@ -59,6 +59,11 @@ def solid_channels(
     if inside:
         line, points = _line_forces(model.wire, run)
         values |= _inside(model, run) | line
+        surface = SurfaceStress(model.wire)
+        values["surface_equivalent_stress"] = np.reshape(
+            [surface.equivalent(one) for one in run.position], (len(run.time), -1)
+        )
+        points["surface_point"] = surface.coil
     return spring_channels(
         run.time,
         cam_speed * run.time,

@@ -43,6 +43,18 @@ class SolidOptions(SpringOptions):
         le=20.0,
         description="mass that the deformation of a section has in excess, over its own",
     )
+    coil_friction: float = Field(
+        default=0.0,
+        ge=0,
+        le=1,
+        description="Coulomb friction where coils touch in motion; none at rest",
+    )
+    seat_friction: float = Field(
+        default=0.0,
+        ge=0,
+        le=1,
+        description="Coulomb friction of free wire on its seats in motion; none at rest",
+    )
     elements_per_coil: int = Field(
         default=12, ge=4, le=1000, description="slices along one turn of the wire in CalculiX"
     )
@@ -86,7 +98,13 @@ def _make(spring: InstalledSpring, options: SolidOptions, rest: SpringAtRest | N
         _wire_of(spring),
         spring.precompression,
         SolidMeshSize(options.bricks_per_coil, options.brick_core, options.brick_rings),
-        SolidContactLaw(contact.stiffness, contact.damping_time, law_of(contact)),
+        SolidContactLaw(
+            contact.stiffness,
+            contact.damping_time,
+            law_of(contact),
+            options.coil_friction,
+            options.seat_friction,
+        ),
         SolidDynamics(
             damping.mass_damping, damping.stiffness_damping, mass_scaling=options.mass_scaling
         ),
@@ -108,5 +126,5 @@ SPEC = SpringModelSpec(
     no_statics="solid finite elements are run by compare",
     processor_time=500.0,
     knows="the wire as a body, its sections deform, all coils in contact, seats",
-    leaves_out="its own effect on a train, ends that lift, guides, friction, a retainer that deforms",
+    leaves_out="its own effect on a train, ends that lift, guides, friction at rest, a retainer that deforms",
 )
