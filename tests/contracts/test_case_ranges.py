@@ -74,7 +74,7 @@ def takes(read: TypeAdapter, unit: str, number: float) -> bool:
 #: Lengths, masses, stiffnesses and the like that mean nothing at zero.
 ABOVE_ZERO = """
 spring: free_length installed_height total_coils; material: youngs_modulus shear_modulus density; spring.damping: ratio_frequency
-card: preload_height rate open_lift open_height mass installed_height solid_height wire_diameter mean_diameter outer_diameter active_coils
+card: preload_height rate open_lift open_height free_length mass installed_height solid_height wire_diameter mean_diameter outer_diameter active_coils
 guide: bore rod stiffness; options.finite-element: time_step; options.solid: time_limit
 train.follower: face_diameter; operation: red_line
 train.cam: base_radius width youngs_modulus; train.lever: drive_arm valve_arm inertia stiffness; train.pushrod: mass stiffness

@@ -58,6 +58,18 @@ def test_a_told_rate_may_lie_two_per_cent_from_that_of_the_loads_and_is_the_one_
         assert spring(**LOADS, rate=f"{told!r} N/m").rate == pytest.approx(told, rel=1e-12)
 
 
+def test_a_service_manual_gives_the_rate_by_free_length_and_one_load():
+    """Closed form: force over compression; a card of a motorcycle (free length, load at a height, wire) was read as a wire
+    whose key preload is unknown.
+    """
+    manual = {"preload": "146 N", "installed_height": "33.4 mm", "free_length": "41.5 mm"}
+    card = spring(**manual, wire_diameter="2.8 mm", outer_diameter="23 mm")
+    assert card.rate == pytest.approx(146 / 8.1e-3, rel=1e-12)
+    assert (card.preload, card.open_load) == (146.0, None)
+    lower = spring(**manual | {"installed_height": "32.4 mm", "preload_height": "33.4 mm"})
+    assert lower.preload == pytest.approx(146 * 9.1 / 8.1)
+
+
 def test_a_spring_shimmed_to_another_height_keeps_the_line_of_its_card():
     card = spring(**LOADS | {"installed_height": "1.75 in", "preload_height": "1.80 in"})
     assert card.preload == pytest.approx(

@@ -10,6 +10,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError, UnusualValueWarning
+from valvetrain.parameters.schema_pair import read_pair
 from valvetrain.spring_card import SpringLoad
 
 #: Total loads of a dual spring with the wire and diameter of its outer spring.
@@ -70,3 +71,27 @@ def test_where_coils_close_before_the_second_load_the_refusal_says_so():
             vt.spring_card.CatalogueCard(**SINGLE, solid_height="1.15 in")
         )
     assert "6.18 active" not in str(refused.value)
+
+
+@pytest.mark.parametrize(("wire", "doubted"), [("0.177 in", True), ("0.187 in", False)])
+def test_a_dual_spring_whose_inner_one_is_the_stiffer_is_doubted(wire, doubted):
+    """Closed form, G d^4 / (8 D^3 n) of 4.5 active turns: total loads with a thin outer wire left 37.7 of 65.7 N/mm to an
+    inner spring of two turns, ready to run without a word.
+    """
+    outer = {"preload": "130 lbf", "installed_height": "1.80 in", "open_load": "355 lbf", "open_height": "1.20 in"}  # fmt: skip
+    pair = [
+        {
+            "loads_of": "pair",
+            "solid_height": "1.15 in",
+            "wire_diameter": wire,
+            "outer_diameter": "1.430 in",
+            **outer,
+        },
+        {"loads_of": "pair", "wire_diameter": "0.120 in", "outer_diameter": "1.000 in"},
+    ]
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        read_pair(pair)
+    says = [str(one.message) for one in found]
+    assert bool(says) is doubted
+    assert all("inner spring would be the stiffer one (37.7 against 28 N/mm, 2.04 active turns)" in one for one in says)  # fmt: skip

@@ -422,6 +422,7 @@ def test_what_a_sentence_cannot_hold_stands_beside_it():
     opening = page[page.index('id="opening"') : page.index('class="about"')]
     assert opening.index("verdict") < opening.index("1.68 µs") < opening.index("figure")
     both = key_figures(train(numbers, numbers | {"mean_cam_power": 12.0}))
+    assert ("begins at rest, at a preload of", "303 N") in both  # "... of at 7000 rpm" before
     assert [name for name, _ in both][:2] == [
         "valve open, crank deg at 7000 rpm",
         "cam power per valve",

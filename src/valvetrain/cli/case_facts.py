@@ -160,7 +160,14 @@ def pushrod_doubt(train: TrainParameters | None) -> str:
     length, given = pushrod_length(train), rod.length
     if given is not None and abs(given / length - 1) > LENGTH_SHARE:
         own, between = amount(given * 1e3, "mm"), amount(length * 1e3, "mm")
-        return f"the pushrod is {own} long, but between its balls are {between} (pivot, drive_arm, drive_angle, lower_end)"
+        apart, way = (
+            amount(abs(given - length) * 1e3, "mm", 2),
+            "away from" if given > length else "towards",
+        )
+        return (
+            f"the pushrod is {own} long and its balls are {between} apart (pivot, drive_arm, drive_angle, lower_end): about right with pivot "
+            f"{apart} {way} the cam"
+        )
     if rod.stiffness is None or not isfinite(length):
         return ""
     tube = rod.youngs_modulus * rod.mass / (rod.density * length**2)

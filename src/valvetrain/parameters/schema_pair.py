@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from typing import Any, Literal
 
 from pydantic import Field, PrivateAttr
 
+from valvetrain.errors import UnusualValueWarning
+from valvetrain.parameters.card_doubts import doubtful_pair
 from valvetrain.parameters.dual_spring import Half, part
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.schema_installed import CardBlock
@@ -46,6 +49,12 @@ class PairedCard(CardBlock):
         built = super().installed(name, group)
         assert built.card is not None
         return replace(built, card=replace(built.card, remark=self._parted))
+
+    def refuse_free_length(self) -> None:
+        """A free length of a pair parts its preload beside the loads, so that nothing is refused."""
+
+    def _from_free(self, preload_height: float | None) -> float | None:
+        return None
 
     def half(self, height: float) -> Half:
         """What the parting needs to know of it; ``height``: installed, where it has none of its own."""
@@ -117,4 +126,6 @@ def read_pair(entries: list[Any]) -> tuple[PairedCard, PairedCard]:
         own |= {"installed_height": halves[place].installed_height}
         parted.append(one.model_copy(update={**own, "open_load": None, "open_height": None}))
     parted[0]._parted = found.said
+    if doubt := doubtful_pair(found.rates, found.active_coils):
+        warnings.warn(f"dual spring: {doubt}", UnusualValueWarning, stacklevel=2)
     return parted[0], parted[1]

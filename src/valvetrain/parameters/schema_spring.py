@@ -227,6 +227,9 @@ class SpringCardModel(StrictModel):
     open_height: PositiveLength | None = Field(
         default=None, description="at which open_load is given, in place of open_lift"
     )
+    free_length: PositiveLength | None = Field(
+        default=None, description="in place of rate: preload over the way to its height"
+    )
     mass: Mass | None = Field(
         default=None, description="that vibrates; without it from wire and coils"
     )
@@ -336,15 +339,42 @@ class SpringCardModel(StrictModel):
                 ("open_load",),
             )
         if rate is None and from_loads is None:
+            rate = self._from_free(preload_height)
+        if rate is None and from_loads is None:
             raise problem(
-                "the rate is missing; give rate, or open_load and open_lift or open_height"
+                "the rate is missing; give rate, or open_load and open_lift or open_height, or free_length"
             )
+        if self.free_length is not None and (self.rate is not None or from_loads is not None):
+            self.refuse_free_length()
         if rate is not None and from_loads is not None and abs(from_loads / rate - 1) > 0.02:
             raise problem(
                 f"rate {rate / 1e3:g} N/mm contradicts the loads, which make {from_loads / 1e3:.4g} N/mm; correct one of them",
                 ("rate",),
             )
         return (rate if rate is not None else from_loads or 0.0), lift
+
+    def refuse_free_length(self) -> None:
+        """Refuse a free length beside what gives the rate already."""
+        raise problem(
+            "free_length gives the rate, which rate or the loads give too; leave one of them out",
+            ("free_length",),
+        )
+
+    def _from_free(self, preload_height: float | None) -> float | None:
+        """Rate (N/m) of the preload and the free length, as service manuals give them; None without one."""
+        if self.free_length is None:
+            return None
+        if preload_height is None:
+            raise problem(
+                "free_length needs the height of the preload; add installed_height",
+                ("free_length",),
+            )
+        if self.free_length <= preload_height or self.preload == 0:
+            raise problem(
+                f"free_length is not above the height of a preload ({preload_height * 1e3:.4g} mm); check both",
+                ("free_length",),
+            )
+        return self.preload / (self.free_length - preload_height)
 
     def _mass(self, rate: float, label: str) -> float | None:
         """Mass (kg) that vibrates: as specified, or of the active turns, rho pi^2 d^2 D n / 4; None

@@ -105,14 +105,14 @@ class Runs:
         value, bar = quantity_text(found.name, found.value, digits), self.bar(found)
         if not bar:
             return value
-        if bar > abs(found.value):
-            return f"{value} with an error bar of {quantity_text(found.name, bar, 2)}"
         # both in the unit of the larger, so that neither has needless noughts
         unit = quantity_text(found.name, max(abs(found.value), bar)).partition(" ")[2]
         value, size = (
             quantity_text(found.name, one, count, whole=unit == "mm")
             for one, count in ((found.value, digits), (bar, 2))
         )
+        if bar > abs(found.value):
+            return f"{value} with an error bar of {size}"
         return f"{value.removesuffix(f' {unit}') if unit else value} ± {size}"
 
     def bounded(self, found: Worst) -> str:

@@ -50,6 +50,7 @@ CLOSED = 1e-5
 SHUT = 1e-5
 #: Work of the cam in one cycle, and what leaves a train that repeats: of contacts and guides, of springs.
 CYCLE_ENERGIES = ("cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy")
+PRELOAD = "begins at rest, at a preload of"
 #: Labels of which each is listed.
 MAX_LABELS = 4
 
@@ -68,9 +69,15 @@ def key_figures(study: Study) -> tuple[tuple[str, str], ...]:
         return (*_of_each(study), *line) if len(study.labels) <= MAX_LABELS else line
     figures = list(_figures(runs, worst))
     several = len(runs.solutions) > 1
+    starts = {quantity_text("preload", _preload(runs, run)) for run in runs.solutions}
     alike = len({id(run) for _, run, _ in figures}) == 1
     named = (
-        (f"{name} {runs.place(run)}" if several and not (alike and place) else name, value)
+        (
+            name
+            if not several or (alike and place) or (name == PRELOAD and len(starts) == 1)
+            else f"{name} {runs.place(run)}",
+            value,
+        )
         for place, (name, run, value) in enumerate(figures)
     )
     return (*named, *line)
@@ -270,4 +277,4 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
     yield "stable time step", stepped, step
     preload = _preload(runs, stepped)
     if math.isfinite(preload):
-        yield "begins at rest, at a preload of", stepped, quantity_text("preload", preload)
+        yield PRELOAD, stepped, quantity_text("preload", preload)
