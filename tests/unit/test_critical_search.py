@@ -266,3 +266,34 @@ def test_no_motion_is_carried_over_a_long_way() -> None:
     assert crossing.falling is not None
     assert crossing.falling.lower_engine_speed <= 6904 <= crossing.falling.upper_engine_speed
     assert found.runs_count - before <= 14
+
+
+@pytest.mark.parametrize("step", [100, 50, 20, 10])
+@pytest.mark.parametrize(("repeats", "width"), [(False, 30), (True, 30), (False, 300)])
+def test_a_short_range_of_motion_that_does_not_repeat_is_no_onset(
+    step: float, repeats: bool, width: float
+) -> None:
+    """Property: an island at 6700 counts where its motion repeats or it is wider than 2 % of its speed; elsewhere the
+    onset at 8003 does, on any grid, and what the samples saw of the island is named beside it.
+    """
+
+    def run_at(engine_speed: float, _: object) -> SpeedSample:
+        island = abs(engine_speed - 6700) < width / 2
+        lost = island or engine_speed > 8003
+        margin = 0.0 if lost else min(300.0, 3 * abs(engine_speed - 6700), 8003 - engine_speed)
+        steady = repeats or not 6500 < engine_speed < 6900
+        return SpeedSample({KIND: margin}, {KIND: "cam"}, "motion", repeats=steady)
+
+    speeds = grid(step)
+    found = Search(run_at, {one: run_at(one, None) for one in speeds}, LIMITS, RESOLUTION)
+    row = critical_speed(found, KIND, "spring", 6000.0, 9000.0, CriticalOptions(RESOLUTION))
+    assert row.begins is not None
+    at = row.begins.from_rest
+    onset = 6700 - width / 2 if repeats or width > 0.02 * 6700 else 8003
+    assert at.lower_engine_speed <= onset <= at.upper_engine_speed
+    if onset == 8003 and step <= 20:
+        (short,) = row.passed
+        assert abs(short.lower_engine_speed - 6700) <= 15 >= abs(short.upper_engine_speed - 6700)
+        assert "single revolutions" in row.later_text
+    elif onset != 8003:
+        assert not row.passed

@@ -279,6 +279,7 @@ def test_critical_speeds_are_told_bracket_by_bracket():
         "begins": dict.fromkeys(("from_rest", "rising", "falling"), bracket(650, 651)),
         "ends": dict.fromkeys(("from_rest", "rising", "falling"), bracket(680, 681)),
         "again": [bracket(690, 8000 * RPM)],
+        "passed": [],
         "runs_count": known(31, "1"),
     }
     assert floats["engine_speed"] == known(700.4 * 30 / np.pi, "rpm")
@@ -298,6 +299,7 @@ def test_critical_speeds_are_told_bracket_by_bracket():
         "begins": None,
         "ends": None,
         "again": [],
+        "passed": [],
         "runs_count": known(0, "1"),
     }
 

@@ -293,6 +293,7 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
         "begins": crossing(one.begins),
         "ends": crossing(one.ends),
         "again": [bracket(each) for each in one.again],
+        "passed": [bracket(each) for each in one.passed],
         "runs_count": measured(one.runs_count, "1"),
     }
 

@@ -31,7 +31,8 @@ RANGES_NOTE = (
 #: What the rows below a critical speed mean.
 CRITICAL_LEGEND = (
     "until: control returns there; rising / falling speed: where control is lost when the motion is carried on from "
-    "speed to speed upwards, and where it returns downwards (between the two both motions exist); again: further ranges of speed without control."
+    "speed to speed upwards, and where it returns downwards (between the two both motions exist); again: further ranges of speed without control; "
+    "single revolutions: short ranges before, in which some revolutions of a motion that does not repeat lose control."
 )
 #: Ranges of further stretches that are named; of more only how many.
 MAX_AGAIN = 2
@@ -58,7 +59,7 @@ def searched(study: Study) -> bool:
 
 def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
     """A row per kind of critical speed; below it the speed at which control returns, hysteresis,
-    and further ranges.
+    further ranges, and short ones before in which single revolutions lose control.
     """
     rows = []
     for kind, name in KINDS.items():
@@ -69,6 +70,7 @@ def critical_rows(study: Study, labels: Sequence[str]) -> list[CriticalRow]:
             ("until", _until),
             ("rising / falling speed", _hysteresis),
             ("again", _again),
+            ("single revolutions", _passed),
         ):
             cells = tuple("" if one is None else cell(one) for one in found)
             if any(cells):
@@ -129,6 +131,10 @@ def _again(one: CriticalSpeed) -> str:
         first, last = rpm(one.again[0].lower_engine_speed), rpm(one.again[-1].upper_engine_speed)
         return f"{len(one.again)} times, {first:.0f}–{last:.0f}"
     return ", ".join(map(str, one.again))
+
+
+def _passed(one: CriticalSpeed) -> str:
+    return ", ".join(map(str, one.passed[:MAX_AGAIN]))
 
 
 def unsettled_text(runs: Sequence[Solution]) -> str:

@@ -27,12 +27,12 @@ NOMINAL_WIDTH, REPEAT_WIDTH = 1e-2 * RPM, 2.0 * RPM
 #: :data:`NOMINAL_WIDTH`.
 NOMINAL_TOLERANCE = 1e-6
 DIVISION, STEP = 1.5, 0.5
-#: First and largest step from the nominal speed in a repeat, and step where motion does not
-#: repeat, over the speed.
-FIRST_STRIDE, MAX_STRIDE, SCATTER_STRIDE = 0.0025, 0.01, 0.005
+#: First and largest step from the nominal speed in a repeat, and first step where motion does not
+#: repeat, over the speed; the latter's growth from step to step.
+FIRST_STRIDE, MAX_STRIDE, SCATTER_STRIDE, SCATTER_GROWTH = 0.0025, 0.01, 0.005, 1.5
 #: Steps, at most, through speeds whose motion does not repeat; dips of a margin that are looked at
 #: below the nominal speed, and above it.
-MAX_SCATTERED, MAX_DIPS = 10, 8
+MAX_SCATTERED, MAX_DIPS = 5, 8
 #: Dips, the deepest, that are always looked at; others as far as this multiple of the largest loss at one before.
 MIN_DIPS, MARGIN = 2, 3.0
 #: An onset is a graze where the margin changed by :data:`SMALL` of its value at standstill moves it up or
@@ -203,8 +203,8 @@ def scattered(
     found = []
     for sign, lost, end in ((-1, False, ends[0]), (1, True, ends[1])):
         here = nominal
-        for _ in range(MAX_SCATTERED):
-            here = here + sign * SCATTER_STRIDE * nominal
+        for count in range(MAX_SCATTERED):
+            here = here + sign * SCATTER_STRIDE * SCATTER_GROWTH**count * nominal
             here = max(here, end) if sign < 0 else min(here, end)
             one = sample(here)
             if here == end or (one.repeats and one.lost(kind) == lost):

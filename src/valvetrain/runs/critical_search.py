@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
-from valvetrain.solution.critical import Crossing, SpeedBracket
+from valvetrain.solution.critical import NARROW, Crossing, SpeedBracket
 
 #: The steepest slope within this share of the speed counts, times this factor.
 NEAR, FACTOR = 0.1, 2.0
@@ -82,6 +82,7 @@ class Search:
         self._speeds = sorted(samples)
         self._limits = {limit.kind: limit for limit in limits}
         self._resolution = resolution * (1 + 1e-9)
+        self._passed: dict[str, list[SpeedBracket]] = {}
         self.runs_count = 0
 
     def sample(self, engine_speed: float) -> SpeedSample:
@@ -116,14 +117,46 @@ class Search:
 
     def onset(self, kind: str) -> SpeedBracket | float | None:
         """Bracket of the lowest onset; the first speed where control is lost there already; None
-        for never.
+        for never. Short ranges in which the motion does not repeat (:meth:`passed`) are none.
         """
-        while (middle := self._next(kind)) is not None:
-            self.sample(middle)
-        first = next((n for n, one in enumerate(self._speeds) if self._lost(kind, one)), None)
-        if not first:
-            return None if first is None else self._speeds[0]
-        return SpeedBracket(self._speeds[first - 1], self._speeds[first])
+        while True:
+            while (middle := self._next(kind)) is not None:
+                self.sample(middle)
+            counted = (n for n, one in enumerate(self._speeds) if self._counts(kind, one))
+            first = next(counted, None)
+            if not first:
+                return None if first is None else self._speeds[0]
+            low, high = self._speeds[first - 1 : first + 1]
+            if not self._passes(kind, low, high):
+                return SpeedBracket(low, high)
+
+    def passed(self, kind: str) -> tuple[SpeedBracket, ...]:
+        """Short ranges, by their lowest and highest sampled speed, in which the last revolution of a motion
+        that does not repeat lost control and no onset is seen: the next revolution, or grid, has others.
+        """
+        return tuple(self._passed.get(kind, ()))
+
+    def _counts(self, kind: str, engine_speed: float) -> bool:
+        """Whether control is lost at a sampled speed that is not passed."""
+        return self._lost(kind, engine_speed) and not any(
+            one.lower_engine_speed <= engine_speed <= one.upper_engine_speed
+            for one in self._passed.get(kind, ())
+        )
+
+    def _passes(self, kind: str, low: float, high: float) -> bool:
+        """Whether the range that begins between two speeds is short and its motion never repeats; it is passed
+        from then on.
+        """
+        if self._samples[high].repeats:
+            return False
+        end = self.end(kind, high)
+        if end is None or end.upper_engine_speed - low > NARROW * low:
+            return False
+        last = end.lower_engine_speed
+        if any(self._samples[one].repeats for one in self._speeds if high <= one <= last):
+            return False
+        self._passed.setdefault(kind, []).append(SpeedBracket(high, last))
+        return True
 
     def end(self, kind: str, engine_speed: float) -> SpeedBracket | None:
         """Bracket of the end of the range that begins at ``engine_speed``; None where it lasts to
@@ -222,18 +255,22 @@ class Search:
 
     def _next(self, kind: str) -> float | None:
         """The lowest speed to sample before the lowest onset is certain; None where it is."""
-        for low, high in zip(self._speeds, self._speeds[1:], strict=False):
-            if self._lost(kind, low):
+        for low, high in pairwise(self._speeds):
+            if self._counts(kind, low):
                 return None
             if high - low > self._resolution and (
-                self._lost(kind, high) or self._may_hide(kind, low, high)
+                self._counts(kind, high) or self._may_hide(kind, low, high)
             ):
                 return (low + high) / 2
         return None
 
     def _may_hide(self, kind: str, low: float, high: float) -> bool:
-        """Whether control may be lost between two speeds that maintain it, by the slopes nearby."""
+        """Whether control may be lost between two speeds that maintain it, by the slopes nearby; beside a
+        motion that does not repeat, in a range that would not be passed.
+        """
         limit, ends = self._limits[kind], (self._samples[low], self._samples[high])
+        if high - low <= NARROW * low and not all(one.repeats for one in ends):
+            return False
         margins = [one.margins[kind] for one in ends]
         size = limit.size
         if size is None:

@@ -343,6 +343,7 @@ def critical_speed(
         label, kind, limit, first_engine_speed, last_engine_speed, options.resolution
     )
     onset = search.onset(kind)
+    none = replace(none, passed=search.passed(kind))
     if onset is None:
         return replace(none, runs_count=search.runs_count - before)
     from_speed = onset if isinstance(onset, float) else onset.upper_engine_speed

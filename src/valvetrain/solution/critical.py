@@ -111,6 +111,8 @@ class CriticalSpeed:
     ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not asked for.
     ``cam_angle`` (rad), of a loss of contact: where the force of that contact first comes to zero; NaN where unknown.
     ``curve``, of a loss of contact: engine speed and least cam force (N) of the runs from rest, those of the sweep among them.
+    ``passed``: ranges below the onset, by their lowest and highest sampled speed, that are short (:data:`NARROW`) and
+    whose motion does not repeat: the last revolution of a run lost control there, the next may not.
     """
 
     label: str
@@ -134,6 +136,7 @@ class CriticalSpeed:
     surge_order: int = 0
     cam_angle: float = math.nan
     curve: tuple[tuple[float, float], ...] = ()
+    passed: tuple[SpeedBracket, ...] = ()
 
     @property
     def engine_speed(self) -> float:
@@ -152,16 +155,20 @@ class CriticalSpeed:
 
     @property
     def later_text(self) -> str:
-        """Until which speed (rpm) control stays lost, and where it is lost again; empty for never."""
+        """Until which speed (rpm) control stays lost, where it is lost again, and where single revolutions lost it
+        before; empty for never.
+        """
+        before = "single revolutions {}".format(", ".join(map(str, self.passed[:MAX_AGAIN])))
+        single = [before] if self.passed else []
         if not self.found:
-            return ""
+            return "".join(single)
         end = f"{self.last_engine_speed / RPM:.6g} or more"
         parts = [f"until {end if self.ends is None else self.ends.from_rest}"]
         if self.again:
             parts.append(f"again {', '.join(map(str, self.again[:MAX_AGAIN]))}")
         if len(self.again) > MAX_AGAIN:
             parts.append(f"and {len(self.again) - MAX_AGAIN} times more")
-        return ", ".join(parts)
+        return ", ".join((*parts, *single))
 
     def __repr__(self) -> str:
         return f"{self.label}, {self.kind}: {'; '.join(filter(None, (self.text, self.later_text)))}"
