@@ -216,6 +216,30 @@ def test_nested_springs_that_rub_take_more_energy():
     assert 0.0 < taken[1] - taken[0] < 0.15 * 60.0 * 2 * 9.7e-3 * 4
 
 
+def test_nested_springs_that_stick_surge_as_one():
+    """Closed form: pressed so hard that they stick, both springs have the one frequency sqrt(sum of rates / sum of masses) / 2,
+    422 Hz, which order 12 of the cam meets at 4223 rpm; without rubbing neither surges by that order.
+    """
+    from valvetrain.parameters.loading import load_case
+    from valvetrain.runs.api import simulate
+
+    cards = ((17.39e3, 31.8e-3), (14.35e3, 11.5e-3))  # rates and masses of both in the file
+    joint = math.sqrt(sum(one for one, _ in cards) / sum(one for _, one in cards)) / 2
+    assert 120 * joint / 12 == pytest.approx(4223, rel=0.015)
+    found = {}
+    for force in (0, 1000):
+        stuck = load_case("vaz-ohc", {"train.rubbing": {"coefficient": 0.12, "normal_force": f"{force} N"}})  # fmt: skip
+        for speed in (4100, 4225, 4350):
+            (run,) = simulate(stuck, f"{speed} rpm", spring_models="multi-mass", spring_set="nested", workers=1).solutions  # fmt: skip
+            found[force, speed] = (
+                run.quantities["surge_amplitude_force"],
+                run.quantities.get("surge_amplitude_cam_order", 0.0),
+            )
+    assert found[1000, 4225][1] == 12 and found[0, 4225][1] != 12
+    assert found[1000, 4225][0] > 3 * found[0, 4225][0]
+    assert found[1000, 4225][0] > 1.5 * max(found[1000, 4100][0], found[1000, 4350][0])
+
+
 def test_planar_and_lumped_trains_are_one_where_geometry_is_straight_and_near_where_it_turns():
     for kind, bound in (("direct", 1e-9), ("finger", 0.02), ("pushrod", 0.02)):
         lifts = []

@@ -698,7 +698,7 @@ def test_the_page_of_a_refinement_names_its_meshes():
                 "case": "own-train",
                 "engine speed": "12 from 2000 to 8000 rpm",
                 "spring model": "stock, <race & co>",
-                "runs": "22 of 24 settled; not stock at 8000 rpm; <race & co> at 8000 rpm",
+                "runs": "22 of 24 settled; not settled: stock at 8000 rpm; <race & co> at 8000 rpm",
             },
         ),
     ],

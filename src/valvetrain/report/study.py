@@ -167,11 +167,11 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
         else "completed"
     )
     open_ends = [
-        f"{label} at {found.partition(': ')[2]} rpm"
+        f"{f'{label} at ' if len(study.labels) > 1 else ''}{found.partition(': ')[2]} rpm"
         for label in (study.labels if study.over_speed else ())
         if (found := unsettled_text(study.runs(label)))
     ]
-    unsettled = f"; not {'; '.join(open_ends)}" if open_ends else ""
+    unsettled = f"; not settled: {'; '.join(open_ends)}" if open_ends else ""
     facts = {
         "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
         "spring model": mark.join(names), "changed": ", ".join(study.record.changed),
