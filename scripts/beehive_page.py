@@ -1,5 +1,5 @@
-"""Tables of docs/beehive.md from runs: what the calibrated spring meets, its second and its settled
-revolution, the modal model on its lift, and the sequel's sweep beside its own.
+"""Tables of docs/beehive.md from runs: what the calibrated spring and examples/beehive-nearest.toml meet,
+which groups of aims were met together, second and settled revolution, the modal model, the sequel's sweep.
 
     python scripts/beehive_page.py            writes the tables between their marks (two minutes)
 """
@@ -11,19 +11,27 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from itertools import combinations_with_replacement
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 import valvetrain as vt
 from valvetrain.cam.build import build_lift_law
+from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.study import Study
 from valvetrain.sources.gu2021_modal import forces_of_equation_5
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "beehive.md"
+Array = NDArray[np.float64]
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "beehive.md"
 CASE, BLIND = "gu2021-beehive", "gu2021-beehive-blind"
+NEAREST = str(ROOT / "examples" / "beehive-nearest.toml")
+#: Springs that come nearest to groups of aims together: unknowns of the calibration, readings of the aims.
+NEAR = PAGE.parent / "data" / "beehive" / "nearest.csv"
 ROD, EQUATIONS = "finite-element", "equations 2 and 5"
 RPM = math.pi / 30
 SPEEDS = (4200, 5600, 8000)
@@ -105,11 +113,11 @@ AIMS: tuple[Aim, ...] = (
 FACTORS = {"N": 1.0, "Hz": 1.0, "deg": 1 / DEG, "mm": 1 / MM, "us": 1 / US, "m/s": 1.0}
 
 
-def value_of(study: Study, aim: Aim) -> float | None:
-    """The number of an aim in its unit; None where the run has none."""
+def value_of(study: Study, aim: Aim, case: str | Case = CASE) -> float | None:
+    """The number of an aim in its unit, of a run of ``case``; None where the run has none."""
     if aim.model == EQUATIONS:
         names = [(rpm, name) for rpm, name, *_ in MODAL_PEAKS]
-        return modal_peaks(study.record.name, True)[names.index((aim.rpm, aim.quantity))][0]
+        return modal_peaks(case, True)[names.index((aim.rpm, aim.quantity))][0]
     if not aim.rpm:
         found = study.quantities.get(Quantity(aim.quantity))
     else:
@@ -124,22 +132,65 @@ def shown(value: float | None, unit: str) -> str:
     return f"{value:.{digits}f}"
 
 
-def aims_table(study: Study, blind: Study) -> str:
-    """A row per aim: the source, ours, met or not, and the blind spring beside it."""
-    lines = ["| aim | source | aimed at | calibrated | met | blind |", "|---|---|---|---|---|---|"]
+def aims_table(study: Study, blind: Study, nearest: Study) -> str:
+    """A row per aim: the source, ours, met or not, and the other two springs beside it."""
+    head = "| aim | source | aimed at | calibrated | met | blind | nearest to all | met |"
+    lines = [head, "|---" * 8 + "|"]
     met: dict[str, list[bool]] = {}
     for aim in AIMS:
-        value, other = value_of(study, aim), value_of(blind, aim)
+        value, other = value_of(study, aim), value_of(blind, aim, BLIND)
+        near = value_of(nearest, aim, NEAREST)
         met.setdefault(aim.group, []).append(aim.met(value))
         where = f", {aim.rpm} rpm" if aim.rpm else ""
         ends = f"{shown(aim.low, aim.unit)} to {shown(aim.high, aim.unit)}"
         lines.append(
             f"| {aim.group}: {aim.what}{where} | {aim.source} {aim.unit} | {ends} | "
-            f"{shown(value, aim.unit)} | {'yes' if aim.met(value) else 'no'} | {shown(other, aim.unit)} |"
+            f"{shown(value, aim.unit)} | {'yes' if aim.met(value) else 'no'} | {shown(other, aim.unit)} | "
+            f"{shown(near, aim.unit)} | {'yes' if aim.met(near) else 'no'} |"
         )
     counts = ", ".join(f"{group} {sum(one)} of {len(one)}" for group, one in met.items())
     total = sum(map(sum, met.values()))
     return "\n".join([f"{total} of {len(AIMS)} aims are met: {counts}.", "", *lines])
+
+
+def misses(read: Array) -> Array:
+    """Half widths by which readings (spring, aim) lie outside the ends of their aims, 0 inside, infinite
+    where a spring has none.
+
+    >>> misses(np.array([(one.low + one.high) / 2 for one in AIMS]))[:2].tolist()
+    [0.0, 0.0]
+    """
+    low, high = (np.array([getattr(one, end) for one in AIMS]) for end in ("low", "high"))
+    beyond: Array = np.maximum(np.maximum(low - read, read - high), 0.0) / ((high - low) / 2)
+    return np.where(np.isnan(beyond), np.inf, beyond)
+
+
+def near_springs() -> dict[str, Array]:
+    """Columns of the stored springs by name."""
+    lines = NEAR.read_text(encoding="utf-8").splitlines()
+    values = np.array([[float(cell) for cell in line.split(",")] for line in lines[2:]])
+    return dict(zip(lines[1].split(","), values.T, strict=True))
+
+
+def label(aim: Aim) -> str:
+    return f"{aim.group}: {aim.what}" + (f" {aim.rpm} rpm" if aim.rpm else "")
+
+
+def pairs_table() -> str:
+    """Largest miss (half widths) of two groups of aims by the stored spring that is nearest to both."""
+    columns = near_springs()
+    missed = misses(np.column_stack([columns[label(aim)] for aim in AIMS]))
+    groups = list(dict.fromkeys(aim.group for aim in AIMS))
+    worst = [missed[:, [aim.group == one for aim in AIMS]].max(axis=1) for one in groups]
+    cells = {
+        (a, b): f"{np.maximum(worst[a], worst[b]).min():.2f}"
+        for a, b in combinations_with_replacement(range(len(groups)), 2)
+    }
+    lines = ["| | " + " | ".join(groups) + " |", "|---" * (len(groups) + 1) + "|"]
+    for b, name in enumerate(groups):
+        row = [cells.get((a, b), "") for a in range(len(groups))]
+        lines.append(f"| {name} | {' | '.join(row)} |")
+    return "\n".join([*lines, "", f"All {len(AIMS)} aims: {missed.max(axis=1).min():.2f}."])
 
 
 #: Quantities whose second and settled revolution stand side by side.
@@ -168,11 +219,12 @@ MODAL_PEAKS = (
 
 
 @cache
-def modal_peaks(name: str, following: bool) -> tuple[tuple[float, float], ...]:
+def modal_peaks(source: str | Case, following: bool) -> tuple[tuple[float, float], ...]:
     """Force (N) and cam angle (deg) of :data:`MODAL_PEAKS` by equations 2 and 5 on the lift and the
     static curve of a case; the largest value where there is no maximum.
     """
-    case, curve = load_case(name), vt.static_curve(name)
+    case = source if isinstance(source, Case) else load_case(source)
+    curve = vt.static_curve(case)
     assert case.lift_law is not None
     lift = build_lift_law(case.lift_law).lift
     angle = np.arange(720) * DEG / 2
@@ -221,7 +273,7 @@ def between(text: str, mark: str, table: str) -> str:
 
 
 def main() -> None:
-    study, blind = vt.simulate(CASE, workers=1), vt.simulate(BLIND, workers=1)
+    study, blind, nearest = (vt.simulate(one, workers=1) for one in (CASE, BLIND, NEAREST))
     later = vt.simulate(
         vt.load_case(CASE, {"operation.cycles": SETTLED}), spring_models=[ROD], workers=1
     )
@@ -230,7 +282,8 @@ def main() -> None:
         for one in (study, later)
     ]  # fmt: skip
     tables = {
-        "aims": aims_table(study, blind),
+        "aims": aims_table(study, blind, nearest),
+        "pairs": pairs_table(),
         "revolutions": revolutions_table(*both),
         "modal model": modal_table(),
         "sweep": sweep_table(),

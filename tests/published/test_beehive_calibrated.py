@@ -6,10 +6,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from beehive_page import AIMS, PAGE, shown, value_of
+from beehive_page import (
+    AIMS,
+    NEAREST,
+    PAGE,
+    ROD,
+    label,
+    misses,
+    near_springs,
+    pairs_table,
+    shown,
+    value_of,
+)
 
 import valvetrain as vt
 from architecture.layout import ROOT
+from valvetrain.explore.case_paths import vary
+from valvetrain.explore.identification_file import read_request
 from valvetrain.solution.study import Study
 
 RPM = np.pi / 30
@@ -45,6 +58,48 @@ def test_the_page_prints_every_aim_as_it_comes_out(study: Study) -> None:
         if not near or (cells[3] == "yes") != aim.met(value):
             stale.append(aim)
     assert not stale, "run python scripts/beehive_page.py"
+
+
+def test_the_nearest_spring_is_as_the_page_has_it() -> None:
+    """Example: examples/beehive-nearest.toml misses no aim by more than the page says (spikes 10 %), and
+    meets as many.
+    """
+    study, rows = vt.simulate(NEAREST, workers=1), printed()
+    values = [value_of(study, aim, NEAREST) for aim in AIMS]
+    met = [aim.met(value) for aim, value in zip(AIMS, values, strict=True)]
+    cells = [
+        rows[f"{aim.group}: {aim.what}{f', {aim.rpm} rpm' if aim.rpm else ''}"] for aim in AIMS
+    ]
+    assert [cell[-1] == "yes" for cell in cells] == met
+    worst = float(misses(np.array(values, dtype=float)).max())
+    text = PAGE.read_text(encoding="utf-8")
+    assert f"none of its aims is missed by more than {worst:.1f} half widths" in text
+
+
+def test_pairs_of_groups_rest_on_springs_that_run_as_stored() -> None:
+    """Example: the table of the page is that of the stored springs, and one of them, run anew at 8000 rpm
+    and at rest, reads as stored.
+    """
+    table = PAGE.read_text(encoding="utf-8").split("<!-- pairs -->\n")[1].split("\n<!-- end")[0]
+    assert table == pairs_table(), "run python scripts/beehive_page.py"
+    columns = near_springs()
+    request = read_request(ROOT / "examples" / "identify-beehive-calibrated.toml")
+    missed = misses(np.column_stack([columns[label(aim)] for aim in AIMS]))
+    best = int(missed.max(axis=1).argmin())
+    changed = {
+        path: float(columns[one.name][best])
+        for one, paths in zip(request.unknowns, request.varied, strict=True)
+        for path in paths
+    }
+    case = vary(request.case, changed)
+    case = case.replace(springs=(case.springs[0].with_options(ROD, elements_per_coil=12),))
+    run = vt.simulate(case, "8000 rpm", spring_models=[ROD], workers=1)
+    for aim in AIMS:
+        if aim.model == ROD and aim.rpm in (0, 8000):
+            found = value_of(run, aim)
+            assert found is not None
+            room = 0.1 if aim.group in ("spikes", "durations") else 0.02
+            assert found == pytest.approx(columns[label(aim)][best], rel=room), aim
 
 
 def test_no_value_of_the_calibrated_case_is_called_a_prediction(study: Study) -> None:
