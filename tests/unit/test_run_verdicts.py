@@ -325,7 +325,7 @@ def test_the_text_of_a_sweep_explains_its_rows_and_names_what_did_not_settle(tmp
     show_study(Console(file=out, width=100), sweep_study(), tmp_path, None)
     text = " ".join(out.getvalue().split())
     assert "that did not settle 1: 8000" in text
-    assert "again: further ranges of speed without control." in text
+    assert "again: further ranges of speed without control" in text
     facts = dict(study_page(sweep_study()).facts)
     assert facts["runs"].startswith("22 of 24 settled; not settled: stock at 8000 rpm")
 

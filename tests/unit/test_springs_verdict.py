@@ -188,6 +188,14 @@ def test_a_tile_says_beyond_only_what_reads_otherwise():
     runs = tuple(run("a", speed, coil_bind_clearance=bind) for speed, bind in ((5000, 2.9e-3), (6000, 2.5004e-3), (7000, 2.4986e-3)))  # fmt: skip
     study = Study(CaseRecord("own"), "sweep", runs, critical_speeds=CriticalSpeeds((row,)))
     assert dict(key_figures(study))["clearance to coil bind at full lift"] == "2.5 mm at 6000 rpm"
+    stress, least = "nominal_peak_shear_stress", "nominal_minimum_shear_stress"
+    found = {"minimum_spring_force": 100.0, least: 1e8}
+    slow = run("a", 6000, **{stress: 5e8, "peak_spring_force": 500.0}, **found)
+    fast = run("a", 7000, **{stress: 8e8, "peak_spring_force": 900.0}, **found)
+    closed = dict(key_figures(replace(study, solutions=(slow, fast))))
+    assert closed["shear stress"] == (
+        "100 to 500 MPa (beyond control 800 MPa, that of the solid spring, at 7000 rpm)"
+    )
     far = replace(study, solutions=(*runs[:2], run("a", 7000, coil_bind_clearance=2e-3)))
     assert dict(key_figures(far))["clearance to coil bind at full lift"] == "2.5 mm at 6000 rpm (beyond control 2 mm at 7000 rpm)"  # fmt: skip
 

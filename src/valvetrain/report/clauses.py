@@ -16,6 +16,8 @@ from valvetrain.units.reader import reader_factor, reader_unit
 
 #: How the names of the stresses by EN 13906-1 begin, but for their spring.
 STRESS = "nominal_peak"
+#: What is said of a stress by EN 13906-1 of a force beyond solid.
+CAPPED = " (that of the solid spring: the peak force is above)"
 #: Least number that is written with noughts in place of a power of ten.
 TINY = 1e-6
 #: Share of a value above which its error bar is named.
@@ -129,7 +131,7 @@ class Runs:
         if math.isfinite(least):
             text = f"{quantity_text(found.name, least).partition(' ')[0]} to {text}"
         if self._is_capped(found, run):
-            text += " (that of the solid spring: the peak force is above)"
+            text += CAPPED
         if not math.isfinite(plain - bound):
             return text
         known = quantity_text(found.name, plain).partition(" ")[0]

@@ -11,7 +11,15 @@ from dataclasses import replace
 import numpy as np
 
 from valvetrain.quantities.table import EVENT_LIFTS
-from valvetrain.report.clauses import Runs, Worst, figure, joined, one_bracket, quantity_text
+from valvetrain.report.clauses import (
+    CAPPED,
+    Runs,
+    Worst,
+    figure,
+    joined,
+    one_bracket,
+    quantity_text,
+)
 from valvetrain.report.control import controlled_to, range_in_use, red_line_margin
 from valvetrain.report.run_clauses import judged_runs, worst_run
 from valvetrain.report.sweep_verdict import NO_SURGE, runs_over_speed
@@ -145,7 +153,10 @@ def _beyond(study: Study, quantity: str, runs: Runs) -> str:
     used, every = (_worst(one, quantity, least) for one in (_in_use(study, runs), runs))
     if used is None or every is None or _value(runs, used) == _value(runs, every):
         return ""
-    return f" (beyond {range_in_use(study)[1]} {_value(runs, every)}{_place(runs, every)})"
+    value = _value(runs, every)
+    if quantity.endswith("shear_stress"):  # its bounds are those of the wire, said before
+        value = f"{runs.text(every)}{', that of the solid spring,' * (CAPPED in value)}"
+    return f" (beyond {range_in_use(study)[1]} {value}{_place(runs, every)})"
 
 
 def _controlled(study: Study, label: str, runs: Runs) -> Runs:
