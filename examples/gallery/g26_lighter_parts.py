@@ -2,9 +2,10 @@
 How much speed do a lighter valve and a stronger spring buy?
 ============================================================
 
-The speed at which the cam of a pushrod train first loses its follower: as it is, with a valve a
-fifth lighter, and with the stronger spring
-set. The answer is a bracket: at its lower end a run kept contact, at its upper end one did not.
+The speed at which the cam of a pushrod train first loses its follower, with springs that surge: as
+it is, with a valve a fifth lighter, and with the stronger spring set. Massless springs promise more than
+twice as much of a lighter valve (178 rpm) and nearly twice as much of the stronger spring (1819 rpm).
+The answer is a bracket: at its lower end a run kept contact, at its upper end one did not.
 """
 
 import numpy as np
@@ -22,8 +23,8 @@ speeds = {}
 for words, (changes, springs) in variants.items():
     found = vt.critical_speeds(
         vt.load_case("tdi-pushrod", changes),
-        "6000:12000:1000 rpm",
-        spring_models=["massless"],
+        "6000:9000:1000 rpm",
+        spring_models=["modal-uniform"],
         spring_set=[springs],
         ranges=False,
         workers=1,
