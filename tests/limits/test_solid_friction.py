@@ -6,73 +6,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solid_parts import disc, helix
-from valvetrain.coil_contact.law import LINEAR, law_numbers
+from solid_parts import helix
 from valvetrain.continuum import contact_kernels as contact
 from valvetrain.continuum import friction_kernels as friction
 from valvetrain.continuum import time_kernels
 from valvetrain.continuum.statics import SolidStatics
 from valvetrain.continuum.transient import SolidDynamics, simulate_solid
-from valvetrain.continuum.wire import SeatPlanes, SolidContactLaw, SolidMeshSize, SolidWire
-
-NUMBERS = law_numbers(LINEAR)
-MASS, RADIUS, STATIONS, STIFFNESS = 2e-4, 2e-3, 4, 1e8
-#: Weight over mass (m/s2) that presses each section on the plane, and step (s).
-PRESS, STEP = 1e4, 2e-7
-
-
-class Rolled:
-    """A round bar along x on a plane, its sections rigid, and what friction has taken (J)."""
-
-    def __init__(self) -> None:
-        nodes, quads = disc()
-        x, y = nodes[quads].transpose(2, 0, 1)
-        area = np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1)
-        self.weights = np.zeros(len(nodes))
-        np.add.at(self.weights, quads, area[:, None] / area.sum() / 4)
-        #: Moment of inertia over mass and radius squared.
-        self.inertia = float(self.weights @ np.sum(nodes**2, axis=1))
-        place = np.zeros((len(nodes), 3, STATIONS))
-        place[:, 0] = 1e-3 * np.arange(STATIONS)
-        place[:, 1:] = RADIUS * nodes[:, :, None]
-        place[:, 2] += RADIUS - MASS * PRESS / STIFFNESS
-        self.x, self.v = place.ravel(), np.zeros(place.size)
-        self.planes = SeatPlanes(
-            np.arange(STATIONS), np.ones(STATIONS), np.full(STATIONS, RADIUS), np.full(STATIONS, STIFFNESS),
-            np.full(STATIONS, RADIUS), np.zeros(STATIONS), np.zeros((3, STATIONS)),
-        )  # fmt: skip
-        self.heat, self.stored = 0.0, 0.0
-
-    def run(self, steps: int, coefficient: float, across: float = 0.0) -> tuple[float, float]:
-        """Speed (m/s) across and that of its rim by the spin after steps under ``across`` (m/s2)."""
-        n, size = STATIONS, 3 * STATIONS
-        centre, rate, spin, inverse = (np.zeros(k * n) for k in (3, 3, 3, 6))
-        mass = np.repeat(MASS * self.weights, n)
-        work = np.zeros(time_kernels.SECTION_ROWS * time_kernels.STRIDE)
-        for _ in range(steps):
-            push, couple, force, totals = (
-                np.zeros(size),
-                np.zeros(size),
-                np.zeros(self.x.size),
-                np.zeros(2),
-            )
-            contact.section_centres(self.x, self.weights, n, centre)
-            contact.section_centres(self.v, self.weights, n, rate)
-            contact.plane_forces(centre, push, n, self.planes, 0.0, 0, NUMBERS.ctypes.data, totals)
-            totals[:] = 0.0
-            friction.section_spins(self.x, self.v, self.weights, n, centre, rate, inverse, spin)
-            friction.rub_planes(rate, spin, push, couple, n, self.planes, coefficient, STEP, totals)
-            push[n : 2 * n] += MASS * across
-            push[2 * n :] -= MASS * PRESS
-            self.heat, self.stored = self.heat + STEP * totals[1], totals[0]
-            contact.spread_push(push, self.weights, n, force)
-            friction.spread_couple(self.x, couple, inverse, self.weights, n, centre, force)
-            time_kernels.accelerate(self.x, force, mass, work, len(self.weights), n, 0, n, np.inf)
-            self.v += STEP * force
-            self.x += STEP * self.v
-        contact.section_centres(self.v, self.weights, n, rate)
-        friction.section_spins(self.x, self.v, self.weights, n, centre, rate, inverse, spin)
-        return float(rate[n]), float(-RADIUS * spin[0])
+from valvetrain.continuum.wire import SolidContactLaw, SolidMeshSize, SolidWire
+from valvetrain.validation.bars import MASS, NUMBERS, PRESS, STATIONS, STEP, Rolled
 
 
 def test_a_roller_slides_until_it_rolls():

@@ -368,7 +368,7 @@ def _bar(value: float, again: float, way: _Further, order: float, safety: float)
 
 def _sentences(
     rows: Sequence[Uncertainty],
-    further: Iterable[_Further],
+    further: Sequence[_Further],
     undivided: Sequence[str],
     without: Sequence[str],
 ) -> Iterable[str]:
@@ -389,6 +389,8 @@ def _sentences(
             how = " and ".join(f"{number} times {side}" for number, side in pairs)
         else:
             how = f"{' and '.join(divided_by)} times coarser"
+        if any(one.ready.member.model.word == SOLID for one in further):
+            how += " (of solid along the wire alone, not in the section)"
         yield f"± from runs {how} (all: --json){over}{f'; {none}' if undivided else ''}."
     elif undivided and not rows:
         yield f"No error bars: {none}, whose spring has no division."

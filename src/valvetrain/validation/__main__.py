@@ -26,6 +26,7 @@ CHAPTERS = (
     "stresses",
     "models",
     "solids",
+    "bars",
     "reduced_rods",
     "laws",
     "followers",
@@ -34,7 +35,7 @@ CHAPTERS = (
 )
 
 #: Chapters whose rows stand in the tables of another one: they are run together.
-TABLES = {"large_deflection": "springs", "followers": "laws"}
+TABLES = {"bars": "solids", "large_deflection": "springs", "followers": "laws"}
 
 HEAD = """# Validation book
 
