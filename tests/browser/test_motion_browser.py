@@ -140,7 +140,7 @@ def test_nodes_on_the_screen_are_those_of_the_solution(visit, study):
         visit.settle()
         rings = (
             np.array(visit.handle("shown().tubes.map((tube) => Array.from(tube.position))")[0][:-6])
-            .reshape(-1, 10, 3)
+            .reshape(-1, 16, 3)
             .mean(axis=1)
         )
         nodes = rings[:: (len(rings) - 1) // 14]
@@ -174,7 +174,7 @@ def test_colours_on_the_screen_are_those_of_the_channel(visit, study):
         visit.settle()
         colours = np.array(
             visit.handle("shown().tubes.map((tube) => Array.from(tube.colour))")[0][:-6]
-        ).reshape(-1, 10, 3)[:, 0]
+        ).reshape(-1, 16, 3)[:, 0]
         share = (
             1e-6 * cycle.channel("inner_fibre_shear_stress")[sample] / drawn.high * (len(stops) - 1)
         )
