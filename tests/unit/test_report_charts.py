@@ -308,6 +308,17 @@ def test_four_panels_over_one_axis_end_on_the_first_screen():
     assert figure(chart)["narrow"]["height"] > 700
 
 
+def test_three_panels_with_axes_of_their_own_end_on_the_first_screen():
+    """Contract: the third quantity of an identification began below a phone's first screen, of which title and sentence
+    take 325 of 844 px.
+    """
+    line = Line(np.arange(3.0), np.arange(3.0), "a", "#000000")
+    panels = tuple(Panel(f"quantity {n}", "density", (line,)) for n in range(3))
+    chart = Chart("marginals", "t", "c", panels, 3)
+    assert figure(chart, opening=True)["narrow"]["height"] <= 844 - 325
+    assert figure(chart)["narrow"]["height"] > 700
+
+
 def test_a_mark_without_size_is_its_text_alone():
     """Contract: numbers of orders stood beside rings."""
     text = Marks(np.array([5.0]), np.array([1.0]), "", "#000000", labels=("12",), size=0)

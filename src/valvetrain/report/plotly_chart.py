@@ -93,7 +93,8 @@ def figure(chart: Chart, opening: bool = False) -> dict[str, Any]:
 def _narrow_panel(chart: Chart, opening: bool) -> int:
     """Height in px of a panel of weight 1 on a narrow page: less where there are many."""
     height = NARROW_PANEL - _NARROW_STEP * max(len(chart.panels) - 2, 0)
-    if opening and len(chart.panels) > 3 and shares_axis(chart, 1):
+    many = 3 if shares_axis(chart, 1) else 2  # with an axis of its own each takes more
+    if opening and len(chart.panels) > many:
         return _ONE_OF_MANY
     if opening:
         height = min(height, int(_OPENING / sum(row_weights(chart, 1))))
