@@ -254,6 +254,22 @@ def test_a_scheduler_without_workers_is_one_sentence(monkeypatch):
             vt.study(TEXT.format(count=2), dask=cluster.scheduler_address)
 
 
+def test_a_scheduler_that_ends_while_a_result_is_fetched_is_told_as_such():
+    """Contract: the connection's own error came through where the scheduler ended in that moment."""
+    from distributed.comm.core import CommClosedError
+
+    class Fetched:
+        status = "finished"
+
+        def result(self) -> None:
+            raise CommClosedError("connection reset by peer")
+
+    cluster = object.__new__(Cluster)
+    cluster.where = "tcp://here"
+    with pytest.raises(RunFailedError, match=r"scheduler .* ended"):
+        cluster._result(Fetched())
+
+
 def test_a_scheduler_that_ends_is_told_as_such_and_not_as_a_killed_worker(tmp_path):
     """Contract: what was finished before arrives, then one sentence that names the scheduler."""
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -191,9 +191,15 @@ class Cluster:
         return self._result(future)
 
     def _result(self, future: Any) -> Any:
+        from distributed.client import FutureCancelledError
+        from distributed.comm.core import CommClosedError
+
         if future.status == "finished":
-            return future.result()
-        if future.status == "error":
+            with suppress(
+                CommClosedError, FutureCancelledError
+            ):  # it ends while the result is fetched
+                return future.result()
+        elif future.status == "error":
             error = future.exception()
             if type(error).__name__ == "KilledWorker":
                 return Lost()
