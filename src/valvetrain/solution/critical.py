@@ -158,8 +158,8 @@ class CriticalSpeed:
         """Until which speed (rpm) control stays lost, where it is lost again, and where single revolutions lost it
         before; empty for never.
         """
-        before = "single revolutions {}".format(", ".join(map(str, self.passed[:MAX_AGAIN])))
-        single = [before] if self.passed else []
+        short = ", ".join(map(str, self.passed[:MAX_AGAIN]))
+        single = [f"single revolutions {short}"] if short else []
         if not self.found:
             return "".join(single)
         end = f"{self.last_engine_speed / RPM:.6g} or more"
