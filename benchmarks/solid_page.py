@@ -1,5 +1,5 @@
-"""Writes docs/solid-reference.md from the kept results of solid_reference.py; the rod's numbers are
-computed anew.
+"""Writes docs/solid-reference.md from the saved results of solid_reference.py; the rod's numbers are
+computed again.
 """
 
 from __future__ import annotations

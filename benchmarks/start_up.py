@@ -59,9 +59,9 @@ def measure() -> list[Row]:
         with tempfile.TemporaryDirectory() as cache:
             wall, cpu, memory = run(code, {"NUMBA_CACHE_DIR": cache})
         note = (
-            "target 30 s; kept on disk afterwards"
+            "target 30 s; cached on disk afterwards"
             if name == "main job"
-            else "kept on disk afterwards"
+            else "cached on disk afterwards"
         )
         rows.append(
             Row(

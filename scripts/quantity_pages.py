@@ -59,7 +59,7 @@ _SYSTEMS = {("spring", "train"): "both", ("spring",): "spring", ("train",): "tra
 _JSON = """\
 ## Keys of `--json`
 
-One object per command, the same shape for all; a command leaves out what it does not compute. A number stands as
+One object per command, the same shape for all; a command leaves out what it does not compute. A number is written as
 `{"value": ..., "unit": ...}`, SI except the engine speed (rpm of the crank); what could not be computed is null. `quantities` is an
 object from the names above to such numbers.
 

@@ -125,7 +125,7 @@ NO_LIFT = "the case has no lift law, so nothing moves: `compare` shows statics a
 INTRODUCTION = """# Spring models and shipped cases
 
 Which spring model runs which shipped case under `valvetrain run`, `compare` and `sweep`. Written by `scripts/write_pages.py models` from
-real runs at one engine speed with coarse meshes; a test runs them again and compares. A letter stands for a reason below the table.
+real runs at one engine speed with coarse meshes; a test runs them again and compares. A letter refers to a reason below the table.
 """
 AFTER = """
 Every model also runs from a program (`valvetrain.simulate`, `compare`, `sweep`) and in a case of one's own, with the same reasons

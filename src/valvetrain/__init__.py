@@ -1,6 +1,6 @@
 """case file -> parameters -> Problem -> System -> integrate -> Solution -> quantities -> report
 
-Dynamics of valve springs and valvetrains. Public names stand in ``__init__.pyi`` of this package and
+Dynamics of valve springs and valvetrains. Public names are in ``__init__.pyi`` of this package and
 of its folders; each loads its module on first use, so that ``import valvetrain`` costs next to nothing.
 """
 

@@ -63,7 +63,7 @@ def parse_references(text: str) -> dict[str, Reference]:
         key = match["key"]
         if key in found:
             raise InputError(
-                f"reference '{key}' stands twice; rename or remove one", "references.bib"
+                f"reference '{key}' occurs twice; rename or remove one", "references.bib"
             )
         found[key] = Reference(
             match["kind"],

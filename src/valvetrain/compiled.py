@@ -30,7 +30,7 @@ _IMPORT = re.compile(
 
 
 def njit(*given: Any, **options: Any) -> Any:
-    """``numba.njit`` whose option ``cache`` keeps the machine code by :class:`KernelCache`; to be
+    """``numba.njit`` whose option ``cache`` stores the machine code by :class:`KernelCache`; to be
     used as a decorator, as numba's is.
     """
     cached = options.pop("cache", False)
@@ -44,7 +44,7 @@ def njit(*given: Any, **options: Any) -> Any:
                 kernel._cache = _cache_of(kernel.py_func)
             except (AttributeError, OSError, RuntimeError, TypeError) as reason:
                 _tell_once(
-                    f"compiled kernels cannot be kept ({reason}); each run compiles them anew"
+                    f"compiled kernels cannot be stored ({reason}); each run compiles them again"
                 )
         return kernel
 
@@ -53,7 +53,7 @@ def njit(*given: Any, **options: Any) -> Any:
 
 class CheckedFile(IndexDataCacheFile):
     """Numba's files of one kernel with a digest at their end: machine code with one wrong bit would
-    be run, and might even go on.
+    be run, perhaps without an error.
     """
 
     def _dump(self, obj: Any) -> bytes:
@@ -86,7 +86,7 @@ class KernelCache(FunctionCache):
     kernel's own file alone.
 
     A kernel holds the code of those it calls and the constants of other files, which numba does not
-    look at. An entry that cannot be read is dropped and made anew; one that cannot be written is
+    look at. An entry that cannot be read is dropped and compiled again; one that cannot be written is
     left out.
     """
 
@@ -104,7 +104,7 @@ class KernelCache(FunctionCache):
         return PACKAGE if PACKAGE in folder.parents else folder.parent
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Kept machine code for a signature, None where there is none that can be read and it is
+        """Stored machine code for a signature, None where there is none that can be read and it is
         compiled next.
         """
         try:
@@ -114,7 +114,7 @@ class KernelCache(FunctionCache):
             return found
         except Exception as reason:  # damaged bytes raise whatever they happen to spell
             _tell_once(
-                f"compiled kernels in {self._place} are damaged ({type(reason).__name__}); they are compiled anew"
+                f"compiled kernels in {self._place} are damaged ({type(reason).__name__}); they are compiled again"
             )
             try:
                 self.flush()  # type: ignore[no-untyped-call]
@@ -123,18 +123,18 @@ class KernelCache(FunctionCache):
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep machine code for a signature, if the disk takes it."""
+        """Store machine code for a signature, if the disk allows it."""
         try:
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
         except OSError as reason:
             self.disable()  # type: ignore[no-untyped-call]
             _tell_once(
-                f"compiled kernels cannot be kept in {self._place} ({reason.strerror or reason}); runs compile them anew"
+                f"compiled kernels cannot be stored in {self._place} ({reason.strerror or reason}); runs compile them again"
             )
 
 
 def _cache_of(function: Callable[..., Any]) -> KernelCache:
-    """Cache beside the source or in the user's own folder; where neither can be written, in a
+    """Cache next to the source or in the user's own folder; where neither can be written, in a
     private one for temporary files.
     """
     try:
@@ -151,7 +151,7 @@ def _cache_of(function: Callable[..., Any]) -> KernelCache:
 
 
 def _private_folder() -> Path:
-    """Folder for temporary files that nobody else can write: kept code is run, so it must be this
+    """Folder for temporary files that only this user can write: stored code is executed, so it must be this
     user's own.
     """
     owner = os.getuid() if hasattr(os, "getuid") else 0

@@ -82,7 +82,7 @@ class MissingExtraError(ValvetrainError):
 
 
 class RunFailedError(ValvetrainError):
-    """A run ended before its end and the caller asked for an exception instead of a status."""
+    """A run ended before its end and the caller requested an exception instead of a status."""
 
 
 def _readable(text: str, most: int) -> str:

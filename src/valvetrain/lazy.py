@@ -9,7 +9,7 @@ from pathlib import Path
 
 def names_of_stub(package: str, file: str) -> dict[str, str]:
     """Public name -> module that defines it, of the lines ``from module import name as name`` in
-    the ``__init__.pyi`` beside ``file``, which type checkers read as well.
+    the ``__init__.pyi`` next to ``file``, which type checkers read as well.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""One registry for everything that can be added: a word, and where the object behind it stands.
+"""One registry for everything that can be added: a name, and the module of its object.
 
 What ships and what a user's package brings are listed alike, as ``"module:attribute"``; nothing is
-imported before it is asked for. A package adds, say, a spring model by the entry point
+imported before it is requested. A package adds, say, a spring model by the entry point
 ``[project.entry-points."valvetrain.springs"]`` of its own pyproject.toml.
 """
 
@@ -147,7 +147,7 @@ BUILT_IN["integrators"] = {
     "solid-leapfrog": "valvetrain.integrate.solid_leapfrog:SPEC",
     "solid-in-train": "valvetrain.integrate.solid_in_train:SPEC",
     "leapfrog": "valvetrain.integrate.leapfrog:SPEC",
-    "hht": "valvetrain.integrate.hht:SPEC",  # asked for by name alone: what it serves, the leapfrog serves before
+    "hht": "valvetrain.integrate.hht:SPEC",  # requested by name only: what it serves, the leapfrog serves before
 }
 BUILT_IN["quantities"] = {
     "general": "valvetrain.quantities.table:ROWS",
@@ -174,7 +174,7 @@ BUILT_IN["lifts"] = {
     "three-arc": "valvetrain.cam.arcs:THREE_ARC_SPEC",
     "tangent": "valvetrain.cam.arcs:TANGENT_SPEC",
 }
-#: In the order in which a content is asked; the last takes any text.
+#: In the order in which a content is tried; the last takes any text.
 BUILT_IN["lift_formats"] = {
     "workbook": "valvetrain.measured.lift_formats:WORKBOOK_SPEC",
     "s96": "valvetrain.measured.lift_formats:S96_SPEC",

@@ -2,7 +2,7 @@
 form; methods must meet them.
 
 Further: stated intervals hold the truth as often as they say, both branches of a case with two are
-found, and what the data cannot tell
+found, and what the data cannot determine
 is said.
 """
 
@@ -226,7 +226,7 @@ def test_springs_in_parallel_cannot_be_told_apart_and_it_is_said() -> None:
     loads = [vt.explore.Datum("seat", 320.0, 2.0), vt.explore.Datum("open", 777.0, 4.0)]
     (sentence,) = vt.identify(priors, loads, parallel).warnings
     assert (
-        "cannot tell 'outer rate' and 'inner rate' apart" in sentence
+        "cannot distinguish 'outer rate' and 'inner rate'" in sentence
         and "a kind of sum" in sentence
     )
     assert (
@@ -241,7 +241,7 @@ def test_a_quantity_that_no_datum_depends_on_is_named() -> None:
         "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01),
     }
     (sentence,) = vt.identify(priors, [vt.explore.Datum("force", 280.0, 2.0)], surge).warnings
-    assert "hardly tell 'mass'" in sentence and "0 %" in sentence
+    assert "hardly determine 'mass'" in sentence and "0 %" in sentence
 
 
 def test_three_quantities_that_show_as_one_sum_are_named_together() -> None:

@@ -146,7 +146,7 @@ def test_ground_off_wire_is_the_segment_of_the_circle():
         ({"mass": "200 g"}, "mass makes .* solid at .* but the second load is given at 34 mm"),
         ({"mass": "45 g"}, "inactive turns at either end"),
         ({"open_load": LOW}, "the second load of a card is the larger one"),
-        ({"solid_height": "35 mm"}, "the solid height lies above that of the second load"),
+        ({"solid_height": "35 mm"}, "the solid height is above that of the second load"),
         ({"free_length": "45 mm"}, "no longer than the height of the first load"),
         ({"outer_diameter": "10 mm"}, "less than three wires"),
         ({"outer_diameter": 32.0}, "mm"),

@@ -108,9 +108,7 @@ def test_no_value_of_the_calibrated_case_is_called_a_prediction(study: Study) ->
 
 
 def test_where_the_peak_at_8000_rpm_lies_is_among_the_findings(study: Study) -> None:
-    (found,) = [
-        one for one in study.findings if "the peak force lies in Stage III" in one.statement
-    ]
+    (found,) = [one for one in study.findings if "the peak force is in Stage III" in one.statement]
     run = study.solution("finite-element", 8000 * RPM).quantities
     holds = run["stage_3_peak_force"] > run["stage_2_peak_force"]
     assert (found.verdict == "agrees") == holds and found.statement.startswith("8000 rpm")

@@ -167,7 +167,7 @@ HALF = {"maximum_lift": 0.318 * INCH, "nose": math.pi, "duration": math.radians(
         ({"upper_duration": math.radians(100)}, "they leave"),
         ({"maximum_lift": 1e-3}, "below the lobe lift"),
         ({"duration": math.radians(358)}, "does not go with the other values"),
-        ({"ramp_lift": 9e-3}, "ramp_lift must lie"),
+        ({"ramp_lift": 9e-3}, "ramp_lift must be"),
         (
             {"ramp_lift": 1.2e-3, "ramp_blend": 1.0, "advertised_duration": math.radians(134)},
             "gathers velocity",
@@ -311,7 +311,7 @@ def test_a_crossing_on_a_station_is_found_there():
 def test_a_ramp_that_is_steep_all_the_same_is_doubted():
     """Contract: a hydraulic card, 288 degrees at 0.006 in, under 0.35 mm of lash at the lobe: neither a
     usual ramp nor the flank meets it."""
-    with pytest.warns(UnusualValueWarning, match="times as fast as usual.*ramp_lift"):
+    with pytest.warns(UnusualValueWarning, match="times as fast as a typical one.*ramp_lift"):
         law = solid_card(0.353, 1.6, 0.022, 288, 0.006, 236)
     opens, closes = lift_crossings(law.lift, 0.006 * INCH)
     assert 2 * math.degrees(closes - opens) == pytest.approx(288, abs=1e-6)

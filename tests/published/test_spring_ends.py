@@ -198,5 +198,5 @@ def test_a_case_file_that_contradicts_itself_is_refused_at_its_line(lines, words
 
 def test_ends_ground_over_all_turns_are_refused():
     ends = {"lower_end": EndCoil("open-ground", 1, 1), "upper_end": EndCoil("open-ground", 1, 1)}
-    with pytest.raises(InputError, match="leave nothing of 2 turns"):
+    with pytest.raises(InputError, match="use up all of 2 turns"):
         vt.parameters.cylindrical("4 mm", "24 mm", total_coils=2, free_length="52 mm", **ends)

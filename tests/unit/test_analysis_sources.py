@@ -261,7 +261,7 @@ def test_lift_lost_with_the_stiffer_spring(loss, verdict):
     [
         (
             1400.0,
-            "peak +40.0% (source +3.0%), not reproduced: it lies off the nose; there +0.0%",
+            "peak +40.0% (source +3.0%), not reproduced: it is off the nose; there +0.0%",
         ),
         (1010.0, "peak +1.0% (source +3.0%), at the nose +0.0%"),
     ],

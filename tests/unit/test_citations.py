@@ -64,5 +64,5 @@ def test_an_unknown_key_is_refused_with_the_nearest():
 
 
 def test_a_key_that_stands_twice_is_refused():
-    with pytest.raises(InputError, match="'wahl1963' stands twice"):
+    with pytest.raises(InputError, match="'wahl1963' occurs twice"):
         parse_references(f"{bibtex('wahl1963')}\n\n{bibtex('wahl1963')}")

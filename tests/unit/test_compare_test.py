@@ -426,8 +426,8 @@ def test_values_with_stated_scatter_are_counted_in_it(tmp_path):
     assert "stated scatter" not in page and "no scatter is stated" in page.lower()
     assert "stated" not in repr(found)
     assert (
-        "All 4 values lie within two scatters" in page
-        or "values lie more than two scatters off" in page
+        "All 4 values are within two scatters" in page
+        or "values are more than two scatters off" in page
     )
 
 

@@ -109,7 +109,7 @@ def test_damaged_kernels_are_told_and_compiled_anew(load, tmp_path, capsys, endi
     )
     assert load()(1.5) == 3.0
     said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "are damaged" in said and "compiled anew" in said
+    assert said.count("\n") == 1 and "are damaged" in said and "compiled again" in said
     mended = load()
     assert (
         mended(1.5) == 3.0
@@ -158,7 +158,7 @@ def test_a_folder_that_others_can_write_is_not_trusted(load, monkeypatch, tmp_pa
     assert load()(1.5) == 3.0
     said = capsys.readouterr().err
     assert (
-        "belongs to others" in said and "compiles them anew" in said and not kept(tmp_path, "nbc")
+        "belongs to others" in said and "compiles them again" in said and not kept(tmp_path, "nbc")
     )
 
 

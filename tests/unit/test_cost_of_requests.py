@@ -167,7 +167,7 @@ def test_a_request_beyond_its_bound_is_refused_with_its_numbers_and_the_option(
 
 
 def test_numbers_that_no_computer_counts_to_are_refused():
-    assert "lies outside 2 to 1000000000" in sentence(
+    assert "is outside 2 to 1000000000" in sentence(
         call("static", "job-t", "--steps", "10000000000")
     )
     assert "2000" in sentence(
@@ -255,7 +255,7 @@ def test_programs_have_the_bounds_of_the_command_line(name, monkeypatch):
     )
     for place in (*studies, "runs.api.curve_by_model", "lift.band.map_points"):
         monkeypatch.setattr(f"valvetrain.{place}", work)
-    fewer = f"ask for fewer {FEWER.get(name, 'speeds, cycles or unknowns')}, or"
+    fewer = f"choose fewer {FEWER.get(name, 'speeds, cycles or unknowns')}, or"
     with pytest.raises(
         InputError,
         match=rf"this request will take about .*, beyond the bound of 1 MB; {fewer} raise the bound with limit='",

@@ -20,7 +20,7 @@ from valvetrain.runs.cost import read_limits
 )
 def test_a_count_beyond_its_bounds_is_refused(words, option, low, high):
     for number in (low - 1, high + 1):
-        assert f"{option}: {number} lies outside {low} to {high}" in sentence(
+        assert f"{option}: {number} is outside {low} to {high}" in sentence(
             call(*words, option, str(number))
         )
 
@@ -29,7 +29,7 @@ def test_bounds_belong_to_what_they_bound():
     assert [read_count(number, 2, 4, "--count") for number in (2, 4)] == [2, 4]
     assert (read_workers(1), read_workers(256)) == (1, 256) and 1 <= read_workers(None) <= 4
     for number in (1, 5):
-        with pytest.raises(InputError, match=f"{number} lies outside 2 to 4"):
+        with pytest.raises(InputError, match=f"{number} is outside 2 to 4"):
             read_count(number, 2, 4, "--count")
 
 

@@ -502,13 +502,13 @@ def test_notes_of_a_measured_lift_speak_where_there_is_something_to_say():
     said = "the noise of a station is 2 µm (standard deviation)"
     assert notes() == (said,) == notes(residuals=np.array([0.0, 7.9e-6, -7.9e-6, 0.0, 0.0]))
     assert notes(residuals=np.array([0.0, 9e-6, -11e-6, 0.0, 0.0]))[1:] == (
-        "2 stations lie more than four standard deviations off the law, the worst at 2 cam deg by -11 µm; look at them",
+        "2 stations are more than four standard deviations off the law, the worst at 2 cam deg by -11 µm; look at them",
     )
     assert notes(runout=1e-6)[1:] == (
-        "the base circle stood at 0 µm, scattering by 1 µm, and was set to zero",
+        "the base circle was at 0 µm, scattering by 1 µm, and was set to zero",
     )
     assert notes(base=3e-6)[1:] == (
-        "the base circle stood at 3 µm, scattering by 0 µm, and was set to zero",
+        "the base circle was at 3 µm, scattering by 0 µm, and was set to zero",
     )
     assert "tighter than the noise" in notes(widened=True)[1] and len(notes(widened=True)) == 2
 

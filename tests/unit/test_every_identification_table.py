@@ -34,7 +34,7 @@ LOST = Datum("lost", 7e-3, 1e-3, unit="mm")
 def branch(share: float, misfit: float, rate: float) -> Branch:
     information = Information(
         ("load", "height"), np.array([0.93, 0.08]), np.array([[0.61, 0.004], [0.39, 0.996]]), np.array([[0.52, 0.0], [0.17, 0.8]]),
-        np.eye(2), (f"the data hardly tell the mass of {rate:.0f}",),
+        np.eye(2), (f"the data hardly determine the mass of {rate:.0f}",),
     )  # fmt: skip
     intervals = {
         "rate": Interval(rate, rate, 1e3, rate - 2e3, rate + 3e3),
@@ -116,7 +116,7 @@ def test_branches_a_search_cut_short_and_warnings_stand_by_what_was_found() -> N
     def said(found: Identified) -> list[tuple[str, str]]:
         return [(one.html, one.tone) for one in blocks(found, "found") if isinstance(one, Text)]
 
-    alert = ("The data hardly tell the mass of 32000.", "alert")
+    alert = ("The data hardly determine the mass of 32000.", "alert")
     assert said(identified()) == [alert]
     assert said(identified(whole=False)) == [
         ("The search was stopped before its end; this is what it had.", "alert"),
@@ -127,7 +127,7 @@ def test_branches_a_search_cut_short_and_warnings_stand_by_what_was_found() -> N
         ("Branch 1: probability 0.750, misfit 3.25.", ""),
         ("Branch 2: probability 0.250, misfit 5.5.", ""),
         alert,
-        ("The data hardly tell the mass of 37000.", "alert"),
+        ("The data hardly determine the mass of 37000.", "alert"),
     ]
     tables = [read(one)[0][0][1] for one in blocks(two, "found") if isinstance(one, Grid)]
     assert tables == ["32", "37"]

@@ -152,7 +152,7 @@ LAST = (OUT, "first note", "second note")
         ({"synthetic": True}, ("the recording is synthetic: computed, not measured", *LAST)),
         (
             {"offset": np.radians(12.5)},
-            ("the mark of the rig lies at 12.500 cam deg, as stated", *LAST),
+            ("the mark of the rig is at 12.500 cam deg, as stated", *LAST),
         ),
         (
             {"retained": (0, 1, 2, 3), "notes": ()},
@@ -166,7 +166,7 @@ LAST = (OUT, "first note", "second note")
         (
             {"alignment": LAID, "offset": np.radians(28.5), "offset_uncertainty": np.radians(0.06)},
             (
-                "the mark of the rig lies at 28.500 ± 0.12 cam deg of the case (95 %), by the lift; the flanks alone give 28.000 and 29.000; "
+                "the mark of the rig is at 28.500 ± 0.12 cam deg of the case (95 %), by the lift; the flanks alone give 28.000 and 29.000; "
                 "measured lift over that of the case 1.2500",
                 *LAST,
             ),

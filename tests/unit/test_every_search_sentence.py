@@ -93,15 +93,15 @@ def test_a_difference_has_its_sign_and_a_share_where_that_says_something(value, 
     assert said.reported(SPEED, 8123.4 * RPM) == "8123 rpm"
 
 
-CASE = "The case itself keeps every bound."
+CASE = "The case itself meets every bound."
 ANSWERS = {
     "a better one": ({}, "Within all bounds the wire mass falls from 50 g of the case to 40 g (−10 g, −20.0 %)."),
     "a larger one": ({"case": trial(0.032)}, "Within all bounds the wire mass rises from 32 g of the case to 40 g (+8 g, +25.0 %)."),
     "the case": ({"best": design(trial(0.05, number=0))}, "None of 40 trials beats the case itself, whose wire mass is 50 g."),
     "a case that misses": ({"case": trial(0.05, feasible=False, missed=(0.0, 0.1, 0.2))},
-                           "The least that keeps every bound: wire mass 40 g. The case itself misses: bound 1; bound 2."),
+                           "The least that meets every bound: wire mass 40 g. The case itself misses: bound 1; bound 2."),
     "a case that fails": ({"case": trial(np.nan, feasible=False, failure="coils overlap"), "maximise": True},
-                          "The most that keeps every bound: wire mass 40 g. The case itself cannot be computed: coils overlap."),
+                          "The most that meets every bound: wire mass 40 g. The case itself cannot be computed: coils overlap."),
     "beyond what was searched": (
         {"goals": (SPEED,), "maximise": True, "case": trial(7000 * RPM, measured=bracket(FOUND, 7000, 7010)),
          "best": design(trial(9000 * RPM, measured=bracket(BEYOND, 9000, 9000)))},
@@ -113,10 +113,10 @@ ANSWERS = {
     "a front": ({"goals": (MASS, SPEED), "front": (trial(0.05, 8000 * RPM), trial(0.04, 7000 * RPM))},
                 f"2 designs beat each other in nothing: wire mass 40 g to 50 g; limit speed 7000 rpm to 8000 rpm. {CASE}"),
     "nothing": ({"best": None, "missed_by_least": (trial(0.04, number=5), "preload")},
-                "No trial keeps every bound. Trial 5 comes nearest; it misses 'preload' by 14 % of the bound: "
+                "No trial meets every bound. Trial 5 comes nearest; it misses 'preload' by 14 % of the bound: "
                 "loosen that bound, or widen the ranges."),
     "nothing by far": ({"best": None, "missed_by_least": (trial(0.04, number=0, penalties=(1.0, 0.2)), "preload")},
-                "No trial keeps every bound. Trial 0 comes nearest; it misses 'preload' by 100 % of the bound: "
+                "No trial meets every bound. Trial 0 comes nearest; it misses 'preload' by 100 % of the bound: "
                 "loosen that bound, or widen the ranges."),
     "nothing computed": ({"best": None, "trials": [trial(np.nan, failure="no wire")] * 3}, "None of 3 trials could be computed: no wire"),
 }  # fmt: skip
@@ -201,12 +201,12 @@ def test_how_far_the_best_can_be_trusted_by_its_steps_and_its_place_in_the_searc
 
 
 def test_counts_bounds_ends_and_limits_are_told():
-    assert said.trust(search())[0] == "9 of 41 designs, the case among them, keep every bound."
+    assert said.trust(search())[0] == "9 of 41 designs, the case among them, meet every bound."
     failed = search(
         trials=[trial(0.05), trial(np.nan, failure="no"), trial(np.nan, failure="no")], best=None
     )
     assert said.trust(failed) == (
-        "9 of 3 designs, the case among them, keep every bound, 2 could not be computed.",
+        "9 of 3 designs, the case among them, meet every bound, 2 could not be computed.",
     )
     found = search(active=lambda _trial: (0, 2), at_ends=lambda _trial: ((0, "low"), (1, "high")))
     assert said.trust(found)[1:] == (
@@ -215,7 +215,7 @@ def test_counts_bounds_ends_and_limits_are_told():
         "The coil is at the upper end of its range, 22 mm: widen the range.",
     )
     for kind, told in (
-        (FOUND, ("The limit speed lies between 8000 and 8010 rpm.",)),
+        (FOUND, ("The limit speed is between 8000 and 8010 rpm.",)),
         (BELOW, ()),
         (BEYOND, ("The bound is met up to the highest speed searched, 8000 rpm: search higher.",)),
     ):
@@ -283,7 +283,7 @@ def test_what_the_case_misses_stands_behind_what_is_said_of_the_best(monkeypatch
     monkeypatch.setattr(said, "_limited", lambda _found: "; bound 1 limits it")
     found = search(case=trial(0.05, feasible=False, missed=(0.0, 0.1)))
     assert said.optimum_verdict(found) == (
-        "The least that keeps every bound: wire mass 40 g, with coil 22 mm; bound 1 limits it. The case itself misses: bound 1."
+        "The least that meets every bound: wire mass 40 g, with coil 22 mm; bound 1 limits it. The case itself misses: bound 1."
     )
 
 

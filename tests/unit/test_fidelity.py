@@ -132,7 +132,7 @@ def test_what_a_failed_run_leaves_unknown_is_open_and_said():
     assert blind.reach("peak_spring_force", "massless").text == "open"
     assert (
         reason_for(blind, "peak_spring_force")
-        == "massless comes nearest, but a finer run that should tell the error gave no result"
+        == "massless comes nearest, but the finer run that should give the error gave no result"
     )
     assert "3 of 3 error bars are unknown" in " ".join(fidelity_notes(blind))
     assert fidelity_object(blind)["rows"][0]["doubt"]["value"] is None

@@ -105,7 +105,7 @@ def test_a_trace_is_over_the_cam_angle_and_its_channel_in_the_units_of_its_headi
     [
         (
             "crank angle [deg]; force [N]\n90; 200\n180; 500\n",
-            "calls its angles 'crank angle'; a trace stands over the cam angle, so halve them",
+            "calls its angles 'crank angle'; a trace is over the cam angle, so halve them",
         ),
         ("force [N]; cam angle [deg]\n200; 90\n500; 180\n", "angle"),
         ("cam angle; force\n90; 200\n", "has no units"),

@@ -112,7 +112,7 @@ def test_the_answer_is_one_json_object_and_the_files_hold_the_same(kept):
         and data["of_case"]["number"] == 0
         and data["feasible_trials"] == found.feasible
     )
-    assert data["verdict"] == found.verdict and found.verdict.startswith("The least that keeps")
+    assert data["verdict"] == found.verdict and found.verdict.startswith("The least that meets")
     best = data["designs"][0]
     assert (
         best["number"] == found.best.trial.number
@@ -137,11 +137,11 @@ def test_the_answer_for_people_says_the_same(kept):
         "optimise", str(folder.parent / "light.toml"), "--workers", "1", "--output", str(folder)
     ).stdout
     assert (
-        "The least that keeps every bound: wire mass" in text
+        "The least that meets every bound: wire mass" in text
         and "The case itself misses: estimated rate at least" in text
     )
     assert (
-        f"{light().feasible} of 41 designs, the case among them, keep every bound" in text
+        f"{light().feasible} of 41 designs, the case among them, meet every bound" in text
         and "2 searches from different seeds end at" in text
     )
     assert "40 trials and the case, 0 points computed" in text
@@ -237,7 +237,7 @@ def test_a_search_without_a_design_names_the_bound_that_is_missed_by_least(file)
     answer = call("optimise", str(file), "--workers", "1")
     assert (
         answer.exit_code == 1
-        and "No trial keeps every bound" in answer.stderr
+        and "No trial meets every bound" in answer.stderr
         and "estimated rate at least 400 N/mm" in answer.stderr
     )
     assert (file.parent / "runs" / "optimise" / "search" / "report.html").exists()
@@ -481,4 +481,4 @@ def test_the_verdict_gives_the_loads_found_as_typed_and_lists_none_twice(tmp_pat
     assert f", with seat load {preload:.4g} lbf, rate {rate:.4g} lbf/in" in found.verdict
     labels = [row[0] for row in answer_rows(found)]
     assert labels == ["seat load", "open load", "Rate of the card"]  # as typed
-    assert sentences(found)[1].endswith("of 7 designs, the case among them, keep every bound.")
+    assert sentences(found)[1].endswith("of 7 designs, the case among them, meet every bound.")

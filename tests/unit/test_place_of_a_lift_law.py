@@ -88,7 +88,7 @@ def test_a_sentence_of_several_keys_names_the_table(tmp_path):
     told = CliRunner().invoke(app, ["check", str(path)])
     assert (
         told.exit_code == 2
-        and "case 'own', line 2, lift_law: ramp_lift must lie between zero and maximum_lift"
+        and "case 'own', line 2, lift_law: ramp_lift must be between zero and maximum_lift"
         in told.stderr
     )
 

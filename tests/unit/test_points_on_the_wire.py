@@ -56,7 +56,7 @@ def test_a_written_case_keeps_its_points(tmp_path):
     ("changes", "words"),
     [
         ({"points.node_3": 2.0}, "points.node_3: study 'gu2021' reads no point 'node_3'; .*node_2"),
-        ({"points.node_2": 7.5}, "points.node_2: coil 7.5 lies beyond the wire of 7 coils"),
+        ({"points.node_2": 7.5}, "points.node_2: coil 7.5 is beyond the wire of 7 coils"),
         ({"points.node_2": -0.1}, "points.node_2: '-0.1' is too small"),
         ({"points.node_2": "2 mm"}, "points.node_2"),
         (
@@ -75,8 +75,8 @@ def test_points_that_nobody_reads_are_refused(changes, words):
     ("changes", "words"),
     [
         ({"points.node_3": 2.0}, "points.node_3: study 'gu2021' reads no point 'node_3'; .*node_2"),
-        ({"points.node_2": 7.5}, "points.node_2: coil 7.5 lies beyond the wire of 7 coils"),
-        ({"points.node_2": -0.1}, "points.node_2: coil -0.1 lies beyond the wire"),
+        ({"points.node_2": 7.5}, "points.node_2: coil 7.5 is beyond the wire of 7 coils"),
+        ({"points.node_2": -0.1}, "points.node_2: coil -0.1 is beyond the wire"),
         ({"points.node_2": math.nan}, "points.node_2: nan is no coil number"),
         ({"points.node_2": "near the tip"}, "points.node_2: 'near the tip' is no coil number"),
         ({"points.node_2": True}, "points.node_2: True is no coil number"),

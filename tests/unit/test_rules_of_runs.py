@@ -200,7 +200,7 @@ def test_modes_of_a_train_show_the_first_six_frequencies(count):
     )
 
 
-MIRRORED = "the line at 1900 Hz lies near half the frame rate (2000 Hz) and may be one of 2100 Hz mirrored there; film faster to tell"
+MIRRORED = "the line at 1900 Hz is near half the frame rate (2000 Hz) and may be one of 2100 Hz mirrored there; film faster to decide"
 
 
 @pytest.mark.parametrize(

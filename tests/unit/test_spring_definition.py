@@ -168,7 +168,7 @@ def test_ends_and_constructors_refuse_what_cannot_be():
         EndCoil("ground")
     with pytest.raises(InputError, match="between 0 and 3"):
         EndCoil(inactive_coils=3.5)
-    with pytest.raises(InputError, match="no room between the closed ends"):
+    with pytest.raises(InputError, match="no space between the closed ends"):
         pitch_with_closed_ends(2.5, WIRE, PITCH)
     with pytest.raises(InputError, match="slimmer in the middle"):
         hourglass(WIRE, DIAMETER, 26e-3, PITCH, TURNS)

@@ -87,17 +87,17 @@ def test_points_beyond_the_speeds_searched_are_counted(folder):
     assert table.completed.all() and table.values.ravel() == pytest.approx([4000 * RPM] * 2)
     (told,) = sentences(table)
     assert (
-        told.startswith("2 of 2 points keep the bound up to the highest speed") and "4000" in told
+        told.startswith("2 of 2 points meet the bound up to the highest speed") and "4000" in told
     )
     lost = study(folder, PRELOAD + LIMIT.format("contact-loss", "9000, 9500 rpm"))
     assert lost.values.ravel() == pytest.approx([9000 * RPM] * 2)
-    assert "2 of 2 points leave the bound at the lowest speed" in sentences(lost)[0]
+    assert "2 of 2 points miss the bound at the lowest speed" in sentences(lost)[0]
 
 
 SPRING = 'case = "gu2021-beehive-blind"\nvary = [{ key = "spring.wire_diameter", values = "3.7, 3.8 mm" }]\n'
 REFUSED = {
     "float of a spring alone": (SPRING + LIMIT.format("float", "5000, 6000 rpm"), "a spring has no lift above the rigid lift"),
-    "a name of a sweep": (SPRING + 'outputs = "float_engine_speed"', "ask for a limit_speed with kind = 'float'"),
+    "a name of a sweep": (SPRING + 'outputs = "float_engine_speed"', "request a limit_speed with kind = 'float'"),
     "a number at rest": (
         SPRING + '[[limit_speed]]\nquantity = "preload"\nat_most = "3 N"\nengine_speeds = "5000, 6000 rpm"\n', "springs at rest"),
     "an unknown kind": (SPRING + LIMIT.format("flaot", "5000, 6000 rpm"), "no kind of limit speed; use one of contact-loss"),

@@ -181,7 +181,7 @@ SLIPS = [
         "3.8 m of wire diameter can only be meant as 3.8 mm; write 0.0038 or '3.8 mm'",
     ),
     (0.15, "wire_diameter", "can only be meant as 0.15 inch"),
-    (3.8e-6, "wire_diameter", "lies outside 0.2 mm to 20 mm; check the number and its unit"),
+    (3.8e-6, "wire_diameter", "is outside 0.2 mm to 20 mm; check the number and its unit"),
     (7, "pitch", "7 m of pitch can only be meant as 7 mm"),
     (22, "mean_diameter", "can only be meant as 22 mm"),
     (

@@ -45,7 +45,7 @@ def scan(*shares: float, failures: tuple[str, ...] = ()) -> SimpleNamespace:
             "2 of 6 quantities are as drawn within 0.1 %, but not peak spring force at 6000 rpm (−12.5 %), solid height (+5.0 %), "
             "installed rate (+4.0 %) and 1 more.",
         ),
-        (scan(failures=("design: lost",)), "1 run did not complete; nothing of scan and design can be compared."),
+        (scan(failures=("design: lost",)), "1 run did not complete; scan and design have nothing that can be compared."),
     ],
 )  # fmt: skip
 def test_a_scan_is_as_drawn_or_says_what_is_not(found, sentence):
@@ -114,7 +114,7 @@ def test_a_search_that_found_nothing_says_what_comes_nearest():
         best=None, finished=False, trials=range(9), missed_by_least=(trial, "preload at least 40 N")
     )
     assert optimum_verdict(found) == (
-        "Stopped after 8 trials: No trial keeps every bound. Trial 5 comes nearest; it misses 'preload at least 40 N' by 12 % of the bound: "
+        "Stopped after 8 trials: No trial meets every bound. Trial 5 comes nearest; it misses 'preload at least 40 N' by 12 % of the bound: "
         "loosen that bound, or widen the ranges."
     )
 

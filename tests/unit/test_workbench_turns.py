@@ -266,7 +266,7 @@ def test_a_full_disk_leaves_no_case(workspace, monkeypatch, where):
             make()
         except InputError as error:
             refused = str(error)
-            assert "cannot be written (no space left on device); make room" in refused
+            assert "cannot be written (no space left on device); free space" in refused
         assert refused is not None or where == "write_bytes", "a template has no file"
         monkeypatch.undo()
         assert list(workspace.cases_folder.iterdir()) == [

@@ -1,4 +1,4 @@
-"""A measured trace over the cam angle, beside the same channel of runs with other values of a case."""
+"""A measured trace over the cam angle, next to the same channel of runs with other values of a case."""
 
 from __future__ import annotations
 

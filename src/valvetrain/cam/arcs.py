@@ -266,7 +266,7 @@ def half_event(
 
 class ThreeArcModel(LiftModel):
     """Arcs of base circle, flank and nose, symmetric; one of ``opening_start`` and ``flank_radius``
-    tells the other.
+    gives the other.
     """
 
     base_radius: PositiveLength

@@ -27,7 +27,7 @@ from valvetrain.parameters.schema_types import (
     quantity,
 )
 
-#: Lifts (m) of the lobe at which cards tell durations unless they say so: 0.050, 0.006 and 0.200
+#: Lifts (m) of the lobe at which cards give durations unless they state them: 0.050, 0.006 and 0.200
 #: in.
 DURATION_LIFT, ADVERTISED_LIFT, UPPER_LIFT = (
     round(inches * 25.4e-3, 9) for inches in (0.050, 0.006, 0.200)
@@ -187,7 +187,7 @@ LENGTHS = (math.radians(1.0), math.radians(175.0))
 
 @dataclass(frozen=True, kw_only=True)
 class CamCard:
-    """Lobe about ``nose`` (cam rad) that stands ``duration`` (cam rad) above ``duration_lift`` (m),
+    """Lobe about ``nose`` (cam rad) that is for ``duration`` (cam rad) above ``duration_lift`` (m),
     0.050 in on most cards.
 
     ``maximum_lift`` (m): of the lobe. ``advertised_duration`` above ``advertised_lift`` and
@@ -227,7 +227,7 @@ class CamCard:
             and points[0][2] < 2 * math.pi
         ):
             raise InputError(
-                f"the lifts at which durations are given ({_mm(points[0][1])} to {_mm(points[-1][1])}) must lie below the lobe lift "
+                f"the lifts at which durations are given ({_mm(points[0][1])} to {_mm(points[-1][1])}) must be below the lobe lift "
                 f"({_mm(self.maximum_lift)}), and the durations within a cam revolution; check them and angle_of"
             )
         if not (
@@ -236,7 +236,7 @@ class CamCard:
             and 0 < self.ramp_blend <= 1
         ):
             raise InputError(
-                "ramp_lift must lie between zero and the lobe lift, and ramp_velocity be positive; correct them"
+                "ramp_lift must be between zero and the lobe lift, and ramp_velocity be positive; correct them"
             )
         straight = self.ramp_lift * self.ramp_blend / (2 - self.ramp_blend)
         if points[0][1] < straight:
@@ -330,7 +330,7 @@ class CamCard:
             and (velocity := solve(above, STEEP)) is not None
         ):
             warnings.warn(
-                f"advertised_duration {_deg(duration)} at {_mm(lift)} makes a ramp {velocity / RAMP_VELOCITY:.2g} times as fast as usual "
+                f"advertised_duration {_deg(duration)} at {_mm(lift)} makes a ramp {velocity / RAMP_VELOCITY:.2g} times as fast as a typical one "
                 f"(0.0005 in/deg), on which the valve strikes its seat; the ramp ends at {_mm(self.ramp_lift)}: lower ramp_lift",
                 UnusualValueWarning,
                 stacklevel=2,

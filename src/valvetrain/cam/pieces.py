@@ -19,7 +19,7 @@ class PeriodicPieces:
 
     ``breaks`` (pieces + 1,) in cam rad, rising, over exactly one revolution; ``coefficients``
     (pieces, order), ascending powers, m per rad**power. Itself a lift law; ``continuity`` is what
-    its maker vouches for.
+    its maker guarantees.
     """
 
     breaks: Array

@@ -117,7 +117,7 @@ class Polydyne:
         """Factors of the powers: at x = 1 the lift has fallen to the ramp's with the ramp's slope,
         all higher derivatives vanish.
 
-        That asks sum(p^k c_p) to be the fall for k = 0 and the slope for every other k, which
+        That requires sum(p^k c_p) to be the fall for k = 0 and the slope for every other k, which
         Lagrange's polynomials at 0 and 1 solve.
         """
         half = (self.closing_end - self.opening_start) / 2

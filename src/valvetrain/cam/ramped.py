@@ -35,7 +35,7 @@ def ramped(
     half-way through the event, and back.
 
     ``ramp_blend``: share of the ramp over which its velocity is built up. ``nose_acceleration``
-    (m/rad2, negative). ``flank``: one ``quintic``, whose largest deceleration lies before the nose
+    (m/rad2, negative). ``flank``: one ``quintic``, whose largest deceleration is before the nose
     and barely follows ``nose_acceleration`` (None makes the jerk vanish at the nose, for equal
     ramps); or two ``pulses``, whose largest deceleration is that of the nose (None: that of the
     default pulse). Angles in cam rad. Raises :class:`InputError` for events out of order and for a
@@ -47,7 +47,7 @@ def ramped(
         or not 0 < ramp_blend <= 1
     ):
         raise InputError(
-            "ramp_start, event_start, event_end, ramp_end must rise and ramp_lift lie below maximum_lift; correct them"
+            "ramp_start, event_start, event_end, ramp_end must rise and ramp_lift be below maximum_lift; correct them"
         )
     if flank == "pulses":
         nose = (event_start + event_end) / 2

@@ -66,7 +66,7 @@ class Shaped:
             )
         if not 0 < self.ramp_lift < self.maximum_lift or not 0 < self.ramp_blend < 1:
             raise InputError(
-                "ramp_lift must lie between zero and maximum_lift, and ramp_blend between 0 and 1; correct them"
+                "ramp_lift must be between zero and maximum_lift, and ramp_blend between 0 and 1; correct them"
             )
         for name in ("flank_shape", "closing_flank_shape"):
             if getattr(self, name) is not None and not _rises_then_falls(getattr(self, name)):

@@ -76,7 +76,7 @@ class Spline:
 
     @cached_property
     def _jumps(self) -> bool:
-        """Whether the acceleration jumps and the base circle has room for one more station on
+        """Whether the acceleration jumps and the base circle has space for one more station on
         either side.
         """
         first, last = (self.cam_angles[place + 1] - self.cam_angles[place] for place in (0, -2))
@@ -297,8 +297,8 @@ class StationsModel(LiftModel):
 STATIONS_SPEC = LiftSpec(Stations, StationsModel)
 
 
-#: Knots at first, and at last; where stations stand closer they share them, and only a deviation
-#: that cannot be met so asks for more.
+#: Knots at first, and at last; where stations are closer they share them, and only a deviation
+#: that cannot be met so needs more.
 FIRST_KNOTS, MAX_KNOTS = 400, 1600
 
 
@@ -325,7 +325,7 @@ def smoothed_spline(cam_angles: Array, lifts: Array, degree: int, deviation: flo
 def _with_knots(
     cam_angles: Array, lifts: Array, degree: int, deviation: float, most: int
 ) -> tuple[Any, float]:
-    """The spline with at most so many knots, and 0; None and how near these come where that is not
+    """The spline with at most this many knots, and 0; None and how near these come where that is not
     enough and there are more stations.
     """
     from scipy.interpolate import BSpline

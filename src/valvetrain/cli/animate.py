@@ -132,7 +132,7 @@ def _path(output: str) -> Path:
         raise InputError("a film needs a file; give --output FILE.gif or FILE.mp4", "--output")
     path = Path(output)
     if path.is_dir() or not path.parent.is_dir():
-        sentence = "is a folder" if path.is_dir() else "lies in a folder that does not exist"
+        sentence = "is a folder" if path.is_dir() else "is in a folder that does not exist"
         raise InputError(
             f"'{output[:80]}' {sentence}; give a file in a folder that is there", "--output"
         )

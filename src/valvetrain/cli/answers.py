@@ -1,5 +1,5 @@
-"""The answer of a study in the terminal: what a user asks first, then published values where there
-are any, then where it all lies.
+"""The answer of a study in the terminal: the most important results first, then published values
+where there are any, then the folder of all results.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.fidelity import FidelityMap
     from valvetrain.solution.study import Study
 
-#: Runs that stand side by side in 100 columns; more stand below each other, up to this many.
+#: Runs shown side by side in 100 columns; further runs follow below, up to this many.
 MAX_COLUMNS, MAX_TABLE_ROWS = 4, 24
 #: Runs up to which what does not fit side by side is in a second table.
 TWICE = 12
@@ -178,7 +178,7 @@ def _over_speeds(
     study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], first: int
 ) -> Table:
     """A row per question, a column per label with its worst value and the engine speed (rpm) where
-    that stands; ``first``: its column.
+    of that value; ``first``: its column.
     """
     heads = [set_and_model(study, column.label) for column in columns]
     table = plain_table(("", "", *heads), (), right=range(2, 2 + len(columns)))
@@ -382,7 +382,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
 
 def published_summary(rows: Sequence[Comparison]) -> str:
     """One sentence: how many published values, which are in doubt, and how many stated tolerances are
-    met; how far they differ is told by the verdict.
+    met; the verdict gives how far they differ.
     """
     from valvetrain.report.text import percent
 

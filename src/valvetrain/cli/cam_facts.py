@@ -36,7 +36,7 @@ def gear_of(problem: Problem | None) -> Gear | None:
 
 
 def cam_facts(case: Case, problem: Problem | None) -> tuple[dict[str, float], dict[float, float]]:
-    """Named quantities (SI) of the cam and its durations: lift (m) -> crank angle (rad); nothing of a
+    """Named quantities (SI) of the cam and its durations: lift (m) -> crank angle (rad); both empty for a
     case without a lift law.
     """
     if case.lift_law is None:

@@ -232,7 +232,7 @@ def new(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Write NAME.toml, a commented case with plausible values that runs as it stands."""
+    """Write NAME.toml, a commented case with plausible values that runs without changes."""
     from valvetrain.cli.outcome import Outcome, deliver
 
     kind = template_kind(kind)
@@ -244,7 +244,7 @@ def new(
 
 
 def _damping(path: Path) -> str:
-    """What damps the spring of a template, which no card and no drawing tells."""
+    """Sentence on the spring damping of a template, which neither cards nor drawings give."""
     from valvetrain.parameters.loading import load_case
 
     case = load_case(path)
@@ -255,7 +255,7 @@ def _damping(path: Path) -> str:
 
 def write_template(name: str, kind: str, cards: bool = False) -> Path:
     """Write the template of ``kind`` (a key of :data:`KINDS`) to ``name`` with the ending
-    ``.toml``, by ``cards`` where asked; its path.
+    ``.toml``, by ``cards`` on request; returns its path.
 
     Raises :class:`InputError` for an unknown kind, a name that no file may bear, or a file that is
     there.

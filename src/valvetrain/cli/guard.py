@@ -114,7 +114,7 @@ class GuardedGroup(TyperGroup):
 
 def _by_options(sentence: str, options: Mapping[str, str]) -> str:
     """A sentence on arguments of a function with the options that a user types: names of several
-    words, and names that stand alone in brackets.
+    words, and names alone in brackets.
     """
 
     def by_flags(text: str, pattern: str) -> str:
@@ -171,12 +171,12 @@ def _report(error: Exception, options: Mapping[str, str]) -> int:
     if type(error).__name__ == "Abort":
         return interrupted()
     if isinstance(error, BrokenPipeError) and reader_left():
-        return 0  # it has read what it wanted
+        return 0  # it has read enough
     if os.environ.get(TRACEBACK_VARIABLE):
         raise error
     if isinstance(error, MemoryError):
         return _say(
-            "the memory is not enough; ask for fewer elements, steps or engine speeds", FAILED
+            "the memory is not enough; choose fewer elements, steps or engine speeds", FAILED
         )
     if isinstance(error, OSError):
         return _say(

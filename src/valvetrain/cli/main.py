@@ -78,7 +78,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     requested = sys.argv[1:2]
     # one command needs none of the others, whose modules and options take a tenth of a second;
-    # completion asks for all
+    # completion needs all
     alone = (
         bool(requested)
         and requested[0] in places("commands")

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 SURGE_ORDERS = range(6, 13)
 #: Overlap below which a mode became another one rather than moved.
 NAME_ONLY = 0.5
-#: What the column of that name tells.
+#: Explanation of the column of that name.
 TRANSMISSION = (
     "axial transmission: share of an axial push at one end that the mode passes on to the other"
 )
@@ -138,7 +138,7 @@ def compute_modes(
 ) -> Outcome:
     """The ``count`` lowest modes of every spring about ``compression`` (m from the free state;
     None: as installed), ``attached_mass`` (kg) on the retainer, 0 for a free end (None: both ends
-    fixed); ``keep``: keep the answer of the case whose file lies there.
+    fixed); ``keep``: folder of the case; the answer is saved there.
     """
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
@@ -228,7 +228,7 @@ def _object(modes: TrainModes, count: int) -> dict[str, Any]:
 
 
 def _followed(modes: TrainModes, place: int) -> dict[str, Any]:
-    """The mode of the closed valve (from 1) that one goes on from, and their overlap."""
+    """The mode of the closed valve (from 1) that continues in this one, and their overlap."""
     if not modes.closed_mode:
         return {}
     overlap = {"value": modes.overlap[place], "unit": "1"}

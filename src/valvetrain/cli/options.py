@@ -189,7 +189,7 @@ DaskOption = Annotated[
 
 
 def points_folder(default: str) -> Any:
-    """The option of a folder that keeps finished points."""
+    """The option of a folder of finished points."""
     label = f"Folder of points and results; points that it holds are not computed again (default: {default})."
     return typer.Option(
         "--output", metavar="FOLDER", parser=read_folder, show_default=False, help=label
@@ -266,7 +266,7 @@ def read_amounts(texts: Sequence[str] | None, dimension: str, where: str) -> tup
 def read_count(value: int, low: int, high: int, where: str) -> int:
     """A whole number within bounds, or :class:`InputError`."""
     if not low <= value <= high:
-        raise InputError(f"{value} lies outside {low} to {high}; choose a number between", where)
+        raise InputError(f"{value} is outside {low} to {high}; choose a number between", where)
     return value
 
 

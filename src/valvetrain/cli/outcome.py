@@ -104,7 +104,7 @@ def manner() -> Manner:
 
 @dataclass(frozen=True)
 class Outcome:
-    """``data``: the object of ``--json``. ``show`` prints the same for people, below it stands the
+    """``data``: the object of ``--json``. ``show`` prints the same for people, followed by the
     ``verdict``, one sentence. ``failures``: a sentence per run that did not complete.
     """
 
@@ -125,7 +125,7 @@ def deliver(outcome: Outcome) -> None:
         elif not manner().quiet:
             failures = (*failures, *_show(outcome))
         sys.stdout.flush()
-    except BrokenPipeError:  # whoever read it has left; the exit code still tells of the work
+    except BrokenPipeError:  # whoever read it has left; the exit code still reports the result
         if not reader_left():
             raise
     except OSError as error:

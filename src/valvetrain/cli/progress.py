@@ -72,7 +72,7 @@ def session_bar(title: str, kernels: Sequence[str]) -> Iterator[Report | None]:
 
 @contextmanager
 def _cell_bar(title: str) -> Iterator[Report]:
-    """A bar below the cell, drawn ten times a second at most; nothing of it stays."""
+    """A bar below the cell, drawn ten times a second at most; it disappears at the end."""
     display: Any = import_module("IPython.display").display
     begun, drawn = time.monotonic(), -1.0
     handle = display({"text/plain": title}, raw=True, display_id=True)
@@ -164,7 +164,7 @@ KERNELS: Mapping[str, tuple[str, str, float]] = {
 
 
 def seconds_to_compile(*kinds: str) -> float:
-    """Seconds of compilation that lie ahead for ``kinds`` of :data:`KERNELS`; 0 when all is there."""
+    """Seconds of compilation still needed for ``kinds`` of :data:`KERNELS`; 0 when all is there."""
     return sum(
         seconds
         for module, name, seconds in map(KERNELS.__getitem__, kinds)
@@ -179,7 +179,7 @@ def _compiled(kernel: Any) -> bool:
     if getattr(kernel, "signatures", ()):
         return True
     try:
-        # Numba keeps its index private; it checks version and age of the source, which a look at
+        # The index of Numba is private; it checks version and age of the source, which a look at
         # file names would not.
         return bool(kernel._cache._cache_file._load_index())
     except AttributeError:

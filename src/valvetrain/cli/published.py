@@ -132,11 +132,11 @@ def tally(rows: Sequence[Comparison], role: str) -> str:
     return f"{role}: {len(rows)} published values, {met}{missing}"
 
 
-#: Columns of a terminal that every table of a few runs keeps to.
+#: Columns of a terminal that no table of a few runs exceeds.
 NARROW = 80
 #: Digits of a value that are shown, and of its bar.
 DIGITS, BAR_DIGITS = 4, 2
-#: Share of a value from which a bar stands where others find no room.
+#: Share of a value from which an error bar is shown where there is no space for smaller ones.
 LARGE = 0.05
 #: Smallest bar that is shown; a power of ten would be as wide as a column.
 MIN_BAR = 1e-4

@@ -32,7 +32,7 @@ def run(request: StudyRequest) -> None:
 
     if request.spring_models == (SOLID,) and request.case.train is None:
         request = replace(request, spring_models=SOLID_AND_OTHERS)
-        tell("the rod and the modal model run beside the solid")
+        tell("the rod and the modal model run next to the solid")
     refuse_beyond(request)
     case = request.case
     if case.train is None and not (request.engine_speeds or case.operation.engine_speeds):

@@ -146,7 +146,7 @@ def keep_points(
 
 @dataclass(frozen=True)
 class StudyRequest:
-    """One study as requested: the ``case`` with its changes and the ``folder`` its file lies in;
+    """One study as requested: the ``case`` with its changes and the ``folder`` of its file;
     ``engine_speeds`` (rad/s of the crank, None: the case's own); words of spring models and sets
     (empty: the study's own choice); where results go and how they are shown.
     """
@@ -264,7 +264,7 @@ def answer_study(
     """Compute the study, save its folder and print its answer; a stopped one saves what was
     finished.
 
-    ``compute`` tells its progress and each solution as it comes; ``choices``: what the command was
+    ``compute`` reports its progress and each solution as it comes; ``choices``: what the command was
     further choices, saved among the inputs.
     """
     from valvetrain.cli.guard import interrupted

@@ -269,7 +269,7 @@ def _show_compare_runs(
     )
     if alone:
         console.print(
-            f"\n{alone} number{'s stand' if alone > 1 else ' stands'} in one of the two runs only; --json has them"
+            f"\n{alone} number{'s are' if alone > 1 else ' is'} in one of the two runs only; --json has them"
         )
     if left:
         console.print(f"\nand {left} more differences; --json has them all")

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 KeepOption = Annotated[
     bool,
     typer.Option(
-        "--keep", help="Keep the answer as runs are saved: data files, report page and inputs."
+        "--keep", help="Save the answer as runs are saved: data files, report page and inputs."
     ),
 ]
 
@@ -172,7 +172,7 @@ def compute_static(
 ) -> Outcome:
     """Solve the static curves up to ``largest`` (m; None: a little beyond full lift), and at
     ``heights`` (m) and ``loads`` (N); write ``csv`` on request. ``implausible``: let values pass
-    that no spring can have; ``keep``: folder of the case, to keep the answer.
+    that no spring can have; ``keep``: folder of the case, to save the answer.
     """
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import announce_compilation, progress_bar
@@ -220,7 +220,7 @@ def curve_text(study: Study) -> str:
 
 
 def _rows(one: SpringAtRest) -> list[tuple[float | None, ...]]:
-    """Rows of :data:`COLUMNS`, in their units, None where the model or the spring does not tell."""
+    """Rows of :data:`COLUMNS`, in their units, None where the model or the spring gives none."""
     if one.curve is None:
         return []
     curve, nominal = one.curve, one.stress_per_force

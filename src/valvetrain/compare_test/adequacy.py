@@ -78,7 +78,7 @@ class AdequacyTest:
             )
         if self.fitted >= self.independent:
             raise InputError(
-                f"{self.fitted} fitted values leave nothing of {self.independent:.3g} independent values to test; give more of these"
+                f"{self.fitted} fitted values use up all {self.independent:.3g} independent values; none is left to test; give more of these"
             )
 
     @property
@@ -103,7 +103,7 @@ class AdequacyTest:
     @property
     def degrees(self) -> tuple[float, float]:
         """Degrees of freedom of adequacy and of reproducibility, the latter infinite where scatters
-        are stated; of sums by Satterthwaite, what is shared having one each above and none to tell
+        are stated; of sums by Satterthwaite, what is shared having one each above and none to show
         below.
         """
         own, parts = (
@@ -315,7 +315,7 @@ _MAX_FACTOR = 1e6
 class DifferenceBand:
     """Difference of model and test over the cam angle with its band, SI, shapes (angles,).
 
-    ``difference``: model less mean of the repeats. ``half_width``: the true difference lies within
+    ``difference``: model less mean of the repeats. ``half_width``: the true difference is within
     it of the computed one at all angles at once with the chance 1 - ``level``. ``factor``: half
     width in standard errors of the mean. ``level`` as in the test of adequacy.
 

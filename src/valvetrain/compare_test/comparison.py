@@ -424,7 +424,7 @@ def _adequacy(
 def _model_of(
     run: Solution, still: Mapping[str, float], one: MeasuredValue, active: Active
 ) -> tuple[float, float]:
-    """Value of the run for a measured one and the cam angle of it; NaN where it does not tell."""
+    """Value of the run for a measured one and the cam angle of it; NaN where it gives none."""
     named = {**still, **run.quantities}
     if one.quantity in named:
         place = math.nan

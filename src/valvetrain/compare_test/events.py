@@ -22,7 +22,7 @@ from valvetrain.quantities.signal import prominences, prominent_peaks
 Array = NDArray[np.float64]
 Measure = Callable[[Array], float]
 _TURN = 2 * np.pi
-#: A spike stands out by this share of the range of the curve, and by this many standard errors of
+#: A spike exceeds its surroundings by this share of the range of the curve, and by this many standard errors of
 #: the mean.
 SPIKE_SHARE, SPIKE_ERRORS = 0.04, 6.0
 #: Spikes that are reported, the most prominent ones, at most.
@@ -174,7 +174,7 @@ def _top(cam_angle: Array, curve: Array, places: NDArray[np.int64]) -> tuple[flo
 
 
 def spike_rows(cam_angle: Array, values: Array, model: Array, drawn: Array) -> list[EventRow]:
-    """Maxima that stand out of the mean of ``values`` (repeats, angles), height and angle, each
+    """Maxima that exceed the noise of the mean of ``values`` (repeats, angles), height and angle, each
     next to the one of the model it meets.
     """
     mean = values.mean(axis=0)

@@ -29,7 +29,7 @@ SAME_SPEED = 1e-3
 MAX_CYCLES, MAX_VALUES = 2000, 10_000_000
 #: Repeats below which the count of independent angles leans on scatter being alike at all angles.
 FEW = 4
-#: Largest file of a test, the bytes of it that tell what it is, and the largest number that is a
+#: Largest file of a test, its first bytes that decide what it is, and the largest number that is a
 #: measured one.
 _MAX_BYTES, _BEGINNING, _MAX_SIZE = 500_000_000, 1 << 16, 1e30
 
@@ -216,7 +216,7 @@ def _one_turn(cycles: MeasuredCycles) -> MeasuredCycles:
 
 
 def few_notes(repeats: int) -> tuple[str, ...]:
-    """What so few repeats cannot tell."""
+    """Notes on what this few repeats cannot show."""
     if repeats >= FEW or repeats < 2:
         return ()
     return (

@@ -86,29 +86,29 @@ def counting_sentence(test: AdequacyTest) -> str:
 
 
 def events_sentence(run: RunAgainstTest) -> str:
-    """How many events lie outside their interval, and how many would by chance."""
+    """How many events are outside their interval, and how many would by chance."""
     judged = [one.outside for one in run.events if one.outside is not None]
     missing = sum(math.isnan(one.model) and one.dimension == "value" for one in run.events)
     lost = f"; {missing} spikes of the test are not in the model" if missing else ""
     if not judged:
         return f"One cycle shows no scatter, so no event is judged{lost}."
     return (
-        f"{sum(judged)} of {len(judged)} numbers of events lie outside what the model would show in 95 of 100 such tests, where chance "
+        f"{sum(judged)} of {len(judged)} numbers of events are outside what the model would show in 95 of 100 such tests, where chance "
         f"alone would put about {number(0.05 * len(judged), 2)}{lost}."
     )
 
 
 def outside_sentence(run: RunAgainstTest) -> str:
-    """How many values lie further than two scatters off, and which is the furthest."""
+    """How many values are further than two scatters off, and which is the furthest."""
     rows = [one for one in run.values if math.isfinite(one.model)]
     far = [one for one in rows if abs(one.in_scatters) > 2]
     if not rows:
         return "The run has none of these values."
     if not far:
-        return f"All {len(rows)} values lie within two scatters of the model."
+        return f"All {len(rows)} values are within two scatters of the model."
     worst = max(far, key=lambda one: abs(one.in_scatters))
     return (
-        f"{len(far)} of {len(rows)} values lie more than two scatters off {run.label}; the furthest is {value_label(worst)} at "
+        f"{len(far)} of {len(rows)} values are more than two scatters off {run.label}; the furthest is {value_label(worst)} at "
         f"{speed_text(worst.engine_speed)}, by {number(abs(worst.in_scatters), 2)}."
     )
 

@@ -72,7 +72,7 @@ class LankaraniNikravesh(DampedPower):
 
     ``contact_stiffness`` K in N/m**n, ``restitution`` e. Derived for e near 1; the rebound it gives
     below that is
-    larger than e (``contact.restitution.rebound`` tells it).
+    larger than e (``contact.restitution.rebound`` gives it).
     """
 
     contact_stiffness: float

@@ -8,10 +8,10 @@ Row of ``WIDTH`` float64 per law (SI)::
     2 DAMPING     law's own unit       5 SLOWEST     m/s, floor of the impact rate (restitution
     laws)
 
-Memory stands apart from the parameters: a law declares its number of ``states`` and a train gives
+Memory is separate from the parameters: a law declares its number of ``states`` and a train gives
 it as many places of one flat array.
 Lankarani-Nikravesh and Flores remember IMPACT_RATE (m/s, greatest rate since first touch) and
-TOUCHING (1 while touching); they want
+TOUCHING (1 while touching); they need
 :func:`update_impact` once per step before :func:`contact_force`. In a free impact the greatest rate
 since first touch IS the approach
 velocity of the papers; in a lasting contact under outer forces it keeps the damping factor bounded,
@@ -55,7 +55,7 @@ def _power(depth, exponent):
 
 @njit(**OPTIONS)
 def update_impact(memory, place, slowest, penetration, penetration_rate):
-    """Keep the two numbers from ``place`` on in ``memory``: first touch, then the greatest rate
+    """Store the two numbers from ``place`` on in ``memory``: first touch, then the greatest rate
     since (at least ``slowest``, m/s).
     """
     if penetration <= 0.0:

@@ -24,7 +24,7 @@ class ContactLaw(Protocol):
     ``code`` and ``parameters()`` (shape (8,), see ``contact.kernels``) let the compiled
     ``contact_force`` evaluate the law.
     ``states``: how many numbers it remembers from step to step, zero at rest. ``impact_rate`` (m/s)
-    is the approach velocity, wanted by
+    is the approach velocity, needed by
     the restitution laws and ignored by all others.
 
     >>> import valvetrain as vt
@@ -151,7 +151,7 @@ def require_exponent(law: str, exponent: float) -> None:
     """
     if not (np.isfinite(exponent) and 1 <= exponent <= 3):
         raise InputError(
-            f"exponent of contact law '{law}' is {exponent}; it must lie between 1 and 3 (1.5 for a Hertz point contact)"
+            f"exponent of contact law '{law}' is {exponent}; it must be between 1 and 3 (1.5 for a Hertz point contact)"
         )
 
 

@@ -22,7 +22,7 @@ def build_contact_law(
 
     Parameters
     ----------
-    name : word of the law: linear, hertz-point, hertz-line, hunt-crossley, lankarani-nikravesh,
+    name : name of the law: linear, hertz-point, hertz-line, hunt-crossley, lankarani-nikravesh,
         flores, impact or impact-as-printed
     stiffness_exponent : n of the N/m**n in which ``contact_stiffness`` is given as a number; None
         for the law's own
@@ -51,7 +51,7 @@ def build_contact_law(
     """
     spec: ContactSpec = registry.find("contacts", name)
     if name in registry.OWN and not isinstance(registry.OWN[name], ContactSpec):
-        return own_law(name)  # its numbers stand in its Python
+        return own_law(name)  # its numbers are in its Python code
     written = {
         key: str(value.to_base_units()) if hasattr(value, "to_base_units") else value
         for key, value in values.items()

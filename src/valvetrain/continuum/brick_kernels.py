@@ -7,7 +7,7 @@ so nothing is decomposed and no Gauss point is visited; K holds what the mean gr
 the incompatible-mode stiffness of the undeformed brick (:mod:`valvetrain.continuum.bricks`).
 
 Layout: component k of section node n at station s is ``x[(3 n + k) * stride + s]``. The bricks of one
-section quadrilateral stand next to each other along the wire and are taken in blocks of at most
+section quadrilateral are next to each other along the wire and are taken in blocks of at most
 :data:`LANES`; entry t of a row of a block is ``constants[block + row * LANES + t]``.
 """
 
@@ -38,7 +38,7 @@ _CONSTANTS, _BRANCH = np.uint64(CONSTANT_ROWS * LANES), np.uint64(STRAINS * LANE
 _F, _G, _E, _M, _P = (np.uint64(row * LANES) for row in (0, 9, 21, 39, 51))
 _Q = np.uint64((21 + 6) * LANES)
 SCRATCH = 60 * LANES
-#: Lanes as multiples, ready-made: signed or computed offsets would be checked and stop vectorisation.
+#: Lanes as multiples, prepared beforehand: signed or computed offsets would be checked and stop vectorisation.
 _1, _2, _3, _4, _5, _6, _7, _8, _9, _10, _11 = (np.uint64(n * LANES) for n in range(1, 12))
 _12, _21 = np.uint64(12 * LANES), np.uint64(21 * LANES)
 _15, _18 = np.uint64(15 * LANES), np.uint64(18 * LANES)

@@ -1,7 +1,7 @@
 """Contact of coil with coil on the spline of section centres, and of the wire with seat planes.
 
 The contact line is the quadratic B-spline with the section centres as control points. A contact point
-stands at a fixed place of it; its foot one turn below slides along the spline and is followed by one
+is at a fixed place of it; its foot one turn below slides along the spline and is followed by one
 Newton step per time step. Law and constants are those of the rod (:mod:`valvetrain.coil_contact`).
 Component k of centre i is ``centre[k * stations + i]``.
 """
@@ -49,7 +49,7 @@ def step_foot(centre, stations, station, place, foot):
         bend = centre[j - 1] - 2.0 * centre[j] + centre[j + 1]
         along += (point - below) * slope
         curvature += slope * slope - (point - below) * bend
-    # half a station next to either end the spline goes on as its last parabola: a foot held at its
+    # half a station next to either end the spline continues as its last parabola: a foot held at its
     # end would push askew there, where the clamped coil carries most of a clash
     foot = min(max(foot + along / curvature, 0.0), stations - 1.0)
     span, there = _span(foot, stations)

@@ -28,7 +28,7 @@ class FaceSet:
     coil: Array
 
     def between(self, first: float, last: float) -> FaceSet:
-        """The faces whose middle lies at first <= coil number < last."""
+        """The faces whose middle is at first <= coil number < last."""
         inside = (self.coil >= first) & (self.coil < last)
         return FaceSet(self.elements[inside], self.coil[inside])
 

@@ -30,7 +30,7 @@ class SectionMesh:
 
     ``nodes`` (n, 2) just outside the circle where its arcs would lose area; ``quads`` (q, 8)
     counter-clockwise corners then edge middles; ``corner`` (n,) True at corners;
-    ``rim_quads`` the quads whose edge from corner 2 to corner 3 lies on the circle.
+    ``rim_quads`` the quads whose edge from corner 2 to corner 3 is on the circle.
     """
 
     nodes: Array

@@ -103,7 +103,7 @@ class SurfaceStress:
         for quad in bricks.corners.astype(np.int64) // (3 * bricks.stations):
             own = free[station, quad]
             for corner in np.flatnonzero(np.isin(quad[:4], rim)):
-                # on the spoke from the node inward, at the wire's radius: flat sides stand out there
+                # on the spoke from the node inward, at the wire's radius: flat sides project there
                 inner = next(c % 4 for c in (corner - 1, corner + 1) if quad[c % 4] not in rim)
                 far, near = radius[quad[corner]], radius[quad[inner]]
                 share = (far - 1) / (far - near)

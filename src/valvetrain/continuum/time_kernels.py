@@ -35,7 +35,7 @@ _S = np.uint64(STRIDE)
 (_M, _CX, _CY, _CZ, _FX, _FY, _FZ, _XX, _YY, _ZZ, _XY, _XZ, _YZ, _TX, _TY, _TZ) = (
     np.uint64(row * STRIDE) for row in range(16)
 )
-#: Numbers that go on from call to call: work of the retainer (J), heat of damping and of contact (J),
+#: Numbers that continue from call to call: work of the retainer (J), heat of damping and of contact (J),
 #: step of the last energy, power lost then (W), fastest centre (m/s).
 WORK, DAMPING_HEAT, CONTACT_HEAT, LAST_ENERGY, LAST_POWER, FASTEST = range(6)
 #: Columns of the energies of a sample (J); ``SCALED`` is kinetic energy of the masses added.

@@ -267,7 +267,7 @@ class SolidWire:
         if not len(station):
             return points
         touch = (spring.wire_diameter.value(here) + spring.wire_diameter.value(here - 1)) / 2
-        # contact begins at the wire diameter, or at the free distance of coils that lie closer
+        # contact begins at the wire diameter, or at the free distance of coils that are closer
         distance = points.apart + np.minimum(touch - true_distance(spring.centreline, here), 0.0)
         return points._replace(distance=distance)
 

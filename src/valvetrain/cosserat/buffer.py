@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class RodDynamics:
-    """What the time integration needs besides the mesh: ``mass_damping`` (1/s),
+    """What the time integration needs in addition to the mesh: ``mass_damping`` (1/s),
     ``stiffness_damping`` (s), contact constants.
 
     Stiffness damping acts through a Maxwell branch of ``relaxation_time`` (s) on bending and
@@ -57,7 +57,7 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
 
     The Maxwell branch counts with its full stiffness; contact adds the bound 4 k / m of its
     stiffest vertex. Raises :class:`InputError`
-    where stiffness, damping and mass lie so far apart that the largest frequency cannot be
+    where stiffness, damping and mass differ so much that the largest frequency cannot be
     computed.
     """
     loaded = RodStatics(
@@ -76,7 +76,7 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
         )
     except (ArpackError, ValueError) as error:
         raise InputError(
-            "the wire has no time step at which it can be integrated: its stiffness, stiffness damping and mass lie too far apart; "
+            "the wire has no time step at which it can be integrated: its stiffness, stiffness damping and mass differ too much; "
             "check damping, moduli, density and their units"
         ) from error
     moving = slice(mesh.first + 1, mesh.last)
@@ -85,14 +85,14 @@ def stable_time_step(mesh: RodMesh, dynamics: RodDynamics) -> float:
         * (dynamics.contact_stiffness * dynamics.contact_law.steepest)
         * float(np.max((mesh.contact.length.sum(axis=0) / mesh.node_mass)[moving], initial=0.0))
     )
-    # A guide pushes across the coils' own contact and its wall stands still: it counts where it is
+    # A guide pushes across the coils' own contact and its wall is fixed: it counts where it is
     # stiffer than that.
     if mesh.guide is not None:
         contact = max(
             contact,
             mesh.guide.stiffness * float(np.max((mesh.node_length / mesh.node_mass)[moving])),
         )
-    if dynamics.ends is not None:  # a seat stands still, as a wall does
+    if dynamics.ends is not None:  # a seat is fixed, as a wall does
         seats = dynamics.ends.stiffnesses(mesh, dynamics.contact_stiffness)
         steepest = max(dynamics.contact_law.steepest, 1.0)
         contact = max(contact, steepest * float(np.max(seats / dynamics.ends.masses(mesh))))

@@ -40,7 +40,7 @@ def spin_of(b, e):
 
 @njit(forceinline=True, **OPTIONS)
 def turn_by(b, e, share, x, y, z):
-    """Add ``share`` of a torque in space (N m) to those of edge e, which are kept in its frame over its
+    """Add ``share`` of a torque in space (N m) to those of edge e, which are stored in its frame over its
     length.
     """
     q0, q1, q2, q3 = b[Q0 + e], -b[Q1 + e], -b[Q2 + e], -b[Q3 + e]

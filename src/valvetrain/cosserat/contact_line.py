@@ -75,7 +75,7 @@ def pair_coils(
     """Pair every contact point with the wire one turn below; a point represents its cell as far as
     both wires reach.
 
-    Contact begins at the wire diameter, or at the free distance where free coils already lie closer
+    Contact begins at the wire diameter, or at the free distance where free coils are already closer
     (closed ends).
     ``axis`` (coil number -> position) is the true wire axis: the free gap is exact, although the
     spline rounds its corners off.

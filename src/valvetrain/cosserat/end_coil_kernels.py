@@ -12,7 +12,7 @@ from valvetrain.cosserat.layout import ROW
 
 Z, VZ, FZ, CZ, END = (ROW[n] for n in ("Z", "VZ", "FZ", "CZ", "END"))
 #: Of the row ``END``, a pair each for the ends at seat and retainer: mass (kg), stiffness (N/m) and
-#: height (m) of what they stand on, force (N) and its share by damping; closing speed of the retainer.
+#: height (m) of their support, force (N) and its share by damping; closing speed of the retainer.
 MASS, STIFFNESS, SEAT, FORCE, DAMPING, RATE = (np.uint64(n) for n in (0, 2, 4, 6, 8, 10))
 ONE = np.uint64(1)
 OPTIONS: dict[str, Any] = {

@@ -1,7 +1,7 @@
 """End coils that lift: the inactive wire at either end as a rigid body that moves along the axis on
 its own seat, pressed by the law of contact of the coils and never pulled.
 
-An end coil keeps its place across the axis and does not turn. Its seat stands where it carries the
+An end coil keeps its place across the axis and does not turn. Its seat is where it carries the
 force of the state that a run starts from, so that a spring at rest is the same as with bonded ends.
 """
 

@@ -19,7 +19,7 @@ NO_BORE, NO_ROD = 1e6, -1e6
 class GuideWalls:
     """``bore`` (nv,): largest radius (m) of the wire's axis that the wall around the spring leaves;
     ``rod`` (nv,): the smallest that the
-    wall inside leaves; ``stiffness`` (N/m per m of wire). The walls stand on the axis of the seats,
+    wall inside leaves; ``stiffness`` (N/m per m of wire). The walls are centred on the axis of the seats,
     along the whole spring."""
 
     bore: Array

@@ -66,7 +66,7 @@ TILE = np.uint64(12)
 
 section_forces, bending_torques = section_forces_of(WIDTH), bending_torques_of(WIDTH, 0)
 turn_edges, move_vertices = turn_edges_of(WIDTH), move_vertices_of(WIDTH, 0)
-# A batch keeps no impulse, peak and loss per contact point.
+# A batch stores no impulse, peak and loss per contact point.
 contact_forces, contact_forces_second = (
     contact_forces_of(np.uint64(0), WIDTH, 0),
     contact_forces_of(_GROUP, WIDTH, 0),

@@ -1,7 +1,7 @@
 """Rows of the rod's one flat buffer: structure of arrays with a constant stride, so that loops
 vectorise.
 
-Entry j of a row is ``buffer[row + j]``; the names below are row starts, ready-made as unsigned
+Entry j of a row is ``buffer[row + j]``; the names below are row starts, stored as unsigned
 constants (signed
 indices would be checked for wrap-around and stop vectorisation). The stride is a compile-time
 constant and no power
@@ -55,7 +55,7 @@ def row(buffer: NDArray[np.float64], name: str, count: int) -> NDArray[np.float6
     return buffer[start : start + count]
 
 
-#: Bytes of a large memory page, and the size of an allocation from which numpy asks the system for
+#: Bytes of a large memory page, and the size of an allocation from which numpy requests from the system for
 #: such pages.
 LARGE_PAGE, LARGE_ALLOCATION = 2**21, 2**23
 
@@ -63,7 +63,7 @@ LARGE_PAGE, LARGE_ALLOCATION = 2**21, 2**23
 def empty_buffer() -> NDArray[np.float64]:
     """A buffer of zeros at the start of a large memory page where the system gives one.
 
-    The rows lie on some 300 small pages, more than the processor keeps addresses of: eight rods
+    The rows are on about 300 small pages, more than the processor caches addresses of: eight rods
     side by side took 0.23 s per variant
     instead of 0.16. Memory that is not touched costs nothing.
     """

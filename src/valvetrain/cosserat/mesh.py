@@ -1,7 +1,7 @@
 """The rod's discrete wire: positions at vertices, material frames on edges, true arc lengths
 throughout.
 
-Vertex ``i`` lies between edge ``i`` and edge ``i + 1``. The wire is elastic between vertices
+Vertex ``i`` is between edge ``i`` and edge ``i + 1``. The wire is elastic between vertices
 ``first`` and ``last``;
 edges ``first`` and ``last + 1`` hold the clamp frames. Vertices outside belong to the fixed ends
 (contact only).
@@ -71,7 +71,7 @@ class RodMesh:
 
 
 class WireCurve(Protocol):
-    """A smooth wire over a ``parameter`` (n,): what :func:`mesh_curve` asks of it; lengths in m."""
+    """A smooth wire over a ``parameter`` (n,): input of :func:`mesh_curve`; lengths in m."""
 
     def position(self, parameter: Array) -> Array:
         """Points (n, 3) of the wire axis."""
@@ -271,7 +271,7 @@ def _seat_limits(definition: SpringDefinition, mesh: RodMesh) -> tuple[Array, Ar
 
     Seats meet the coils next to the ends, and all that telescope; others rest on their neighbour
     before they reach the seat. The coils
-    next to an open end, which is fixed at its tip alone, stand on no plane.
+    next to an open end, which is fixed at its tip alone, touch no plane.
     """
     height, radius = mesh.position[:, 2], mesh.wire_diameter / 2
     lower, upper = np.full(mesh.vertices, -np.inf), np.full(mesh.vertices, np.inf)

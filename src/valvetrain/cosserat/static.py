@@ -391,7 +391,7 @@ def compress(
             state, holding = result.state, holding + 1
             if (
                 holding >= HELD
-            ):  # a spring that lies on its seat fails at the same increment again and again
+            ):  # a spring flat on its seat fails at the same increment again and again
                 increment = min(2 * increment, options.largest_increment)
             if abs(target - state.compression) < 1e-12:
                 break

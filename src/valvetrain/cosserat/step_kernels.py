@@ -8,7 +8,7 @@ divisions and vectorise; measured 50 -> 14 ns per element and step against the s
 same passes, 12 without
 reference counts. Kernels come from factories: the distance of neighbours in the buffer (1, or the
 number of
-variants that stand side by side) and the contact group are constants at compile time.
+variants that are side by side) and the contact group are constants at compile time.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _compiled(
 
 
 def section_forces_of(one: np.uint64) -> Callable[..., Any]:
-    """Kernel: section forces of a wire whose neighbouring entries stand ``one`` apart in the
+    """Kernel: section forces of a wire whose neighbouring entries are ``one`` apart in the
     buffer.
     """
 
@@ -121,7 +121,7 @@ def section_forces_of(one: np.uint64) -> Callable[..., Any]:
 
 
 def bending_torques_of(one: np.uint64, records: int = 1) -> Callable[..., Any]:
-    """Kernel: bending torques of a wire whose neighbouring entries stand ``one`` apart in the
+    """Kernel: bending torques of a wire whose neighbouring entries are ``one`` apart in the
     buffer.
     """
 
@@ -169,7 +169,7 @@ def bending_torques_of(one: np.uint64, records: int = 1) -> Callable[..., Any]:
 
 
 def turn_edges_of(one: np.uint64) -> Callable[..., Any]:
-    """Kernel: turning of the edges of a wire whose neighbouring entries stand ``one`` apart in the
+    """Kernel: turning of the edges of a wire whose neighbouring entries are ``one`` apart in the
     buffer.
     """
 
@@ -201,7 +201,7 @@ def turn_edges_of(one: np.uint64) -> Callable[..., Any]:
 
 
 def move_vertices_of(one: np.uint64, records: int = 1) -> Callable[..., Any]:
-    """Kernel: motion of the vertices of a wire whose neighbouring entries stand ``one`` apart in
+    """Kernel: motion of the vertices of a wire whose neighbouring entries are ``one`` apart in
     the buffer.
     """
 

@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 
 #: Target spacing of the dense force record (s): 250 kHz resolves spikes filtered at 20 kHz.
 DENSE_INTERVAL = 4e-6
-#: Target spacing of the record of coil contacts (s), whose blows last some 10 us.
+#: Target spacing of the record of coil contacts (s), whose impacts last about 10 us.
 CONTACT_INTERVAL = 2e-6
-#: Most force records that are stored, however slow the revolution; slower ones stand further apart.
+#: Most force records that are stored, however slow the revolution; slower ones are further apart.
 MAX_DENSE = 2**20
 #: Steps whose motion is computed at a time.
 BLOCK = 2**20

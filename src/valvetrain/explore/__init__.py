@@ -1,7 +1,7 @@
 """Study, optimise, identify: one engine behind three commands.
 
 Begin in ``experiment.py``: an `Experiment` evaluates `Outputs` (``outputs.py``) of a case over a `Space` (``space.py``) by ``engine.py``,
-which keeps finished points in ``store.py``; ``study.py``, ``optimise.py`` and ``identify.py`` read a file and call it.
+which stores finished points in ``store.py``; ``study.py``, ``optimise.py`` and ``identify.py`` read a file and call it.
 """
 
 from valvetrain.lazy import public_names

@@ -379,7 +379,7 @@ def tree_of(case: Case) -> dict[str, Any] | None:
 def nominal(case: Case, varied: Varied) -> float:
     """The value (SI) of the case, 1 for a factor, 0 for an offset.
 
-    Raises :class:`InputError` for a key that is not there, or under which no single number stands.
+    Raises :class:`InputError` for a key that is not there, or that holds no single number.
 
     >>> import valvetrain as vt
     >>> nominal(vt.load_case("gu2021-beehive"), Varied("spring.precompression", "mm"))
@@ -449,7 +449,7 @@ def _entry(case: Case, key: str) -> tuple[Any, int | None]:
             return found, int(part)
         else:
             raise InputError(
-                "is not in the case, so it has no value to stand about; give low and high, or mean",
+                "is not in the case, so it has no value to vary about; give low and high, or mean",
                 key,
             )
     return found, None

@@ -71,7 +71,7 @@ def clearance_clause(table: StudyTable, names: tuple[str, ...]) -> str:
 
 
 def _of_trade(worst: dict[str, Array], at: Array, inside: NDArray[np.intp]) -> str:
-    """Whether the clearances of the trade pay next to the widest one, and which to keep instead: they
+    """Whether the clearances of the trade pay next to the widest one, and which to choose instead: they
     do where what they calm falls by a larger factor than what they worsen rises.
     """
     widest = int(np.nanargmax(at))
@@ -107,7 +107,7 @@ def _of_trade(worst: dict[str, Array], at: Array, inside: NDArray[np.intp]) -> s
     tried = ", the largest tried, or more" if best == widest else ""
     others = [f"{label_of(one)} {_text(one, float(worst[one][best]))}" for one in list(worst)[1:]]
     price = f", with {joined(others)}" if others else ""
-    return f"{said}; keep {number(float(at[best]), 3)} mm{tried}, for {label_of(name)} is least there ({_text(name, float(values[best]))}{price})"
+    return f"{said}; choose {number(float(at[best]), 3)} mm{tried}, for {label_of(name)} is least there ({_text(name, float(values[best]))}{price})"
 
 
 def clearance_chart(table: StudyTable, names: tuple[str, ...]) -> Chart:

@@ -1,4 +1,4 @@
-"""Doubtful values of the points of a study or search, counted and told once."""
+"""Doubtful values of the points of a study or search, counted and reported once."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def doubts(
                 assert case is not None
                 vary(case, dict(zip(varied, map(float, draw), strict=True)))
             except InputError:
-                continue  # a point that cannot be built is told as that
+                continue  # a point that cannot be built is reported as that
         texts = [str(one.message) for one in caught if one.category is UnusualValueWarning]
         if new := [text for text in texts if text.startswith("at ")]:
             found[point] = new[0]

@@ -40,7 +40,7 @@ class Draws:
 
     @property
     def effective(self) -> float:
-        """Number of equally weighted draws that tell as much (Kish)."""
+        """Number of equally weighted draws with the same information (Kish)."""
         return float(1.0 / np.sum(self.weights**2))
 
 
@@ -237,14 +237,14 @@ def _warnings(
                 + f" and '{names[sorted(large)[-1]]}'"
             )
             found.append(
-                f"the data cannot tell {phrase} apart: they know combinations of them only, and one is left to the priors"
+                f"the data cannot distinguish {phrase}: they determine combinations of them only, and one is left to the priors"
             )
             spoken |= set(large)
     for place, name in enumerate(names):
         if place not in spoken and covariance[place, place] > UNTOLD:
             share = 100 * (1 - covariance[place, place])
             found.append(
-                f"the data hardly tell '{name}': they remove {max(share, 0.0):.0f} % of the variance of its prior, the rest is the prior"
+                f"the data hardly determine '{name}': they remove {max(share, 0.0):.0f} % of the variance of its prior, the rest is the prior"
             )
     return tuple(found)
 
@@ -253,6 +253,6 @@ def _pair(one: str, other: str, correlation: float, vague: Array) -> str:
     together, apart = ("sum", "difference") if correlation < 0 else ("difference", "sum")
     left = ", ".join(f"{100 * part:.0f} %" for part in vague)
     return (
-        f"the data cannot tell '{one}' and '{other}' apart: they know a kind of {together} of the two, of their {apart} little more than "
+        f"the data cannot distinguish '{one}' and '{other}': they determine a kind of {together} of the two, of their {apart} little more than "
         f"the priors do (correlation {correlation:.3f}; {left} of the priors' deviations are left); measure one of them alone"
     )

@@ -91,7 +91,7 @@ def ensemble(
             f"{(1 - BEGINNING) * done / time:.0f}" if np.isfinite(time) and time > 0 else "few"
         )
         notes.append(
-            f"the chain holds {reported} autocorrelation times, {ENOUGH_TIMES} are wanted; take more steps"
+            f"the chain holds {reported} autocorrelation times, {ENOUGH_TIMES} are needed; take more steps"
         )
     return Draws(
         work, np.full(len(work), 1.0 / len(work)), whole=whole, notes=tuple(notes), chains=number
@@ -201,7 +201,7 @@ class _Cut(BaseException):
 
 
 class _Chain(threading.Thread):
-    """One call of a function that asks for points; ``question`` while it waits, ``answer`` once it
+    """One call of a function that requests points; ``question`` while it waits, ``answer`` once it
     is known.
     """
 
@@ -226,7 +226,7 @@ class _Chain(threading.Thread):
             self.result = self.function(self.item)
         except _Cut:
             pass
-        except BaseException as error:  # handed to whoever called map
+        except BaseException as error:  # raised for the caller of map
             self.error = error
         with self.owner.turn:
             self.ended = True
@@ -234,10 +234,10 @@ class _Chain(threading.Thread):
 
 
 class Lockstep:
-    """A pool as samplers want it (``map``) whose chains ask :meth:`ask`; the ``answers`` to a
+    """A pool as samplers need it (``map``) whose chains call :meth:`ask`; the ``answers`` to a
     batch of points are distributed in order.
 
-    ``lanes``: chains at a time, which is also the size of a batch. The questions of a batch stand
+    ``lanes``: chains at a time, which is also the size of a batch. The questions of a batch are
     in the order of the chains, so nothing
     depends on which thread was faster.
     """
@@ -312,7 +312,7 @@ class Lockstep:
 #: Live points, points requested at once, and what of the logarithm of the evidence may be left in
 #: the live points at the end.
 LIVE_POINTS, LANES, PRECISION = 400, 16, 0.1
-#: Draws with less than this share of the largest weight tell nothing.
+#: Draws with less than this share of the largest weight do not count.
 NO_WEIGHT = 1e-8
 
 

@@ -86,7 +86,7 @@ def evaluate(point: Point) -> Outcome:
     'completed'
     """
     try:
-        # what is doubtful of points is counted once, by explore/doubts.py, not told by each
+        # what is doubtful of points is counted once, by explore/doubts.py, not reported by each
         with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
             case = vary(point.case, dict(point.values))
         return evaluate_case(case, point)

@@ -15,12 +15,12 @@ from scipy.special import chdtrc
 from valvetrain.explore.posterior import Outcome, Posterior
 
 Array = NDArray[np.float64]
-#: A p value below this says that the model cannot meet the data: one correct model in a hundred is
-#: told so.
+#: With a p value below this the model is reported as unable to meet the data, which happens to one correct model in a
+#: hundred.
 REFUSED = 0.01
 #: Degrees of freedom below which nothing is left to test.
 NOTHING_LEFT = 0.5
-#: A quantity lies on its bound within this share of the prior's deviation.
+#: A quantity is on its bound within this share of the prior's deviation.
 ON_BOUND = 1e-6
 
 
@@ -117,7 +117,7 @@ def scores_of(posterior: Posterior, computed: Mapping[str, Array]) -> Array:
 
 
 def predictive(posterior: Posterior, computed: Mapping[str, Array], weights: Array) -> float:
-    """Posterior predictive p value: how often data drawn anew at a draw lie farther from it than the
+    """Posterior predictive p value: how often data drawn again at a draw are farther from it than the
     measured ones, over draws with ``weights``.
     """
     misfit = np.sum(scores_of(posterior, computed) ** 2, axis=1)

@@ -69,7 +69,7 @@ def marginals_chart(found: Identified) -> Chart:
 
 
 def _reach(found: Identified, place: int) -> tuple[float, float]:
-    """Stretch of a quantity in which its posterior lies, with room for the prior about it."""
+    """Stretch of a quantity of its posterior, with a margin for the prior about it."""
     name, prior = found.names[place], found.unknowns[place].prior
     low = min(branch.quantities[name].low for branch in found.branches)
     high = max(branch.quantities[name].high for branch in found.branches)

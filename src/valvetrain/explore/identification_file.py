@@ -91,8 +91,8 @@ class Search:
                 )
 
     def evaluations_of(self, quantities: int, profiles: int = 0, given: int = 0) -> int:
-        """About how many points will be computed for so many unknown quantities, profiles and
-        ``given`` starts besides its own.
+        """About how many points will be computed for this many unknown quantities, profiles and
+        ``given`` starts in addition to its own.
         """
         slopes, retained = quantities + 1, min(self.keep, self.starts) + given
         after = slopes + profiles * 2 * SIDE * 4 * (slopes + 4)
@@ -123,9 +123,9 @@ _OPERATIONS = ("value", "factor", "offset")
 
 @dataclass(frozen=True)
 class Request:
-    """An identification as a file asks for it.
+    """An identification as a file requests it.
 
-    ``evaluator``: word of a published study that computes points in its own way, empty for the case
+    ``evaluator``: name of a published study that computes points in its own way, empty for the case
     itself; ``options`` are its numbers.
     ``from_case``: whether the values of the case are a start too. ``identity``: digest of all that
     outcomes depend on but the version.

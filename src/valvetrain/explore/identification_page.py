@@ -88,8 +88,8 @@ def identification_page(title: str, found: Identified) -> Page:
     sections.append(Section("priors", "What was known before", priors, folded=True))
     lead = (
         "Intervals hold 95 % of what the measurements and the priors leave open, if the model is right and the stated scatter is; where "
-        f"it cannot meet the data (p below {REFUSED:g}) they are those of a scatter as large as the misfit asks. A "
-        "percentile tells where a measured value lies among those that would be measured: near 0 or 100 model and measurement disagree."
+        f"it cannot meet the data (p below {REFUSED:g}) they are those of a scatter as large as the misfit requires. A "
+        "percentile gives the position of a measured value among those that would be measured: near 0 or 100 model and measurement disagree."
     )
     said = verdict_of(found)
     return Page(title, "Identification", lead, facts(found), tuple(sections), "", said, picture)

@@ -105,7 +105,7 @@ def prediction_cells(one: Prediction) -> tuple[str, ...]:
 
 
 def datum_label(datum: Datum) -> str:
-    """A measurement as a line begins with it; its key where the name does not tell which of several
+    """A measurement as a line begins with it; its key where the name does not show which of several
     values it is.
     """
     phrase, key = _plain_name(datum.measurement or datum.key), datum.key.replace("_", " ")
@@ -121,7 +121,7 @@ def share_rows(branch: Branch, shares: NDArray[np.float64]) -> list[tuple[str, .
 
 
 def facts(found: Identified) -> tuple[tuple[str, str], ...]:
-    """What a reader wants first."""
+    """The most important results."""
     before = f" and {found.reused} before" if found.reused else ""
     rows = [
         ("method", found.method),
@@ -157,23 +157,23 @@ def _chains_text(found: Identified) -> str:
     )
     said = f"largest R-hat {largest:.3g}, {least:.0f} effective draws at least"
     if largest > MIXED or least < EFFECTIVE:
-        said += f" ({MIXED:g} at most and {EFFECTIVE} are wanted: take more steps)"
+        said += f" ({MIXED:g} at most and {EFFECTIVE} are needed: take more steps)"
     return said
 
 
 def is_odd(one: Predicted) -> bool:
-    """Whether a measurement lies outside :data:`ODD` of its prediction; one that has no percentile
+    """Whether a measurement is outside :data:`ODD` of its prediction; one that has no percentile
     does not.
     """
     return one.percentile < ODD[0] or one.percentile > ODD[1]
 
 
 def odd(found: Identified) -> list[Predicted]:
-    """Measurements that lie outside :data:`ODD` of their predictions."""
+    """Measurements that are outside :data:`ODD` of their predictions."""
     return [one for one in found.predicted if is_odd(one)]
 
 
-#: Quantities that the verdict tells, and share of the prior's variance below which the data have not
+#: Quantities that the verdict gives, and share of the prior's variance below which the data have not
 #: determined one.
 MAX_NAMED, LEARNED = 3, 0.5
 

@@ -1,5 +1,5 @@
 """What an identification found: branches with intervals, what the data determine, where each
-measurement lies in its prediction.
+measurement is in its prediction.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 MET = 2.0
 #: Points that are looked at together: a curve of many data over many points would fill the memory.
 _TOGETHER = 2000
-#: Values are stored as they were computed: one on a bound may lie beyond it by rounding.
+#: Values are stored as they were computed: one on a bound may be beyond it by rounding.
 _ROUNDING = 1e-9
 
 
@@ -215,7 +215,7 @@ class Branch:
 class Predicted:
     """A measurement and its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 %
     of the computed values over the
-    posterior, and the ``percentile`` at which the measured value lies among what would be measured
+    posterior, and the ``percentile`` of the measured value among what would be measured
     (0 to 100)."""
 
     datum: Datum
@@ -323,12 +323,12 @@ class Identified(Reported):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what the data do not tell, and on the search."""
+        """Sentences on what the data do not determine, and on the search."""
         found = [phrase for branch in self.branches for phrase in branch.information.warnings]
         return tuple(dict.fromkeys((*found, *self.notes)))
 
     def percentile(self, measurement: str) -> float:
-        """Percentile at which a measurement of one value lies. Raises :class:`InputError` unless
+        """Percentile of a measurement of one value. Raises :class:`InputError` unless
         one of that name has one value.
         """
         fits = [one for one in self.predicted if measurement in (one.datum.name, one.datum.key)]

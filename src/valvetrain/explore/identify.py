@@ -61,7 +61,7 @@ def identify(
     progress: Report | None = None,
     limit: str = "",
 ) -> Identified:
-    """Quantities that meet measurements, with what is known of them before: their most probable
+    """Quantities that meet measurements, with their prior: their most probable
     values, intervals and branches.
 
     Parameters
@@ -308,7 +308,7 @@ def values_of_case(request: Request) -> tuple[float, ...]:
 def _try(request: Request, posterior: Posterior, evaluate: Evaluate) -> float:
     """Seconds of one point. Raises :class:`InputError` where none of several points of the priors
     can be computed, with the reason of the
-    first, and for a measurement of something that no point tells."""
+    first, and for a measurement of something that no point gives."""
     random = np.random.default_rng(request.search.seed)
     tried = np.vstack(
         [posterior.centre, posterior.from_shares(random.random((TRIED, len(posterior.unknowns))))]

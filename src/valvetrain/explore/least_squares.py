@@ -126,7 +126,7 @@ def differences(
     priors, from one-sided differences.
 
     Zero for quantities that are not ``chosen``. Backward where a step up leaves the bounds, and
-    where what lies there cannot be computed;
+    where the next point cannot be computed;
     zero where neither side can.
     """
     high = posterior.bounds[1]
@@ -166,7 +166,7 @@ def _steps(jacobian: Array, posterior: Posterior, chosen: Array) -> Array:
 
 #: Branches of less than this share of the probability are left out.
 MIN_SHARE = 1e-3
-#: Share of draws that tell where the linearised posterior is weighted by the true one, below which
+#: Share of effective draws where the linearised posterior is weighted by the true one, below which
 #: it does not hold.
 HOLDS = 0.3
 
@@ -194,7 +194,7 @@ def starts(posterior: Posterior, count: int, seed: int) -> Array:
 
 
 def best_starts(posterior: Posterior, tried: Array, keep: int) -> Array:
-    """The ``keep`` likeliest of some starts that can be computed. Raises :class:`InputError` where
+    """The ``keep`` most likely of some starts that can be computed. Raises :class:`InputError` where
     none can.
     """
     at = posterior.at(tried).log_posterior
@@ -257,7 +257,7 @@ def linear_draws(
         holds = weights.sum() ** 2 / max(np.sum(weights**2), 1e-300) / max(len(off), 1)
         if len(off) > 20 and holds < HOLDS:
             notes.append(
-                f"the linearised posterior does not hold ({100 * holds:.0f} % of its draws tell); sample with nested or ensemble"
+                f"the linearised posterior does not hold ({100 * holds:.0f} % of its draws count); sample with nested or ensemble"
             )
     draws = Draws(
         indices,

@@ -17,7 +17,7 @@ from valvetrain.solution.status import Status
 #: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
 #: met up to the highest one.
 FOUND, BELOW, BEYOND = "found", "below", "beyond"
-#: A rise over its neighbours this many times what a parabola through the three tells is thought
+#: A rise over its neighbours this many times what a parabola through the three gives is regarded
 #: possible between them.
 CAUTION = 2.0
 #: Runs of the search for a limit speed beyond those of its grid, about as many as there are.
@@ -47,7 +47,7 @@ class LimitFound:
 
 
 def find_limit(limit: LimitSearch) -> Scan:
-    """Ask for values at engine speeds (rad/s), batch by batch; a value that is not there (nan)
+    """Request values at engine speeds (rad/s), batch by batch; a value that is not there (nan)
     counts as beyond the bound.
     """
     sign = 1.0 if limit.upper else -1.0
@@ -81,7 +81,7 @@ def find_limit(limit: LimitSearch) -> Scan:
 
 def _nearing(engine_speeds: list[float], excess: list[float], resolution: float) -> list[float]:
     """Speeds about the lowest peak inside the bound whose top, as a parabola with some caution
-    tells it, may lie beyond the bound.
+    gives it, may be beyond the bound.
     """
     for place in range(1, len(engine_speeds) - 1):
         before, top, after = excess[place - 1 : place + 2]
@@ -106,7 +106,7 @@ def _nearing(engine_speeds: list[float], excess: list[float], resolution: float)
 def _rise(
     x: np.ndarray[tuple[int], np.dtype[np.float64]], y: np.ndarray[tuple[int], np.dtype[np.float64]]
 ) -> float:
-    """How far the top of the parabola through three points lies above the middle one."""
+    """How far the top of the parabola through three points is above the middle one."""
     first, second = np.diff(y) / np.diff(x)
     curvature = (second - first) / (x[2] - x[0])
     if curvature >= 0:
@@ -130,7 +130,7 @@ class Measure:
     """One number of a design: ``quantity`` over ``runs``, the ``over`` (worst, mean) of several, or
     a limit speed where ``limit`` is given.
 
-    ``largest_is_worst`` tells which of several is the worst. ``label``: plain words. ``bounds``: of
+    ``largest_is_worst`` gives which of several is the worst. ``label``: plain words. ``bounds``: of
     the limit speed of each run, where they
     are shares of what the case has; else that of ``limit`` holds for all.
     """
@@ -198,7 +198,7 @@ class Constraint:
     scale: float = 1.0
 
     def missed(self, value: float) -> float:
-        """How far a value (SI) lies beyond the bound, in shares of its size; negative inside."""
+        """How far a value (SI) is beyond the bound, in shares of its size; negative inside."""
         return float((value - self.bound) * (1.0 if self.upper else -1.0) / self.scale)
 
 
@@ -215,7 +215,7 @@ class Measured:
 
 
 def measuring(measures: Sequence[Measure], stop: object = None, pair: bool = False) -> Answers:
-    """Ask for the points of ``measures`` batch by batch and give their numbers; what a design
+    """Request the points of ``measures`` batch by batch and give their numbers; what a design
     cannot be is found first, at rest.
 
     ``stop(values)`` may say, before the search for limit speeds, that these are not needed. ``pair``: a
@@ -262,7 +262,7 @@ def measuring(measures: Sequence[Measure], stop: object = None, pair: bool = Fal
 def _limit(
     one: Measure, place: int
 ) -> Generator[list[Ask], list[Outcome], tuple[LimitFound, Outcome | None]]:
-    """The bracket of one limit speed; a run that fails at the lowest speed is handed back, a higher
+    """The bracket of one limit speed; a run that fails at the lowest speed is returned, a higher
     one counts as beyond the bound.
     """
     run, search = one.runs[place], find_limit(one.limit_of(place))

@@ -28,7 +28,7 @@ CURVE = ("height", "compression", "force", "ignore")
 
 @dataclass(frozen=True, slots=True)
 class Station:
-    """Where something was measured: ``engine_speed`` (rad/s of the crank; None at rest), word of
+    """Where something was measured: ``engine_speed`` (rad/s of the crank; None at rest), name of
     the spring model and set (empty: the
     case's own)."""
 
@@ -75,7 +75,7 @@ class Target:
 
     @property
     def unit(self) -> str:
-        """Unit it is shown in; None's stand-in, an empty one, where it is not known."""
+        """Unit it is shown in; empty where it is not known."""
         if self.kind in ("force", "load"):
             return "N"
         return "deg" if self.kind == "event" else definition_of(self.name).shown_unit
@@ -94,7 +94,7 @@ def trace_file(part: Part, folder: Path) -> tuple[Array, Array, str]:
         units = _units(part, table, (0, 1), name, '["deg", "N"]')
         if "crank" in table.names[0].lower():
             raise InputError(
-                f"'{name}' calls its angles '{table.names[0][:40]}'; a trace stands over the cam angle, so halve them"
+                f"'{name}' calls its angles '{table.names[0][:40]}'; a trace is over the cam angle, so halve them"
             )
         parse_quantity(f"1 {units[0]}", "angle")
         return (
@@ -111,7 +111,7 @@ def curve_file(part: Part, folder: Path) -> tuple[Along, Array, Array]:
     part's ``file`` in any order.
 
     Headings say which column is which, or ``columns`` does. Raises :class:`InputError` where
-    neither tells heights from compressions,
+    neither distinguishes heights from compressions,
     and for wrong or missing units.
     """
     try:
@@ -179,7 +179,7 @@ TargetData = list[tuple[Target, Datum]]
 
 
 def read_measurement(name: str, part: Part, folder: Path, own_names: bool = False) -> TargetData:
-    """The data of one table. ``folder``: where files it names lie; ``own_names``: quantities are
+    """The data of one table. ``folder``: of the files that it names; ``own_names``: quantities are
     those of an evaluator, of any name.
 
     Raises :class:`InputError` with the place, for what is missing, unknown, of a wrong unit or
@@ -188,7 +188,7 @@ def read_measurement(name: str, part: Part, folder: Path, own_names: bool = Fals
     form = next((one for one in FORMS if part.has(one)), None)
     if form is None:
         raise InputError(
-            f"says nothing that was measured; give one of {', '.join(FORMS)}", part.where
+            f"gives nothing that was measured; give one of {', '.join(FORMS)}", part.where
         )
     station = read_station(part)
     rows = _READERS[form](part, station, folder, own_names)
@@ -336,7 +336,7 @@ _READERS = {
 
 
 def _dimension(name: str, part: Part, own_names: bool) -> str | None:
-    """Dimension of a quantity, None where its name does not tell. Raises :class:`InputError` for a
+    """Dimension of a quantity, None where its name does not show it. Raises :class:`InputError` for a
     name that is no quantity's.
     """
     row = definition_of(name)

@@ -100,7 +100,7 @@ class OptimumPlan:
 
     def with_limits(self, values: Mapping[Measure, float]) -> OptimumPlan:
         """The plan with the bounds of such limit speeds, from ``values`` of what :attr:`begins`
-        asks for.
+        requests.
         """
         made: dict[Measure, Measure] = {}
         for one, begins in self.begins.items():

@@ -1,4 +1,4 @@
-"""What a case tells at the places where something was measured: quantities, forces over
+"""What a case gives at the places where something was measured: quantities, forces over
 compression, events, channels.
 """
 
@@ -81,7 +81,7 @@ def observe(every: tuple[Observed, ...], job: Job) -> Outcome:
 
 
 def groups_of(observed: Observed) -> tuple[tuple[int, ...], ...]:
-    """Places of conditions parted into those that one study of a case tells together: speeds by one
+    """Places of conditions parted into those that one study of a case gives together: speeds by one
     model, the static rod with them.
     """
     found: dict[object, list[int]] = {}

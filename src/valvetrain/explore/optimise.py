@@ -44,7 +44,7 @@ from valvetrain.units import renamed
 #: Trials of the first round or rounds, drawn evenly before the search learns; and for each varied
 #: quantity.
 FIRST, FIRST_EACH = 10, 2
-#: Seconds that a trial takes besides its points; bytes of one.
+#: Seconds that a trial takes in addition to its points; bytes of one.
 AROUND, TRIAL_BYTES = 0.03, 2e4
 #: What makes a search large.
 FEWER = "trials, speeds or models"
@@ -197,7 +197,7 @@ class _Search:
                 raise SearchInterrupted(self._optimum(points.computed, False)) from None
 
     def _case(self, points: Engine, plan: OptimumPlan, own: Subject) -> Trial:
-        """The case as it stands, trial 0, with the bounds that are shares of its numbers."""
+        """The case as given, trial 0, with the bounds that are shares of its numbers."""
         if plan.begins:
             (begin,) = measure_designs(
                 points,

@@ -99,7 +99,7 @@ class Optimum(Reported):
 
     @property
     def best(self) -> Design | None:
-        """The best design, of several objectives the balanced one; None where no trial keeps every
+        """The best design, of several objectives the balanced one; None where no trial meets every
         bound.
         """
         return self.designs[0] if self.designs else None
@@ -113,7 +113,7 @@ class Optimum(Reported):
 
     @property
     def feasible(self) -> int:
-        """Trials that keep every bound."""
+        """Trials that meet every bound."""
         return sum(one.feasible for one in self.trials)
 
     def history(self, seed: int | None = None) -> Array:
@@ -399,7 +399,7 @@ def optuna_study(found: Optimum, storage: Any = None) -> Any:
         axes = {_axis(one): _distribution(optuna, one) for one in plan.varied}
         for trial in found.trials:
             if trial.number == 0 and shares_of(plan, trial.values) is None:
-                continue  # the case lies outside the ranges
+                continue  # the case is outside the ranges
             study.add_trial(_frozen(optuna, found, trial, axes))
     return study
 

@@ -47,7 +47,7 @@ def convergence_chart(found: Optimum) -> Chart | None:
     first = [one for one in found.trials if one.seed in (found.seeds[0], -1)]
     for feasible, name, colour in (
         (False, "trial that misses a bound", MISSES),
-        (True, "trial that keeps every bound", FEASIBLE),
+        (True, "trial that meets every bound", FEASIBLE),
     ):
         some = [
             (at, trial)
@@ -115,7 +115,7 @@ def front_chart(found: Optimum) -> Chart | None:
 
 
 def over_chart(found: Optimum, index: int) -> Chart | None:
-    """One objective over each varied quantity: trials that keep and that miss the bounds."""
+    """One objective over each varied quantity: trials that meet and that miss the bounds."""
     goal, varied = found.plan.objectives[index], found.plan.varied
     if sum(bool(np.isfinite(one.objectives[index])) for one in found.trials) < 2:
         return None
@@ -141,7 +141,7 @@ def over_chart(found: Optimum, index: int) -> Chart | None:
 def _clouds(
     found: Optimum, across: Callable[[Trial], float], up: int, in_legend: bool
 ) -> list[Layer]:
-    """Trials that miss bounds, those that keep them, the case and the best, over a number of each."""
+    """Trials that miss bounds, those that meet them, the case and the best, over a number of each."""
     kinds: Sequence[tuple[list[Trial], str, str, str, float]] = (
         (
             [one for one in found.trials if not one.feasible],
@@ -152,7 +152,7 @@ def _clouds(
         ),
         (
             [one for one in found.trials if one.feasible],
-            "trial that keeps every bound",
+            "trial that meets every bound",
             FEASIBLE,
             "circle",
             5.0,

@@ -50,7 +50,7 @@ Speeds = Annotated[str | list[Any], BeforeValidator(_speeds)]
 
 
 class LimitSpeedModel(StrictModel):
-    """``limit_speed``: the engine speed up to which a quantity stays within a bound, or control is kept
+    """``limit_speed``: the engine speed up to which a quantity stays within a bound, or control is maintained
     (``kind``), searched over ``engine_speeds`` from below.
     """
 

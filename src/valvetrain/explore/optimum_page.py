@@ -102,7 +102,7 @@ def optimum_page(found: Optimum) -> Page:
         plan.description,
         facts,
         tuple(sections),
-        "A design is feasible where it keeps every bound.",
+        "A design is feasible where it meets every bound.",
         verdict=verdict_of(found),
         picture=picture,
     )
@@ -438,7 +438,7 @@ def _confirmed_optimum_files(one: Confirmed) -> dict[str, Any]:
 
 
 def trials_csv(found: Optimum) -> str:
-    """Every trial with all digits, SI; the head tells the units."""
+    """Every trial with all digits, SI; the head gives the units."""
     plan, stream = found.plan, io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     heads = [f"{one.name} [{one.si_unit or '1'}]" for one in plan.varied]

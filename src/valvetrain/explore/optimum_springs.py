@@ -19,7 +19,7 @@ from valvetrain.quantities.statics import card_quantities
 from valvetrain.solution.definition import NESTED, shown
 from valvetrain.units import si
 
-#: What the card of a best design has besides what was varied: quantity -> name, and its unit next to
+#: Values of the card of a best design in addition to the varied ones: quantity -> name, and its unit next to
 #: loads in pounds.
 CARD = {
     "card_preload": ("seat load", "lbf"),
@@ -74,7 +74,7 @@ def spring_of(case: Case | None, key: str) -> str:
 
 
 def in_pounds(varied: Sequence[Varied]) -> bool:
-    """Whether a force was varied in pounds, so that loads beside it are told in them."""
+    """Whether a force was varied in pounds, so that other loads are given in pounds, too."""
     return any(one.unit == "lbf" for one in varied)
 
 

@@ -125,7 +125,7 @@ def answer(found: Optimum, values: str = "", more: str = "") -> str:
     confirmed = _confirmed_change(found, one)
     if not case.feasible:
         most = "most" if goals[0].maximise else "least"
-        return f"The {most} that keeps every bound: {one.label} {_own_value(best.trial, one, 0)}{at}{more}. {_own(case)}"
+        return f"The {most} that meets every bound: {one.label} {_own_value(best.trial, one, 0)}{at}{more}. {_own(case)}"
     verb, least = (
         "rises" if value > before else "falls",
         "at least " if _beyond(best.trial, one) else "",
@@ -236,7 +236,7 @@ def best_values(found: Optimum) -> str:
     if best is None or best.trial.number == 0 or len(found.plan.objectives) > 1:
         return ""
     objective = same_as_varied(found, 0)
-    groups: dict[str, list[str]] = {"": []}  # what is of no pair stands first, unnamed
+    groups: dict[str, list[str]] = {"": []}  # quantities of no pair come first, unnamed
     for place, (one, value) in enumerate(zip(found.plan.varied, best.trial.values, strict=True)):
         if place != objective:
             groups.setdefault(spring_of(found.plan.case, one.key), []).append(one.text(value, 4))
@@ -252,11 +252,11 @@ def best_values(found: Optimum) -> str:
 
 
 def _own(case: Trial) -> str:
-    """Of the case itself, whether it keeps the bounds."""
+    """Sentence on whether the case itself meets the bounds."""
     if case.failure:
         return f"The case itself cannot be computed: {case.failure}."
     if case.feasible:
-        return "The case itself keeps every bound."
+        return "The case itself meets every bound."
     missed = [bound_label(case.plan, index) for index, one in enumerate(case.missed) if one > 0]
     return f"The case itself misses: {'; '.join(missed)}."
 
@@ -271,7 +271,7 @@ def _nothing(found: Optimum) -> str:
     worst = 100 * max(trial.penalties)
     size = f"{worst:.0f}" if worst >= 10 else f"{worst:.2g}"
     return (
-        f"No trial keeps every bound. Trial {trial.number} comes nearest; it misses '{phrase}' by {size} % of the bound: "
+        f"No trial meets every bound. Trial {trial.number} comes nearest; it misses '{phrase}' by {size} % of the bound: "
         "loosen that bound, or widen the ranges."
     )
 
@@ -282,7 +282,7 @@ def trust(found: Optimum) -> tuple[str, ...]:
     """
     best = found.best
     every = f"{found.feasible} of {len(found.trials)} designs, the case among them,"
-    counts = f"{every} keep every bound"
+    counts = f"{every} meet every bound"
     failed = sum(bool(one.failure) for one in found.trials)
     lines = [counts + (f", {failed} could not be computed." if failed else ".")]
     lines += _doubtful(found)
@@ -329,7 +329,7 @@ def _limits(best: Design, found: Optimum) -> list[str]:
             assert goal.measure.limit is not None
             if one.kind == FOUND:
                 ends = f"between {goal.measure.shown(one.low):.6g} and {goal.measure.shown(one.high):.6g} rpm"
-                lines.append(f"The {goal.measure.label} lies {ends}.")
+                lines.append(f"The {goal.measure.label} is {ends}.")
             elif one.kind == BEYOND:
                 lines.append(
                     f"The bound is met up to the highest speed searched, {reported(goal.measure, one.low)}: search higher."
@@ -426,7 +426,7 @@ def _seeds(found: Optimum) -> list[str]:
 
 
 def _spread(found: Optimum) -> list[str]:
-    """From where to where the best designs of several seeds lie."""
+    """Sentences on the range of the best designs of several seeds."""
     if len(found.best_by_seed) < 2:
         return []
     bests = [
@@ -481,7 +481,7 @@ def _bounded(one: Confirmed, searched: Trial) -> list[str]:
 
 
 def _beyond(trial: Trial, measure: Measure | AsVaried | OfCard) -> bool:
-    """Whether a limit speed lies outside the speeds that were searched, so that there is no number
+    """Whether a limit speed is outside the speeds that were searched, so that there is no number
     for it.
     """
     return any(bracket.kind != FOUND for bracket in _limits_of(trial, measure))

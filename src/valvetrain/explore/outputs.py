@@ -42,7 +42,7 @@ class LimitSearch:
     ``engine_speeds`` (rad/s, rising).
 
     ``resolution`` (rad/s): width of the bracket at the end. ``share``: the bound is this share of
-    what the case has at the lowest speed. ``kind``: a word of :data:`LIMITS`, or empty.
+    what the case has at the lowest speed. ``kind``: a key of :data:`LIMITS`, or empty.
     """
 
     quantity: str
@@ -61,7 +61,7 @@ class LimitSearch:
 
 #: Least force (N) of all contacts of a drive while the valve is open, of a point alone.
 DRIVE_FORCE = "minimum_drive_contact_force"
-#: Word of a limit -> name of its engine speed, the quantity that tells it, whether the bound is the most
+#: Name of a limit -> name of its engine speed, the quantity that decides it, whether the bound is the most
 #: that it may have, and the bound (SI): those of critical speeds, and the first clash.
 LIMITS = {
     "contact-loss": (KINDS["contact-loss"], DRIVE_FORCE, False, 1e-9),
@@ -99,7 +99,7 @@ def limit_search(
                 f"'{kind[:40]}' is no kind of limit speed; use one of {', '.join(LIMITS)}"
             )
         if quantity or at_most is not None or at_least is not None:
-            raise InputError("has a kind, which tells quantity and bound; leave those out")
+            raise InputError("has a kind, which sets quantity and bound; leave those out")
         _, quantity, upper, bound = LIMITS[kind]
         share = None
     else:
@@ -232,7 +232,7 @@ def refuse_limit_name(name: str) -> None:
     for kind, (own, *_) in LIMITS.items():
         if name == own:
             raise InputError(
-                f"'{name}' is searched over engine speeds; ask for a limit_speed with kind = '{kind}' and "
+                f"'{name}' is searched over engine speeds; request a limit_speed with kind = '{kind}' and "
                 "engine_speeds = '4000:9000:500 rpm'"
             )
 

@@ -28,7 +28,7 @@ class Part:
         return key in self.table
 
     def place(self, key: str) -> str:
-        """Where a key stands."""
+        """Path of a key."""
         return f"{self.where}.{key}" if self.where else key
 
     def take(self, key: str, fallback: Any = None) -> Any:

@@ -97,7 +97,7 @@ class Datum:
         )
 
     def percentile(self, computed: Array, weights: Array) -> float:
-        """Where the measured value lies in its own prediction, 0 to 100: over the draws
+        """Position of the measured value in its own prediction, 0 to 100: over the draws
         ``computed`` with ``weights`` and its errors.
         """
         known = np.isfinite(computed)

@@ -90,7 +90,7 @@ class SamplerSpec:
 
 
 def sampler(word: str, where: str = "points.sampler") -> SamplerSpec:
-    """The sampler behind a word of the registry. Raises :class:`InputError` for an unknown one."""
+    """The sampler of a name in the registry. Raises :class:`InputError` for an unknown one."""
     found: SamplerSpec = find("samplers", word, where)
     return found
 
@@ -272,7 +272,7 @@ def _first_adaptive(varied: Sequence[Varied], options: SamplerOptions) -> Array:
                 "is refined where an output changes, so it needs a range; give low and high",
                 one.name,
             )
-    if len(varied) == 1:  # ends included, so that every place lies between two points
+    if len(varied) == 1:  # ends included, so that every location is between two points
         return spread(varied, np.linspace(0.0, 1.0, min(options.first, options.count))[:, None])
     size = len(varied)
     corners = (

@@ -67,7 +67,7 @@ def optuna_library() -> Any:
 
 @contextmanager
 def quiet_optuna() -> Iterator[Any]:
-    """The library with its warnings and its log held back while the block runs."""
+    """The library with its warnings and its log suppressed while the block runs."""
     optuna = optuna_library()
     before = optuna.logging.get_verbosity()
     optuna.logging.set_verbosity(optuna.logging.ERROR)
@@ -232,7 +232,7 @@ def values_of(plan: OptimumPlan, shares: Array) -> Array:
 
 
 def shares_of(plan: OptimumPlan, values: Array) -> Array | None:
-    """The point (d,) of the unit cube of a design (d, SI); None where it lies outside."""
+    """The point (d,) of the unit cube of a design (d, SI); None outside it."""
     found = []
     for one, value in zip(plan.varied, values, strict=True):
         levels = one.distribution
@@ -330,7 +330,7 @@ def _around(
     radius: float,
     budget: int,
 ) -> tuple[Trial, Array]:
-    """One search from the best design; the best of all looked at, and where it lies."""
+    """One search from the best design; the best of all evaluated, and its position."""
     from scipy.optimize import minimize
 
     options = {"rhobeg": radius, "tol": radius / 20, "maxiter": max(budget, len(moving) + 3)}

@@ -84,9 +84,9 @@ def solve(
     compare: Evaluate | None = None,
     units: Mapping[str, str] = MappingProxyType({}),
 ) -> Identified:
-    """Search the posterior, find its branches, and tell of each what the data determine.
+    """Search the posterior, find its branches, and report for each what the data determine.
 
-    ``begin`` (n, quantities): starts of a search for a point in SI, besides those of ``search``; an
+    ``begin`` (n, quantities): starts of a search for a point in SI, in addition to those of ``search``; an
     ensemble begins about what they lead to.
     ``compare``: computes what is not fitted, for ``search.draws`` of the draws.
     ``units``: those that computed quantities are
@@ -215,7 +215,7 @@ def _checked(
 
 def _widened(posterior: Posterior, branch: Branch, peak: Peak) -> Branch:
     """The branch with the intervals that it has once the scatter of all data is as large as their
-    misfit asks, no wider than the priors leave them.
+    misfit requires, no wider than the priors leave them.
     """
     if branch.fit is None or branch.fit.widening == 1.0:
         return branch

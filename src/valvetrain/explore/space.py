@@ -25,14 +25,14 @@ Kind = Literal["uniform", "log-uniform", "normal", "lognormal"]
 KINDS: tuple[str, ...] = get_args(Kind)
 #: A tolerance is this many standard deviations by default, as shops draw their limits.
 SIGMAS = 3.0
-#: Bounds of a normal distribution that has none, in standard deviations: what lies beyond has a
+#: Bounds of a normal distribution that has none, in standard deviations: values beyond have a
 #: probability of 1e-15.
 FAR = 8.0
 
 
 @dataclass(frozen=True)
 class Prior:
-    """Distribution of one quantity (SI): its scatter, its range, or what is known of it before any
+    """Distribution of one quantity (SI): its scatter, its range, or its prior before any
     measurement.
 
     ``kind``: ``uniform`` or ``log-uniform`` between ``low`` and ``high``; ``normal`` of mean
@@ -79,10 +79,10 @@ class Prior:
             )
         if not self.flat and not self.low <= self.centre <= self.high:
             raise InputError(
-                f"the middle {self.centre:g} lies outside the bounds {self.low:g} to {self.high:g}; widen them"
+                f"the middle {self.centre:g} is outside the bounds {self.low:g} to {self.high:g}; widen them"
             )
         if not self.flat and self.inside <= 0:
-            raise InputError("no value of the distribution lies between its bounds; widen them")
+            raise InputError("no value of the distribution is between its bounds; widen them")
 
     @property
     def flat(self) -> bool:
@@ -91,7 +91,7 @@ class Prior:
 
     @property
     def truncated(self) -> bool:
-        """Whether a bound cuts off more than what lies beyond :data:`FAR` deviations."""
+        """Whether a bound cuts off more than the tails beyond :data:`FAR` deviations."""
         return self.inside < 1.0 - 1e-12
 
     @property
@@ -143,14 +143,14 @@ class Prior:
 
     @cached_property
     def inside(self) -> float:
-        """Share of the normal density that lies between the bounds."""
+        """Share of the normal density between the bounds."""
         low, high = (
             (bound - float(self.work(self.centre))) / self.spread for bound in self.work_bounds
         )
         return float(ndtr(high) - ndtr(low))
 
     def at(self, share: ArrayLike) -> Array:
-        """Values (SI) below which ``share`` (0 to 1) of all lie, in the shape of ``share``."""
+        """Values (SI) below which ``share`` (0 to 1) of all are, in the shape of ``share``."""
         return self.value(self.from_share(np.asarray(share, dtype=float)))
 
     def levels(self, count: int) -> tuple[float, ...]:
@@ -264,7 +264,7 @@ def Normal(
 
 
 def LogNormal(median: Given, factor: float) -> Prior:
-    """The logarithm is normal: half of all values lie below ``median``, two thirds within a factor
+    """The logarithm is normal: half of all values are below ``median``, two thirds within a factor
     of ``factor`` about it.
 
     Parameters
@@ -385,7 +385,7 @@ class Varied:
 
     @property
     def name(self) -> str:
-        """Key and operation; tells the varied quantities of a study apart."""
+        """Key and operation, unique among the varied quantities of a study."""
         return self.key + _SUFFIXES[self.operation]
 
     @property

@@ -1,7 +1,7 @@
 """The store of finished points: an append-only file of JSON lines, each with a checksum of its own.
 
 A killed process leaves at most one line that is not whole; it and what is behind it are computed
-again. Studies, searches and identifications keep their points in the same way.
+again. Studies, searches and identifications store their points in the same way.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class Store:
         return dict(zip(names, values, strict=True)) if status.completed else None
 
     def add(self, key: bytes, outcome: Outcome) -> None:
-        """Store a finished point; a kill of this process after the return loses nothing of it."""
+        """Store a finished point; it survives a kill of this process after the return."""
         self._remember(key, outcome)
         self.computed += 1
         if self._handle >= 0 and outcome.status.code not in NOT_WRITTEN:
@@ -123,7 +123,7 @@ class Store:
         return stored
 
     def points(self, quantities: int) -> list[tuple[Array, Numbers]]:
-        """Values of so many quantities and numbers of every point of :meth:`through` without a
+        """Values of ``quantities`` and numbers of every point of :meth:`through` without a
         part.
         """
         return [
@@ -186,7 +186,7 @@ def key_of(point: Array) -> bytes:
 
 
 def read_points(path: Path, quantities: int) -> list[tuple[Array, Numbers]]:
-    """Values (SI, of so many ``quantities``) and numbers of every point of an identification's
+    """Values (SI, of ``quantities`` many) and numbers of every point of an identification's
     file, without those of a part. Raises :class:`InputError` where it cannot be read or has none.
     """
     try:

@@ -54,7 +54,7 @@ from valvetrain.units import renamed, si_speeds
 SHORT, TOGETHER = 0.15, 8
 #: Seconds around a point: building the case, sending it and its outcome.
 AROUND = 0.012
-#: Bytes of a stored point, besides 8 for each of its numbers.
+#: Bytes of a stored point, in addition to 8 for each of its numbers.
 STORED = 400.0
 #: Limit speeds of a file: more are taken for a mistake.
 MAX_LIMITS = 16
@@ -104,7 +104,7 @@ def study(
     progress: Progress | None = None,
 ) -> StudyTable:
     """Points of a study over any quantities of a case: how outputs scatter, what makes them
-    scatter, what lies between.
+    scatter, what values between the points are.
 
     Parameters
     ----------
@@ -320,7 +320,7 @@ def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
 
 def _seconds_of_limit(experiment: Evaluation, limit: LimitSearch) -> float:
     """Estimated seconds of one core for a limit speed of one draw, by every model, at most: its whole grid
-    and what lies between.
+    and the speeds between.
     """
     outputs = replace(experiment.outputs, quantities=(limit.quantity,), limit_speeds=())
     own = Evaluation(experiment.case, experiment.space, outputs, experiment.runs)
@@ -362,7 +362,7 @@ def seconds_of(plan: Evaluation, run: Run) -> float:
     )
 
 
-#: What is computed from the points besides their own numbers.
+#: What is computed from the points in addition to their own numbers.
 Kind = Literal["points", "tolerance", "surrogate"]
 
 
@@ -436,7 +436,7 @@ def read_plan(text: StudyText) -> StudyPlan:
     word = model.points.sampler or _default_sampler(text, space)
     spec = text.guarded(("points", "sampler"), lambda: sampler(word, ""))
     given = dict(text.sampler_options)
-    if isinstance(file := given.get("file"), str):  # of draws, beside this file
+    if isinstance(file := given.get("file"), str):  # of draws, next to this file
         given["file"] = str(text.folder / file)
     options = text.guarded(("points",), lambda: spec.read_options(given))
     if model.kind == "tolerance" and spec.word != "saltelli":

@@ -151,7 +151,7 @@ def histogram_chart(table: StudyTable, run: Run, key: str) -> Chart | None:
     if not panels:
         return None
     columns = min(2, len(panels))
-    caption = "Vertical lines: 5, 50 and 95 % of the points lie below."
+    caption = "Vertical lines: 5, 50 and 95 % of the points are below."
     return Chart(
         f"{key}-scatter",
         titled("How the outputs scatter", table, run),
@@ -255,7 +255,7 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
         y_range=(-0.6, len(order) - 0.4),
         y_tick_labels=names,
     )
-    caption = "Lines: 95 % intervals by bootstrap over the base rows. Shares lie between 0 and 100 %; their estimates may miss that a little."
+    caption = "Lines: 95 % intervals by bootstrap over the base rows. Shares are between 0 and 100 %; their estimates may be slightly outside."
     phrase = definition_of(one.output).label
     reported = run_label(one.run)
     title = f"What makes the spread of the {phrase}{f', {reported}' if reported else ''}"
@@ -263,7 +263,7 @@ def sensitivity_chart(one: Sensitivity, key: str) -> Chart:
 
 
 def surrogate_chart(one: Surrogate, key: str) -> Chart:
-    """What the surrogate tells of each run from the others, against the run."""
+    """Prediction of each run by the surrogate from the other runs, against the run."""
     computed, predicted = (
         np.asarray(shown(one.output, values)[0]) for values in (one.computed, one.predicted)
     )

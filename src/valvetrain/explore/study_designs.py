@@ -1,5 +1,5 @@
 """What a study of chosen points is judged by: its designs, each at the worst of its engine speeds and
-runs, the one that the others are held against, and what the touch of the valve and surge frequencies
+runs, the one that the others are compared with, and what the touch of the valve and surge frequencies
 say of one.
 """
 
@@ -19,7 +19,7 @@ from valvetrain.report.text import number, unit_text
 from valvetrain.solution.definition import NESTED, definition_of, label_of
 
 Array = NDArray[np.float64]
-#: Varied quantities that are conditions of the engine, nobody's choice.
+#: Varied quantities that are conditions of the engine, not a choice of the designer.
 CONDITIONS = ("engine_speed", "cam_speed")
 TOUCH = "seating_cam_angle"
 FREQUENCY = "surge_frequency"
@@ -28,7 +28,7 @@ NO_LASH = "without lash a valve that grows warm would stay open, so that is no c
 
 
 def conditions(table: StudyTable) -> list[int]:
-    """Varied quantities that are conditions, beside which others are chosen."""
+    """Varied quantities that are conditions, if others are chosen, too."""
     keys = [table.plan.varied[index].key in CONDITIONS for index in changing(table)]
     found = [index for index, is_one in zip(changing(table), keys, strict=True) if is_one]
     return found if not all(keys) else []
@@ -77,12 +77,12 @@ def without_lash(table: StudyTable) -> NDArray[np.bool_]:
 
 
 def judged(table: StudyTable, name: str) -> Array:
-    """As :func:`worst`, nan for designs that nobody would choose."""
+    """As :func:`worst`, nan for designs that are of no use."""
     return np.where(without_lash(table), math.nan, worst(table, name))
 
 
 def design_label(table: StudyTable, design: int) -> str:
-    """What tells a design from the others, without the engine speeds that all have."""
+    """Label that distinguishes a design from the others, without the engine speeds that all have."""
     group = members(table)[design]
     return point_label(table, int(group[0]), () if len(group) < 2 else tuple(conditions(table)))
 
@@ -97,7 +97,7 @@ def runs_text(table: StudyTable, name: str) -> str:
 
 
 def baseline(table: StudyTable) -> int | None:
-    """The design that others are held against: the first of a list, that without what a single quantity
+    """The design that others are compared with: the first of a list, that without what a single quantity
     adds, or that of the case; None where a grid has neither.
     """
     if table.plan.sampler.word == "list":

@@ -125,17 +125,17 @@ def _end(one: Measured, measure: Measure) -> str:
 
 
 def _notes(limit: LimitSearch, ends: list[str]) -> list[str]:
-    """How many searches end at an end of the speeds, which then stands for the limit."""
+    """How many searches end at an end of the speeds, which then replaces the limit."""
     label, count = label_of(limit.name), len(ends)
     first, last = (f"{speed / _RPM:.6g} rpm" for speed in np.array(limit.engine_speeds)[[0, -1]])
     found = []
     if beyond := ends.count(BEYOND):
         found.append(
-            f"{beyond} of {count} points keep the bound up to the highest speed searched ({label}): {last} stands for them."
+            f"{beyond} of {count} points meet the bound up to the highest speed searched ({label}): their limit is given as {last}."
         )
     if below := ends.count(BELOW):
         found.append(
-            f"{below} of {count} points leave the bound at the lowest speed searched ({label}): {first} stands for them."
+            f"{below} of {count} points miss the bound at the lowest speed searched ({label}): their limit is given as {first}."
         )
     return found
 

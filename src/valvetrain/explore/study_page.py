@@ -101,7 +101,7 @@ def points_page(table: StudyTable) -> Page:
 
 
 def _figures_of(table: StudyTable, run: Run, key: str) -> list[Block]:
-    """Figures and shares of one run, the most telling first."""
+    """Figures and shares of one run, the most informative first."""
     plan, blocks = table.plan, list[Block]()
     for one in (found for found in table.sensitivities if found.run == run):
         blocks += (
@@ -374,7 +374,7 @@ def _percentiles(table: StudyTable, name: str) -> list[dict[str, float | None]]:
 
 
 def points_csv(table: StudyTable) -> str:
-    """Every row with all digits, SI; the head tells the units."""
+    """Every row with all digits, SI; the head gives the units."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     inputs = [f"{one.name} [{one.si_unit or '1'}]" for one in table.plan.varied]

@@ -30,7 +30,7 @@ MAX_LETTERS = 50
 
 
 def is_chosen(table: StudyTable) -> bool:
-    """Whether every point was chosen, so that percentiles over them would be nobody's scatter."""
+    """Whether every point was chosen, so that percentiles over them would be no real scatter."""
     return not table.plan.sampler.independent
 
 
@@ -63,7 +63,7 @@ def point_names(table: StudyTable) -> tuple[str, ...]:
 
 
 def point_label(table: StudyTable, point: int, without: tuple[int, ...] = ()) -> str:
-    """What tells a point (from 0) from the others: its name, else the quantities that change, with
+    """Label that distinguishes a point (from 0) from the others: its name, else the quantities that change, with
     their values, those of ``without`` left out.
     """
     if names := point_names(table):
@@ -196,7 +196,7 @@ def changes_chart(table: StudyTable, name: str, run: Run, key: str) -> Chart | N
 
 
 def _reach(layers: list[Layer], zero: float | None) -> tuple[float, float] | None:
-    """The values with room on both sides for their marks; None where all are one."""
+    """The values with a margin on both sides for their marks; None where all are one."""
     values = np.concatenate([np.asarray(layer.x, dtype=float) for layer in layers])
     values = np.append(values[np.isfinite(values)], [] if zero is None else [zero])
     room = 0.06 * float(np.ptp(values))

@@ -24,7 +24,7 @@ from valvetrain.report.text import number, unit_text
 from valvetrain.solution.definition import definition_of
 
 Array = NDArray[np.float64]
-#: Fewest values along which a shape is told; share of the output's range within which it is flat, and
+#: Fewest values from which a shape is reported; share of the output's range within which it is flat, and
 #: share of the varied range that a flat part has: more than twice that of a straight line.
 FEWEST, FLAT, WIDE = 4, 0.2, 0.45
 
@@ -60,7 +60,7 @@ def shape_of(table: StudyTable, name: str) -> Shape | None:
     less = values - values.min() if sense != "larger is better" else values.max() - values
     flat = less <= FLAT * np.ptp(values)
     upward = bool(flat[0])
-    if upward == bool(flat[-1]):  # both ends are good, or the best lies between
+    if upward == bool(flat[-1]):  # both ends are good, or the best is between
         return None
     count = int(np.argmin(flat if upward else flat[::-1]))
     edge, beyond = (count - 1, count) if upward else (len(flat) - count, len(flat) - count - 1)

@@ -43,7 +43,7 @@ from valvetrain.report.text import number, unit_text
 from valvetrain.solution.definition import definition_of, label_of
 
 Array = NDArray[np.float64]
-#: Outputs whose price at the best point is told.
+#: Outputs whose price at the best point is reported.
 MAX_COSTS = 3
 #: Share within which values are no better than each other, and points of that kind that are named.
 ALIKE, MAX_ALIKE = 0.01, 2
@@ -51,7 +51,7 @@ ALIKE, MAX_ALIKE = 0.01, 2
 MAX_NEXT = 5
 #: Outputs by which springs are judged before all others, for by them they break.
 STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "nominal_peak_shear_stress")
-#: Share up to which the gain of a grid over what it is held against is called an only.
+#: Share up to which the gain of a grid over its reference is worded as "only".
 LITTLE = 0.1
 #: What makes a stress amplitude larger -> in words.
 REASONS = {"surge_amplitude_force": "it surges more", "clash_energy": "its coils clash harder"}
@@ -122,7 +122,7 @@ def _installed(name: str) -> bool:
 
 
 def _best(table: StudyTable, name: str) -> str:
-    """The best design, next to the one that others are held against, and what other outputs gain and
+    """The best design, next to the one that others are compared with, and what other outputs gain and
     lose there; the extremes of an output that is neither good nor bad, or of points at engine speeds
     of their own.
     """
@@ -152,7 +152,7 @@ def _best(table: StudyTable, name: str) -> str:
 
 
 def _against(table: StudyTable, name: str, values: Array, pair: tuple[int, int]) -> str:
-    """``123.4 N, only 5.8 % below 131 N with normal force 0 N``: the best next to what it is held
+    """``123.4 N, only 5.8 % below 131 N with normal force 0 N``: the best next to its
     against; of a list the two values.
     """
     best, base = (float(values[k]) for k in pair)
@@ -171,7 +171,7 @@ def _unlashed(table: StudyTable) -> str:
 def _costs(
     table: StudyTable, name: str, best: int, base: int | None = None, above: float = 0.0
 ) -> str:
-    """What other outputs gain and lose at the best design against the one it is held against; without
+    """What other outputs gain and lose at the best design against its reference; without
     that what they lose against their own best, by more than a share.
     """
     held = base is not None and base != best
@@ -355,7 +355,7 @@ def _scatter(table: StudyTable, name: str) -> str:
 
 def _over_ranges(table: StudyTable, name: str, run: Run, where: str) -> str:
     """From where to where an output goes over the ranges of a surrogate, with what it goes most, and how
-    well the surrogate tells it.
+    well the surrogate predicts it.
     """
     rows = table.rows_of(run)
     values = shown_output(table, name)[rows]
@@ -381,7 +381,7 @@ def _over_ranges(table: StudyTable, name: str, run: Run, where: str) -> str:
 
 
 def _cause(one: Sensitivity) -> str:
-    """Which quantity makes most of the spread, where it can be told from the next."""
+    """Which quantity makes most of the spread, where it can be distinguished from the next."""
     leader = int(np.argmax(one.total))
     if not one.total[leader] > 0:
         return ""

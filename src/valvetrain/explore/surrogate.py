@@ -1,5 +1,5 @@
 """Surrogates: a Gaussian process for one output, with the error that it has at points left out of it,
-in closed form, and the range in which it may be asked.
+in closed form, and the range in which it is valid.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ class Surrogate:
     """A Gaussian process for one ``output`` at one ``run`` over the quantities ``names`` (d), fitted to
     all ``computed`` values (n, SI).
 
-    ``predicted`` (n): what the process tells of each point from the others alone; ``error``: root of
+    ``predicted`` (n): prediction of each point from the others alone; ``error``: root of
     the mean square of those misses (SI), ``share``: that over the standard deviation of the values,
-    ``covered``: share of the misses within two standard deviations that the process tells. ``low``,
-    ``high`` (d, SI): the range of its points, beyond which it is not asked.
+    ``covered``: share of the misses within two standard deviations of the prediction. ``low``,
+    ``high`` (d, SI): the range of its points, beyond which it is not used.
     """
 
     output: str
@@ -73,7 +73,7 @@ class Surrogate:
         varied quantities.
 
         Raises :class:`InputError` for points beyond the range of those it was fitted to by more than
-        their mean distance along that quantity: there it tells nothing.
+        their mean distance along that quantity: there it predicts nothing.
         """
         points = np.atleast_2d(np.asarray(inputs, dtype=float))
         if points.shape[1] != len(self.centre):
@@ -121,7 +121,7 @@ def surrogate_of(
     )
     with (
         warnings.catch_warnings()
-    ):  # that a length reaches its bound: the error tells how good it is
+    ):  # that a length reaches its bound: the error shows how good it is
         warnings.simplefilter("ignore")
         process.fit((points - centre) / scale, found)
     miss, deviation = left_out(process)

@@ -86,7 +86,7 @@ class StudyPlan:
             )
         draws = self.sampler.first(self.varied, self.options)
         if not len(draws):
-            raise InputError("the sampler gives no point; ask for more", "points")
+            raise InputError("the sampler gives no point; request more", "points")
         return draws
 
 
@@ -97,7 +97,7 @@ class StudyTable(Reported):
 
     ``sensitivities`` and ``surrogates``: those of its kind; ``computed``: points that this call
     computed, the others were in the store; ``seconds``: wall time of this call. A limit speed is that
-    of the point by the model and set of a row, at any speed of it; ``limit_notes`` say how many points keep or
+    of the point by the model and set of a row, at any speed of it; ``limit_notes`` report how many points keep or
     leave their bound over all speeds. ``converged``: see :meth:`Experiment.converge`.
 
     >>> import valvetrain as vt
@@ -285,7 +285,7 @@ class StudyTable(Reported):
                 )
                 unit = definition_of(name).unit_word
                 said = f"{middle:.5g} {unit}, nine in ten {low:.5g} to {high:.5g}"
-                if chosen:  # percentiles of points that somebody chose are nobody's scatter
+                if chosen:  # percentiles of chosen points are no scatter
                     ends = (_shown(name, float(one)) for one in (np.min(found), np.max(found)))
                     said = " to ".join(f"{one:.5g}" for one in ends) + f" {unit}"
                 lines.append(f"  {label_of(name)}: {said}".rstrip())

@@ -25,7 +25,7 @@ CASE_SEED = -1
 class Trial:
     """``number`` counts from 0, the case itself; ``values`` (d, SI) of the varied quantities;
     ``measured``: its numbers; ``seed`` of the
-    search that requested it. ``plan`` tells bounds and directions.
+    search that requested it. ``plan`` holds bounds and directions.
     """
 
     number: int
@@ -57,7 +57,7 @@ class Trial:
     def missed(self) -> Array:
         """By how much (c + m,) each bound is missed, in shares of it, negative inside; then 0 for
         each objective, more where a limit speed
-        lies below the lowest one searched."""
+        is below the lowest one searched."""
         bounds = [
             one.missed(value)
             for one, value in zip(self.plan.constraints, self.constraints, strict=True)

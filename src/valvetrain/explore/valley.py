@@ -1,5 +1,5 @@
 """The valley of an optimum: how far each varied quantity may go while the objective stays within a
-tolerance and every bound is kept, the others following.
+tolerance and every bound is met, the others following.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Valley:
-    """Designs ``values`` (n, d, SI) that keep every bound with a first objective (n, SI) within
+    """Designs ``values`` (n, d, SI) that meet every bound with a first objective (n, SI) within
     :data:`ALIKE` of the best one; ``spans`` (d): ranges of the varied quantities.
     """
 

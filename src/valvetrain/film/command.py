@@ -94,7 +94,7 @@ def film(
         ),
     ] = None,
     free_decay: Annotated[
-        bool, typer.Option("--free-decay", help="The cam stands still: a struck spring rings.")
+        bool, typer.Option("--free-decay", help="The cam does not turn: a struck spring rings.")
     ] = False,
     first_frame: Annotated[
         int,

@@ -20,7 +20,7 @@ FINE, MAX_GAP_LENGTH = 16, 2.5
 #: Share of the largest motion below which the valve is taken for closed, and the angle (rad) over
 #: which surge is averaged for it.
 CLOSED, AVERAGED = 0.06, np.radians(24.0)
-#: Share of the closed window that is left out at either end for ramps, besides what the averaging
+#: Share of the closed window that is left out at either end for ramps, in addition to what the averaging
 #: reaches.
 MARGIN = 0.06
 
@@ -116,7 +116,7 @@ def mean_of(values: Array) -> Array:
 
 
 def closed_window(grid: Array, mean: Array) -> tuple[float, float]:
-    """First and last cam angle (rad, the last one may lie beyond a turn) between which the valve is
+    """First and last cam angle (rad, the last one may exceed one revolution) between which the valve is
     closed, by the uppermost coil's mean.
 
     Raises :class:`InputError` where nothing like a dwell is there.
@@ -175,7 +175,7 @@ def segments(
     return found
 
 
-#: A coil stands still that moves less than this share of the largest motion; harmonics of the cam
+#: A coil counts as fixed if it moves less than this share of the largest motion; harmonics of the cam
 #: that are distinguished from a drift.
 STILL, HARMONICS = 0.15, 8
 #: Highest power of time in a drift, and the smallest one (px) that is spoken of.
@@ -183,11 +183,11 @@ MAX_POWERS, SPOKEN_OF = 5, 0.05
 
 
 def camera_drift(places: Array, time: Array, cam_angle: Array | None) -> tuple[Array, int | None]:
-    """Drift (frames,) px by the stillest coil, and which it is (None, with zeros, where none stands
+    """Drift (frames,) px by the stillest coil, and which it is (None, with zeros, where none is
     still).
 
     Powers of time, fitted together with harmonics of the cam so that a coil that moves a little
-    with the cam tells no drift.
+    with the cam shows no drift.
     """
     size = np.array([_motion(one, time) for one in places.T])
     still = int(np.argmin(size))
@@ -229,8 +229,8 @@ MARK_SCATTER = 0.35
 class CamPhase:
     """``cam_angle`` (frames,) rad, unwrapped; ``cam_speed`` rad/s, mean, with its standard
     deviation; ``by`` marker, speed or lift;
-    ``metres_per_pixel`` by the lift, 0 without; ``notes``; ``zero_by`` who tells where the cam
-    angle is zero: told, lift, or nobody."""
+    ``metres_per_pixel`` by the lift, 0 without; ``notes``; ``zero_by`` which source sets where the cam
+    angle is zero: ``told`` (given), ``lift`` or ``nobody`` (unknown)."""
 
     cam_angle: Array
     cam_speed: float
@@ -255,7 +255,7 @@ def by_marker(
     the cam when the mark passes.
 
     Raises :class:`InputError` for a spot that does not flash, or flashes once while no speed is
-    told.
+    given.
     """
     pulses, frame = _pulses(time, brightness), float(np.median(np.diff(time)))
     if len(pulses) < 2:
@@ -321,7 +321,7 @@ def _compared(speed: float, spread: float, given_speed: float, by: str) -> str:
 
 
 def _pulses(time: Array, brightness: Array) -> Array:
-    """Times at the centre of brightness of every flash, bright or dark, that lies whole within the
+    """Times at the centre of brightness of every flash, bright or dark, that is entirely within the
     film.
     """
     typical = float(np.median(brightness))

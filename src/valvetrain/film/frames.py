@@ -1,5 +1,5 @@
 """Frames of a film, one after the other: a video, a folder of pictures, or an array; nothing is
-held but the frame at hand.
+in memory but the current frame.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def opencv() -> Any:
 class Film:
     """A film that can be run through as often as needed.
 
-    ``rate``: frames a second that the file itself tells, 0 where it does not. ``claimed``: frames
+    ``rate``: frames a second that the file itself gives, 0 where it does not. ``claimed``: frames
     it should hold, 0 unknown.
     ``clock``: after a run, the time stamp (s, of the file) of each frame; ``numbers``: its number,
     where names of files count.
@@ -174,7 +174,7 @@ class FolderFilm(Film):
             if picture.shape != (self.rows, self.columns):
                 raise InputError(
                     f"'{path.name[:80]}' has {picture.shape[1]} x {picture.shape[0]} pixels, those before {self.columns} x {self.rows}; "
-                    "keep one film in a folder"
+                    "put one film in a folder"
                 )
             yield picture
 

@@ -26,9 +26,9 @@ from valvetrain.springs.equivalent import EquivalentSpring, installed_gaps
 Array = NDArray[np.float64]
 #: Steps (turns) in which the place of the first coil along the wire is looked for.
 STEP = 0.02
-#: How far (cam deg) the zero of a film may be off that a lift alone tells.
+#: How far (cam deg) the zero of a film may be off that comes from a lift alone.
 SHIFTED = 8.0
-#: Multiples of the first surge frequency that are held against half the frame rate.
+#: Multiples of the first surge frequency that are compared with half the frame rate.
 MULTIPLES = 5
 
 
@@ -90,13 +90,13 @@ def film_over_model(
     spring: str = "",
     first_turn: float | None = None,
 ) -> FilmedModel:
-    """The case run at the cam speed of a film, and its coil sections held against the film's.
+    """The case run at the cam speed of a film, and its coil sections compared with the film's.
 
     Parameters
     ----------
     motion : from :func:`coil_motion`, of a turning cam
     case : Case, name of a library case, or path of a case file
-    spring_model : word of the spring model; where empty the default of a spring alone, of a train
+    spring_model : name of the spring model; where empty the default of a spring alone, of a train
         finite elements or, of cards, the chain
     spring : name of the filmed spring; the first (outer) one where empty
     first_turn : coil number (turns from the lower tip) of the film's first coil; found by least
@@ -216,7 +216,7 @@ def _moved(run: Solution, spring: str, part: InstalledSpring) -> tuple[Array, Ar
 
 
 def _at(moved: Array, coil: Array, turns: Array) -> Array:
-    """Displacements at coil numbers; beyond the free wire it lies on the seat or on the retainer
+    """Displacements at coil numbers; beyond the free wire it rests on the seat or on the retainer
     and moves with it.
     """
     place = np.interp(turns, coil, np.arange(len(coil)))
@@ -237,7 +237,7 @@ def _aligned(
     given_offset: float | None,
     free_zero: bool,
 ) -> tuple[float, float, tuple[str, ...]]:
-    """Coil number of the first highlight (neighbours on one side of the spring lie one turn apart)
+    """Coil number of the first highlight (neighbours on one side of the spring are one turn apart)
     and shift (rad) of the run's cam angle
     where the film's zero follows from a lift alone: least squares of the motion."""
     angle, coil, moved = run
@@ -291,7 +291,7 @@ def _filmed(motion: CoilMotion, angle: Array, moved: Array) -> SurgeFit | None:
 
 
 def alias_text(surge_frequency: float, frame_rate: float) -> tuple[str, ...]:
-    """A sentence where surge lines of a spring lie above half the frame rate."""
+    """A sentence where surge lines of a spring are above half the frame rate."""
     lines = [surge_frequency * order for order in range(1, MULTIPLES + 1)]
     high = [(line, alias_of(line, frame_rate)) for line in lines if line > 0.5 * frame_rate]
     if not high:

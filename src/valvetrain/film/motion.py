@@ -58,7 +58,7 @@ def coil_motion(
     film : a video that OpenCV reads, a folder of pictures, or an array of grey levels (frames,
         rows, columns)
     setup : how it was filmed: rate, line, scale, phase
-    valve_lift : lift (m) over the cam angle (rad) of the valve, for the phase where no marker tells
+    valve_lift : lift (m) over the cam angle (rad) of the valve, for the phase where no marker gives it
         it
     curve_angles : number of cam angles of the written curves; nothing else depends on it
     synthetic : the film was computed, not taken

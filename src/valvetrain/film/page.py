@@ -37,13 +37,13 @@ Array = NDArray[np.float64]
 #: Frames and stations of the space-time picture at most, dots of a coil at most, points of the
 #: spectrum at most.
 FRAMES, STATIONS, DOTS, POINTS = 400, 300, 600, 1500
-#: Turns of the cam that the space-time picture shows, and the grey ramp of it.
+#: Cam revolutions that the space-time picture shows, and the grey ramp of it.
 TURNS, GREYS = 3.0, ("#000000", "#a4acb5")
 #: Colours of the tracks on the dark picture, in the order of the coils' own.
 SEEN = tuple(theme.mix(colour, "#ffffff", 0.35) for colour in theme.SERIES)
 #: What the film measured has the first colour wherever it is shown with the model's.
 FILM, MODEL = theme.SERIES[0], theme.SERIES[1]
-#: Share of the largest motion below which a coil stands still.
+#: Share of the largest motion below which a coil counts as fixed.
 STILL = 0.02
 
 
@@ -71,7 +71,7 @@ def space_time_chart(motion: CoilMotion) -> Chart:
     milliseconds = np.asarray(
         1e3 * np.arange(len(even), dtype=float) / motion.seen.frame_rate, dtype=float
     )
-    # The start of the line stands above, as on the picture.
+    # The start of the line is above, as on the picture.
     length = float(motion.seen.line.stations[-1])
     height = length - (np.arange(shown.shape[1])[::-1] * every + 0.5 * (every - 1))
     layers: list[Layer] = [
@@ -100,7 +100,7 @@ def space_time_chart(motion: CoilMotion) -> Chart:
         y_range=(0.0, length),
     )
     caption = "Coils are counted from the seat. " + (
-        "The first turns of the cam." if last < len(motion.time) else "The whole film."
+        "The first cam revolutions." if last < len(motion.time) else "The whole film."
     )
     return Chart("space-time", "Space-time picture with the tracks", caption, (panel,), 1, 520)
 

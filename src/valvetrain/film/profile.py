@@ -20,7 +20,7 @@ def find_peaks(row: Array, least: float) -> tuple[NDArray[np.int64], Array]:
     """Places of the local maxima of ``row`` (stations,) inside it and their prominences, those of
     at least ``least``.
 
-    The prominence is the height above the higher of the two lowest levels that lie between the peak
+    The prominence is the height above the higher of the two lowest levels between the peak
     and higher ground (or the end).
     """
     rises, falls = row[1:-1] > row[:-2], row[1:-1] >= row[2:]
@@ -56,19 +56,19 @@ def half_width(row: Array, place: int, prominence: float) -> float:
     return float(edges[1] - edges[0])
 
 
-#: A highlight stands out by this share of the picture's contrast; a number of coils is believed
+#: A highlight exceeds its surroundings by this share of the picture's contrast; a number of coils is believed
 #: that this share of frames shows.
 PROMINENCE, BELIEVED = 0.25, 0.15
 #: Most coils of a spring that are tracked.
 MAX_COILS = 40
-#: What a highlight loses that lies as far from its prediction as the next coil, against 1 for a
+#: Weight lost by a highlight that is as far from its prediction as the next coil, against 1 for a
 #: highlight that fits.
 MISSED = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class FoundCoils:
-    """``frames`` (frames,) in which all coils stand apart; ``places`` (frames, coils) px of their
+    """``frames`` (frames,) in which all coils are separate; ``places`` (frames, coils) px of their
     highlights there; ``width`` (px) of one
     at half height; ``reach`` (px) to either side that its profile takes."""
 
@@ -106,7 +106,7 @@ def find_coils(picture: Array, coils: int | None) -> FoundCoils:
         coils = max(believed)
     if not 1 <= coils <= MAX_COILS:
         raise InputError(
-            f"{coils} highlights lie on the line; 1 to {MAX_COILS} are tracked, so shorten it or give their number",
+            f"{coils} highlights are on the line; 1 to {MAX_COILS} are tracked, so shorten it or give their number",
             "coils",
         )
     enough = np.flatnonzero(counts >= coils)
@@ -246,7 +246,7 @@ def fit(
     Heights are expected near ``light`` (frames,), so that two highlights that merge share their
     brightness as they did apart.
     ``near``: standard deviation (px) of the places about ``start`` where that is a prediction; 0
-    for a start that tells nothing.
+    for a start that gives nothing.
     """
     parts = [
         _some(
@@ -295,7 +295,7 @@ def _some(
     for step in range(STEPS + 1):
         distance = station - places[:, :, None]
         shape, slope = profiles.at(distance, profiles.table), profiles.at(distance, slopes)
-        # Between coils other things shine (rear coils, the inner spring): only what lies under the
+        # Between coils other things shine (rear coils, the inner spring): only what is under the
         # profiles counts.
         near = (np.abs(distance) <= profiles.reach).any(axis=1).astype(float)
         columns = np.concatenate(
@@ -333,7 +333,7 @@ def _some(
         # Before the first step heights and ground are not known, so the noise that a prediction is
         # weighed against is not either.
         settled = bool(np.abs(change[:, :coils]).max() < SETTLED) and (step > 0 or prediction == 0)
-    # What blur leaves runs on from station to station, so it tells less than noise would.
+    # What blur leaves runs on from station to station, so it carries less information than noise would.
     alike = np.clip(
         (left[:, 1:] * left[:, :-1]).sum(axis=1) / np.maximum((left**2).sum(axis=1), 1e-300),
         0.0,

@@ -1,4 +1,4 @@
-"""What a film tells of a spring."""
+"""Results of a film of a spring."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CoilMotion(Reported):
-    """What a film tells of a spring. Coils are counted from the seat; displacements are positive
+    """Results of a film of a spring. Coils are counted from the seat; displacements are positive
     towards it, from rest in the dwell.
 
     Parameters
@@ -85,13 +85,13 @@ def drift_text(drift: Array, still: int | None) -> tuple[str, ...]:
     """How far the camera moved, and which coil (from 0) showed it."""
     if still is None:
         return (
-            "no coil stands still, so a shift of the camera cannot be separated from the spring's motion and stays in it",
+            "no coil is at rest, so a shift of the camera cannot be separated from the spring's motion and stays in it",
         )
     reach = float(np.ptp(drift))
     if reach < SPOKEN_OF:
         return ()
     return (
-        f"the camera drifted by {reach:.2g} px over the film, as coil {still + 1} shows that stands still; this was taken off",
+        f"the camera drifted by {reach:.2g} px over the film, as coil {still + 1}, which is at rest, shows; this was subtracted",
     )
 
 
@@ -110,8 +110,8 @@ def surge_text(surge: SurgeFit, frame_rate: float, exposure: float | None) -> tu
     high = [one for one in surge.lines if one.natural_frequency > 0.8 * half]
     for one in high:
         notes.append(
-            f"the line at {one.natural_frequency:.4g} Hz lies near half the frame rate ({half:g} Hz) and may be one of "
-            f"{frame_rate - one.natural_frequency:.4g} Hz mirrored there; film faster to tell"
+            f"the line at {one.natural_frequency:.4g} Hz is near half the frame rate ({half:g} Hz) and may be one of "
+            f"{frame_rate - one.natural_frequency:.4g} Hz mirrored there; film faster to decide"
         )
     if exposure is not None:
         lost = [

@@ -15,26 +15,26 @@ SEAT_ENDS = ("start", "end")
 
 @dataclass(frozen=True, kw_only=True)
 class FilmSetup:
-    """What a film needs besides its pictures. Points are (x, y): column and row in px from the
+    """Inputs of a film in addition to its pictures. Points are (x, y): column and row in px from the
     centre of the upper left pixel.
 
     Parameters
     ----------
-    frame_rate : frames a second of the camera; needed unless the file tells a rate above that of
+    frame_rate : frames a second of the camera; needed unless the file gives a rate above that of
         screens
     line : the two end points of the line along the spring; found from the picture where not given
     line_width : px across the line that are averaged
     samples_across : samples over that width
     coils : highlights on the line; counted where not given
-    seat : end of the line at which the spring stands still, "start" or "end"; the end that moves
+    seat : end of the line at which the spring is fixed, "start" or "end"; the end that moves
         less where not given
     scale_points, scale_length : two points and their distance in the plane of the highlights, a
         length
     marker, marker_radius : a spot whose brightness marks each cam revolution, and its radius in px
     marker_angle : cam angle at which the mark passes, an angle
     cam_speed : of the cam, an angular speed; compared with the marker's or the lift's where these
-        tell it
-    first_angle : cam angle of the first frame, where a speed alone tells the phase; an angle
+        give it
+    first_angle : cam angle of the first frame, where a speed alone gives the phase; an angle
     dwell : cam angles (rad) between which the valve is closed, (first, last), the last one beyond a
         turn where it wraps
     free_decay : the cam does not turn; the spring is struck and rings, so the whole film is one

@@ -28,7 +28,7 @@ class SightLine:
     """From ``start`` to ``end`` ((x, y) in px: column and row, counted from the centre of the upper
     left pixel).
 
-    ``line_width`` px across it, averaged over ``samples_across``; stations stand one pixel apart.
+    ``line_width`` px across it, averaged over ``samples_across``; stations are one pixel apart.
     """
 
     start: Point
@@ -106,7 +106,7 @@ class SightLine:
         for x, y in (self.start, self.end):
             if not (-0.5 <= x <= columns - 0.5 and -0.5 <= y <= rows - 0.5):
                 raise InputError(
-                    f"the point {x:g}, {y:g} lies outside the picture of {columns} x {rows} pixels; correct it",
+                    f"the point {x:g}, {y:g} is outside the picture of {columns} x {rows} pixels; correct it",
                     "line",
                 )
         if not 0 < self.line_width <= 500 or not 1 <= self.samples_across <= 500:
@@ -126,7 +126,7 @@ def _taps(place: Array, tap: int) -> tuple[NDArray[np.int64], Array]:
 
 
 def find_line(film: Film, line_width: float = DEFAULT_WIDTH, samples_across: int = 5) -> SightLine:
-    """A line along the picture where highlights stand above each other, and move, most clearly.
+    """A line along the picture where highlights are above each other, and move, most clearly.
 
     Highlights of coils are bands across the spring, so grey levels change along the spring more
     than across it.
@@ -171,7 +171,7 @@ def _some(film: Film) -> Iterator[Picture]:
     yield from islice(film.frames(), 0, LOOKED_AT * stride, stride)
 
 
-#: Grey levels of the picture that are held at most (4 bytes each), and fewest frames of a film that
+#: Grey levels of the picture in memory at most (4 bytes each), and fewest frames of a film that
 #: shows a motion.
 MAX_VALUES, MIN_FRAMES = 20_000_000, 16
 #: Step (s) of time stamps below which whole milliseconds are too coarse.
@@ -263,7 +263,7 @@ def read_space_time(
         )
     if white > 0.05 * len(rows):
         notes += (
-            f"the glare is as white as the camera can tell in {white} of {len(rows)} frames; its middle is lost there, so film darker",
+            f"the glare is as white as the camera can record in {white} of {len(rows)} frames; its middle is lost there, so film darker",
         )
     picture = np.stack(rows)
     number, said = _numbers(film, first, picture, rate)
@@ -305,7 +305,7 @@ def _spot(marker: Point, radius: float, rows: int, columns: int) -> NDArray[np.i
     x, y = marker
     if not (0 <= x <= columns - 1 and 0 <= y <= rows - 1):
         raise InputError(
-            f"the marker {x:g}, {y:g} lies outside the picture of {columns} x {rows} pixels; correct it",
+            f"the marker {x:g}, {y:g} is outside the picture of {columns} x {rows} pixels; correct it",
             "marker",
         )
     if not 0 < radius <= 200:
@@ -336,7 +336,7 @@ def _numbers(
         stamps = np.array(film.clock[first : first + count])
         steps = np.diff(stamps)
         typical = float(np.median(steps))
-        # Containers that count whole milliseconds tell nothing of frames that are hardly longer.
+        # Containers that count whole milliseconds do not show the spacing of frames that are hardly longer.
         coarse = typical < COARSE and bool(
             np.abs(1e3 * stamps - np.round(1e3 * stamps)).max() < 1e-6
         )
@@ -352,7 +352,7 @@ def _numbers(
     if lost:
         gaps = int((np.diff(number) > 1).sum())
         notes.append(
-            f"{lost} frames are lost in {gaps} gaps, as {'names' if film.numbers else 'time stamps'} of the frames tell; they are left open"
+            f"{lost} frames are lost in {gaps} gaps, as {'names' if film.numbers else 'time stamps'} of the frames show; they are left open"
         )
     again = (picture[1:] == picture[:-1]).all(axis=1)
     if again.any() and not again.all():

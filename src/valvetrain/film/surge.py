@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-#: Lines that are looked for at most, and frames of a dwell that tell anything.
+#: Lines that are looked for at most, and frames of a dwell that are enough for a result.
 MAX_LINES, FEWEST = 4, 12
 #: Another line must lower the misfit (per number) by more than this share of what the numbers it
 #: takes would by chance.
@@ -79,7 +79,7 @@ def fit_surge(
 
     ``moved`` (frames, coils) m; ``decays``: frames of each dwell. y = c + sum_m exp(-zeta w t) (a
     cos(w_d t) + b sin(w_d t)) is solved by
-    variable projection from poles of the matrix pencil. None where too few frames tell anything.
+    variable projection from poles of the matrix pencil. None where too few frames are enough for a result.
     """
     length = min((len(one) for one in decays), default=0)
     if length < FEWEST:
@@ -231,7 +231,7 @@ def _described(
 
 def _memory(left: Array) -> float:
     """Factor by which what one frame leaves resembles the next one's: neighbours that err alike
-    tell less.
+    give less.
     """
     size = float(np.sum(left**2))
     alike = float(np.sum(left[1:] * left[:-1])) / size if size > 0 else 0.0

@@ -190,14 +190,14 @@ ROUNDS = 2
 #: Factor of the standard deviation of a place where highlights merge: there it depends on shapes
 #: that are never known exactly.
 MERGED = 2.0
-#: Factor within which a highlight is as bright as it usually is where it stands apart, and one
+#: Factor within which a highlight is as bright as it typically is where it is separate, and one
 #: below which it may be of a rear coil.
 ALIKE, DIM = 2.0, 0.5
 #: Reach of a profile to either side in widths of a highlight.
 WIDE = 1.6
 #: A place is given up whose standard deviation is larger than this share of the highlight's width.
 LOST = 0.5
-#: Share of such places beyond which a film tells nothing.
+#: Share of such places beyond which a film gives no result.
 MAX_LOST = 0.5
 
 
@@ -205,7 +205,7 @@ MAX_LOST = 0.5
 class Tracks:
     """``places`` (frames, coils) px from the start of the line, in the order along it, and their
     ``spread`` (standard deviation);
-    ``merged`` (frames, coils): the highlight stood nearer to its neighbour than their widths, so
+    ``merged`` (frames, coils): the highlight was nearer to its neighbour than their widths, so
     its motion and order say which it is;
     ``width`` px of a highlight."""
 
@@ -275,13 +275,13 @@ def _as_tracks(result: Fit, found: FoundCoils, doubt: Array, dim: tuple[int, ...
     notes = []
     if dim:
         notes.append(
-            f"{len(dim)} of {len(merged.T)} highlights are less than half as bright as the others; where they are rear coils, tell "
+            f"{len(dim)} of {len(merged.T)} highlights are less than half as bright as the others; where they are rear coils, say "
             "how many coils the line crosses"
         )
     if merged.any():
         notes.append(
             f"neighbouring highlights merge in {int(merged.any(axis=1).sum())} of {len(merged)} frames; there their order and their "
-            "own profiles tell which is which"
+            "own profiles show which is which"
         )
     if lost.any():
         notes.append(

@@ -17,15 +17,15 @@ from valvetrain.springs.contract import ContactWatch
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
 #: A contact that lasts longer than this (cam rad) is coils at rest on each other while the spring
-#: is compressed, not a blow of surge.
+#: is compressed, not an impact of surge.
 RESTING_ANGLE = TURN / 12
-#: Cause of a clash: a contact that closes with the spring, or a blow.
+#: Cause of a clash: a contact that closes with the spring, or an impact.
 RESTS = "coils come to rest on each other as the spring closes"
 STRIKES = "coils meet under surge"
-#: Longest that coils take to give a blow (s): the time within which neighbours that touch belong to
+#: Longest duration of an impact of coils (s): the time within which neighbours that touch belong to
 #: one clash.
 IMPACT_TIME = 0.3e-3
-#: Lengths at which a blow is looked for, as shares of that.
+#: Lengths at which an impact is looked for, as shares of that.
 IMPACT_LENGTHS = 2.0 ** (-np.arange(17) / 4)
 #: Statistic that says that a solution's clashes were found by the integrator, and on which spacing.
 RECORDED = "contact_record_interval_duration"
@@ -91,13 +91,13 @@ class PairSeries:
 
 
 def impact_impulse(time: Array, force: Array) -> float:
-    """Impulse (N s) of the hardest blow in the ``force`` (N) of one contact over even ``time`` (s):
+    """Impulse (N s) of the hardest impact in the ``force`` (N) of one contact over even ``time`` (s):
     what it gives within :data:`IMPACT_TIME` beyond what it holds.
 
     The largest over begin and length of the integral of force less holding force, which is the
     greater of its means over that time before and after. A contact shorter than that gives its
     whole impulse; a mass m that lands at v on what it then rests on gives m (v + rebound velocity)
-    to a tenth, however long it rests; coils that lie down slowly give none.
+    to a tenth, however long it rests; coils that close slowly give none.
     """
     step = float(time[-1] - time[0]) / (len(time) - 1)
     reach = IMPACT_TIME / step
@@ -150,7 +150,7 @@ def find_clashes(
     found = [
         _event(pairs, group, f"{spring} " if spring else "")
         for group in _clashes(contacts, pairs, rule)
-        # A closed cycle stands three times in a row; what begins in the middle one has its whole
+        # A closed cycle appears three times in a row; what begins in the middle one has its whole
         # neighbourhood there.
         if not period or period <= min(contact.first for contact in group) < 2 * period
     ]
@@ -190,7 +190,7 @@ def runs(mask: NDArray[np.bool_], ring: bool = False) -> list[tuple[int, int]]:
 
 
 def upper_coil_of(place: float) -> int:
-    """Whole coil, counted from 1 at the seat, in which coil number ``place`` lies: 1.9 and 2.0 lie
+    """Whole coil, counted from 1 at the seat, of coil number ``place``: 1.9 and 2.0 are
     in coil 2.
     """
     return max(2, int(np.ceil(place - 1e-9)))

@@ -35,7 +35,7 @@ class Periodic:
     ``method``: ``anderson`` or ``repeat`` (the classical one); ``tolerance``: change per turn
     relative to lift and lift times cam speed (None: the default one); ``probed``: four revolutions
     more test whether an orbit found by acceleration attracts, where that is in doubt, or a few whether a train of
-    rods rattles. ``compared``: eight more tell the scatter of what does not settle; without them, what comes no nearer to
+    rods rattles. ``compared``: eight more give the scatter of what does not settle; without them, what comes no nearer to
     repeating is given up soon, its period perhaps unknown.
     """
 
@@ -84,9 +84,9 @@ class RunOptions:
     """Numerical choices of a run.
 
     ``samples`` per cam revolution (None: the integrator's default). ``time_step`` (s; None: chosen
-    by stability). ``keep``: channels of ``all`` that the system shows, of the coil ``contacts`` and
+    by stability). ``keep``: channels stored, of ``all`` that the system shows, of the coil ``contacts`` and
     the ends, or of the ``ends`` alone. ``rest``: a train at rest where it is known already.
-    ``integrator``: word of the registry (None: the first that serves). ``window``: begin and end
+    ``integrator``: name in the registry (None: the first that serves). ``window``: begin and end
     (cam rad, may pass the end of the turn) in which the least force of every contact of a train is
     noted on every step (statistics ``least_..._force``, largest as ``open_..._force``). ``nose``:
     cam angle (rad) at which the force of the cam is taken to the angle itself. ``start``: motion at

@@ -161,7 +161,7 @@ class _Record:
 
 @dataclass(frozen=True, eq=False)
 class _Stepping:
-    """The steps themselves: ``step`` (s), ``every`` so many a state is stored, every ``spacing`` the
+    """The steps themselves: ``step`` (s), every ``every``-th state is stored, every ``spacing`` the
     coil contacts.
     """
 
@@ -182,7 +182,7 @@ class _Stepping:
         return 0.5 - self.alpha
 
     def record(self, count: int, length: int) -> _Record:
-        """Room for a turn of ``count`` steps, with states of ``length`` numbers (0: none)."""
+        """Memory for a turn of ``count`` steps, with states of ``length`` numbers (0: none)."""
         contacts = 2 * self.forces.model.layout.contacts.count
         states = np.zeros((count // self.every + 1 if length else 0, length))
         return _Record(

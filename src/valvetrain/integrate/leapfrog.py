@@ -276,7 +276,7 @@ def run_channels(
     """Channels over the recorded revolutions: end forces at every sample and step, inner motion where states
     were recorded, energies.
 
-    ``half_behind``: velocities of the states stand half a step before their places; ``later``:
+    ``half_behind``: velocities of the states are half a step before their places; ``later``:
     inner motion and energies when one of them is read; ``stride``: steps between two recorded
     forces, of which ``sub`` make a sample; ``place`` (m) of the retainer at each of them (None: by
     the lift law).

@@ -70,7 +70,7 @@ def turns_of_run_up(
     while (last_cam_speed - cam_speed) * cam_acceleration > 0:
         count += 1
         ends = _turn_time(first_cam_speed, cam_acceleration, count)
-        if ends is None:  # the cam would stand still before this turn is done
+        if ends is None:  # the cam would stop before this turn is done
             return
         samples = max(1, round(ends / (step * each)) - begun)
         turn = replace(
@@ -90,7 +90,7 @@ def turns_of_run_up(
 
 def _turn_time(first_cam_speed: float, cam_acceleration: float, turns: int) -> float | None:
     """Time (s) at which that many turns are done: w t + a t^2 / 2 = 2 pi n; None where the cam
-    stands before.
+    is before.
     """
     root = first_cam_speed**2 + 4 * math.pi * cam_acceleration * turns
     return None if root < 0 else (math.sqrt(root) - first_cam_speed) / cam_acceleration

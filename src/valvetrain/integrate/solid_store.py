@@ -1,4 +1,4 @@
-"""Finished runs of solids beside the compiled kernels: a request that was stopped or killed continues
+"""Finished runs of solids next to the compiled kernels: a request that was stopped or killed continues
 after them, and one that is repeated reads them.
 """
 

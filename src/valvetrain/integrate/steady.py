@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 PROBE_CYCLES = 4
 """Plain cycles that test whether an orbit found by acceleration attracts."""
 TRUSTED, WINDOWS = 0.6, (4, 6, 8, 12)
-"""Largest multiplier of the map that the last so many cycles show with which an orbit is taken to attract
+"""Largest multiplier of the map that the last ``cycles`` show with which an orbit is taken to attract
 untested: those that repel despite such had 0.7 and more (245 orbits of a card, 144 of a chain, 157 of a reduced rod).
 """
 BEYOND = 2.0
@@ -210,7 +210,7 @@ def _attracts(
 
 
 def _far(state: Array, low: Array, high: Array, weights: Array) -> bool:
-    """Whether a state lies beyond the range ``low`` to ``high`` by more than :data:`BEYOND`."""
+    """Whether a state is beyond the range ``low`` to ``high`` by more than :data:`BEYOND`."""
     outside = np.maximum(np.maximum(low - state, state - high), 0.0) * weights
     return bool(np.any(outside > BEYOND * np.maximum((high - low) * weights, 1.0)))
 

@@ -388,7 +388,7 @@ def scatter_of(
     runner: TrainRunner, start: TrainState, unless_equal: bool = False
 ) -> tuple[Scatter | None, TrainState]:
     """The spread over :data:`COMPARED` plain cycles from ``start``, and the state at the beginning
-    of the last of them; None after two that are equal to :data:`EQUAL`, where asked for.
+    of the last of them; None after two that are equal to :data:`EQUAL`, where requested.
     """
     bare = replace(
         runner, options=replace(runner.options, record_springs=False, record_contacts=False)

@@ -1,9 +1,9 @@
-"""Blows of a train's contacts: when one is due, how long its force rises, and the step that
+"""Impacts of a train's contacts: when one is due, how long its force rises, and the step that
 resolves it.
 
 A contact that a body meets at the rate r stops it in a time of the size tau: F(r tau, r) W tau = r,
 F its law and W the mobility of the two bodies. For a linear contact tau is 1 / omega; for a damper
-that takes the blow it is far shorter than any period of the train.
+that covers the impact it is far shorter than any period of the train.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LASTS = 8.0
 elastic contact after 3.
 """
 AHEAD = 1.25
-"""Times the step over which a closing is looked for: the gap may close faster than its rate tells."""
+"""Times the step over which a closing is looked for: the gap may close faster than its rate shows."""
 OCTAVES, HALVINGS = 12.0, 8
 
 
@@ -62,7 +62,7 @@ def meets_damper(k, train, motion, scratch, pen, rate):
 
 @njit(forceinline=True, **OPTIONS)
 def _rise(k, train, motion, scratch, rate, longest, least):
-    """Time tau (s) of a blow at ``rate`` (m/s), by halving its logarithm; ``longest`` where it is
+    """Time tau (s) of an impact at ``rate`` (m/s), by halving its logarithm; ``longest`` where it is
     that or longer, or the force below ``least`` (N).
     """
     mobility = 0.0
@@ -89,7 +89,7 @@ def finest_step(train, motion, scratch, ahead, passed):
     """Step (s) that takes ``counters[5]`` parts of the rise of every impact that lasts or is due
     within ``ahead`` (s).
 
-    ``passed`` (s): since the last call. ``blows`` (n, 4) holds per contact the step of its blow (0:
+    ``passed`` (s): since the last call. ``blows`` (n, 4) holds per contact the step of its impact (0:
     none) and how long that still lasts.
     """
     parts, impacts, laws, finest = motion.counters[5], scratch.impacts, train.laws, math.inf

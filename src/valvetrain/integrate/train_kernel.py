@@ -269,7 +269,7 @@ def _account(laws, body, motion, scratch, records, first, cam_angle, step, now):
 
 @njit(forceinline=True, **OPTIONS)
 def _pass_on(v, scratch, first):
-    """Keep the penetrations for the next step, as :func:`_account` does among all else; returns the
+    """Store the penetrations for the next step, as :func:`_account` does among all else; returns the
     largest speed.
     """
     bound = 0.0
@@ -389,7 +389,7 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
                 )
             elif (
                 n % exchange == 0
-            ):  # the force found now is stored; the spring module then integrates the velocity it was handed
+            ):  # the force found now is stored; the spring module then integrates the velocity it was given
                 for sub in range(exchange):
                     forces_a = spring_a(
                         slot_a.parameters,

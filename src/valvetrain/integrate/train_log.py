@@ -126,7 +126,7 @@ def note_contact(
 
 @njit(forceinline=True, **OPTIONS)
 def note_load(row, value, cam_angle, loads):
-    """Note one of the loads of this step: its largest and least value and where they stood."""
+    """Note one of the loads of this step: its largest and least value and their positions."""
     if value > loads[row, HIGHEST]:
         loads[row, HIGHEST], loads[row, HIGHEST_ANGLE] = value, cam_angle
     if value < loads[row, LOWEST]:
@@ -169,6 +169,6 @@ def nose_share(cam_angle, cam_speed, first, clock):
 
 @njit(forceinline=True, **OPTIONS)
 def in_window(cam_angle, begin, width):
-    """Whether a cam angle lies in the window (rad) that may pass the end of the turn."""
+    """Whether a cam angle is in the window (rad) that may pass the end of the turn."""
     away = cam_angle - begin
     return away - TURN * math.floor(away * PER_TURN) <= width

@@ -40,7 +40,7 @@ from valvetrain.system.train_system import TrainSystem
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
 LARGE_SPRING = 2000
-"""Unknowns beyond which a record keeps positions only."""
+"""Unknowns beyond which a record stores positions only."""
 SPRING_FRACTION = 0.8
 """Share of a spring's own stable step that is used where the springs decide."""
 SHORTEST_STEP = 2e-8
@@ -52,11 +52,11 @@ OFF_CAM = "run slower, or fit a spring that holds the train on its cam; the mode
 
 
 IMPACT_STEPS = 16
-"""Parts of the rise of a blow; where the step is longer, it is divided for as long as the blow
+"""Parts of the rise of an impact; where the step is longer, it is divided for as long as the impact
 lasts.
 """
 MIN_IMPACT = 0.02
-"""Share of the reference force below which a touch is no blow."""
+"""Share of the reference force below which a touch is no impact."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +66,8 @@ class TrainOptions:
     ``samples``: records per cam cycle. ``step_fraction``: step over the stable limit. ``time_step``
     (s) overrides it (rounded so that a cycle holds a whole number of steps). ``exchange``: steps
     per exchange of a partitioned coupling (0: all advance together). ``impact_steps``: parts in
-    which the rise of a blow of a contact is taken (0: steps are never divided), more at a finer
-    prescribed step. ``record_springs``: keep the springs' inner states per sample;
+    which the rise of an impact of a contact is taken (0: steps are never divided), more at a finer
+    prescribed step. ``record_springs``: store the springs' inner states per sample;
     ``record_contacts``: write down the contacts of their coils. ``window``: begin and end (cam rad)
     of the part of the cycle in which minimum forces are searched; it may pass the end of the turn.
     ``nose`` (cam rad): where the forces of the contacts are taken to the angle itself.
@@ -89,7 +89,7 @@ class TrainState:
     """Values of one instant: positions at t_n, velocities half of ``last_step`` (s; 0: of the run's
     own step) before, spring states, held spring forces.
 
-    ``law_state``: memory of all laws in one flat array; ``TrainArrays.memory_of`` tells where an
+    ``law_state``: memory of all laws in one flat array; ``TrainArrays.memory_of`` gives where an
     interaction's begins.
     """
 
@@ -394,7 +394,7 @@ class TrainRunner:
 
 
 def recorded_entries(spring: SpringModel) -> int:
-    """How much of a spring's state a record keeps: positions and velocities; of very large models
+    """How much of a spring's state a record stores: positions and velocities; of very large models
     the positions alone.
     """
     return int(spring.unknowns if spring.unknowns > LARGE_SPRING else 2 * spring.unknowns)
@@ -421,7 +421,7 @@ def runner(
         step = chosen.step_fraction * still.own_time_step
         if step < SHORTEST_STEP:
             raise InputError(
-                f"the stiffest contact or link of train '{system.name}' asks for steps of {step:.1e} s; lower its stiffness (a contact of "
+                f"the stiffest contact or link of train '{system.name}' needs steps of {step:.1e} s; lower its stiffness (a contact of "
                 "steel parts has some 100 kN/mm) or raise the mass of what it moves; check their units"
             )
         carried = springs_time_step(system, step)

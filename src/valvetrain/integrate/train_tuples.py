@@ -1,4 +1,4 @@
-"""The few named tuples that the compiled loop of a train takes besides ``TrainArrays``.
+"""The few named tuples that the compiled loop of a train takes in addition to ``TrainArrays``.
 
 Shapes: n interactions, N coordinates, S samples.
 """
@@ -65,10 +65,10 @@ class Motion(NamedTuple):
     ``q``, ``v`` (N,); ``law_state``: memory of all laws; ``law_addresses``: of the kernels of the
     train's own laws. ``clock`` (15,): cam angle, cam speed, cam acceleration, step, four spring end
     forces, displacement of a partitioned spring, begin and width (rad) of the window of least
-    forces, the last part of a step and the one before it, least force (N) of a blow that is
+    forces, the last part of a step and the one before it, least force (N) of an impact that is
     resolved, cam angle (rad) of the nose. ``counters`` (6,): steps, record every, transitions
     found, exchange interval (0: all advance together), steps per row of coil contacts, parts of the
-    rise of a blow (0: steps are never divided). ``totals`` (5,): work of the cam, of constant and
+    rise of an impact (0: steps are never divided). ``totals`` (5,): work of the cam, of constant and
     gas forces, dissipated, work on the springs (J), and the share of contact friction in what was
     dissipated.
     """

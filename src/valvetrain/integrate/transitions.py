@@ -32,8 +32,8 @@ class Transitions:
     parabola through three steps passes zero there. ``gap_rate`` (m/s): closing positive, negative
     at an opening. ``largest_gap`` (m) with its ``largest_gap_cam_angle`` (rad): of the open stretch
     next to the transition; ``largest_force`` (N): of the touching stretch next to it; both over every
-    step, the first and last stretch of a contact as far as they lie in the cycle. ``overflow``:
-    transitions that the log had no room for.
+    step, the first and last stretch of a contact as far as they are in the cycle. ``overflow``:
+    transitions that the log had no space for.
     """
 
     interaction: NDArray[np.int64]

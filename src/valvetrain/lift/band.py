@@ -163,7 +163,7 @@ def lift_band_study(
 
 
 def band_cost(run_request: RunRequest, draws: int, search: Sequence[float] | None) -> Cost:
-    """Estimated cost of ``request`` with the mean law and so many ``draws``, critical speeds searched
+    """Estimated cost of ``request`` with the mean law and ``draws`` many draws, critical speeds searched
     at ``search`` (rad/s of the crank).
     """
     alone = replace(run_request, workers=1)

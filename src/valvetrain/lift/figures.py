@@ -56,7 +56,7 @@ def lift_figures(
     Parameters
     ----------
     smoothed : from :func:`smooth_lift`
-    heights : lifts (m) at which durations are reported besides 0.050 in and 1 mm
+    heights : lifts (m) at which durations are reported in addition to 0.050 in and 1 mm
     lash : lift (m) at which the velocities of the ramps are reported
     seed : of the draws behind the standard deviations
 
@@ -87,7 +87,7 @@ def lift_figures(
             if height in HEIGHTS:
                 continue
             raise InputError(
-                f"a duration at {label} was requested, but the lobe rises {1e3 * peak:.3f} mm; ask below it",
+                f"a duration at {label} was requested, but the lobe rises {1e3 * peak:.3f} mm; request one below it",
                 "heights",
             )
     found = [

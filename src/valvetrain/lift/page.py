@@ -226,7 +226,7 @@ def residuals_chart(one: LobeResult) -> Chart:
         ),
     )
     panel = Panel("cam angle (cam degrees)", "station minus law (µm)", layers, x_range=reach)
-    caption = "Stations of the event. One in twenty lies outside by chance; a run of them on one side is a fault of the table."
+    caption = "Stations of the event. One in twenty is outside by chance; a run of them on one side is a fault of the table."
     return Chart(
         f"residuals-{one.measured.name}", "What the stations leave", caption, (panel,), 1, 300
     )
@@ -234,7 +234,7 @@ def residuals_chart(one: LobeResult) -> Chart:
 
 def answer_blocks(one: LobeResult) -> tuple[Block, ...]:
     """Every question that the table raised, its answer and who gave it; what was found in it."""
-    origin_text = {"file": "said by the file", "asked": "as requested", "assumed": "assumed"}
+    origin_text = {"file": "given by the file", "asked": "as requested", "assumed": "assumed"}
     rows = tuple(
         (
             (
@@ -259,13 +259,13 @@ def lift_notes(one: LobeResult) -> tuple[str, ...]:
     notes = [f"the noise of a station is {1e6 * lift.noise:.2g} µm (standard deviation)"]
     if lift.base or lift.runout:
         notes.append(
-            f"the base circle stood at {1e6 * lift.base:.3g} µm, scattering by {1e6 * lift.runout:.2g} µm, and was set to zero"
+            f"the base circle was at {1e6 * lift.base:.3g} µm, scattering by {1e6 * lift.runout:.2g} µm, and was set to zero"
         )
     far = np.flatnonzero(np.abs(lift.residuals) > 4 * lift.noise)
     if len(far):
         worst = far[np.argmax(np.abs(lift.residuals[far]))]
         notes.append(
-            f"{len(far)} stations lie more than four standard deviations off the law, the worst at "
+            f"{len(far)} stations are more than four standard deviations off the law, the worst at "
             f"{np.degrees(lift.cam_angles[worst]):.4g} cam deg by {1e6 * lift.residuals[worst]:.3g} µm; look at them"
         )
     if lift.widened:

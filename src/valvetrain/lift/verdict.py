@@ -14,9 +14,9 @@ from valvetrain.solution.definition import definition_of, label_of, shown
 
 #: Standard deviations from which a station is off the law.
 OFF = 4.0
-#: Figures between which the acceleration lies: over the nose, on the flanks.
+#: Figures that bound the acceleration: over the nose, on the flanks.
 PEAKS = ("nose_acceleration", "largest_acceleration")
-#: What is told of a case that has the lift, as many as there are up to a number.
+#: What is reported of a case that has the lift, as many as there are up to a number.
 IN_CASE = (
     "float_engine_speed", "minimum_open_cam_contact_force", "peak_cam_contact_force", "peak_spring_force",
 )  # fmt: skip

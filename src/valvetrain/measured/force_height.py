@@ -64,9 +64,9 @@ def read_force_height(
     ----------
     file : text of columns in any form: height (or compression from the free length) and force
     columns : what each column is, of height, compression, force and ignore; where the headings do
-        not tell
+        not give it
     length_unit, force_unit : units of the columns, such as "mm" and "N"; where the headings do not
-        tell
+        give them
     free_length : m; needed where the table holds compressions
 
     Returns
@@ -156,7 +156,7 @@ def _check_columns(known: tuple[str, ...], width: int, name: str) -> None:
 
 def column_meaning(name: str) -> str:
     """What a column is by its heading: ``height``, ``compression`` or ``force``; empty where the
-    heading does not tell.
+    heading does not give it.
 
     >>> column_meaning("Kraft"), column_meaning("deflection")
     ('force', 'compression')
@@ -225,6 +225,6 @@ def _branches(heights: Array, forces: Array, name: str, notes: list[str]) -> For
 
 
 def _unique(heights: Array, forces: Array) -> tuple[Array, Array]:
-    """Falling heights, the mean force where a height, to a picometre, stands more than once."""
+    """Falling heights, the mean force where a height, to a picometre, occurs more than once."""
     places, index = np.unique(np.round(-heights, 12), return_inverse=True)
     return -places, np.bincount(index, forces) / np.bincount(index)

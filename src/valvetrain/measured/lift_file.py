@@ -38,7 +38,7 @@ class MeasuredLift(Shown):
     """Lifts (m) of one lobe at cam angles (rad), both (stations,), rising in angle, before any
     smoothing.
 
-    ``name``: lift, intake or exhaust. ``lift_of``: valve or tappet. ``form``: word of the format
+    ``name``: lift, intake or exhaust. ``lift_of``: valve or tappet. ``form``: name of the format
     the file had. ``answers``: what the stations mean and who said so. ``notes``: sentences on what
     was found in the file, such as a velocity column that agrees.
 
@@ -89,7 +89,7 @@ class LiftAnswers:
     lift_of : ``valve`` or ``tappet``
     angle_unit : ``deg`` (assumed) or ``rad``
     lift_unit : any unit of length, such as ``mm``, ``inch``, ``thou``
-    zero : ``file`` (assumed) keeps the angles of the table, ``nose`` puts zero at the place of
+    zero : ``file`` (assumed) leaves the angles of the table, ``nose`` puts zero at the place of
         largest lift
     direction : ``forward`` (assumed): the cam rotates with rising angle; ``reversed``: against it, so
         the table is mirrored

@@ -108,7 +108,7 @@ def from_table(table: TextTable, form: str) -> LiftColumns:
 #: Units that an angle and a lift can have.
 _FITTING = (("deg", "rad"), ("mm", "inch", "thou", "m", "cm", "um"))
 #: Words of headings by which a question is answered; where both answers occur the heading does not
-#: tell.
+#: decide.
 _CHOICES = {
     "crank": r"\bcrank\b|°\s*kw\b|\bkw\b|degca\b|\bca\b|crankshaft",
     "cam": r"\bcam(shaft)?\s*(angle|deg|rotation|°)|°\s*nw\b|\bnw\b|°\s*cam\b|deg\s*cam",
@@ -235,7 +235,7 @@ def read_s96(content: bytes, name: str) -> LiftColumns:
     rests = np.all(np.abs(again - lifts[0]) <= allowed) and abs(lifts[0] - lifts[-1]) <= allowed
     if not (repeats or rests):
         raise InputError(
-            f"the last {REPEATED} rows of {name} neither repeat its first ones nor lie on the base circle; export it again"
+            f"the last {REPEATED} rows of {name} neither repeat its first ones nor are on the base circle; export it again"
         )
     rows = np.column_stack([np.arange(TURN, dtype=float), lifts])
     said = {"angle_unit": "deg", "angle_of": "cam"}
@@ -280,7 +280,7 @@ def read_workbook(content: bytes, name: str) -> LiftColumns:
     if large is not None:
         raise InputError(
             f"sheet '{large[:40]}' of '{name[:80]}' has more than {MAX_ROWS} rows or {MAX_COLUMNS} columns, so it is no table of "
-            "lifts; delete what stands far from the table, or export the table as text"
+            "lifts; delete cells far from the table, or export the table as text"
         )
     raise InputError(
         f"no sheet of '{name[:80]}' holds rows of numbers; put the table on a sheet of its own"

@@ -28,16 +28,16 @@ ROUNDS = 4
 #: Intervals of knots, and angle (rad), on either side over which the scale of the jerk is averaged;
 #: least share of its largest value.
 WINDOW, WINDOW_ANGLE, MIN_SHARE = 5, np.radians(5), 1e-3
-#: Knots at most: where stations stand closer they share them, for what a lobe does within a third
+#: Knots at most: where stations are closer they share them, for what a lobe does within a third
 #: of a degree is in no table.
 MAX_KNOTS = 400
 #: Bounds (m) and number of trials of the noise where it is not stated, and of the ratio of the two
 #: variances.
 NOISE_BOUNDS = (1e-9, 1e-3)
-#: Stations of the base circle, and angle (rad), on either side that belong to the fit: what lies
+#: Stations of the base circle, and angle (rad), on either side that belong to the fit: data
 #: below the noise there is of the ramp.
 MARGIN, MARGIN_ANGLE = 3, np.radians(3)
-#: Quantile of the bands: 95 % of a normal distribution lie within.
+#: Quantile of the bands: 95 % of a normal distribution are within.
 BAND = 1.959963984540054
 
 

@@ -16,12 +16,12 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import bounded_bytes
 
 Array = NDArray[np.float64]
-#: A number as tables write it, once its line is parted at every mark that may stand between or
+#: A number as tables write it, once its line is parted at every mark that may be between or
 #: within numbers; a comma may be decimal.
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
 _STRONG = re.compile(r"[;\t|,]")
 _MARKS = re.compile(r"[;\t|,\s]+")
-#: Blanks in a row beyond these tell nothing; a heading longer than this names no columns.
+#: Blanks in a row beyond these have no meaning; a heading longer than this names no columns.
 _BLANKS, MAX_HEADING_LENGTH = re.compile(r"(\s{8})\s+"), 1000
 #: Lines above the numbers among which the names of the columns are looked for.
 HEADINGS = 100
@@ -38,7 +38,7 @@ class TextTable:
     """``rows`` (rows, columns) of numbers, the ``headings`` (lines of text before them) and names
     of columns with their units.
 
-    ``names`` and ``units`` have one entry a column, empty where the headings do not tell.
+    ``names`` and ``units`` have one entry a column, empty where the headings give none.
     ``first_line``: number of the line the rows begin on, from 1.
     """
 
@@ -197,7 +197,7 @@ UNIT_NAMES = {
     "mm": "mm", "in": "inch", "inch": "inch", "inches": "inch", '"': "inch", "thou": "thou", "mil": "thou", "m": "m", "cm": "cm",
     "um": "um", "µm": "um", "micron": "um", "mm/deg": "mm/deg", "in/deg": "inch/deg",
 }  # fmt: skip
-#: Units of recordings besides.
+#: Further units of recordings.
 _OTHER_UNITS = {
     "s", "sec", "ms", "us", "µs", "Hz", "rpm", "1/min", "N", "kN", "lbf", "kgf", "V", "mV", "mV/V", "A", "um/m", "µm/m", "ustrain", "1",
     "m/s", "mm/s", "m/s2", "m/s^2", "g", "Pa", "kPa", "MPa", "bar", "psi", "-", "°C", "degC", "ft", "in/s", "ft/s", "mm/s2", "mm/s^2",

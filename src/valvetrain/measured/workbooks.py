@@ -23,7 +23,7 @@ MAX_ROWS, MAX_COLUMNS, MAX_UNPACKED = 50_000, 60, 100_000_000
 #: Address space (bytes), seconds of the processor and of the clock for reading one workbook.
 MAX_MEMORY, MAX_SECONDS, MAX_WAIT = 1_000_000_000, 20, 60
 EXTRA = "install the extra 'measure' (pip install 'valvetrain[measure]')"
-_REMEDY = "delete what stands far from the table, or export the table as text"
+_REMEDY = "delete cells far from the table, or export the table as text"
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ class MechanismSpec:
 
     ``places``: its contacts from cam to seat, each a key of [train.contacts] (``tappet`` is one
     only where the follower has a mass of its own). ``build(train, law, laws, lift_of)`` returns the
-    planar mechanism. ``needs``: what must stand below [train], such as ``lever`` or
+    planar mechanism. ``needs``: tables required below [train], such as ``lever`` or
     ``follower.mass``.
     """
 
@@ -58,7 +58,7 @@ def build_mechanism(
     train: TrainParameters, law: LiftLaw, lift_of: str = "tappet"
 ) -> AssembledMechanism:
     """Mechanism of a train under a lift law (``lift_of`` 'tappet' or 'valve'), in the model the
-    train asks for.
+    train requests.
 
     Raises :class:`InputError` for missing parts, geometry that cannot work, lash larger than the
     lift, missing contact laws, or friction where nothing slides.

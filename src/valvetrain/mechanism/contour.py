@@ -25,7 +25,7 @@ them.
 CLOSE = 2 * np.pi / NODES / 50
 """Joints (rad) this close state a jump between them."""
 SIDE = 1e-9
-"""Angle (rad) beside a joint at which one side of a jump is taken, and within which it is on a node."""
+"""Angle (rad) next to a joint at which one side of a jump is taken, and within which it is on a node."""
 
 
 class Lift(Protocol):

@@ -25,7 +25,7 @@ from __future__ import annotations
 LINEAR, CAM_LIFT, CAM_FLAT, CAM_ROUND, POINT_PLANE, DISTANCE = range(6)
 
 ARC_RADIUS = 14
-"""Column of the radius (m) of the touching arc; only sliding asks for it."""
+"""Column of the radius (m) of the touching arc; only sliding needs it."""
 
 GEOMETRY_COLUMNS = 16
 """Columns 0-7 of a planar kind: turning flag, origin x, y, arm x, y, sign, support direction x, y."""

@@ -113,7 +113,7 @@ def opening_sign(train: TrainParameters, tip: tuple[float, ...]) -> float:
     rate = -tip[1] * nx + tip[0] * ny
     if abs(rate) < 1e-3 * math.hypot(*tip):
         raise InputError(
-            "the lever's valve arm lies along the valve axis, so turning it does not open the valve; change valve_angle"
+            "the lever's valve arm is parallel to the valve axis, so turning it does not open the valve; change valve_angle"
         )
     return 1.0 if rate > 0 else -1.0
 

@@ -33,7 +33,7 @@ def point_problem(
     """Why ``points`` (name -> coil number) cannot be read: the name of the first that cannot, empty
     for all, and a sentence.
 
-    None where all can: their ``study`` names each, and each lies between the lower tip and the end
+    None where all can: their ``study`` names each, and each is between the lower tip and the end
     of the shortest wire.
     """
     if not points:
@@ -58,7 +58,7 @@ def point_problem(
         if not 0 <= coil <= coils:
             return (
                 name,
-                f"coil {coil:g} lies beyond the wire of {coils:g} coils; give a number from 0 to {coils:g}",
+                f"coil {coil:g} is beyond the wire of {coils:g} coils; give a number from 0 to {coils:g}",
             )
     return None
 
@@ -122,7 +122,7 @@ class Case:
     """Everything that defines a study; SI throughout.
 
     ``springs``: one or two, outer first, under prescribed motion of their retainer; a ``train``
-    holds its own. ``study``: word of the published study that the case re-runs. ``points``: coil
+    holds its own. ``study``: name of the published study that the case re-runs. ``points``: coil
     numbers at which its points on the wire are read, by their names, where they are others than the
     study's. ``text``: the case file as resolved, with what was changed from outside; read again it
     gives an equal case. ``changed``: key paths that were set from outside the file. Text and
@@ -160,7 +160,7 @@ class Case:
         """A copy with fields changed; ``changes`` takes dotted paths:
         ``case.replace({"springs.0.precompression": 0.006}, name="short")``.
 
-        The new values are SI, text with a unit ("6 mm") or pint quantities and stand behind
+        The new values are SI, text with a unit ("6 mm") or pint quantities and follow
         ``text`` as remarks; ``changed`` names their paths. Raises :class:`InputError` for a path
         that does not exist, with the nearest one that does, and for a wrong unit.
         """

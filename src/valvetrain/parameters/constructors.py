@@ -57,13 +57,13 @@ def pitch_with_closed_turns(
         knots[-1] = total_coils
     if np.any(np.diff(knots) <= 0):
         raise InputError(
-            f"{total_coils:g} turns leave no room between the closed ends; add turns or shorten the ramps"
+            f"{total_coils:g} turns leave no space between the closed ends; add turns or shorten the ramps"
         )
     return PiecewiseLinear(tuple(knots), tuple(values))
 
 
 def is_closed(end: EndCoil | EndKind) -> bool:
-    """Whether the last turn lies on its neighbour."""
+    """Whether the last turn touches its neighbour."""
     return (end.kind if isinstance(end, EndCoil) else end).startswith("closed")
 
 
@@ -114,7 +114,7 @@ def wind(
     solid, slope = length(wire), (length(3 * wire) - length(wire)) / (2 * wire)
     if not slope > 1e-9:
         raise InputError(
-            f"the ground turns of both ends leave nothing of {total_coils:g} turns; grind fewer or wind more",
+            f"the ground turns of both ends use up all of {total_coils:g} turns; grind fewer or wind more",
             "total_coils",
         )
     pitch = wire + (free_length - solid) / slope
@@ -499,7 +499,7 @@ def _wound(
         )
     if closed_coils is not None and not (np.isfinite(closed_coils) and closed_coils >= 0):
         raise InputError(
-            f"closed_coils is {closed_coils:g}; give the turns that lie closed at either end, 0 for open ends"
+            f"closed_coils is {closed_coils:g}; give the turns that are closed at either end, 0 for open ends"
         )
     if ends is not None and (closed_coils is not None or lower is not None or upper is not None):
         raise InputError(

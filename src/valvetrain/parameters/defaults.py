@@ -70,7 +70,7 @@ def _section(title: str, rows: list[str]) -> str:
 
 
 def _rows(model: type[BaseModel], base: type[BaseModel] | None = None) -> list[str]:
-    """Rows of the fields of ``model`` that have a default to tell and differ from those of
+    """Rows of the fields of ``model`` that have a default and differ from those of
     ``base``.
     """
     known = base.model_fields if base is not None else {}

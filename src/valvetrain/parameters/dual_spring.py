@@ -9,7 +9,7 @@ from valvetrain.errors import InputError
 
 #: Loads of one are parted where both together agree with wires and coils within these factors.
 LOW, HIGH = 0.7, 1.4
-#: Total loads that are off the rates of both wires by more than this share ask for another measurement.
+#: Total loads that are off the rates of both wires by more than this share need another measurement.
 FAR = 0.1
 #: Active turns of a spring whose rate is what the other one leaves.
 MIN_TURNS, MAX_TURNS = 2.0, 14.0
@@ -59,7 +59,7 @@ def part(rate: float, preload: float, outer: Half, inner: Half) -> Parted:
     ----------
     rate : of both together, N/m
     preload : of both together at the installed heights, N
-    outer, inner : what is known of either
+    outer, inner : known values of each
 
     Raises
     ------

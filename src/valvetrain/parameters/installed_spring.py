@@ -95,7 +95,7 @@ class DampingParameters:
         share, circular = self.stiffness_share, 2 * math.pi * self.ratio_frequency
         if share is not None and not 0 <= share <= 1:
             raise InputError(
-                f"stiffness_share must lie between 0 (all mass-proportional) and 1; it is {share:g}"
+                f"stiffness_share must be between 0 (all mass-proportional) and 1; it is {share:g}"
             )
         mass, stiffness = self.mass_damping, self.stiffness_damping
         if share is None and mass is not None and stiffness is None:
@@ -203,7 +203,7 @@ class Guide:
 
 #: Line stiffness (N/m per m) beyond which linear algebra on it never ends.
 STIFFEST = 1e40
-#: Ways a retainer stands about the axis.
+#: Ways a retainer is oriented about the axis.
 ROTATIONS = ("fixed", "free")
 
 
@@ -314,7 +314,7 @@ class InstalledSpring:
 
     @property
     def installed_height(self) -> float | None:
-        """Height (m) between the seats with the valve closed; None where a card does not tell it."""
+        """Height (m) between the seats with the valve closed; None where a card does not give it."""
         return (
             self.wire.free_length - self.precompression
             if self.wire is not None
@@ -325,7 +325,7 @@ class InstalledSpring:
 
     @property
     def solid_height(self) -> float | None:
-        """Height (m) with all coils closed; None where a card does not tell it."""
+        """Height (m) with all coils closed; None where a card does not give it."""
         return (
             self.wire.solid_height
             if self.wire is not None
@@ -376,7 +376,7 @@ class Rubbing:
 
 def binding_lift(springs: tuple[InstalledSpring, ...], maximum_lift: float, group: str = "") -> str:
     """Sentence on the first spring (of the set ``group``) that a lift (m) would press solid; empty when
-    all have room.
+    all fit.
     """
     of_set = f" of set '{group}'" if group else ""
     for spring in springs:

@@ -322,7 +322,7 @@ class KindOfFile:
     made: str
 
 
-#: Name of a kind of file in messages -> what tells it from the others.
+#: Name of a kind of file in messages -> how it differs from the others.
 KINDS_OF_FILE = {
     "case": KindOfFile(
         frozenset({"lift_law", "train", "spring"}),

@@ -92,7 +92,7 @@ def _set(tree: dict[str, Any], path: str, value: Any) -> None:
 
 
 def _several(found: Any) -> list[Any]:
-    """Numbers that a file holds as one text (``"0, 1.5 mm"``), each by itself; empty for any other value."""
+    """Numbers that a file holds as one text (``"0, 1.5 mm"``), one by one; empty for any other value."""
     text = found.get("value") if isinstance(found, dict) else found
     if not isinstance(text, str) or "," not in text:
         return []

@@ -16,7 +16,7 @@ from valvetrain.parameters.schema_pair import read_pair
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import placed, problem, validate_as
 
-#: Keys that a card alone has, and a wire alone; a wire_diameter says nothing, for a card may have
+#: Keys that a card alone has, and a wire alone; a wire_diameter shows neither, for a card may have
 #: one for its mass.
 _CARD_KEYS = (
     set(SpringCardModel.model_fields) - set(SpringModel.model_fields) - {"installed_height"}
@@ -31,7 +31,7 @@ INTERFERENCE = 1.03
 
 @dataclass(frozen=True)
 class SpringBlocks:
-    """The validated blocks of one place in the file; ``listed`` where they stand as a list."""
+    """The validated blocks of one place in the file; ``listed`` where they form a list."""
 
     blocks: tuple[WireBlock | CardBlock, ...]
     listed: bool
@@ -127,7 +127,7 @@ def _read_block(entry: Any, path: tuple[int, ...], which: str) -> WireBlock | Ca
     ):
         raise problem(
             "total_coils is of a spring known by its wire or of a pair (loads_of = 'pair'); on a card with its loads give active_coils, two "
-            "fewer where both ends are closed and ground, or leave it out: rate, wire and diameter tell them",
+            "fewer where both ends are closed and ground, or leave it out: rate, wire and diameter give them",
             (*path, "total_coils"),
         )
     return (

@@ -1,4 +1,4 @@
-"""The [train.contacts.PLACE] tables: what any contact table may say; each law's own defaults stand
+"""The [train.contacts.PLACE] tables: keys of any contact table; the defaults of each law are
 with it in `valvetrain.contact`.
 """
 
@@ -27,7 +27,7 @@ from valvetrain.parameters.schema_types import (
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.units import dimension_powers
 
-#: Their dimension depends on the law, so the units written tell it (:func:`written_for`).
+#: Their dimension depends on the law, so the units given decide (:func:`written_for`).
 ContactStiffness = Annotated[float, quantity(None)]
 ContactDamping = Annotated[float, quantity(None)]
 Velocity = Annotated[float, quantity("velocity")]
@@ -129,7 +129,7 @@ def _table_with(key: str, law: str) -> type[ContactTable]:
 
 
 def written_for(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """The exponent of the stiffness and the kind of damping that the units of a contact table tell;
+    """The exponent of the stiffness and the kind of damping that follow from the units of a contact table;
     refuses other units.
     """
     found: dict[str, Any] = {}

@@ -201,7 +201,7 @@ class WireBlock(SpringModel):
         room = wire.free_length - wire.solid_height
         if compression >= room:
             raise problem(
-                f"the spring is solid before this compression; it has {room * 1e3:.4g} mm of room: compress it less",
+                f"the spring is solid before this compression; it has {room * 1e3:.4g} mm of travel left: compress it less",
                 (given,),
             )
         if self.end_contact == "lifting" and self.seats == "clamps":

@@ -1,4 +1,4 @@
-"""The [lift_law] table: what every law may say; the tables of the laws stand with them in
+"""The [lift_law] table: keys common to all laws; the tables of the laws are next to them in
 `valvetrain.cam`.
 """
 
@@ -47,7 +47,7 @@ class LiftModel(StrictModel):
     zero_of_angle: Line = Field(default="", description="what the zero of the cam angle means")
 
     def parameters(self, folder: Path) -> LiftLawParameters:
-        """What the case keeps of this table; ``folder`` is where relative file names start."""
+        """What the case stores of this table; ``folder`` is where relative file names start."""
         return LiftLawParameters(
             self.law or self.kind, self.values(folder), self.lift_of, self.zero_of_angle
         )

@@ -51,7 +51,7 @@ class PairedCard(CardBlock):
         return replace(built, card=replace(built.card, remark=self._parted))
 
     def refuse_free_length(self) -> None:
-        """A free length of a pair parts its preload beside the loads, so that nothing is refused."""
+        """A free length of a pair splits its preload in addition to the loads; nothing is refused."""
 
     def _from_free(self, preload_height: float | None) -> float | None:
         return None
@@ -87,7 +87,7 @@ class PairedCard(CardBlock):
         )
 
     def _turns(self, wire: float) -> float | None:
-        """Active turns, as given or by all turns or the solid height; None where nothing tells them."""
+        """Active turns, as given or by all turns or the solid height; None where nothing gives them."""
         if self.active_coils is not None:
             return self.active_coils
         total = self.total_coils

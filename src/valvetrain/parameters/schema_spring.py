@@ -193,7 +193,7 @@ class SpringModel(StrictModel):
                 isinstance(pitch, Constant) and any(closed) and isinstance(wire, Constant)
             ):  # one length is the pitch between closed ends
                 pitch = pitch_with_closed_ends(total, wire.level, pitch.level, *closed)
-        except InputError as error:  # a pitch made from the wire tells a slip of units in the wire
+        except InputError as error:  # a pitch made from the wire shows a wrong unit in the wire
             raise problem(
                 error.reason, ("wire_diameter" if error.where == "wire_diameter" else key,)
             ) from error
@@ -354,7 +354,7 @@ class SpringCardModel(StrictModel):
         return (rate if rate is not None else from_loads or 0.0), lift
 
     def refuse_free_length(self) -> None:
-        """Refuse a free length beside what gives the rate already."""
+        """Refuse a free length where other keys give the rate already."""
         raise problem(
             "free_length gives the rate, which rate or the loads give too; leave one of them out",
             ("free_length",),

@@ -95,7 +95,7 @@ def validate_as(model: type[Model], raw: Any, path: tuple[str | int, ...] = ()) 
         raise problem(reason, (*path, *inner)) from error
 
 
-#: What a missing key is answered with, besides its name, where a newcomer cannot guess what belongs
+#: Explanation of a missing key, in addition to its name, where a newcomer cannot guess what belongs
 #: there.
 SUCH_AS = {
     "material": ', such as material = "EN 10270-2 VDSiCr" (a name of the library) or its moduli and density',
@@ -130,7 +130,7 @@ def _show(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Quantity(BeforeValidator):
-    """A validator that tells its ``dimension`` (a key of `valvetrain.units.DIMENSIONS`, None for
+    """A validator that shows its ``dimension`` (a key of `valvetrain.units.DIMENSIONS`, None for
     any) and its bounds in SI.
     """
 
@@ -139,7 +139,7 @@ class Quantity(BeforeValidator):
     high: float | None = None
 
 
-#: Key of a case file -> the quantity whose plausible values it is held against.
+#: Key of a case file -> the quantity whose plausible values it is checked against.
 DOUBTED: dict[str, str] = {
     "rate": "spring_rate", "wire_diameter": "wire_diameter", "mean_diameter": "mean_diameter", "outer_diameter": "mean_diameter",
     "pitch": "pitch", "free_length": "spring_length", "installed_height": "spring_length", "preload_height": "spring_length",

@@ -24,7 +24,7 @@ MIN_LENGTH = 1e-6
 
 
 class WireShape(Protocol):
-    """What the checks ask of a spring; lengths in m over the coil number."""
+    """Input of the checks on a spring; lengths in m over the coil number."""
 
     @property
     def name(self) -> str: ...
@@ -214,7 +214,7 @@ class EndCoil:
                 object.__setattr__(self, name, turns)
         if not (0 <= self.inactive_coils <= 3 and 0 <= self.ground_coils <= 3):
             raise InputError(
-                "inactive_coils and ground_coils of an end must lie between 0 and 3 turns"
+                "inactive_coils and ground_coils of an end must be between 0 and 3 turns"
             )
 
 
@@ -400,7 +400,7 @@ class SpringDefinition:
 
     @cached_property
     def solid_height(self) -> float:
-        """Length between the seat planes (m) when every coil lies on the one below (nested coils
+        """Length between the seat planes (m) when every coil touches the one below (nested coils
         counted).
         """
         coil = np.linspace(0.0, self.total_coils, 64 * int(np.ceil(self.total_coils)) + 1)
@@ -411,7 +411,7 @@ class SpringDefinition:
 
     @property
     def solid_compression(self) -> float:
-        """Shortening (m) from the free length at which every coil lies on the one below."""
+        """Shortening (m) from the free length at which every coil touches the one below."""
         return self.free_length - self.solid_height
 
     def refuse_solid(self, compression: float) -> None:
@@ -425,7 +425,7 @@ class SpringDefinition:
             )
 
     def solid_rise(self, coil: ArrayLike) -> Array:
-        """Rise per turn (m) of the wire axis where every coil lies on the one below, or next to it."""
+        """Rise per turn (m) of the wire axis where every coil touches the one below, or next to it."""
         coil = np.asarray(coil, dtype=float)
         wire, (first, last) = self.wire_diameter.value(coil), (0.0, self.total_coils)
         low, high = (

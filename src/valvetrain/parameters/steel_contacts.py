@@ -37,7 +37,7 @@ ORIGIN = "default steel values"
 
 def steel_contact(place: str, cam: CamParameters) -> ContactParameters:
     """The contact at ``place`` (cam, tappet, rocker, valve_tip or seat) between steel parts; the
-    cam tells width and elastic data.
+    cam gives width and elastic data.
 
     Raises a located problem for a contact of which no typical size is known.
     """

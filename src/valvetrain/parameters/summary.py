@@ -1,4 +1,4 @@
-"""The values of a case in words: numbers and curves in the units in which they are usually given."""
+"""The values of a case as text: numbers and curves in the units in which they are usually given."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def _part(item: Any, key: str) -> Any:
             return getattr(holder, key)
     if isinstance(item, Mapping):
         return item.get(key)
-    values = getattr(item, "values", None)  # a law keeps the values of its kind in one mapping
+    values = getattr(item, "values", None)  # a law stores the values of its kind in one mapping
     return values.get(key) if isinstance(values, Mapping) else None
 
 

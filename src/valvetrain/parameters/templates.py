@@ -18,7 +18,7 @@ KINDS = {"spring": "a spring alone"} | TITLES
 CARDS = {"direct": "tappet", "finger": "valve", "rocker": "valve"}
 #: Comments of a template at which its lift law, the speeds, the contacts and the end begin.
 _LAW, _SPEEDS, _CONTACTS = "# The lift of", "# Speeds of the crank", "# Contacts. Other laws"
-_STEEL = """# Contacts between steel parts of usual size, or a table for each place; friction alone: {place}.friction_coefficient = 0.06.
+_STEEL = """# Contacts between steel parts of typical size, or a table for each place; friction alone: {place}.friction_coefficient = 0.06.
 [train.contacts]
 others = "steel"
 
@@ -26,7 +26,7 @@ others = "steel"
 
 
 def template_kind(name: str) -> str:
-    """The kind of template that ``name`` means, a word of :data:`KINDS` or what users call it.
+    """The kind of template that ``name`` means, a key of :data:`KINDS` or what users call it.
 
     Raises :class:`InputError` for an unknown one.
 
@@ -42,7 +42,7 @@ def template_kind(name: str) -> str:
 
 
 def template_text(kind: str, cards: bool = False) -> str:
-    """The commented case of ``kind`` (a word of :data:`KINDS`), ``NAME.toml`` standing for its
+    """The commented case of ``kind`` (a key of :data:`KINDS`), with ``NAME.toml`` for its
     file; a name in use such as "bucket" is understood; with ``cards`` its cam and springs by their cards, a dual spring among them.
 
     Raises :class:`InputError` for an unknown kind, and for the card of a spring alone.

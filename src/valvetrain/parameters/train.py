@@ -124,7 +124,7 @@ class LeverParameters:
     the pivot; ``mass`` (kg) that moves with the support. ``stiffness`` (N/m) at the valve tip, None
     for rigid; ``damping`` (N s/m) likewise. ``holding_torque`` (N m) of a hairpin spring presses
     the lever towards the cam or pushrod, so that it does not float in the lash. ``tip_radius`` (m)
-    of the arc that touches the stem; only friction there asks for it.
+    of the arc that touches the stem; only friction there needs it.
     """
 
     pivot: tuple[float, float]
@@ -215,7 +215,7 @@ class ValveParameters:
 
     ``stem_stiffness`` (N/m), None for rigid, joins the head (``head_fraction`` of the mass) to the
     tip; ``damping`` (N s/m) and ``friction`` (N) act in the guide. ``permitted_seating_velocity``
-    (m/s), None for the published one, is the limit that results are held against; it moves nothing.
+    (m/s), None for the published one, is the limit for judging results; it changes no motion.
     """
 
     mass: float
@@ -236,7 +236,7 @@ class ValveParameters:
         _not_negative(self, "valve", "stem_damping", "damping", "friction")
         if not 0 < self.head_fraction < 1:
             raise InputError(
-                f"head_fraction of the valve must lie between 0 and 1; it is {self.head_fraction:g}"
+                f"head_fraction of the valve must be between 0 and 1; it is {self.head_fraction:g}"
             )
         if self.stem_stiffness is not None:
             _positive(self, "valve", "stem_stiffness")
@@ -304,7 +304,7 @@ class CrankParameters:
 
 @dataclass(frozen=True, slots=True)
 class TrainVariant:
-    """One of the runs that a case asks for: what differs from the train itself.
+    """One of the runs that a case requests: what differs from the train itself.
 
     ``spring_set`` and ``spring_model``: words, empty for the train's own. ``lash`` (m),
     ``valve_damping`` (N s/m, a damper on the valve), ``without_preload``: springs at rest with the
@@ -342,14 +342,14 @@ class TrainVariant:
 
 @dataclass(frozen=True)
 class TrainParameters:
-    """One valvetrain. ``kind``: a word of the registry. ``model``: planar rigid bodies with the
+    """One valvetrain. ``kind``: a name in the registry. ``model``: planar rigid bodies with the
     true cam profile, lumped masses with constant ratios, or a single mass.
 
     ``contacts``: law per place: ``cam``, ``valve_tip``, ``seat``, and for pushrods ``tappet`` and
     ``rocker``. ``springs``: sets of springs by name, each a tuple of one or two
     :class:`InstalledSpring` (outer first); ``spring_set`` is the one in use and ``spring_model``
     the name of its model, empty for :meth:`model_of` the set. ``rubbing``: friction between nested springs. ``variants``: the runs
-    a case asks for (none: one run as it stands). ``gravity``: vector (m/s2). ``cycles``: most cam
+    a case requests (none: one run of the train as given). ``gravity``: vector (m/s2). ``cycles``: most cam
     turns run until the motion repeats; None for the default number.
     """
 

@@ -397,7 +397,7 @@ def of_bucket(train: TrainModel | None, law: LiftModel | None) -> LiftModel | No
 
 
 def with_cam_card(train: TrainModel, law: LiftModel | None) -> TrainModel:
-    """``train`` with the ``lash`` and ``rocker_ratio`` of its lift law where it tells none; refuses
+    """``train`` with the ``lash`` and ``rocker_ratio`` of its lift law where it gives none; refuses
     others with the law's own place.
     """
     changes: dict[str, Any] = {}

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 #: Cam angles at which a lift law is looked at, twenty a degree.
 SAMPLES = 7200
-#: Lifts (m) whose durations are given beside those of a cam card: 0.15 mm, 1 mm and 0.050 in.
+#: Lifts (m) whose durations are given next to those of a cam card: 0.15 mm, 1 mm and 0.050 in.
 HEIGHTS = (0.15e-3, 1e-3, 0.050 * 25.4e-3)
 #: Heights (m) closer than this are one: 0.15 mm and 0.006 in.
 ALIKE = 5e-6

@@ -122,7 +122,7 @@ def _overlap(one: Event, other: Event) -> bool:
     return same and max(firsts) - min(lasts) < 1.0 and late.time <= early.time + early.duration
 
 
-#: A spike stands out by this share of the force range of the run, so that a ripple on the falling
+#: A spike exceeds its surroundings by this share of the force range of the run, so that a ripple on the falling
 #: flank is none.
 SPIKE_SHARE = 0.01
 #: The main clash is the first spike after the event that rises above the base circle's force by
@@ -143,7 +143,7 @@ TURN = 2 * np.pi
 
 @dataclass(frozen=True, slots=True)
 class ClashWindow:
-    """Cam angles (rad, within the cycle) between which the main clash lies."""
+    """Cam angles (rad, within the cycle) of begin and end of the main clash."""
 
     first: float
     last: float

@@ -185,7 +185,7 @@ class RigidForces:
 
     def _points(self, cam_angle: Array) -> tuple[Array, NDArray[np.int64]]:
         """Cam angles of the coarse search with both sides of every jump, and the smooth segment
-        each lies in.
+        each is in.
         """
         motion = self.system.mechanism.kinematics
         turned = np.mod(np.asarray(motion.law.joints, dtype=float), 2 * np.pi)

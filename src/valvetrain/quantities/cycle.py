@@ -24,7 +24,7 @@ class Cycle:
     """One cam revolution of a run: ``samples`` of the last whole one, or of the unfinished one when
     none is whole.
 
-    ``cam_angle`` (sample,) rad from 0 to 2 pi, ascending; ``time`` (sample,) s; ``whole`` tells
+    ``cam_angle`` (sample,) rad from 0 to 2 pi, ascending; ``time`` (sample,) s; ``whole`` says
     whether the turn is complete.
     """
 
@@ -107,8 +107,8 @@ class Frame:
 
     ``springs``: outer first. ``rest``: springs at rest. ``surge_frequencies`` (Hz): first axial
     natural frequency of each spring. ``lift_event``: main lift event. ``valve_lift``: lift (m) over
-    cam angle (rad) as the cam asks for it. ``source``: word of the published study whose own
-    quantities are wanted. ``rigid``: rigid motion of a train at the run's speed. ``points``: coil
+    cam angle (rad) as the cam prescribes it. ``source``: name of the published study whose own
+    quantities are requested. ``rigid``: rigid motion of a train at the run's speed. ``points``: coil
     numbers of the study's points on the wire, where they are others than its own.
     ``permitted_seating_velocity`` (m/s) where the case sets that limit.
     """
@@ -132,7 +132,7 @@ class Frame:
         """Force (N) of all springs at rest at lifts (m), by ``model`` where it has a curve, else by
         the first that has one.
 
-        None where a spring has no curve or a lift lies beyond it.
+        None where a spring has no curve or a lift is beyond it.
         """
         total = np.zeros_like(valve_lift)
         for spring in self.springs:

@@ -16,7 +16,7 @@ from valvetrain.quantities.signal import BANDWIDTHS, extreme_series, fine_filter
 from valvetrain.solution.definition import NESTED
 from valvetrain.solution.result import Solution
 
-#: Channel of an end force -> the word of it in a quantity's name.
+#: Channel of an end force -> its part of a quantity's name.
 END_FORCES = {"seat_force": "spring_force", "retainer_force": "retainer_force"}
 
 
@@ -189,7 +189,7 @@ def energy_quantities(solution: Solution, cycle: Cycle | None) -> dict[str, floa
 ORDERS = 40
 #: Surge shows in the cam orders within this share of its own, below and above.
 SURGE_BAND = (0.5, 1.5)
-#: An order is said to make the surge where it is so many times the next largest, and such a share of
+#: An order is said to make the surge where it is this many times the next largest, and this share of
 #: the largest force: below that the order is chance.
 CLEAR_RATIO, SURGES = 1.05, 2e-3
 

@@ -34,8 +34,8 @@ class RigidTable:
     valve_tip_contact_force, cam_torque, contact_radius (of the cam, infinite where straight),
     contact_offset, sliding_velocity, hertz_pressure and pressure_root (Pa per sqrt N; none of a
     knife edge). ``open_spans``: begin and end (cam rad) of
-    every stretch in which the valve is off its seat; none: they are not known, and the column
-    tells.
+    every stretch in which the valve is off its seat; none: unknown, the column
+    decides.
     """
 
     cam_angle: Array

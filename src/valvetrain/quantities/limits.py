@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from valvetrain.solution.definition import NESTED, label_of, shown
 
-#: What stands behind a number that passes its limit, and what :func:`passed_limits` explains.
+#: Text behind a number that passes its limit, and what :func:`passed_limits` explains.
 MARK = "\u00a0!"
 
 
@@ -19,7 +19,7 @@ OWN_PHRASE = "above its limit of {}"
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """``quantity`` that lies at or below the quantity ``against`` or, where a run has none, below
+    """``quantity`` that is at or below the quantity ``against`` or, where a run has none, below
     ``value`` (SI; None for no limit); at or above it where ``least``. ``reason`` with its source,
     ``phrase`` of a verdict; a value that the case gives is a limit of its own.
     """

@@ -77,7 +77,7 @@ def loss_cause(
 def least_force_sample(
     solution: Solution, places: Sequence[str], window: tuple[float, float]
 ) -> int | None:
-    """The sample at which the least contact force of the ``places`` stands in a ``window`` (begin, end in
+    """The sample of the least contact force of the ``places`` in a ``window`` (begin, end in
     cam rad); None of a run without their channels.
     """
     begin, end = window

@@ -148,7 +148,7 @@ def lift_extremes(law: LiftLaw) -> tuple[float, float, float, float]:
 
 def refuse_implausible_motion(law: LiftLaw, cam_speeds: Iterable[float]) -> None:
     """Raise :class:`InputError` where the lift of ``law`` at the highest of ``cam_speeds`` (rad/s)
-    lies outside :data:`MOTION`.
+    is outside :data:`MOTION`.
     """
     least, largest, rate, bend = lift_extremes(law)
     speed = max(cam_speeds, default=0.0)

@@ -252,7 +252,7 @@ def design_quantities(spring: InstalledSpring) -> dict[str, float]:
 
 
 def closing_quantities(spring: InstalledSpring) -> dict[str, float]:
-    """Force and stress of a wire with all coils closed; nothing of a card."""
+    """Force and stress of a wire with all coils closed; none for a card."""
     return {} if spring.wire is None else solid_quantities(spring.wire)
 
 
@@ -328,7 +328,7 @@ def estimated_rate(spring: SpringDefinition) -> tuple[float, float]:
 
 
 def card_quantities(card: SpringCard) -> dict[str, float]:
-    """What a spring card tells, and the surge frequency that follows."""
+    """The values of a spring card, and the surge frequency that follows."""
     values = {
         "card_rate": card.rate, "card_preload": card.preload, "card_mass": card.mass, "card_installed_height": card.installed_height,
         "card_open_force": card.open_load, "card_open_lift": card.open_lift, "card_solid_height": card.solid_height,

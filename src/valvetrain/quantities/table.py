@@ -92,7 +92,7 @@ AT_REST: tuple[QuantityRow, ...] = (
         "Axial natural frequency {n} about the installed state, both ends fixed (found by force transmission)."),
     both("natural_{n}_frequency", "natural frequency {n}", "Natural frequency {n} in rising order, whatever its direction."),
     both("total_coil_count", "coils in all", "Turns of wire."),
-    both("active_coil_count", "active coils", "Turns between the inactive ends that do not lie closed on a neighbour."),
+    both("active_coil_count", "active coils", "Turns between the inactive ends that are not closed on a neighbour."),
     both("free_length", "free length", "Length between the seat planes unloaded."),
     both("solid_height", "solid height", "Length between the seat planes with all coils closed."),
     both("solid_compression", "compression to solid", "Free length less the solid height."),
@@ -181,7 +181,7 @@ RUNS: tuple[QuantityRow, ...] = (
         "angle, and need not be equal to it.", sense=LESS, topic=SURGE, uses=ALL, remark="0 to peak"),
     both("surge_amplitude_cam_order", "cam order of the surge amplitude",
         "Cam order whose amplitude is the surge amplitude; times the cam frequency it is the frequency at which the spring swings, "
-        "which differs from that at rest where coils close or part. Absent where no order stands out by 5 % or the surge is below 0.2 % of the "
+        "which differs from that at rest where coils close or part. Absent where no order leads by 5 % or the surge is below 0.2 % of the "
         "largest force.", topic=SURGE, uses=("study", "one speed")),
     train("surge_order_{n}_engine_speed", "surge at cam order {n}, engine speed",
         "Engine speed at which cam order {n} of the lift meets the surge frequency, among those run and a quarter beyond."),
@@ -210,7 +210,7 @@ RUNS: tuple[QuantityRow, ...] = (
     both("peak_shear_stress_coil_number", "peak shear stress, coil number",
         "Coil number, from 1 at the seat, of the peak shear stress.", uses=("stress",)),
     both("minimum_shear_stress", "minimum shear stress",
-        "Smallest shear stress over the cycle at the inner fibre where the peak shear stress stands.", topic=STRESS,
+        "Smallest shear stress over the cycle at the inner fibre at the location of the peak shear stress.", topic=STRESS,
         uses=("sweep", "stress")),
     both("peak_equivalent_stress", "peak equivalent stress",
         "Largest von Mises stress at the inner fibre.", sense=LESS, uses=("stress",)),
@@ -282,7 +282,7 @@ TRAINS: tuple[QuantityRow, ...] = (
         "Spring force less weight and gas over the inertia force where the valve is slowed, by rigid theory, where that is least; "
         "1 at the float speed of rigid parts where the cam loses contact first.", sense=MORE),
     train("peak_rigid_valve_lift", "peak rigid valve lift", "Largest valve lift of rigid parts."),
-    train("valve_open_duration", "time open", "Time per cycle in which the valve stands off its seat."),
+    train("valve_open_duration", "time open", "Time per cycle in which the valve is off its seat."),
     train("seating_velocity", "seating velocity", "Velocity of the first touch of the seat.", sense=LESS, topic=CONTACT, uses=ALL),
     train("permitted_seating_velocity", "permitted seating velocity",
         "Limit of the seating velocity that the case sets, in [train.valve]; absent where it sets none (docs/limits.md)."),

@@ -88,7 +88,7 @@ def trace_of(solution: Solution, name: str, active: Active = WHOLE) -> Trace:
     card have no coils; ``active``: spring -> coil numbers between which its wire is active, where
     not all of it is. Displacement, velocity and acceleration of a coil count towards the seat, as
     it moves when the valve opens. Raises :class:`InputError`, listing the names there are, for a
-    name that the run does not tell.
+    name that the run does not give.
     """
     cycle = reported_cycle(solution)
     channel = ALIASES.get(name, name)

@@ -46,9 +46,9 @@ NEXT_TO = 1e-9
 @dataclass(frozen=True, eq=False)
 class RigidCycle:
     """Rigid motion at the samples of a run (S,): lift (m), acceleration (m/s2), contact force at
-    the cam (N); ``top`` (m) and ``nose`` (cam rad): its largest lift and where it stands, whatever
+    the cam (N); ``top`` (m) and ``nose`` (cam rad): its largest lift and its position, whatever
     the samples; ``open_spans``: begin and end (cam rad) of the stretches off the seat; ``wide_open``: of
-    that around the nose in which it stands above :data:`OPEN_SHARE` of its largest lift.
+    that around the nose in which it is above :data:`OPEN_SHARE` of its largest lift.
     """
 
     valve_lift: Array
@@ -130,7 +130,7 @@ def _unloaded(
     solution: Solution, rigid: RigidCycle, place: str, found: Sequence[Event]
 ) -> list[Event]:
     """Losses of a contact that carries no force with the valve wide open and yet has no gap: its damping
-    holds it back. To the samples, of no gap; nothing beside a loss that was ``found`` there.
+    holds it back. To the samples, of no gap; none next to a loss that was ``found`` there.
     """
     least = solution.statistics.get(f"least_{place}_contact_force", np.nan)
     name, turn = place.replace("_", " "), _period(solution)
@@ -301,7 +301,7 @@ def _sampled_openings(solution: Solution) -> list[_Opening]:
     """From the samples, of a run without such a log: from the last two before the touch the valve
     continues, straight in velocity.
 
-    Second order, and free of what the blow did to the velocity after it.
+    Second order, and free of what the impact did to the velocity after it.
     """
     lift = solution.channel("valve_lift")
     gap = solution.channel("seat_gap" if solution.has("seat_gap") else "valve_lift")
@@ -379,7 +379,7 @@ TURN = 2 * np.pi
 
 
 def spans_above(cam_angle: Array, values: Array, level: float = 0.0) -> list[Span]:
-    """Where one closed turn of even samples stands above ``level``, straight between samples; the
+    """Where one closed turn of even samples is above ``level``, straight between samples; the
     whole turn where it always does.
     """
     above = values > level
@@ -404,13 +404,13 @@ def spans_above(cam_angle: Array, values: Array, level: float = 0.0) -> list[Spa
 
 
 def span_of(begin: float, end: float) -> Span:
-    """A span whose begin lies within the first turn, at most a turn long."""
+    """A span whose begin is within the first turn, at most a turn long."""
     first = begin % TURN
     return first, first + min(end - begin, TURN)
 
 
 def shared(first: Iterable[Span], second: Sequence[Span]) -> list[Span]:
-    """Parts that lie in both sets."""
+    """Parts that are in both sets."""
     found = []
     for begin, end in first:
         for low, high in second:

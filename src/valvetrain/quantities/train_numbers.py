@@ -132,7 +132,7 @@ def train_quantities(
 
 def _number(solution: Solution, name: str, sampled: float) -> float:
     """What the integrator saw of a number on every step; where it did not look, what the samples
-    tell.
+    give.
     """
     logged = solution.statistics.get(name)
     return float(logged) if isinstance(logged, (int, float)) else sampled
@@ -199,7 +199,7 @@ _TURN = 2 * np.pi
 
 @dataclass(frozen=True, eq=False)
 class OpenWindow:
-    """Cam angles (rad) from ``begin`` to ``end`` in which the rigid lift stands above
+    """Cam angles (rad) from ``begin`` to ``end`` in which the rigid lift is above
     :data:`OPEN_SHARE` of its largest, ``top`` (m).
     """
 
@@ -213,7 +213,7 @@ class OpenWindow:
         return cls(*open_window(kinematics), top_of(kinematics))
 
     def holds(self, cam_angle: Array) -> NDArray[np.bool_]:
-        """Whether cam angles (rad, unwrapped or not) lie in it."""
+        """Whether cam angles (rad, unwrapped or not) are in it."""
         return np.asarray((cam_angle - self.begin) % _TURN <= self.end - self.begin)
 
 

@@ -21,7 +21,7 @@ from valvetrain.solution.status import Event
 
 Array = NDArray[np.float64]
 _TURN = 2 * np.pi
-#: Word of a height in names of quantities -> the height (m).
+#: Name of a height in names of quantities -> the height (m).
 HEIGHTS = {"1_mm": 1e-3, "50_thou": 0.050 * 25.4e-3}
 #: Angles at which a lift law is looked at before its crossings are solved.
 GRID = 1440
@@ -32,7 +32,7 @@ OPEN_SHARE = 0.1
 def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:
     """Cam angles (rad) at which ``cam_lift`` (m over cam rad, periodic) rises through ``height``
     (m) before its largest value and falls through it after; the first in one turn from zero, the
-    second after it. None where it never stands above, or always.
+    second after it. None where it never is above, or always.
     """
     angle = np.arange(GRID) * _TURN / GRID
     lift = np.asarray(cam_lift(angle))
@@ -79,7 +79,7 @@ def top_of(kinematics: RigidKinematics) -> float:
 
 def open_window(kinematics: RigidKinematics) -> tuple[float, float]:
     """Begin and end (cam rad; the end may pass the turn) of the stretch around the largest lift of
-    a rigid valve in which it stands above :data:`OPEN_SHARE` of that; the whole turn of a lift that
+    a rigid valve in which it is above :data:`OPEN_SHARE` of that; the whole turn of a lift that
     never falls below.
     """
     found = lift_crossings(kinematics.valve_lift, OPEN_SHARE * top_of(kinematics))
@@ -168,7 +168,7 @@ def sampled_crossings(
     """As :func:`lift_crossings`, of one closed turn of samples (S,) evenly over ``cam_angle``
     (rad); ``rate``: m per cam rad.
 
-    Between samples stands the cubic of both lifts and rates, so that the crossings are right to the
+    Between samples is the cubic of both lifts and rates, so that the crossings are right to the
     fourth power of the interval.
     """
     count, above = len(valve_lift), valve_lift > height

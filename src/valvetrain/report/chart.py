@@ -183,7 +183,7 @@ def range_below_labels(panel: Panel, narrow: bool = False) -> tuple[float, float
 
 
 #: Least distance of labels at the ends of lines, as a share of the panel's height, and share of its
-#: width within which they stand above each other.
+#: width within which they are placed above each other.
 LABEL_STEP, LABEL_REACH = 0.055, 0.15
 
 
@@ -233,7 +233,7 @@ LABEL_HEIGHT, ALONG_RULE = 0.1, 0.01
 
 
 def rule_place(panel: Panel, rule: Rule, narrow: bool = False) -> tuple[float, bool]:
-    """Share of the width at which the label of a level rule ends, and whether it stands above the rule:
+    """Share of the width at which the label of a level rule ends, and whether it is above the rule:
     where the fewest curves run through it, of equal places the furthest right.
     """
     level = float(_shares(panel, np.zeros(1), np.array([rule.value]))[1][0])
@@ -274,7 +274,7 @@ def _crossings(x: Array, y: Array, left: float, right: float, low: float, high: 
 
 
 def shares_axis(chart: Chart, columns: int | None = None) -> bool:
-    """True when panels stand above each other over one x axis, which is then labelled once, at the
+    """True when panels are above each other over one x axis, which is then labelled once, at the
     bottom.
     """
     labels, ranges = (

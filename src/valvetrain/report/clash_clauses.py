@@ -1,4 +1,4 @@
-"""What is said of coils that meet: how often they strike, where the hardest blow acts, and which only
+"""Clauses on coil clashes: how often coils strike, where the hardest impact acts, and which coils only
 come to rest on each other as the spring closes.
 """
 
@@ -20,7 +20,7 @@ AS_IT_CLOSES = " as the spring closes"
 
 
 def strikes(run: Solution) -> list[Event]:
-    """Clashes of a run but contacts that close with the spring: those press without a blow."""
+    """Clashes of a run but contacts that close with the spring: those press without an impact."""
     return [one for one in run.events if one.kind == "clash" and one.details.get("cause") != RESTS]
 
 

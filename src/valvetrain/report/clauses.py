@@ -35,7 +35,7 @@ ENDED = {
 @dataclass(frozen=True, slots=True)
 class Clause:
     """Part of a verdict; ``run`` is the one that it is about, None where it holds for all. ``lost``: it
-    tells of contact lost or met again, which comes before what is well.
+    reports contact lost or met again, which comes before what is well.
     """
 
     text: str
@@ -83,7 +83,7 @@ class Runs:
         value, run = (min if least else max)(
             known, key=lambda pair: (pair[0], (pair[1] is prefer) != least)
         )
-        # a number that runs of one spring set alone have is told of that set
+        # a number that runs of one spring set alone have is reported of that set
         every = {one.spring_set for _, one in known} == {one.spring_set for one in self.solutions}
         alike = (
             only is None
@@ -119,7 +119,7 @@ class Runs:
 
     def bounded(self, found: Worst) -> str:
         """A value; of a stress by EN 13906-1 its range, where it is that of the closed spring, and the
-        uncorrected one beside what the wire is permitted, as far as these are known.
+        uncorrected one next to what the wire is permitted, as far as these are known.
         """
         text, run = self.text(found), found.run or self.solutions[0]
         if STRESS not in found.name:
@@ -180,7 +180,7 @@ class Runs:
         return " ".join(filter(None, (speed, f"({self.name(run)})" if self.labels > 1 else "")))
 
     def name(self, run: Solution) -> str:
-        """The spring set of a run where that tells the labels apart, else its label."""
+        """The spring set of a run where that distinguishes the labels, else its label."""
         sets = {(one.spring_set, one.label) for one in self.solutions}
         known = {name for name, _ in sets} - {""}
         return run.spring_set if len(known) == len(sets) == self.labels else run.label
@@ -214,8 +214,8 @@ def amount_text(value: float, unit: str, digits: int = 3) -> str:
 
 
 def quantity_text(name: str, value: float, digits: int = 3, whole: bool = False) -> str:
-    """An SI value with the unit of its tables; what is less than a tenth of a millimetre in µm but where it
-    stands beside ``whole`` ones.
+    """An SI value with the unit of its tables; below a tenth of a millimetre in µm, unless it is
+    shown next to ``whole`` ones.
     """
     found, unit = shown(name, value)
     number_shown = float(found)

@@ -80,7 +80,7 @@ def _counted(run: Solution, name: str, value: float) -> float:
 
 
 def _is_open(run: Solution, event: Event) -> bool:
-    """Whether the rigid valve, of a run without it the valve, stands above a tenth of its lift anywhere in
+    """Whether the rigid valve, of a run without it the valve, is above a tenth of its lift anywhere in
     an event, as in the search over engine speed; True without any lift.
     """
     least = [run.statistics.get(f"least_{place}_contact_force") for place in PLACES]

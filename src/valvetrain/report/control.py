@@ -112,7 +112,7 @@ def _islands(contact: Loss | None, other: float) -> tuple[SpeedBracket, ...]:
 
 
 def _both_motions(row: CriticalSpeed) -> tuple[float, float] | None:
-    """The engine speeds (rad/s) between which control is kept where the speed rises and is not regained where it
+    """The engine speeds (rad/s) between which control is maintained where the speed rises and is not regained where it
     falls; None of a range that is narrow or was not followed.
     """
     begins = row.begins
@@ -221,7 +221,7 @@ def _apart(control: Control, runs: Runs) -> tuple[str, str]:
 
 
 def red_line_margin(engine_speed: float, red_line: float | None) -> str:
-    """How far ``engine_speed`` (rad/s) lies beyond a red line or below it; empty without one.
+    """How far ``engine_speed`` (rad/s) is beyond a red line or below it; empty without one.
 
     >>> from math import pi
     >>> red_line_margin(6598 * pi / 30, 6200 * pi / 30)
@@ -312,7 +312,7 @@ def _least_force(runs: Runs) -> str:
 
 def _cause(row: CriticalSpeed, runs: Runs, size: bool = True) -> str:
     """Why control is lost: at the critical speed itself where that was looked at, else in the first run
-    from there on that shows it; empty where none tells.
+    from there on that shows it; empty where none shows a cause.
     """
     if row.cause:
         known = (row.spring_force_loss, row.surge_order) if size else (0.0, 0)

@@ -128,8 +128,8 @@ class UnfinishedRun:
     first of them.
 
     ``unfinished-runs.jsonl`` holds a line per solution: label, model, engine speed, status,
-    quantities and, where it keeps channels, its ``file`` (NetCDF); the first holds the
-    ``command_line`` too, words of the command that began it. Nothing here ends a study: what cannot
+    quantities and, where channels are saved, its ``file`` (NetCDF); the first holds the
+    ``command_line`` too, the command that began it. Nothing here ends a study: what cannot
     be written is among the ``gaps``.
     """
 

@@ -57,7 +57,7 @@ class HeadlineRow:
     """One quantity over the columns: ``values`` in ``unit`` (None where not given).
 
     ``engine_speeds`` (rad/s): where a sweep has the worst value of each column, None where that
-    does not apply. ``cells``: what is shown where a number alone does not tell it (a bracket,
+    does not apply. ``cells``: what is shown where a number alone is not enough (a bracket,
     "none up to 9000"), empty elsewhere. ``passed``: whether a value passes its limit. ``beyond``:
     the extremes of a sweep beyond its speeds in use (red line, else control) where they are worse.
     """
@@ -130,7 +130,7 @@ def headline_rows(study: Study) -> tuple[HeadlineRow, ...]:
 
 
 def _in_use(study: Study, column: HeadlineColumn, runs: list[Solution]) -> list[Solution]:
-    """Of a sweep the runs up to the red line, or while control is kept; all of them where none is."""
+    """Of a sweep the runs up to the red line, or while control is maintained; all of them where none is."""
     if column.engine_speed is not None or not study.solutions:
         return runs
     limit, _ = range_in_use(study)

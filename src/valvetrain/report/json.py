@@ -27,7 +27,7 @@ from valvetrain.solution.study import Study
 if TYPE_CHECKING:
     from valvetrain.solution.uncertainty import Uncertainty
 
-#: Units of numbers whose names do not tell them; an event's details, options and statistics of a
+#: Units of numbers whose names do not give them; an event's details, options and statistics of a
 #: run, facts of a spring at rest.
 _UNITS = {
     "impulse": "N s", "card_lift": "m", "coil_contact_stiffness": "N/m^2", "contact_stiffness": "N/m^2", "mass_damping": "1/s",
@@ -150,7 +150,7 @@ def fidelity_object(found: FidelityMap) -> dict[str, Any]:
 
 
 def study_json(study: Study) -> dict[str, Any]:
-    """The study as plain dictionaries and lists, keys as in docs/quantities.md; every number stands
+    """The study as plain dictionaries and lists, keys as in docs/quantities.md; every number comes
     with its unit.
 
     Parameters
@@ -161,7 +161,7 @@ def study_json(study: Study) -> dict[str, Any]:
     -------
     dict that ``json.dumps`` takes
 
-    Raises nothing of its own.
+    Raises nothing.
 
     Examples
     --------

@@ -32,7 +32,7 @@ from valvetrain.system.contract import TRAIN
 
 #: Heights of the valve at which a card gives its duration.
 CARD_LIFTS = ("50_thou", "1_mm")
-#: What is open for a duration at each of these heights, beside the valve of the run.
+#: Parts whose durations at these heights are given, too, next to the valve of the run.
 ALSO_OPEN = {"lobe": "lobe", "rigid_valve": "rigid valve"}
 POWER = "mean_cam_power"
 CAM_FORCE = "peak_cam_contact_force"
@@ -54,7 +54,7 @@ EACH = OF_RUNS | {
 }
 #: Share of the work below which a gap of the energy balance is given as that.
 CLOSED = 1e-5
-#: Lift (m) up to which a valve stands on its seat.
+#: Lift (m) up to which a valve is on its seat.
 SHUT = 1e-5
 #: Work of the cam in one cycle, and what leaves a train that repeats: of contacts and guides, of springs.
 CYCLE_ENERGIES = ("cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy")
@@ -139,7 +139,7 @@ def _of_each(study: Study) -> Iterator[tuple[str, str]]:
 
 
 def _in_use(study: Study, runs: Runs) -> Runs:
-    """The runs of a label up to the red line, or while control is kept; all of them where none is or of runs
+    """The runs of a label up to the red line, or while control is maintained; all of them where none is or of runs
     that are no sweep.
     """
     limit, _ = range_in_use(study)

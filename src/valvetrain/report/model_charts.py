@@ -81,5 +81,5 @@ def _names(rows: Sequence[Uncertainty]) -> list[str]:
 
 
 def _cut(name: str) -> str:
-    """A name that fits beside the figure; the mark tells it whole."""
+    """A name that fits next to the figure; the mark shows it in full."""
     return name if len(name) <= MAX_LETTERS else f"{name[: MAX_LETTERS - 1]}…"

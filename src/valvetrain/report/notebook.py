@@ -54,7 +54,7 @@ def figure_of(result: object) -> go.Figure:
 
 
 def plotly_figure(chart: Chart, title: str) -> go.Figure:
-    """A chart as a figure that stands alone: with title, legend and labels of the axes."""
+    """A chart as a figure for use alone: with title, legend and labels of the axes."""
     import plotly.graph_objects as go
 
     drawn, named = plotly_chart.figure(chart), set[str]()

@@ -1,4 +1,4 @@
-"""The picture that opens the page of a study: the worst run over the cam angle beside its motion,
+"""The picture that opens the page of a study: the worst run over the cam angle next to its motion,
 regimes over engine speed, or the static curve of springs at rest.
 """
 
@@ -36,7 +36,7 @@ from valvetrain.system.contract import TRAIN
 
 #: What models are compared in; the verdict names the one that has least of it.
 PEAK = "peak_spring_force"
-#: Height of the panel of the lift next to that of the force, which tells more.
+#: Height of the panel of the lift next to that of the force, which shows more.
 LIFT_WEIGHT = 0.6
 #: A limit further above the curve than this share of its span is not drawn.
 NEAR = 0.35

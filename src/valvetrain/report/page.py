@@ -29,8 +29,8 @@ _DASHES = {"solid": "", "dash": "6 4", "dot": "2 3", "dashdot": "8 3 2 3"}
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A paragraph; ``html`` is trusted, use :func:`text` for words from outside. ``gap``: it stands
-    for a part that failed.
+    """A paragraph; ``html`` is trusted, use :func:`text` for words from outside. ``gap``: it replaces
+    a part that failed.
     """
 
     html: str
@@ -172,8 +172,8 @@ Block = Motion | Text | Figure | Grid | Cards | Tabs | Details | Listing
 
 @dataclass(frozen=True, slots=True)
 class SectionSpec:
-    """A section of the report as the registry lists it: ``blocks`` asks a study for what it has;
-    nothing leaves the section out. ``folded``: see :class:`Section`.
+    """A section of the report as the registry lists it: ``blocks`` reads a study;
+    without blocks the section is left out. ``folded``: see :class:`Section`.
     """
 
     key: str
@@ -184,7 +184,7 @@ class SectionSpec:
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A part of the page with an entry in the contents; ``folded`` ones stand together at its end,
+    """A part of the page with an entry in the contents; ``folded`` ones are together at its end,
     closed, under "How it was computed".
     """
 
@@ -397,7 +397,7 @@ def plotly_script() -> str:
         .joinpath("package_data", "plotly.min.js")
         .read_text(encoding="utf-8")
     )
-    # Escaped to ASCII, Python keeps the text and its copies in one byte per character instead of
+    # Escaped to ASCII, Python stores the text and its copies in one byte per character instead of
     # two.
     return re.sub(
         r"[^\x00-\x7f]",

@@ -39,26 +39,26 @@ _SIDES = {
     "left": "middle left",
     "bottom": "bottom center",
 }
-#: Room in px about the panels of a figure: left for tick words, right for half of the last tick's number
+#: Margins in px around the panels of a figure: left for tick words, right for half of the last tick's number
 #: (which is left out where it would be cut), below for tick and axis words,
 #: above for a panel's own words.
 _LEFT, _RIGHT, _BOTTOM, _ABOVE, _BAR = 54, 26, 46, 26, 92
-#: Room in px for words in place of numbers along y, at most.
+#: Space in px for words in place of numbers along y, at most.
 NAMES_WIDTH = 372
-#: Room in px between panels, and the width in px of a plot area of two columns at its narrowest
+#: Space in px between panels, and the width in px of a plot area of two columns at its narrowest
 #: (page.js changes over below it).
 _GAP_X, _MIN_WIDTH = 60, 620
-#: Letters of a panel's words that one line of a narrow page holds; a title beyond them stands on a
+#: Letters of a panel's words that one line of a narrow page holds; a title beyond them gets a
 #: line of its own.
 _MAX_LETTERS = 40
 #: Height in px of a panel on a narrow page, where all are in one column: of one of two, what each
 #: further one takes off, and the least.
 NARROW_PANEL, _NARROW_STEP, _MIN_NARROW = 220, 20, 150
 #: Height in px of all panels together of the figure that opens a narrow page, as far as none is lower
-#: than the least, and that of each of more than three; what lies between two of them that share an axis, whose
+#: than the least, and that of each of more than three; the space between two of them that share an axis, whose
 #: ticks the last one names.
 _OPENING, _ONE_OF_MANY, _NAMELESS = 250, 95, 10
-#: Height in px of a row on a narrow page, whose label stands this far above its marks; and share of
+#: Height in px of a row on a narrow page, whose label is this far above its marks; and share of
 #: its height on a wide page that a figure has at most for that.
 NARROW_ROW, _ABOVE_MARKS, _MORE_HEIGHT = 32, 11, 1.4
 
@@ -102,7 +102,7 @@ def _narrow_panel(chart: Chart, opening: bool) -> int:
 
 
 def _height_of_rows(panel: Panel) -> int:
-    """Height in px in which the labels of rows stand clear of each other's marks."""
+    """Height in px in which the labels of rows do not touch each other's marks."""
     places = np.sort([value for value, _ in panel.y_tick_labels])
     if len(places) < 2:
         return 0
@@ -302,7 +302,7 @@ def _add_axes(
             "tickvals": list(places),
             "ticktext": [plain(one) for one in label],
         }
-    # On a narrow page there is no room beside the lines, so each label stands on its own.
+    # On a narrow page there is no space next to the lines, so each label has a line of its own.
     inside = panel.row_labels or (panel.y_tick_labels if narrow else ())
     if inside:
         y_axis |= {"showticklabels": False, "ticks": ""}
@@ -394,7 +394,7 @@ def _add_furniture(
             }
             sentence = {"text": plain(layer.direct), "font": {"size": 12, "color": layer.colour}}
             notes.append(place | sentence | {"showarrow": False, "xanchor": "left", "xshift": 4})
-    # What stands along y is said above the panel, level: a long word up the side of a low panel
+    # The y label is set above the panel, level: a long word up the side of a low panel
     # would be cut off.
     corner = {
         "xref": "paper",
@@ -491,7 +491,7 @@ def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
         "outlinewidth": 0,
         "tickfont": {"size": 11, "color": theme.MUTED},
     }
-    room = {} if narrow else {"xpad": 54}  # names of lines stand between the map and its scale
+    room = {} if narrow else {"xpad": 54}  # names of lines are between the map and its scale
     return {
         "colorscale": stops,
         "cmin": heat.low,

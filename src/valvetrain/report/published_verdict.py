@@ -25,7 +25,7 @@ def published_clause(rows: Sequence[Comparison]) -> str:
     """How the published values of a case compare; empty without any.
 
     Roles and kinds are given apart, since a median over values that were fitted and values that were
-    predicted says nothing of either. Values in doubt are left out; angles count in degrees.
+    predicted describes neither. Values in doubt are left out; angles count in degrees.
     """
     given = [row for row in rows if row.difference is not None and not row.doubt]
     angles = [row for row in given if row.unit == "deg"]

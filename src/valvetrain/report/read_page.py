@@ -34,7 +34,7 @@ class PageFigure:
     """A figure: ``key``, ``title``, ``caption``, and ``plotly`` with ``data``, ``layout`` and
     ``narrow`` (the layout of a narrow page).
 
-    ``tab``: words of the tab it stands behind, empty for none. ``legend``: (name, colour) of the
+    ``tab``: label of its tab, empty for none. ``legend``: (name, colour) of the
     lines in its key.
     """
 

@@ -59,7 +59,7 @@ def solution_blocks(run: Solution) -> Blocks:
     held = [name for name in names if run.has(name)]
     if not held:
         raise InputError(
-            f"this {run.label or 'unnamed'} run keeps no force channel to draw; run it whole, not reduced"
+            f"this {run.label or 'unnamed'} run has no force channel to draw; run it whole, not reduced"
         )
     angle = _from_its_revolution(run)
     lines = [(name.replace("_", " "), angle, run.channel(name)) for name in held]
@@ -156,7 +156,7 @@ def critical_speeds_blocks(found: CriticalSpeeds) -> Blocks:
 
 
 def comparison_blocks(row: Comparison) -> Blocks:
-    """The published value with its tolerance beside the computed one, on one row."""
+    """The published value with its tolerance next to the computed one, on one row."""
     speed = "" if row.engine_speed is None else value_text(row.engine_speed, "rad/s")
     texts = [
         "" if value is None else f"{value:.5g} {row.unit}".strip()
@@ -253,7 +253,7 @@ def _with_unit(label: str, unit: str) -> str:
 
 
 def _wider(ends: tuple[float, float]) -> tuple[float, float]:
-    """A range with room at both ends, so that marks there stay whole."""
+    """A range with a margin at both ends, so that marks there stay whole."""
     room = 0.08 * (ends[1] - ends[0])
     return ends[0] - room, ends[1] + room
 

@@ -255,7 +255,7 @@ def by_speed(
 
 
 def bars(x: Array, y: Array, place: int, count: int) -> tuple[Array, Array]:
-    """Strokes at ``x`` moved aside, so that those of ``count`` series stand side by side; see
+    """Strokes at ``x`` moved aside, so that those of ``count`` series are side by side; see
     :func:`valvetrain.report.chart.stems`.
     """
     from valvetrain.report.chart import stems

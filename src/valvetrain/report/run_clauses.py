@@ -1,4 +1,4 @@
-"""What is said of runs first: limits passed, room to coil bind, contact, bounce, clash and forces."""
+"""First clauses on runs: limits passed, travel to coil bind, contact, bounce, clash and forces."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ SEATING = "seating_velocity"
 SURGE_ORDER = "surge_amplitude_cam_order"
 #: Crank angle (rad) of the open valve above which its loss to flex is named.
 FLEX_ANGLE = math.radians(1.0)
-#: Room to coil bind (m) below which it is called close (docs/limits.md), that to the piston too.
+#: Travel to coil bind (m) below which it is called close (docs/limits.md), that to the piston too.
 NEAR = 1e-3
 #: What is said of a model whose springs would pull.
 ENDS_PULL = "the ends of the spring would lift, which {} does not show (take wave-rod)"
@@ -61,7 +61,7 @@ ENDS_PULL = "the ends of the spring would lift, which {} does not show (take wav
 DOUBTFUL = ", so that all that follows is doubtful"
 #: What is said of a least force below zero.
 PULLS = ", where the spring would leave its seat"
-#: Word of a spring without room.
+#: Word for a spring without travel left.
 SOLID = "solid"
 #: Labels of which everything is said.
 MAX_LABELS = 2
@@ -85,7 +85,7 @@ def is_judged(run: Solution) -> bool:
 
 
 def run_clauses(runs: Runs) -> Iterator[Clause]:
-    """What a user asks first: what endangers the engine before all else, contact lost before what is
+    """Clauses by importance: what endangers the engine before all else, contact lost before what is
     well, the seating velocity last, angles in cam degrees as along the figures; nothing without runs. Of more than two labels what flex takes,
     a piston far away and the hardest clash are left to the tables.
     """
@@ -99,7 +99,7 @@ def run_clauses(runs: Runs) -> Iterator[Clause]:
     train = any(run.provenance.system == TRAIN for run in runs.solutions)
     contact = sorted(_contact_clauses(runs) if train else (), key=lambda one: not one.lost)
     clashes = clash_clauses(runs, _is_brief(runs))
-    # of springs alone blows come before what is well
+    # of springs alone clashes come before what is well
     clash_first = not train and any(one.lost for one in clashes) and not _is_solid(bind)
     yield from clashes if clash_first else ()
     if contact and contact[0].lost and not _is_solid(bind):
@@ -112,7 +112,7 @@ def run_clauses(runs: Runs) -> Iterator[Clause]:
 
 
 def _is_brief(runs: Runs) -> bool:
-    """Whether so many labels are judged that each clause needs its own place."""
+    """Whether more than :data:`MAX_LABELS` labels are judged; the clauses are then brief."""
     return runs.labels > MAX_LABELS
 
 
@@ -156,7 +156,7 @@ def ends_that_pull(runs: Runs) -> list[Solution]:
 
 
 def bind_clause(runs: Runs) -> Clause | None:
-    """Room to coil bind of the spring that has the least, of a pair with its name."""
+    """Travel to coil bind of the spring with the least, of a pair with its name."""
     found = [
         (one, spring)
         for spring in (*NESTED, "")
@@ -290,7 +290,7 @@ def _losses(runs: Runs, found: Worst) -> list[Event]:
 
 
 def _places_lost(runs: Runs, lost: Worst) -> str:
-    """Where contact is lost, unless at the cam alone: the force there does not tell of other places."""
+    """Where contact is lost, unless at the cam alone: the force there does not show other locations."""
     places = list(dict.fromkeys(event.where for event in _losses(runs, lost) if event.where))
     return f" at the {joined(places)}" if places and places != ["cam"] else ""
 
@@ -368,7 +368,7 @@ def _force_clauses(runs: Runs) -> Iterator[Clause]:
     lofting = worst_loss(runs, DURATION)
     cam = runs.worst("minimum_cam_contact_force", True, lofting.run if lofting else None)
     if cam is not None and cam.value <= 0 and lofting is not None and lofting.value > 0:
-        return  # the loft has told it
+        return  # the loft has reported it
     if cam is not None:
         yield Clause(f"minimum cam force {runs.text(cam)}", cam.run)
         return

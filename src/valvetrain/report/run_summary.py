@@ -23,7 +23,7 @@ NOT_COMPUTED = "not computed"
 #: How the ranges of critical speeds came about and what the words for an onset mean.
 RANGES_NOTE = (
     "Each speed is found inside its bracket to 0.01 rpm and again with half the time step, with 1.5 times the masses, elements or modes of the "
-    "springs (the mesh), and with the damping of the springs times 0.6 and 1.5, for nobody knows that better than to a factor of two: the "
+    "springs (the mesh), and with the damping of the springs times 0.6 and 1.5, which is known to no better than a factor of two: the "
     "ranges hold all that was found. Just touching zero: the force reaches zero so flatly that a tenth of it more or less moves the speed by "
     "more than 7.5 %, which the range over step and mesh holds too. Motion does not repeat: it differs from revolution to revolution, the "
     "range reaches from where it keeps control to where it loses it every time."
@@ -196,7 +196,7 @@ def reason_for(found: FidelityMap, quantity: str) -> str:
         if best is None or not math.isfinite(best.largest):
             return "no other model gives it"
         if math.isinf(best.largest_doubt):
-            return f"{best.model} comes nearest, but a finer run that should tell the error gave no result"
+            return f"{best.model} comes nearest, but the finer run that should give the error gave no result"
         if best.largest_doubt > best.largest:
             return f"{best.model} comes nearest, but its error bar, {share(best.largest_doubt)}, is larger than the difference"
         return f"the nearest, {best.model}, is {_apart(best)} off at worst"
@@ -251,7 +251,7 @@ def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
     unknown = [row for row in found if math.isinf(row.doubt)]
     if unknown:
         notes.append(
-            f"{len(unknown)} of {len(found)} error bars are unknown, since the run that should tell them gave no result."
+            f"{len(unknown)} of {len(found)} error bars are unknown, since the run that should give them gave no result."
         )
     return tuple(notes)
 

@@ -90,7 +90,7 @@ def in_sentences(lead: list[str], more: list[str], published: str, condition: st
     """Parts of the first sentence, which pages show in bold, of the second, and what is published of a case
     as one of its own, behind what the spring does.
     """
-    source = [published and f"beside the source: {published}"]
+    source = [published and f"compared with the source: {published}"]
     first, second = (lead, more) if lead else (more, [])
     said = (sentence(first, condition), sentence(second), sentence(source))
     return " ".join(filter(None, said))
@@ -165,7 +165,7 @@ def rest_failures(study: Study) -> list[str]:
 
 def rest_clauses(study: Study) -> list[str]:
     """Loads, rate and first axial mode of the first spring at rest, how far other models are, and what
-    is left to coil bind; where loads or modes were asked for those of other springs too.
+    is left to coil bind; where loads or modes were requested, those of other springs too.
     """
     if not study.rest:
         return []
@@ -224,7 +224,7 @@ def _loads(study: Study, one: SpringAtRest) -> list[str]:
 
 
 def _to_solid(study: Study, one: SpringAtRest) -> str:
-    """``, clear of coil bind by 3.6 mm at full lift`` where loads were asked for; empty where not known."""
+    """``, clear of coil bind by 3.6 mm at full lift`` where loads were requested; else empty."""
     alike = (other for other in study.rest if other.spring == one.spring)
     known = [found for other in alike if "solid" in (found := marked_compressions(study, other))]
     if study.command != "static" or not known or "full lift" not in known[0]:
@@ -239,7 +239,7 @@ def _to_solid(study: Study, one: SpringAtRest) -> str:
 
 
 def _orders(study: Study, frequency: float) -> str:
-    """Crank speeds at which cam orders meet a frequency (Hz), where modes were asked for."""
+    """Crank speeds at which cam orders meet a frequency (Hz), where modes were requested."""
     if study.command != "modes":
         return ""
     ends = (f"{order} at {120 * frequency / order:.0f} rpm" for order in MODE_ORDERS)
@@ -268,7 +268,7 @@ def _less_than_torsion(study: Study, frequency: float) -> str:
 
 
 def pair_clause(study: Study) -> list[str]:
-    """Preload and rate of both springs of a nested pair together; nothing of any other springs."""
+    """Preload and rate of both springs of a nested pair together; empty for other springs."""
     pair = [one for one in study.rest if one.model == study.rest[0].model and one.spring in NESTED]
     curves = [one.curve for one in pair if one.curve is not None]
     if len(curves) != len(NESTED):

@@ -11,9 +11,9 @@ from valvetrain.report.clauses import Runs, Worst, joined, quantity_text
 from valvetrain.solution.result import Solution
 from valvetrain.units.reader import reader_factor, reader_unit
 
-#: Share below which two numbers are not told apart.
+#: Share below which two numbers count as equal.
 ALIKE = 0.01
-#: Share below which two stresses do not tell which wire breaks first: EN 10270-2 lets the strength of one
+#: Share below which two stresses do not show which wire breaks first: EN 10270-2 lets the strength of one
 #: wire size differ by more.
 SIGNIFICANT = 0.05
 #: Least surge (N) and clash energy (J) that are a reason.
@@ -87,7 +87,7 @@ def stress_clause(names: list[str], pair: list[Runs]) -> tuple[str, str]:
 
     Two springs of one wire break by amplitude and peak; where these name different springs, the one
     that alone passes the static limit of its wire is named, else both are. Differences below
-    :data:`SIGNIFICANT` or inside the error bars tell nothing.
+    :data:`SIGNIFICANT` or inside the error bars do not count.
     """
     first, second = (wire_stress(runs) for runs in pair)
     if first is None or second is None:
@@ -102,7 +102,7 @@ def stress_clause(names: list[str], pair: list[Runs]) -> tuple[str, str]:
         numbers = f"({(_amplitude(*both) + _peak(*both)).removeprefix(', ')})"
         if sum(passed) == 1:
             return f"{names[passed.index(True)]} alone passes the static limit of its wire, though stressed hardly more {numbers}", ""  # fmt: skip
-        return f"stress does not tell which breaks first {numbers}", ""
+        return f"stress does not show which breaks first {numbers}", ""
     place = peak if swing is None else swing
     assert place is not None
     more, less = both[place], both[1 - place]

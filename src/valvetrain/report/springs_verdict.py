@@ -30,7 +30,7 @@ SAID = {
     "clash_energy": ("clashes less", "clash energy", 1e-5),
 }
 STRESS = "nominal_peak_shear_stress"
-#: Share below which two numbers are not told apart, and how the sentence says it.
+#: Share below which two numbers count as equal, and the words for it.
 ALIKE, WITHIN = 0.01, " within 1 %"
 #: Kind of critical speed -> what the better spring does, what both do.
 LATER = {
@@ -152,7 +152,7 @@ def _near_bind(names: list[str], pair: list[Runs]) -> list[str]:
 
 
 def _later_text(kind: str, study: Study, names: list[str]) -> str:
-    """Which spring keeps control longer, of one kind of loss; none where one was not computed."""
+    """Which spring loses control later, of one kind of loss; none where one was not computed."""
     later, both, neither = LATER[kind]
     rows = [study.critical_speeds.of(kind, label) for label in study.labels[:2]]
     known = [one for one in rows if one is not None]

@@ -66,7 +66,7 @@ _KICKERS = {
 }
 #: Commands that run nothing.
 AT_REST = ("static", "modes")
-#: Sentences of a case's description that stand on top of its page.
+#: Sentences of a case's description on top of its page.
 _LEAD_SENTENCES = 2
 _MAX_SPEEDS = 6
 
@@ -103,7 +103,7 @@ def study_page(study: Study) -> Page:
     picture = gaps.part("picture at the top", (), opening_blocks, study)
     verdict = verdict_of(study)
     figures = gaps.part("figures below the verdict", (), key_figures, study)
-    by_source = gaps.part("what the source tells of the case", False, covered_by_source, study)
+    by_source = gaps.part("what the source says about the case", False, covered_by_source, study)
     lines = sentences(record.description) if by_source else []
     facts = gaps.part("facts below the title", (), _facts, study)
     lead, more = " ".join(lines[:_LEAD_SENTENCES]), tuple(lines[_LEAD_SENTENCES:])
@@ -181,7 +181,7 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
 
 
 def _unique_keys(page: Page) -> Page:
-    """Keys of charts and sections name elements and files, so each stands once."""
+    """Keys of charts and sections name elements and files, so each is unique."""
     seen: set[str] = set()
 
     def unique(key: str) -> str:

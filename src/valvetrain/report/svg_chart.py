@@ -116,7 +116,7 @@ def _labelled(chart: Chart) -> bool:
 
 
 def ticks(low: float, high: float, count: int = 6, step: float | None = None) -> tuple[Array, int]:
-    """Round tick values inside ``low`` to ``high``, two at least so that they tell the scale, and
+    """Round tick values inside ``low`` to ``high``, two at least to show the scale, and
     the decimals they need.
     """
     raw = (high - low) / count

@@ -163,7 +163,7 @@ def _surge(study: Study, label: str, runs: Runs) -> list[str]:
 
 
 def surge_in_use(study: Study, runs: Runs) -> Surge | None:
-    """The worst surge up to the red line, or while control is kept; of all speeds where none is below."""
+    """The worst surge up to the red line, or while control is maintained; of all speeds where none is below."""
     limit, _ = range_in_use(study)
     used = [run for run in runs.solutions if run.engine_speed <= limit]
     return worst_surge(used) or worst_surge(runs.solutions)

@@ -71,8 +71,8 @@ def model_label(model: str) -> str:
 
 @cache
 def origin_style(origin: str) -> tuple[str, str, str, str]:
-    """Short sign, words, colour and mark of what produced a published value, as its source study
-    tells.
+    """Short sign, words, colour and mark of the origin of a published value, as its source study
+    states it.
     """
     for word in registry.places("sources"):
         source: SourceStudy = registry.find("sources", word)
@@ -83,7 +83,7 @@ def origin_style(origin: str) -> tuple[str, str, str, str]:
     return (sign, f"{sign}, published", INK, "square")
 
 
-#: Where the words next to a mark stand, so that marks of several origins at one place stay readable.
+#: Where the words next to a mark are, so that marks of several origins at one place stay readable.
 LABEL_SIDES = {"circle": "top", "diamond": "right", "triangle": "left", "square": "bottom"}
 
 

@@ -76,7 +76,7 @@ def align_lift(rig_angle: Array, measured: Array, case_lift: Lift) -> LiftAlignm
         grid, lift, case_lift, float(grid[int(np.argmax(correlation))])
     )
     offset, half = sum(flanks) / 2, (flanks[0] - flanks[1]) / 2
-    # flanks that lie further apart than noise moves them say that the lift is not that of the case
+    # flanks that are further apart than noise moves them show that the lift is not that of the case
     excess = np.sqrt(max(half**2 - deviations[1] ** 2, 0.0))
     uncertainty = float(np.hypot(deviations[0], excess))
     order = np.argsort((grid + offset) % REVOLUTION)

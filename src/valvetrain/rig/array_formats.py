@@ -262,7 +262,7 @@ class _Hdf5Walk:
         """Take an array of numbers, or the text of a unit."""
         if dataset.is_virtual or dataset.external:
             self.notes.append(
-                f"'{name}' is left out: it lies in another file, and no other file is opened"
+                f"'{name}' is left out: it is in another file, and no other file is opened"
             )
             return
         attributes = _attributes(dataset)

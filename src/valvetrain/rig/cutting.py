@@ -238,7 +238,7 @@ def outliers_of(values: Array) -> list[tuple[int, str]]:
     return outliers + [
         (
             int(cycle),
-            f"lies {away[cycle] / max(typical, 1e-300):.3g} times as far from the median cycle as a typical one",
+            f"is {away[cycle] / max(typical, 1e-300):.3g} times as far from the median cycle as a typical one",
         )
         for cycle in np.flatnonzero(far)
     ]

@@ -221,7 +221,7 @@ def _aligned(
     apart = alignment.opening - alignment.closing
     if abs(apart) > MAX_FLANK_DIFFERENCE:
         notes.append(
-            f"the flanks lie {np.degrees(apart):.2g} cam deg apart from those of the case: wear, lash or a valve "
+            f"the flanks are {np.degrees(apart):.2g} cam deg apart from those of the case: wear, lash or a valve "
             "that does not follow the cam; the offset is their middle"
         )
     if abs(alignment.gain - 1) > 0.03:

@@ -51,7 +51,7 @@ class ChannelResponse:
     values: Array
     spacing: float
     recorded: SensorResponse
-    #: The trace is too coarse for this gauge, so its spikes may lie between the points.
+    #: The trace is too coarse for this gauge, so its spikes may be between the points.
     coarse: bool
 
     @property

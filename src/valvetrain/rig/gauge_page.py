@@ -78,7 +78,7 @@ def notes_of(responses: Sequence[ChannelResponse]) -> tuple[str, ...]:
         names = ", ".join(sorted({_channel_label(one) for one in coarse}))
         step = 1e6 * max(one.spacing for one in coarse)
         notes.append(
-            f"{names}: a point every {step:.3g} us is coarse for this gauge; a spike may lie between points"
+            f"{names}: a point every {step:.3g} us is coarse for this gauge; a spike may be between points"
         )
     return tuple(notes)
 

@@ -122,7 +122,7 @@ def peak_rows(result: RigResult) -> list[Peak]:
 
 
 def _shown_angle(peak: Peak, degrees: float, pattern: str) -> str:
-    """An angle, unless it is of an extreme in the dwell, which lies anywhere in it."""
+    """An angle, unless it is of an extreme in the dwell, which can be anywhere in it."""
     flat = np.degrees(peak.scatter_of_angle) >= FLAT
     return "" if flat or np.isnan(degrees) else format(degrees, pattern)
 
@@ -156,7 +156,7 @@ COLUMNS = (
 
 
 def facts_of(result: RigResult) -> tuple[tuple[str, str], ...]:
-    """What a reader wants to know first."""
+    """The most important results."""
     speeds = result.grid.cam_speeds[list(result.retained)] * RPM
     bands = sorted({f"{channel.band / 1e3:.4g} kHz" for channel in result.channels})
     return (
@@ -177,12 +177,12 @@ def sentences_of(result: RigResult) -> tuple[str, ...]:
     offset, fit = f"{np.degrees(result.offset):.3f}", result.alignment
     if fit is not None:
         sentences.append(
-            f"the mark of the rig lies at {offset} ± {2 * np.degrees(result.offset_uncertainty):.2g} cam deg of the "
+            f"the mark of the rig is at {offset} ± {2 * np.degrees(result.offset_uncertainty):.2g} cam deg of the "
             f"case (95 %), by the lift; the flanks alone give {np.degrees(fit.opening):.3f} and {np.degrees(fit.closing):.3f}; measured "
             f"lift over that of the case {fit.gain:.4f}"
         )
     elif result.offset:
-        sentences.append(f"the mark of the rig lies at {offset} cam deg, as stated")
+        sentences.append(f"the mark of the rig is at {offset} cam deg, as stated")
     if result.shaft.scatter:
         sentences.append(
             f"the channel of the angle scatters by {np.degrees(result.shaft.scatter):.2g} cam deg about its spline"
@@ -269,7 +269,7 @@ def rig_page(title: str, result: RigResult) -> Page:
         Section("notes", "How it was read", tuple(notes), folded=True),
     ]
     lead = (
-        "Means over the retained cycles. The dashed line below each figure is the half width within which 95 % of such means lie: scatter "
+        "Means over the retained cycles. The dashed line below each figure is the half width within which 95 % of such means are: scatter "
         "of cycles, and of the angle."
     )
     if result.synthetic:
@@ -408,7 +408,7 @@ def spectrum_chart(one: RigChannelCycles) -> Chart:
         y_log=True,
         y_range=(1e-5 * top, 2 * top),
     )
-    caption = "Hann window, largest of neighbouring lines. What lies beyond the band is cut before the grid of angles, so it cannot fold back."
+    caption = "Hann window, largest of neighbouring lines. Content beyond the band is cut before the grid of angles, so it cannot fold back."
     title = name.replace("_", " ").capitalize()
     return Chart(f"spectrum-{name}", title, caption, (panel,), 1, 340)
 

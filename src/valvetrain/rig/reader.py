@@ -104,7 +104,7 @@ class Budget:
         return not self.selected or channel in self.selected
 
     def take(self, samples: int) -> None:
-        """Count a channel of so many samples. Raises :class:`InputError` beyond the bounds."""
+        """Count the samples of a channel. Raises :class:`InputError` beyond the bounds."""
         self.samples, self.channels = self.samples + int(samples), self.channels + 1
         if self.channels > self.CHANNELS or not 0 <= self.samples <= self.SAMPLES:
             raise InputError(

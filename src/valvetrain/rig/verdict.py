@@ -1,5 +1,5 @@
 """The verdict on a recording: cycles that were retained, the largest value of its channels, and where
-its mark lies.
+its mark is.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from valvetrain.rig.page import peaks_of, shown_unit
 from valvetrain.rig.result import RigResult
 from valvetrain.solution.definition import label_of
 
-#: Channels of which the largest value is told.
+#: Channels of which the largest value is reported.
 MAX_CHANNELS = 2
 
 

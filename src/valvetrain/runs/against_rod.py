@@ -1,4 +1,4 @@
-"""Springs reduced from their rods beside those rods: both under the motion of the retainer that a run
+"""Springs reduced from their rods, compared with those rods: both under the motion of the retainer that a run
 found, over two revolutions. The error bar of such a run, at the cost of the rod alone.
 """
 
@@ -31,7 +31,7 @@ from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
-#: Word of the springs whose rod is at hand.
+#: Kind of the springs whose rod is at hand.
 REDUCED = "reduced-rod"
 #: Shares of the seat force below ``CUTOFF`` (Hz) from which a run says that its rod is to be taken: rms of
 #: the difference over rms, peak over peak, minimum over the force as installed.
@@ -81,7 +81,7 @@ class _Recorded:
 
 
 def rod_difference(system: System, solution: Solution) -> RodDifference | None:
-    """The springs of a finished run beside their rods; None where they are no reduced rods, or rub."""
+    """The springs of a finished run compared with their rods; None where they are no reduced rods, or rub."""
     springs = system.springs
     reduced = [spring for spring in springs if isinstance(spring, ReducedRod)]
     if not reduced or len(reduced) < len(springs):

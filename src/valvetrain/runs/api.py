@@ -205,7 +205,7 @@ def sweep(
         :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint
         quantities
-    whole : keep the channels of every solution (megabytes each); without it solutions hold their
+    whole : store the channels of every solution (megabytes each); without it solutions hold their
         events and named quantities only
     critical_speeds : search a train's critical speeds between the lowest and the highest speed, as
         :func:`critical_speeds` does; with ``outputs`` only where one of them is among these

@@ -1,4 +1,4 @@
-"""What lies between the speeds of a sweep of a train: runs where a cam order meets the first surge
+"""Runs between the speeds of a sweep of a train: runs where a cam order meets the first surge
 frequency of a spring.
 """
 

@@ -147,6 +147,6 @@ def path_status(
     if rod.guide is not None:
         return Status("completed", f"{name}{buckles} and does not yet touch its guide")
     state = f"{buckling.height * 1e3:.4g} mm high, {buckling.force:.4g} N"
-    message = f"{name}{buckles} ({state}); what lies beyond is a spring bent sideways"
+    message = f"{name}{buckles} ({state}); beyond this compression the spring is bent sideways"
     remedy = "compress it less, guide it in a bore or on a rod, or make it shorter or wider"
     return Status("buckled", message, 0.0, state, remedy)

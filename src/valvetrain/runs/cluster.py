@@ -205,7 +205,7 @@ class Cluster:
                 return Lost()
             raise error
         raise RunFailedError(
-            f"the Dask scheduler at '{self.where}' ended; what was finished is kept: start it, and the command again"
+            f"the Dask scheduler at '{self.where}' ended; finished points are saved: start the scheduler and run the command again"
         )
 
     def close(self) -> None:

@@ -40,7 +40,7 @@ def bound(solution: Solution, springs: tuple[InstalledSpring, ...]) -> Solution:
         "where the run ends"
     )
     remedy = (
-        "run slower, or fit a spring that holds the valve and has more room to its solid height"
+        "run slower, or fit a spring that holds the valve and has more travel to its solid height"
     )
     status = Status("coil-bind", message, float(solution.time[index]), spring.name, remedy)
     return replace(_until(solution, index, travel, springs), status=status)

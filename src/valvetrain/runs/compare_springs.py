@@ -14,7 +14,7 @@ from valvetrain.solution.study import Study
 
 #: Key paths of a train that belong to its own springs.
 _OWN = ("springs", "spring_set", "variants", "rubbing")
-#: Names that a spring or a case has where nobody named it.
+#: Names that a spring or a case has when it was not named.
 _UNNAMED = ("", "spring", "spring card", "spring-card", "valve spring")
 #: Spring model of both where one is a card and one a wire: a chain of a card is coarser than one of a wire.
 MIXED_MODEL = "modal-uniform"
@@ -72,7 +72,7 @@ def with_two_springs(
 def _names(
     cases: tuple[Case, Case], blocks: list[list[dict[str, Any]]], files: tuple[str, str]
 ) -> tuple[str, str]:
-    """Two names: of the springs, else of their cases or files; alike ones are told apart by those."""
+    """Two names: of the springs, else of their cases or files; equal ones are distinguished by these."""
     found = []
     for case, springs, file in zip(cases, blocks, files, strict=True):
         own = str(springs[0].get("name", "")) if case.train is None and len(springs) == 1 else ""
@@ -106,7 +106,7 @@ def _damped(block: Mapping[str, Any], own: list[Mapping[str, Any]]) -> dict[str,
 
 
 def models_of(case: Case, spring_models: tuple[str, ...]) -> tuple[str, ...]:
-    """The given models, or one for both springs where a card stands against a wire."""
+    """The given models, or one for both springs where a card is compared with a wire."""
     assert case.train is not None
     models = {case.train.model_of(name) for name in case.train.springs}
     return spring_models or ((MIXED_MODEL,) if len(models) > 1 else ())

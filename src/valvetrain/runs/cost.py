@@ -115,7 +115,7 @@ def refuse_cost(cost: Cost, limits: Limits, option: str = "--limit ", fewer: str
     if over:
         bounds = " and ".join(bound for _, bound in over)
         raised = ", ".join(value for value, _ in over)
-        remedy = f"ask for fewer {fewer}, or raise the bound with {option}'{raised}'"
+        remedy = f"choose fewer {fewer}, or raise the bound with {option}'{raised}'"
         raise InputError(f"this request will take {text}, beyond the bound of {bounds}; {remedy}")
     return text
 

@@ -41,7 +41,7 @@ MIN_DIPS, MARGIN = 2, 3.0
 SMALL, GRAZE = 0.1, 0.075
 #: Sample of the train at an engine speed (rad/s).
 SampleAt = Callable[[float], SpeedSample]
-#: Continued margin (SI) at an engine speed (rad/s): control is kept where it is positive.
+#: Continued margin (SI) at an engine speed (rad/s): control is maintained where it is positive.
 Measure = Callable[[float], float]
 
 
@@ -160,10 +160,10 @@ def change(
     sampled: Collection[float] = (),
 ) -> SpeedBracket:
     """Bracket of the onset of a changed train: from the nominal one in growing steps to a change; at
-    0 where control is lost down to the first of ``ends``, at infinity where it is kept up to the
+    0 where control is lost down to the first of ``ends``, at infinity where it is maintained up to the
     last.
 
-    ``measure``: positive where control is kept; ``low``: speeds at which that of the unchanged
+    ``measure``: positive where control is maintained; ``low``: speeds at which that of the unchanged
     train dips, and what it is there; the lowest of them that the changed train loses comes first.
     ``sampled``: speeds at which the measure costs no run; a step ends at the last of them.
     """

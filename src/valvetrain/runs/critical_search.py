@@ -111,7 +111,7 @@ class Search:
         return self._samples[engine_speed].lost(kind)
 
     def _regained(self, kind: str, engine_speed: float) -> bool:
-        """Whether control is known to be kept: a run that ended early ends no range of loss."""
+        """Whether control is known to be maintained: a run that ended early ends no range of loss."""
         one = self._samples[engine_speed]
         return not one.lost(kind) and kind not in one.unknown
 
@@ -265,7 +265,7 @@ class Search:
         return None
 
     def _may_hide(self, kind: str, low: float, high: float) -> bool:
-        """Whether control may be lost between two speeds that maintain it, by the slopes nearby; beside a
+        """Whether control may be lost between two speeds that maintain it, by the slopes nearby; next to a
         motion that does not repeat, in a range that would not be passed.
         """
         limit, ends = self._limits[kind], (self._samples[low], self._samples[high])

@@ -55,7 +55,7 @@ LOADED = tuple(f"{name}_contact_force" for name in DRIVE[1:])
 #: gap, to judge how deep control is lost; the speed of zero does not depend on it.
 DRIVE_STIFFNESS = 5e7
 #: Change per cycle at which the runs of the search repeat: what is left moves an onset by less than
-#: a tenth of the usual resolution.
+#: a tenth of the default resolution.
 SEARCH_TOLERANCE = 1e-4
 #: Cycles of the search for a periodic motion: half of them accelerated, then as many plain ones as show
 #: a period of eight. With 60 the same speeds are found at twice the time of all that never repeats.
@@ -241,7 +241,7 @@ def _search(
         return at
 
     precise = repeating(replace(until, tolerance=NOMINAL_TOLERANCE))
-    # ranges are of what nobody knows: whether each of their orbits attracts is not tested
+    # ranges are of uncertain inputs: whether each of their orbits attracts is not tested
     variants = variants_of(problem, one) if options.ranges else ()
     repeats = [(each.group, repeating(replace(until, probed=False), each)) for each in variants]
     ends = min(samples), max(samples)
@@ -313,8 +313,8 @@ def first_bracket(
     (rad/s) from rest until it does, then halves of the last step down to the resolution.
 
     A range between two of the speeds is not looked for, unlike in :func:`find_critical_speeds`. From
-    0 where control is lost at the first speed, to infinity where it is kept up to the last; None
-    once ``stopped``, asked before each run, says so.
+    0 where control is lost at the first speed, to infinity where it is maintained up to the last; None
+    once ``stopped``, called before each run, is true.
     """
     plan = Plan("ends", None, False, problem.cycles, problem.cycles_to_settle)
     low, high, ahead = 0.0, math.inf, list(engine_speeds)

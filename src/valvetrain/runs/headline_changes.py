@@ -21,7 +21,7 @@ FIRST = (
     *KINDS.values(),
     "rigid_contact_loss_engine_speed",
 )
-#: Quantities that answer whether a change is better, by what a user asks first.
+#: Quantities that answer whether a change is better, most important first.
 HEADLINES = (
     *KINDS.values(), "rigid_contact_loss_engine_speed", "minimum_cam_contact_force", "float_excess_lift", "loft_gap",
     "lift_loss_displacement", DURATION_LOST, "seating_velocity", "bounce_height", "surge_amplitude_force", "clash_energy",

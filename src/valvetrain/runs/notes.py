@@ -22,7 +22,7 @@ from valvetrain.units import believed
 
 #: Tensile strength (Pa) above that of any wire of a valve spring.
 MAX_STRENGTH = 2.5e9
-#: A raw peak over that below 10 kHz from which a spike is told with its band.
+#: A raw peak over that below 10 kHz from which a spike is reported with its band.
 SPIKE = 1.02
 #: How the note on a ramp begins that the cam card does not give.
 ASSUMED_RAMP = "Ramp of the cam assumed"
@@ -97,7 +97,7 @@ def rings(run: Solution) -> bool:
 
 
 def chain_notes(members: Iterable[Member]) -> tuple[str, ...]:
-    """A sentence per wire that a chain of masses stands for: what it has from the rod, and what not."""
+    """A sentence per wire that a chain of masses replaces: what it takes from the rod, and what not."""
     found: dict[str, None] = {}
     for member in members:
         if member.instead:
@@ -230,7 +230,7 @@ def buckling_notes(problem: Problem) -> tuple[str, ...]:
 
 
 def unknown_solid_notes(members: Iterable[Member]) -> tuple[str, ...]:
-    """A sentence on each nested spring whose solid height is not known beside one whose is: the
+    """A sentence on each nested spring whose solid height is unknown while that of the other is known: the
     clearance to coil bind is then that of the other alone.
     """
     return tuple(
@@ -293,7 +293,9 @@ def driven_notes(solutions: Sequence[Solution]) -> tuple[str, ...]:
     found = []
     for run in solutions:
         driver = run.statistics.get("driver", "")
-        if not driver:  # before any quantity is read, which would compute what may never be asked
+        if (
+            not driver
+        ):  # before any quantity is read, which would compute values that may never be used
             continue
         difference = run.quantities["driver_difference_force"]
         repeats = run.statistics.get("motion_period_count") == 1.0

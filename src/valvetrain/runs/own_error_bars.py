@@ -1,5 +1,5 @@
 """Error bars of the runs of any case: each run twice more, its springs and its step divided more
-finely and more coarsely; springs reduced from their rods beside those rods too.
+finely and more coarsely; springs reduced from their rods are compared with those rods, too.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from valvetrain.system.problem import Member, Problem, Rest
 #: Divisions of the springs of the two further runs over that of the case, or their inverse: two, since one pair may agree
 #: by chance. Finite elements, whose cost grows with the square, take the inverse of both where those can run.
 RATIO, NEAR_RATIO = 1.5, 1.25
-#: Springs of fewer parts than this surge at other frequencies altogether: a further run takes so many.
+#: Springs of fewer parts than this surge at other frequencies altogether: a further run takes this many.
 FEW, MANY = 20, 60
 #: Factor on the larger of two bars, where a bar of one pair has Roache's three.
 SAFETY = 2.0
@@ -86,7 +86,7 @@ CHAIN_OF_WIRE = {
 
 class _Further(NamedTuple):
     """The run of a member with its springs divided otherwise, its division over the own one, its
-    step under the own one (None: what the springs ask for), and whether it ends a revolution sooner.
+    step under the own one (None: as the springs require), and whether it ends a revolution sooner.
     """
 
     ready: PreparedRun
@@ -299,7 +299,7 @@ def _rows(
     further: Sequence[tuple[_Further, Mapping[str, float]]],
     from_rods: Mapping[str, float],
 ) -> Iterable[Uncertainty]:
-    """Rows of a run beside its further ones, with the differences ``from_rods`` that are known;
+    """Error bars of a run from its further runs, with the differences ``from_rods`` that are known;
     none where these had no further parts to take.
     """
     known = [
@@ -350,7 +350,7 @@ def _rows(
 def _may_leave_the_cam(
     run: Solution, known: Sequence[tuple[_Further, Mapping[str, float]]]
 ) -> bool:
-    """Whether one of the runs keeps its cam, and one as far as its surge only: the next may leave it."""
+    """Whether one of the runs keeps contact with its cam, and one does so only as far as its surge goes: the next may leave it."""
     name, surge = "minimum_cam_contact_force", run.quantities.get("surge_amplitude_force", 0.0)
     found = (run.quantities, *(numbers for _, numbers in known))
     forces = [numbers[name] for numbers in found if name in numbers]

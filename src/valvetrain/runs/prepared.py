@@ -307,7 +307,7 @@ def plausible(solution: Solution) -> Solution:
 
 
 def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Rest) -> Solution:
-    """The run with events and named quantities, without channels where the plan keeps none."""
+    """The run with events and named quantities, without channels where the plan stores none."""
     frame = ready.frame
     if rest:
         found, frequencies = statics_of(ready.member, rest)

@@ -26,10 +26,10 @@ ROD = "finite-element"
 REDUCED, TABLES = "reduced-rod", 1.5
 #: Points along the wire that a wave model outputs; coils of a wire for which a case gives none.
 POINTS, TYPICAL_COILS = 100.0, 8.0
-#: Runs of the search for the critical speeds of a member, besides its sweep (20 to 115 measured, as many
+#: Runs of the search for the critical speeds of a member, in addition to its sweep (20 to 115 measured, as many
 #: again in its ranges).
 SEARCH_RUNS = 120
-#: Seconds of one core per simulated second that a train takes besides its springs.
+#: Seconds of one core per simulated second that a train takes in addition to its springs.
 TRAIN_TIME = 0.06
 #: Seconds for the statics of a spring alone; typical step (s); bytes of a step during the run, and
 #: as stored; steps of a revolution that are stored at most.

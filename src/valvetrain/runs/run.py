@@ -121,7 +121,7 @@ def run_study(
     """A case at ``engine_speeds`` (rad/s of the crank; None: its own) by its variants, or by given
     models and spring sets.
 
-    ``whole``: solutions keep their channels; ``later``, ``ends_alone``: see :func:`run_problem`.
+    ``whole``: solutions store their channels; ``later``, ``ends_alone``: see :func:`run_problem`.
     Results do not depend on ``workers`` (None: all
     cores). Raises :class:`InputError` for what cannot be built, for a speed that is not positive
     and when no model can run; a run that fails is a status.
@@ -371,7 +371,9 @@ def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
 def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Study:
     """The study with its notes, what is published, and a sentence per part that failed."""
     notes = failures.part("notes", (), _notes, problem) + study.notes
-    if not load_uncertainty(problem.record):  # a published run is told beside its measured peaks
+    if not load_uncertainty(
+        problem.record
+    ):  # a published run is reported next to its measured peaks
         notes += failures.part("notes", (), beyond_wire_notes, problem, study.solutions)
     study = replaced(study, notes=notes)
     study = failures.part("published values", study, next_to_published, study, problem)

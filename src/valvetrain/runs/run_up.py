@@ -236,9 +236,7 @@ def member_revolutions(
         status = record.status
         if status.completed and (clearance := values.get("coil_bind_clearance", 1.0)) <= 0:
             message = f"the retainer passes the lift at which a spring is solid by {-clearance * 1e3:.4g} mm"
-            remedy = (
-                "what follows is not to be believed; fit a spring with more room, or end sooner"
-            )
+            remedy = "later results are not valid; fit a spring with more travel, or end sooner"
             status = Status("coil-bind", message, remedy=remedy)
         solutions.append(without_channels(status, replace(origin, engine_speed=speed), values))
     return tuple(solutions)

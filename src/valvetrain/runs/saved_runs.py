@@ -148,7 +148,7 @@ def collect_inputs(case: str, text: str, folder: Path, choices: Mapping[str, Any
     Raises :class:`InputError` when one of them can no longer be read.
     """
     plain = tomllib.loads(text)
-    if "name" not in plain:  # read again, the case keeps its name
+    if "name" not in plain:  # read again, the case retains its name
         text = f"name = {json.dumps(case)}\n{text}"
     if not any("file" in table for table in _tables(plain)):
         return Inputs(case, text, {}, choices)

@@ -195,7 +195,7 @@ def train_modes(
     Returns
     -------
     tuple of TrainModes, two per variant: ``state`` closed and full_lift, frequencies (Hz), shapes
-    and shares of kinetic energy; at full lift which mode of the closed valve each goes on from
+    and shares of kinetic energy; at full lift which mode of the closed valve each continues
 
     Raises
     ------

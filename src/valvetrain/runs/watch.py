@@ -1,4 +1,4 @@
-"""Progress of long calls at a prompt and in the cells of a notebook, where nobody asked for another."""
+"""Progress of long calls at a prompt and in the cells of a notebook, unless the caller gives its own."""
 
 from __future__ import annotations
 

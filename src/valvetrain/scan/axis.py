@@ -114,7 +114,7 @@ def _peak_place(shares: Array, scores: Array, place: int) -> float:
 
 
 def _votes(plane: Array, wire: float, cell: float) -> tuple[Array, Array]:
-    """Smoothed votes for centres that lie one wire radius from the points, and the corner of the
+    """Smoothed votes for centres that are one wire radius from the points, and the corner of the
     cells.
     """
     if len(plane) < 3:
@@ -135,7 +135,9 @@ def _votes(plane: Array, wire: float, cell: float) -> tuple[Array, Array]:
         .reshape(shape)
         .astype(float)
     )
-    for _ in range(2):  # neighbours share their votes, so that the place of the cells does not tell
+    for _ in range(
+        2
+    ):  # neighbours share their votes, so that the place of the cells has no influence
         votes[1:-1] = 0.25 * votes[:-2] + 0.5 * votes[1:-1] + 0.25 * votes[2:]
         votes = votes.T
     # the votes of a point on its own circle are the same number for every radius; a share of the
@@ -158,7 +160,7 @@ def _peaks(votes: Array, apart: int) -> list[tuple[int, int, float]]:
 #: Distance, in wire diameters, up to which sections of neighbouring half planes belong together,
 #: and by how much it grows a missing one.
 NEAR, GROWTH, FARTHEST = 0.3, 0.02, 0.45
-#: Turns without a section after which the wire is taken to end, and turns behind that tell where it
+#: Turns without a section after which the wire is taken to end, and turns behind that show where it
 #: continues.
 GAP, BEHIND = 0.45, 0.25
 #: Fewest linked sections that a wire is followed from, and chains that are tried.

@@ -87,7 +87,7 @@ def _shown(line: bytes) -> str:
 
 
 def columns_of_text(path: Path, name: str, head: bytes) -> tuple[str, Iterator[Array]]:
-    """Unit that the headings tell and blocks (n, 3) of a text of columns. Raises
+    """Unit that the headings give and blocks (n, 3) of a text of columns. Raises
     :class:`InputError` for bytes that are no text.
     """
     if b"\0" in head:
@@ -169,7 +169,7 @@ class _Head:
 
 
 def ply_points(path: Path, name: str, size: int) -> tuple[str, Iterator[Array]]:
-    """Unit that the head tells, and blocks (n, 3). Raises :class:`InputError` for a head that does
+    """Unit that the head gives, and blocks (n, 3). Raises :class:`InputError` for a head that does
     not fit the file of ``size`` bytes.
     """
     with path.open("rb") as stream:
@@ -285,7 +285,7 @@ _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """A file of points: its ``form``, the ``unit`` it tells (empty where it does not), and its
+    """A file of points: its ``form``, the ``unit`` it gives (empty where it gives none), and its
     ``blocks`` (n, 3) in file order.
     """
 
@@ -335,7 +335,7 @@ def open_cloud(file: str | Path) -> Cloud:
 
 
 def _unit_in_head(head: bytes) -> str:
-    """Unit that a comment of a text file tells."""
+    """Unit that a comment of a text file gives."""
     found = re.search(rb"(?im)^(?:#|solid).*?\bunits?\W+(mm|cm|m|inch|in|um)\b", head)
     return found[1].decode().lower().replace("inch", "in").replace("in", "inch") if found else ""
 

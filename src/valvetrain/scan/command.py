@@ -102,7 +102,8 @@ def scan(
         )
     if design is not None and turn_over:
         raise InputError(
-            "with a design the scan stands as its curves do; leave --turn-over out", "--turn-over"
+            "with a design the curves of both decide which end is up; leave --turn-over out",
+            "--turn-over",
         )
     if design is not None and material:
         raise InputError(
@@ -153,7 +154,7 @@ class _Request:
 
 
 def _deliver(request: _Request, found: ScannedSpring, compared: ScanComparison | None) -> None:
-    """Keep the folder (page, spring, curves, run.json) and tell."""
+    """Write the folder (page, spring, curves, run.json) and report it."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
     from valvetrain.parameters.loading import parse_case

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 MODES, AXIAL = 24, 3
 #: Share by which the frequency of a mode may differ from the design's.
 ALIKE = 0.15
-#: How notes begin on what a scan alone assumes and a design tells.
+#: How notes begin on what a scan alone assumes and a design gives.
 ASSUMED = ("a scan does not give the material", "the ground turns of the")
 #: Quantities of springs at rest that are compared, in this order.
 AT_REST = (
@@ -56,7 +56,7 @@ class ComparedNumber:
 class ScanComparison(Shown):
     """A scanned spring compared with its design.
 
-    ``scan``: standing as the design does; ``cases``, ``rest`` and ``runs``: design first, then
+    ``scan``: the same end up as the design; ``cases``, ``rest`` and ``runs``: design first, then
     scanned; ``runs`` None without speeds;
     ``numbers``: what both have.
 
@@ -120,7 +120,7 @@ def compare_scan(
     The scanned spring takes material, damping, contacts, seats and options of the design's, and
     is at the same height between the
     seats; its inactive turns reach as far beyond the ground ones as the design's do. It is turned
-    over where the design asks for it.
+    over where the design requires it.
 
     Parameters
     ----------

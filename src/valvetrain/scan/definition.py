@@ -18,7 +18,7 @@ from valvetrain.scan.result import ScannedSpring
 Array = NDArray[np.float64]
 #: Stations of the curves per turn.
 STATIONS = 16
-#: Difference of diameter or pitch of both halves, as a share, from which it tells which end is the
+#: Difference of diameter or pitch of both halves, as a share, from which it shows which end is the
 #: lower one.
 SIGNIFICANT = 0.02
 #: Gap at the end of the first turn, in wire diameters, up to which an end is closed.
@@ -48,7 +48,7 @@ class Wire:
 
 def wire_of(fitted: FittedSpring, turn_over: bool) -> Wire:
     """The wire from its lower tip: the wider end is the lower one, else the one with the closer
-    coils, else as it lies.
+    coils, else as scanned.
     """
     first, last = fitted.tips
     coil = np.linspace(0.0, last - first, int(np.ceil((last - first) * STATIONS)) + 1)
@@ -80,7 +80,7 @@ def wire_of(fitted: FittedSpring, turn_over: bool) -> Wire:
 
 
 def _upside_down(coil: Array, radius: Array, pitch: Array) -> bool:
-    """Whether the lower end lies above: it is the wider one, else the one with the closer coils."""
+    """Whether the lower end is above: it is the wider one, else the one with the closer coils."""
     inner = (
         (coil > 1.0) & (coil < coil[-1] - 1.0) if coil[-1] > 3 else np.ones(len(coil), dtype=bool)
     )
@@ -165,7 +165,7 @@ def define(
 
 
 def _end(wire: Wire, half: float, upper: bool) -> EndCoil:
-    """The end coil: closed where the first turn lies on its neighbour; ground up to where the face
+    """The end coil: closed where the first turn touches its neighbour; ground up to where the face
     leaves the wire.
     """
     coil = wire.coil
@@ -198,7 +198,7 @@ def _ground_turns(coil: Array, above: Array) -> float:
 
 
 def turned_over(scan: ScannedSpring) -> ScannedSpring:
-    """The same spring, standing on its other end."""
+    """The same spring, turned over."""
     wire, curves, section = scan.definition, scan.curves, scan.section
     turns, shown = section.turns[::-1].copy(), section.shown * np.array([1.0, -1.0])
     turns[:, 0] = wire.total_coils - turns[:, 0]

@@ -18,7 +18,7 @@ Mask = NDArray[np.bool_]
 BEYOND, BIN = 0.5, 0.01
 #: Points inside the wire are this many standard deviations and at least this share of its radius
 #: below the surface; fewest on a face,
-#: and share of those inside the wire that lie on it.
+#: and share of those inside the wire that are on it.
 DEEP, SHALLOW, FEWEST, MOSTLY = 4.0, 0.9, 25, 0.5
 #: Standard deviations within which a point belongs to a plane or to the wire.
 WITHIN = 3.5
@@ -33,7 +33,7 @@ STEEPEST, TYPICAL_LEAN, FACED = 0.06, 0.005, 1.3
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """A ground face ``height + lean . (x, y)`` in the frame of the axis; ``points`` that lie on it."""
+    """A ground face ``height + lean . (x, y)`` in the frame of the axis; ``points`` on it."""
 
     height: float
     lean: Array
@@ -41,7 +41,7 @@ class Face:
     spread: float
 
     def above(self, points: Array, side: int) -> Array:
-        """How far points (n, 3) lie inside the face of the end ``side`` (-1 lower, 1 upper)."""
+        """How far points (n, 3) are inside the face of the end ``side`` (-1 lower, 1 upper)."""
         found: Array = -side * (points[:, 2] - self.height - points[:, :2] @ self.lean)
         return found
 
@@ -51,7 +51,7 @@ def find_face(
 ) -> Face | None:
     """The ground face of the end whose tip is about at turn ``tip``; None where there is none.
 
-    Nothing but a ground face has points inside the wire, so those alone tell of it.
+    Nothing but a ground face has points inside the wire, so those alone show it.
     """
     on = place(tube, points, (max(tip - FACED, reach[0]), min(tip + FACED, reach[1])))
     wire, noise = float(tube.section[0]), tube.noise
@@ -99,7 +99,7 @@ def _plane(points: Array, face: Face, scale: float, noise: float) -> Face | None
 
 
 def _amid(tube: Tube, face: Face, points: Array, tip: float, side: int) -> Mask:
-    """Which points stand above or below the middle of a ground section, away from its edges."""
+    """Which points are above or below the middle of a ground section, away from its edges."""
     own = np.mod(tube.hand * np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi), 1.0)
     turn = tip - side * np.mod(-side * (own - tip), 1.0)  # within one turn from the tip inward
     radius, height = tube.line(turn)
@@ -135,7 +135,7 @@ def supported(tube: Tube, points: Array, ends: tuple[float, float]) -> tuple[flo
 
 
 def flats_of(faces: dict[int, Face | None], noise: float, points: Array) -> Mask:
-    """Which points lie on a ground face or beyond it."""
+    """Which points are on a ground face or beyond it."""
     found = np.zeros(len(points), dtype=bool)
     for side, face in faces.items():
         if face is not None:
@@ -209,7 +209,7 @@ def _last_bin(walls: Array, floors: Array) -> int:
 
 
 def _no_further(tube: Tube, face: Face, tip: float, start: float, side: int, wire: float) -> float:
-    """No tip lies where grinding has taken the whole wire."""
+    """No tip is where grinding has taken the whole wire."""
     turns = np.linspace(start, tip, 200)
     _, height = tube.line(turns)
     gone = np.flatnonzero(-side * (height - face.height) + wire < 0)

@@ -210,7 +210,7 @@ def section_chart(scan: ScannedSpring) -> Chart:
 
 
 def residual_chart(scan: ScannedSpring) -> Chart:
-    """How far points lie from the fitted surface, with the normal distribution of their scatter."""
+    """How far points are from the fitted surface, with the normal distribution of their scatter."""
     noise = 1e6 * scan.noise
     left = 1e6 * scan.residuals
     edges = np.linspace(-6 * noise, 6 * noise, BARS + 1)
@@ -297,7 +297,7 @@ IN_MOTION = (
 
 
 def scan_rows(scan: ScannedSpring) -> list[tuple[str, str, str, str]]:
-    """Words, value, twice its standard deviation and unit of what a scan tells."""
+    """Words, value, twice its standard deviation and unit of the results of a scan."""
     section, curves = scan.section, scan.curves
     rows = [
         _row("free length", scan.free_length, 1e3, "mm"),

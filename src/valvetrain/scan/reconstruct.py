@@ -27,7 +27,7 @@ from valvetrain.scan.result import ScanCurves, ScannedEnd, ScannedSpring, WireSe
 from valvetrain.units import dimension_of, unit_factor
 
 Array = NDArray[np.float64]
-#: Points that are drawn, fewest that tell a spring, and share of rows without numbers from which a
+#: Points that are drawn, fewest that define a spring, and share of rows without numbers from which a
 #: file is taken to be damaged.
 DRAWN, MIN_POINTS, DAMAGED = 100_000, 1500, 0.1
 
@@ -97,7 +97,7 @@ def _mixed(points: Array) -> NDArray[np.uint64]:
 SMALLEST, LARGEST = 4.0, 500.0
 #: Material where none is given, and the maximum of points that figures show.
 DEFAULT_MATERIAL, SHOWN = "EN 10270-2 VDSiCr", 4000
-#: Sector (turns) without points from which a note tells of it, and share of the points on the wire
+#: Sector (turns) without points from which a note reports it, and share of the points on the wire
 #: below which one does.
 BRIDGED, EXPLAINED = 0.04, 0.8
 
@@ -124,11 +124,11 @@ def spring_from_scan(
     Parameters
     ----------
     file : PLY, STL, OBJ or text with x, y and z in columns, of any size
-    unit : of the coordinates, "mm", "m" or "inch"; where the file does not tell
+    unit : of the coordinates, "mm", "m" or "inch"; where the file does not give it
     material : of the wire; EN 10270-2 VDSiCr where none is given
     name : word for the spring
     turn_over : take the other end for the lower one: that is the wider one, else the one with the
-        closer coils, else as the scan lies
+        closer coils, else as scanned
     points : most points that are fitted, an even draw from the file that does not depend on their
         order
     slices_per_turn : half planes in which sections are looked for at first; the fit does not depend
@@ -362,7 +362,7 @@ def _unseen(fitted: FittedSpring, wire: Wire) -> list[str]:
     share = float(np.mean(np.abs(fitted.on.left) < 4 * fitted.tube.noise))
     if share < EXPLAINED:
         notes.append(
-            f"{100 * share:.0f} % of the points lie on the wire that was followed; the others are strays, a holder or coils that were missed"
+            f"{100 * share:.0f} % of the points are on the wire that was followed; the others are strays, a holder or coils that were missed"
         )
     return notes
 
@@ -378,7 +378,7 @@ def _assumed(
     for word, end in (("lower", definition.lower_end), ("upper", definition.upper_end)):
         if "ground" in end.kind:
             notes.append(
-                f"the ground turns of the {word} end ({end.inactive_coils:.3f}) are taken as inactive; a scan does not tell where the wire "
+                f"the ground turns of the {word} end ({end.inactive_coils:.3f}) are taken as inactive; a scan does not show where the wire "
                 "begins to move"
             )
         else:

@@ -1,4 +1,4 @@
-"""What a scan tells of a spring: curves over the coil number with their scatter, section, ends, and
+"""Results of a scan: curves over the coil number with their scatter, section, ends, and
 the spring definition.
 """
 

@@ -30,7 +30,7 @@ TOUCHING = 5.0
 ROUNDS, SETTLED = 40, 5e-3
 #: Fewest points that a wire is fitted to.
 FEWEST = 50
-#: Entries a turn of the table that tells which coil a point is near.
+#: Entries a turn of the table from point to nearest coil.
 TABLE = 256
 
 
@@ -81,7 +81,7 @@ class Tube:
 
 @dataclass(frozen=True, eq=False)
 class OnWire:
-    """Where points lie on a tube: ``turn``, ``distance`` from the wire axis, ``around`` the section
+    """Positions of points on a tube: ``turn``, ``distance`` from the wire axis, ``around`` the section
     (0: outside), all (n,).
 
     ``left``: distance less the radius of the section there; ``gap``: from the surface there to the
@@ -271,10 +271,10 @@ def fit_tube(
     flats: Any = None,
     rounds: int = ROUNDS,
 ) -> tuple[Tube, OnWire, Array]:
-    """The tube through the surface points, where they lie on it and their weights (n,).
+    """The tube through the surface points, their positions on it and their weights (n,).
 
     ``flats``: function of the points that is true for those of ground faces, which are no surface
-    of the tube. Raises :class:`InputError` where fewer than :data:`FEWEST` points lie on it.
+    of the tube. Raises :class:`InputError` where fewer than :data:`FEWEST` points are on it.
     """
     skip = np.zeros(len(points), dtype=bool) if flats is None else flats(points)
     rough, size = [np.array([1e-4, 1e-4]), len(tube.radius)]
@@ -290,7 +290,7 @@ def fit_tube(
         )
         if np.count_nonzero(weight) < FEWEST:
             raise InputError(
-                "the points do not lie on the surface of one wire; give the scan of one spring, cleaned of its holder"
+                "the points are not on the surface of one wire; give the scan of one spring, cleaned of its holder"
             )
         matrix, side = _normal_equations(tube, on, weight, ovate)
         matrix, side = matrix / scale**2, side / scale**2

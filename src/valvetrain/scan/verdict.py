@@ -36,7 +36,7 @@ def scan_comparison_verdict(found: ScanComparison) -> str:
     )
     rows = [(abs(_apart(one)), one) for one in _shown(found) if math.isfinite(_apart(one))]
     if not rows:
-        return _sentence(lead, "nothing of scan and design can be compared")
+        return _sentence(lead, "scan and design have nothing that can be compared")
     near = [apart for apart, _ in rows if apart <= AS_DRAWN]
     far = sorted((row for row in rows if row[0] > AS_DRAWN), key=lambda row: -row[0])
     if not far:

@@ -132,7 +132,7 @@ def is_living(path: Path) -> bool:
 
 
 def lock(handle: int) -> bool:
-    """Lock an open file for as long as this process lives or keeps it open; False where another
+    """Lock an open file for as long as this process lives or has it open; False where another
     process has it.
 
     True without a lock where there are no such locks.

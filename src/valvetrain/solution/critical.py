@@ -22,7 +22,7 @@ KINDS = {
 }
 RPM = math.pi / 30
 #: Lift above the rigid lift from which a valve floats, and height from which a bounce counts (m):
-#: of critical speeds unless they are asked for otherwise, and of every verdict.
+#: of critical speeds unless others are requested, and of every verdict.
 FLOAT_LIFT, BOUNCE_HEIGHT = 50e-6, 100e-6
 #: Factors on the damping of the springs at which critical speeds are repeated.
 DAMPING_FACTORS = (0.6, 1.5)
@@ -96,19 +96,19 @@ class CriticalSpeed:
     ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at
     ``first_engine_speed``. ``ends``: end of that range of speeds, from rest, None where it lasts to
     ``last_engine_speed``. ``again``: further ranges above it, by their lowest and highest sampled
-    speed. ``runs_count``: runs of the search besides those of the sweep.
+    speed. ``runs_count``: runs of the search in addition to those of the sweep.
 
     ``nominal_engine_speed``: the onset itself, inside the bracket; infinite for never.
     ``numerical``: range of the onset with 1.5 times the division of the springs and with half the
     time step; ``damping``: with the damping of the springs times 0.6 and 1.5. Both hold the nominal
     speed, end at 0 where control is lost from ``first_engine_speed`` on and at infinity where it is
-    kept up to ``last_engine_speed``, and are None where they were not computed. ``onset``: ``sharp``;
+    maintained up to ``last_engine_speed``, and are None where they were not computed. ``onset``: ``sharp``;
     ``graze`` where a tenth of the largest margin more or less moves it by more than 7.5 % of
     the speed, for a force that just reaches zero (``numerical`` then holds that range too);
     ``non-repeating`` where the motion does not repeat from cycle to cycle (``numerical`` then
     reaches from the motion below that repeats and keeps control to that above that loses it).
     ``cause``: why control is lost there, as the events of a run have it, with what surge takes off the
-    ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not asked for.
+    ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not requested.
     ``cam_angle`` (rad), of a loss of contact: where the force of that contact first comes to zero; NaN where unknown.
     ``curve``, of a loss of contact: engine speed and least cam force (N) of the runs from rest, those of the sweep among them.
     ``passed``: ranges below the onset, by their lowest and highest sampled speed, that are short (:data:`NARROW`) and

@@ -24,7 +24,7 @@ from valvetrain.units.reader import reader_unit, shown_system
 
 Sense = Literal["larger is better", "smaller is better", ""]
 Systems = tuple[Literal["spring", "train"], ...]
-#: Where a quantity is shown besides the table of all: ``brief`` in the row of a run among many, ``sweep``
+#: Where a quantity is shown in addition to the table of all: ``brief`` in the row of a run among many, ``sweep``
 #: in the terminal's table of a sweep, ``curve`` drawn over engine speed, ``study`` offered as an output of
 #: a study, ``stress`` in the table of stresses; ``page`` on the page but not in the terminal. ``case``:
 #: one value for all engine speeds; ``one speed``: no worst value over several.
@@ -36,7 +36,7 @@ TOPICS = (
 )  # fmt: skip
 Number = TypeVar("Number", float, NDArray[np.float64])
 
-#: Last word of a name -> dimension and shown unit, unless its row gives others; for a range, that
+#: Last part of a name -> dimension and shown unit, unless its row gives others; for a range, that
 #: of the word before it.
 BY_LAST_WORD: dict[str, tuple[str, str]] = {
     "force": ("force", "N"), "preload": ("force", "N"), "load": ("force", "N"), "angle": ("angle", "deg"), "frequency": ("frequency", "Hz"),
@@ -122,7 +122,7 @@ def row(
     compute: Callable[[Any], float | None] | None = None,
     remark: str = "",
 ) -> QuantityRow:
-    """A :class:`QuantityRow` whose dimension and shown unit follow from the last word of ``name``
+    """A :class:`QuantityRow` whose dimension and shown unit follow from the last part of ``name``
     where they are left out. Raises :class:`InputError` for an unknown use.
     """
     if unknown := [use for use in uses if use not in get_args(Use)]:

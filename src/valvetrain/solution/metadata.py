@@ -156,7 +156,7 @@ def refuse_claims(path: Path) -> None:
     """Raise :class:`InputError` for a NetCDF file whose variables claim more than is stored, are in
     another file or linked.
 
-    Only the description in the file is read, so nothing of the claimed size is allocated. Errors of
+    Only the description in the file is read, so memory of the claimed size is not allocated. Errors of
     the library pass.
     """
     import h5py
@@ -181,7 +181,7 @@ def refuse_claims(path: Path) -> None:
             stored = variable.id.get_storage_size()
             claimed = max(
                 variable.nbytes, _chunk_bytes(variable) if stored else 0
-            )  # one value of a chunk makes room for all of it
+            )  # one value of a chunk allocates all of it
             if stored > whole or claimed > max(SMALL, stored * MAX_EXPANDED):
                 raise InputError(
                     f"{DAMAGED} '{name}' claims {claimed:.3g} bytes and holds {stored}; write it again",

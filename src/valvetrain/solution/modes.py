@@ -63,7 +63,7 @@ class ModalResult(Saveable):
         check_shapes(self, "a modal result", shapes)
         if any(not 0 <= index < modes for index in self.axial_modes):
             raise InputError(
-                f"axial_modes of a modal result must lie between 0 and {modes - 1}; they are {self.axial_modes}"
+                f"axial_modes of a modal result must be between 0 and {modes - 1}; they are {self.axial_modes}"
             )
 
     @property
@@ -181,7 +181,7 @@ class TrainModes(Saveable):
     rotation (rad) of every body, the largest travel 1 where a rotation counts by its radius of
     gyration; zero in a mode in which only a spring moves. ``energy_share`` (mode, part): share of
     each part in the kinetic energy. ``closed``, ``open``: contacts under load, and those without,
-    which have no stiffness. ``closed_mode``, at full lift: the mode (from 0) of the closed valve that each goes on
+    which have no stiffness. ``closed_mode``, at full lift: the mode (from 0) of the closed valve that each continues
     from, followed by its shape; ``overlap``: squared cosine between the shapes where it is least on the way. A low one
     is a mode that changes as contacts open.
 

@@ -58,7 +58,7 @@ def _coordinate_attributes(
     arrays: ChannelArrays,
 ) -> tuple[dict[str, dict[str, str]], dict[str, str]]:
     """The attribute ``coordinates`` of each channel, and that of the file for coordinates along
-    which no channel lies (CF 1.11, 5).
+    which no channel is (CF 1.11, 5).
     """
     plain = {name: set(one.dims) for name, one in arrays.coords.items() if name not in one.dims}
     found = {

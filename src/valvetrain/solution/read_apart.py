@@ -51,7 +51,7 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
         )
     if end == _TOO_LARGE:
         raise InputError(
-            f"is damaged: reading it asks for more than {MAX_MEMORY / 1e9:g} GB; write it again",
+            f"is damaged: reading it needs more than {MAX_MEMORY / 1e9:g} GB; write it again",
             where,
         )
     if end == _UNREADABLE:

@@ -212,7 +212,7 @@ class StaticCurve(Saveable):
         if load < known.force[0] or not len(above):
             reach = f"{known.force[0]:g} to {known.force.max():g} N"
             raise InputError(
-                f"a force of {load:g} N lies outside the static curve ({reach}); compute it further"
+                f"a force of {load:g} N is outside the static curve ({reach}); compute it further"
             )
         if above[0] == 0:
             return float(known.compression[0])
@@ -228,7 +228,7 @@ class StaticCurve(Saveable):
         if not first - 1e-12 <= compression <= last + 1e-12:
             reach = f"{first * 1e3:g} to {last * 1e3:g} mm"
             raise InputError(
-                f"compression {compression * 1e3:g} mm lies outside the static curve ({reach}); compute it further"
+                f"compression {compression * 1e3:g} mm is outside the static curve ({reach}); compute it further"
             )
         return self.path or self, compression
 

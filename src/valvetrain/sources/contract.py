@@ -1,4 +1,4 @@
-"""Contract of a published study: its names, findings and contradictions; no other room refers to a
+"""Contract of a published study: its names, findings and contradictions; no other package refers to a
 paper.
 """
 

@@ -45,7 +45,7 @@ ORIGINS = {
 #: Collisions repeat with the period of the first mode where their distance is within this share of
 #: it.
 PERIOD_SHARE = 0.05
-#: A vibration stands where the source says within this angle (rad); it is there where it is this
+#: A vibration is where the source says within this angle (rad); it is there where it is this
 #: many times that of the modal model.
 PLACE, CLEARLY = np.radians(10.0), 3.0
 #: Heights of two maxima and the valley between agree within this share of each.
@@ -164,7 +164,7 @@ def _where_the_peak_is(run: Solution, solid: Printed) -> tuple[Finding, ...]:
     if spike.relation == "at-most" or spike.value <= max(lifted):
         return ()
     statement = (
-        f"{_rpm(run)}: the peak force lies in Stage III, {spike.value:.0f} N beside "
+        f"{_rpm(run)}: the peak force is in Stage III, {spike.value:.0f} N next to "
         f"{max(lifted):.0f} N in Stage II"
     )
     computed = f"{ours[SPIKE]:.0f} N in Stage III, {ours[names[0]]:.0f} N in Stage II"

@@ -89,7 +89,7 @@ def collision_quantities(
 
 def _main(cycle: Cycle, late: Array, event: LiftEvent) -> float:
     """Of the collisions of Stage III (rad, ascending) the one whose spike is highest: the last that
-    began before its top. The first where the run tells no force.
+    began before its top. The first where the run gives no force.
     """
     name = "seat_force_fine" if cycle.solution.has("seat_force_fine") else "seat_force"
     if not cycle.solution.has(name):

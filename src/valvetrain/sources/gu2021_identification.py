@@ -42,7 +42,7 @@ NAMES = (
 
 @dataclass(frozen=True)
 class BeehivePoint:
-    """What :func:`evaluate` tells of values in the order of ``names``; those that are not among
+    """Result of :func:`evaluate` for values in the order of ``names``; those that are not among
     them are the shipped case's.
     """
 

@@ -2,7 +2,7 @@
 
 Equation 2 holds the ratio of natural to cam frequency, and the text takes the wave speed from the
 stiffness k(x), so that the frequencies follow its root over the cycle. The spring model
-``modal-varied`` keeps them, as a linear system must; this module has both, for the page on the study.
+``modal-varied`` includes them, as a linear system must; this module has both, for the page on the study.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 #: Printed modes (Hz) and damping ratio (table 1, section 3.3).
 FREQUENCIES, DAMPING_RATIO = (630.0, 1120.0, 1639.0), 0.016
-#: Cam orders of the lift that are kept.
+#: Cam orders of the lift that are included.
 ORDERS = 60
 
 

@@ -39,7 +39,7 @@ class Sampled:
 
 
 def sampled(cycle: Cycle, channel: str = "seat_force") -> Sampled:
-    """The force of one cam turn every :data:`SAMPLE`, at every phase that the run's record allows.
+    """The force of one cam revolution every :data:`SAMPLE`, at every phase that the run's record allows.
 
     A run whose record is not finer than the samples of the source has one phase: its own samples.
     """
@@ -59,7 +59,7 @@ def sampled(cycle: Cycle, channel: str = "seat_force") -> Sampled:
 
 
 def half_height(cam_angle: Array, force: Array, peak: int, reach: float) -> tuple[float, float]:
-    """Width (rad) of a spike at half its height, and the area (N rad) of what stands above its foot.
+    """Width (rad) of a spike at half its height, and the area (N rad) of its part above its foot.
 
     The foot is the median force within ``reach`` (rad) of the sample ``peak``; between samples the
     force is a straight line.

@@ -27,20 +27,20 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
 from valvetrain.sources.gu2021_reading import Sampled, half_height, sampled
 
-#: A peak of Stage I stands out by this share of the stage's force range.
+#: A peak of Stage I exceeds its surroundings by this share of the stage's force range.
 STAGE_1_SHARE = 0.25
-#: The two maxima of Stage II stand out by this share of the stage's force range; ripples of coil
+#: The two maxima of Stage II exceed their surroundings by this share of the stage's force range; ripples of coil
 #: contact stay below a third of it.
 STAGE_2_SHARE = 0.02
-#: Both lie above this share of the stage's force range: a ripple on its rising or falling flank is
+#: Both are above this share of the stage's force range: a ripple on its rising or falling flank is
 #: no maximum of the lifted valve.
 STAGE_2_HEIGHT = 0.5
 #: Heights of the maxima and of the valley are the extreme samples within this angle (rad) of them.
 MAXIMUM_REACH = np.radians(3.0)
-#: The spike of Stage III stands out by this share of the cycle's force range, so a ripple on the
+#: The spike of Stage III exceeds its surroundings by this share of the cycle's force range, so a ripple on the
 #: falling flank is none.
 STAGE_3_SHARE = 0.01
-#: A second spike stands out by this share of the main one's height over the median force after it.
+#: A second spike exceeds its surroundings by this share of the main one's height over the median force after it.
 SECOND_SPIKE_SHARE = 0.15
 #: Above this frequency (Hz), four times the first mode's, nothing but contact of coils moves the
 #: force.
@@ -113,7 +113,7 @@ def _as_the_source_read(
 def _spike_shape(
     cycle: Cycle, read: Sampled, separation: float, event: LiftEvent
 ) -> dict[str, float]:
-    """How long the spike of Stage III stands above half its height (s) and its impulse (N s)."""
+    """How long the spike of Stage III is above half its height (s) and its impulse (N s)."""
     angle, force = read.cam_angle.T.ravel(), read.force.T.ravel()
     top = spike_index(replace(cycle, cam_angle=angle), force, event)
     width, area = half_height(angle, force, top, separation)
@@ -122,7 +122,7 @@ def _spike_shape(
 
 
 def stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
-    """Range of the force in Stage I and the angles of the peaks that stand out of it."""
+    """Range of the force in Stage I and the angles of the peaks that exceed its surroundings."""
     inside = in_stage(cycle, event, 1)
     low, high = float(np.min(force[inside])), float(np.max(force[inside]))
     found = {
@@ -144,7 +144,7 @@ def stage_2(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
     """Largest force of Stage II; where it has two maxima, both and the valley between; the force at
     its end.
 
-    The two maxima are those of the force below :data:`RATTLE`, since a clash of coils beside one
+    The two maxima are those of the force below :data:`RATTLE`, since a clash of coils next to one
     would be taken for the other; their heights are the extreme samples around them.
     """
     inside = np.flatnonzero(in_stage(cycle, event, 2))
@@ -175,7 +175,7 @@ def _slow(cycle: Cycle, force: Array) -> Array:
 
 
 def _two_peaks(part: Array) -> tuple[int, int] | None:
-    """The two most prominent maxima in order of angle, or None where only one stands out in the
+    """The two most prominent maxima in order of angle, or None where only one is prominent in the
     upper half of the forces.
     """
     spread = float(np.ptp(part))

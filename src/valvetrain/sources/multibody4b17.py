@@ -199,7 +199,7 @@ def _damping(runs: Runs, printed: Mapping[str, float]) -> Finding | None:
     source = _rise(source_forces[1], source_forces[0])
     verdict = f"peak {over_all:+.1%} (source {source:+.1%}), "
     if over_all > source + FIT:
-        verdict += f"not reproduced: it lies off the nose; there {at_nose:+.1%}"
+        verdict += f"not reproduced: it is off the nose; there {at_nose:+.1%}"
     else:
         verdict += f"at the nose {at_nose:+.1%}"
     statement = f"damping {'raises' if source > 0 else 'lowers'} the peak contact force ({source_forces[0]:.0f} to {source_forces[1]:.0f} N)"
@@ -260,7 +260,7 @@ def _damper(runs: Runs) -> str:
     flank = "loses contact with the cam" if lost else "keeps contact"
     return (
         f"A damper of zeta = 1 ({damping:.1f} N s/m) on a valve moving at up to {velocity:.1f} m/s adds some {damping * velocity:.0f} N "
-        f"on the flanks; at the nose, where the valve stands still, it changes {word} ({change:+.1%}). "
+        f"on the flanks; at the nose, where the valve has zero velocity, it changes {word} ({change:+.1%}). "
         f"So damped and without seat load the train {flank}{_peaks(free, damped)}."
     )
 
@@ -337,7 +337,7 @@ def _surge(runs: Runs) -> str:
         return ""
     apart = abs(surge / lumped - 1) > 0.5
     meaning = "no surge frequency" if apart else "near the surge frequency by chance"
-    return f"{lumped:.0f} Hz is the lumped mass on the spring rate, {meaning}: the spring's own lies at {surge:.0f} Hz."
+    return f"{lumped:.0f} Hz is the lumped mass on the spring rate, {meaning}: the spring's own is at {surge:.0f} Hz."
 
 
 SPEC = SourceStudy(

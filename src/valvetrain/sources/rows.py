@@ -29,7 +29,7 @@ _STAGES = (
     _row("stage_1_maximum_force", "Stage I largest force", "Largest force in Stage I."),
     _row("stage_1_force_range", "Stage I range of the force", "Largest less smallest force in Stage I."),
     _row("stage_1_peak_{n}_cam_angle", "Stage I peak {n}, cam angle",
-         "Cam angle of local force maximum {n} in Stage I that stands out of the oscillation."),
+         "Cam angle of local force maximum {n} in Stage I that exceeds the oscillation."),
     *_force("stage_2_peak", "Stage II peak", "Largest force in Stage II."),
     *_force("stage_2_first_peak", "Stage II first peak",
             "First of two force maxima in the upper half of Stage II's forces: the largest sample within 3 degrees of the maximum below 2.5 kHz."),
@@ -44,7 +44,7 @@ _STAGES = (
     _row("stage_3_largest_sampled_peak_force", "Stage III peak force, largest over the phase of samples",
          "The same spike at samples of 0.5 cam degrees whose phase finds the most of it."),
     _row("stage_3_peak_duration", "Stage III peak, time at half height",
-         "Time that the spike of Stage III stands above half its height over its foot, the median force around it."),
+         "Time that the spike of Stage III is above half its height over its foot, the median force around it."),
     _row("stage_3_peak_impulse", "Stage III peak, impulse", "Integral over time of that spike's force above its foot."),
     _row("stage_3_every_instant_peak_force", "Stage III peak force, every instant",
          "The same spike at the highest instant of the whole record, for runs that keep every substep."),
@@ -133,7 +133,7 @@ MULTIBODY4B17_QUANTITIES: tuple[QuantityRow, ...] = (
     row("lumped_mass", "mass of the lumped train", "Sum of the printed masses of valve, rocker and pushrod.", systems=_TRAIN),
     row("lumped_angular_speed", "natural angular frequency of the lumped train",
         "The natural frequency of the lumped train in rad/s (the source's equation 8).", systems=_TRAIN, shown_unit="rad/s"),
-    row("cam_turn_frequency", "turns of the cam per second", "Turns of the cam per second in the runs compared (the source's equation 9).",
+    row("cam_turn_frequency", "cam revolutions per second", "Cam revolutions per second in the runs compared (the source's equation 9).",
         systems=_TRAIN),
 )  # fmt: skip
 

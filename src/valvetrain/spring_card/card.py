@@ -1,4 +1,4 @@
-"""A spring as a catalogue tells it, and the wires that its numbers leave possible."""
+"""A spring as a catalogue gives it, and the wires that its numbers leave possible."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from valvetrain.units import Given, keep_si
 
 #: Wire of a card that names no material.
 DEFAULT_MATERIAL = material_by_name("EN 10270-2 VDSiCr")
-#: Inactive turns at either end where the card does not tell how many turns there are, ground turns
-#: where no solid height tells.
+#: Inactive turns at either end where the card does not give how many turns there are, ground turns
+#: where no solid height is given.
 INACTIVE, GROUND = TEXTBOOK_TURNS["closed-ground"]
 #: Inactive turns at one end that a closed end can have, and ground turns that a solid height may
-#: ask for.
+#: require.
 POSSIBLE_INACTIVE, POSSIBLE_GROUND = (RAMP / 2, 3.0), (0.2, 1.0)
 
 
@@ -60,7 +60,7 @@ class CatalogueCard:
     installed_load, open_load : :class:`SpringLoad` at two heights, the higher one first
     top_outer_diameter : of a beehive, its narrow end, a length; the coils taper from
         ``taper_from_coil`` on, half of them where not given
-    solid_height, mass, free_length, total_coils : where the card tells them
+    solid_height, mass, free_length, total_coils : where the card gives them
     material : of the wire; EN 10270-2 VDSiCr where the card names none
     name : word for the spring
 
@@ -138,7 +138,7 @@ class CatalogueCard:
             )
         if self.solid_height is not None and self.solid_height >= high.height:
             raise InputError(
-                "the solid height lies above that of the second load; correct one of them",
+                "the solid height is above that of the second load; correct one of them",
                 "solid_height",
             )
         if self.free_length is not None and self.free_length <= low.height:
@@ -286,7 +286,7 @@ def _refuse_high_stack(card: CatalogueCard, total: float) -> None:
 
 
 def check_inactive(card: CatalogueCard, total: float, inactive: float) -> float:
-    """``inactive``; raises :class:`InputError` where no closed end has so many turns."""
+    """``inactive``; raises :class:`InputError` where no closed end has this many turns."""
     if POSSIBLE_INACTIVE[0] <= inactive <= POSSIBLE_INACTIVE[1]:
         return inactive
     source = _source_of_turns(card)
@@ -341,7 +341,7 @@ def ground_off(turns: float) -> float:
 
 def moving_mass(card: CatalogueCard) -> float:
     """Mass (kg) that moves in a cylindrical spring known by its card alone: of the turns that its rate
-    asks for, rho pi^2 d^2 D n / 4.
+    requires, rho pi^2 d^2 D n / 4.
     """
     wire, mean = card.wire_diameter, card.outer_diameter - card.wire_diameter
     turns = card.wire.shear_modulus * wire**4 / (8 * mean**3 * card.rate)

@@ -188,7 +188,7 @@ class _Request:
     @property
     def case_name(self) -> str:
         """Name of the case that is written: that of the spring where one is given, else of its folder,
-        so that two springs are told apart when they are compared.
+        to distinguish two springs that are compared.
         """
         if self.name != SPRING:
             return self.name
@@ -217,7 +217,7 @@ def _deliver(
     source: str,
     show: Any,
 ) -> None:
-    """Keep the folder (page, block of the spring, run.json) and tell."""
+    """Write the folder (page, block of the spring, run.json) and report it."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.parameters.loading import parse_case
     from valvetrain.report.files import spring_text

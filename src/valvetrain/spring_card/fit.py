@@ -77,7 +77,7 @@ class SpringFit(Saveable):
         )
         ends = np.pi / 4 * wire.material.density * squares
         surge = design_quantities(self.spring).get("estimated_surge_frequency", np.nan)
-        said = f"this wire has {1e3 * ends:.2g} g of end turns that move with the retainer besides, surges at {surge:.0f} Hz, and its coils can clash"
+        said = f"this wire has {1e3 * ends:.2g} g of end turns that also move with the retainer, surges at {surge:.0f} Hz, and its coils can clash"
         if card.top_outer_diameter is not None:
             return f"What the card alone does not have in an engine: {said}"
         moves = moving_mass(card)
@@ -94,7 +94,7 @@ class SpringFit(Saveable):
 
 def spring_from_card(card: CatalogueCard) -> SpringFit:
     """The spring that meets a catalogue card: both loads by the finite-element rod, turns and ends
-    by what else the card tells.
+    by the other values of the card.
 
     The active turns and the free length are changed until both loads are met to 0.02 %; formulas of
     straight torsion alone miss them by

@@ -38,7 +38,7 @@ POINTS = 25
 
 
 def held_rows(held: Sequence[CardDeviation]) -> list[tuple[str, str, str, str, str]]:
-    """Words, what the card asks, what the spring has, unit, and the difference."""
+    """Words, value of the card, value of the spring, unit, and the difference."""
     rows = []
     for one in held:
         label, unit, factor = ROWS[one.quantity]
@@ -97,7 +97,7 @@ def card_page(fit: SpringFit) -> Page:
 
 
 def tester_rows(fit: TesterFit) -> list[tuple[str, str, str, str]]:
-    """Words, value, twice its standard deviation and unit of what a table of forces tells."""
+    """Words, value, twice its standard deviation and unit of the results of a table of forces."""
     rows = [
         ("active turns", number(fit.active_coils[0], 4), number(2 * fit.active_coils[1], 2), ""),
         (

@@ -288,7 +288,7 @@ def spring_from_tester(
     table : of :func:`read_force_height`
     card : dimensions of the wire and the coils (:func:`card_from_table` makes one); its loads are not
         used
-    closes : end whose coils close first; the table cannot tell it, seat and retainer exchanged give
+    closes : end whose coils close first; the table cannot show it, seat and retainer exchanged give
         the same forces
     installed_height : at which preload and rate are reported, m; the largest height of the table by
         default
@@ -389,7 +389,7 @@ def _slopes(table: ForceHeight) -> tuple[Array, float]:
 
 
 def _open(table: ForceHeight) -> ForceHeight:
-    """The table without its stations in coil bind, whose force tells the tester rather than the
+    """The table without its stations in coil bind, whose force shows the tester rather than the
     spring.
     """
     slopes, first = _slopes(table)
@@ -480,7 +480,7 @@ def _bind(table: ForceHeight) -> float | None:
 
 def _left_free(law: PitchLaw, bind: float | None) -> tuple[str, ...]:
     free = [
-        f"the order of the coils is not in a table of forces: the tight ones are taken to lie at "
+        f"the order of the coils is not in a table of forces: the tight ones are assumed to be at "
         f"{'both ends' if law.closes == 'both' else 'the ' + law.closes + ' end'}"
     ]
     if law.card.material is None:

@@ -354,5 +354,5 @@ def check_masses(
         )
     if not 0 <= fraction <= 1:
         raise InputError(
-            f"effective_mass_fraction of spring '{name}' is {fraction}; it must lie between 0 and 1 (one third is typical)"
+            f"effective_mass_fraction of spring '{name}' is {fraction}; it must be between 0 and 1 (one third is typical)"
         )

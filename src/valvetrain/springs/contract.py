@@ -1,4 +1,4 @@
-"""The one contract of all spring models that stand between seat and retainer.
+"""The one contract of all spring models between seat and retainer.
 
 Written for the finite-element rod (a large internal state); the massless spring is the case with no
 unknown.
@@ -24,7 +24,7 @@ Stepping (explicit leapfrog shared by everything that moves in a train)::
 * ``state[:unknowns]`` are positions at t_n, ``state[unknowns:2 * unknowns]`` velocities at
   t_(n-1/2); what follows
   (histories, the dissipated energy) is bookkeeping of the model and no part of a periodicity test.
-* A train with step h first asks ``model.with_time_step(h)`` for the model adapted to that step (a
+* A train with step h first calls ``model.with_time_step(h)`` for the model adapted to that step (a
   wave rod chooses its grid; all
   others answer themselves), then uses THAT model's arrays.
 * The spring's share of mass that moves with the retainer (``retainer_mass``) is carried by the
@@ -42,7 +42,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-#: Target spacing (s) of a record of coil contacts, whose blows last some 10 us.
+#: Target spacing (s) of a record of coil contacts, whose impacts last about 10 us.
 WATCH_INTERVAL = 2e-6
 Kernel = Callable[[Array, NDArray[np.int64], Array, float, float, float], tuple[float, float]]
 
@@ -121,7 +121,7 @@ class ShownSeries(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ContactWatch:
-    """Where in a state the contacts of the coils stand, so that a compiled loop can write them down
+    """Where in a state the contacts of the coils are, so that a compiled loop can record them
     without knowing the model.
 
     ``stretches`` (r, 2): first entry and length of each stretch of the state that is written, one
@@ -165,7 +165,7 @@ class LargeSpring(Protocol):
     def place_retainer(
         self, state: Array, retainer_displacement: float, travel_since: float
     ) -> None:
-        """Say in a recorded ``state`` where the retainer stood when its positions were taken:
+        """Write into a recorded ``state`` where the retainer was when its positions were taken:
         ``travel_since`` (m) before
         ``retainer_displacement`` (m)."""
         ...
@@ -204,7 +204,7 @@ class ShownTogether(Protocol):
 
 @runtime_checkable
 class TabulatedSpring(Protocol):
-    """A spring model made of tables over lift, which is told how far the retainer goes."""
+    """A spring model made of tables over lift, which needs the largest travel of the retainer."""
 
     def reaching(self, largest_lift: float) -> SpringModel:
         """The model with tables up to a lift (m) and a little more."""

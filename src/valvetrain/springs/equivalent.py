@@ -20,7 +20,7 @@ REDUCTION_MESH = 24
 
 
 class Card(Protocol):
-    """What a spring card must tell: rate (N/m), preload at the seat (N), mass (kg) or None."""
+    """Required values of a spring card: rate (N/m), preload at the seat (N), mass (kg) or None."""
 
     @property
     def rate(self) -> float: ...
@@ -69,7 +69,7 @@ class EquivalentSpring:
 
     @classmethod
     def from_card(cls, card: Card, name: str = "spring") -> EquivalentSpring:
-        """All of the card's mass vibrates. Raises :class:`InputError` when the card tells no mass."""
+        """All of the card's mass vibrates. Raises :class:`InputError` when the card gives no mass."""
         if card.mass is None:
             raise InputError(
                 f"spring card '{name}' gives no mass; add it, or use the massless spring"
@@ -151,7 +151,7 @@ class InstalledGaps:
     which a wave runs uniformly).
     ``upper_coil`` (p,) coil number of the upper partner of each gap ``gap`` (p,) in m; it meets the
     wire one turn below. Places beyond
-    ``turns`` lie on the seat or on the retainer and move with them.
+    ``turns`` rest on the seat or on the retainer and move with them.
     """
 
     turns: Array

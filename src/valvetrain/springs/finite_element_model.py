@@ -153,7 +153,7 @@ class RodModel:
 
     def _equilibrium(self, retainer_displacement: float) -> Equilibrium:
         compression = self.precompression + retainer_displacement
-        if self.ends_lift:  # above its free length it stands free
+        if self.ends_lift:  # above its free length it is free
             compression = max(compression, 0.0)
         if compression == 0.0:
             return self.statics.solve(RodState(self.mesh.position, self.mesh.frame), 0.0)

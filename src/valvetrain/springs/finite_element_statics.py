@@ -82,7 +82,7 @@ def curve_over(
 
 
 def equilibrium_at(rod: RodModel, compression: float) -> Equilibrium:
-    """Equilibrium at a compression (m), reached from the installed state where it lies beyond, else
+    """Equilibrium at a compression (m), reached from the installed state where that is smaller, else
     from the free one.
 
     Raises :class:`InputError` where there is none.
@@ -104,7 +104,7 @@ def equilibrium_at(rod: RodModel, compression: float) -> Equilibrium:
 
 
 def rest_point(rod: RodModel, equilibrium: Equilibrium) -> RestPoint:
-    """All that the rod tells of one equilibrium."""
+    """All results of the rod for one equilibrium."""
     wire, state = rod.definition, equilibrium.state
     stress = wire_stress(static_section_loads(rod, [state]), wire, wire_points(wire.total_coils))
     force, moment = retainer_loads(rod.statics, state, wire.upper_seat_height - state.compression)

@@ -103,7 +103,7 @@ class ModalVaried:
             )
         if not 0 <= self.damping_ratio < 1:
             raise InputError(
-                f"damping_ratio of spring '{self.name}' is {self.damping_ratio}; it must lie between 0 and 1"
+                f"damping_ratio of spring '{self.name}' is {self.damping_ratio}; it must be between 0 and 1"
             )
         if (
             len(self.compressions) != len(self.forces)

@@ -122,7 +122,7 @@ class MultiMassSpring:
         **options: Any,
     ) -> MultiMassSpring:
         """From rate (N/m), preload (N) and mass (kg): uniform, without coil gaps (a card does not
-        tell them).
+        give them).
 
         Five elements are the published chain of 6 masses, one of them fixed and one moving with the
         valve.
@@ -188,7 +188,7 @@ class MultiMassSpring:
         return state
 
     def _at_rest(self, retainer_displacement: float) -> Array:
-        """Nodes at rest; a spring that cannot pull stands free above its free length."""
+        """Nodes at rest; a spring that cannot pull is free above its free length."""
         compression = self.precompression + retainer_displacement
         if self.pulls or compression >= 0:
             return chain_statics.solve_static(self.layout, compression)
@@ -205,7 +205,7 @@ class MultiMassSpring:
         stiff, lossy = (
             float(np.linalg.eigvalsh(root[:, None] * m * root)[-1]) for m in (closed, damped)
         )
-        # Damping works on predicted velocities, so the two limits stand apart: h^2 K < 4 and h C <
+        # Damping works on predicted velocities, so the two limits are separate: h^2 K < 4 and h C <
         # 2 (mass-scaled).
         return float(min(2 / np.sqrt(stiff), 2 / lossy if lossy > 0 else np.inf))
 

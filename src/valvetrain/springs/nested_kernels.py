@@ -20,7 +20,7 @@ def _rub(parameters, integers, state, outer_at, inner_at, time_step):
 
     Sections are taken in turn. The members have drifted already, so positions follow the impulse:
     friction between kick and drift
-    widens the stable step, friction after the drift would narrow it by up to sqrt(2) and blow up a
+    widens the stable step, friction after the drift would narrow it by up to sqrt(2) and make unstable a
     rod at Courant number one.
     """
     outer, inner, pairs = integers[0], integers[1], integers[6]

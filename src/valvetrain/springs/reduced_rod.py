@@ -79,7 +79,7 @@ class ReducedRod:
     """Spring reduced from ``rod``, with tables up to a ``largest_lift`` (m) of the retainer and a
     little more, to nearly solid without one; they are made on first use.
 
-    What the rod is asked at rest (statics, modes, stress) is answered by the rod itself. Raises
+    The rod itself answers static questions (statics, modes, stress). Raises
     :class:`InputError` for a rod with a contact law of its own, or whose ends lift. A guide's walls
     hold where the wire leans on them at rest; those that it meets in motion alone are not felt.
 

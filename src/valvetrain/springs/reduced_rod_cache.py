@@ -1,4 +1,4 @@
-"""Tables of reduced rods by what they are made of: some in memory, some beside the compiled
+"""Tables of reduced rods by their inputs: some in memory, some next to the compiled
 kernels, each file whole or none.
 """
 
@@ -30,8 +30,8 @@ _MADE: OrderedDict[str, ReducedTables] = OrderedDict()
 def tables_of(
     mesh: RodMesh, numbers: tuple[object, ...], make: Callable[[], ReducedTables]
 ) -> ReducedTables:
-    """Tables of a rod of ``mesh`` and the ``numbers`` that they depend on besides, made where they
-    stand nowhere.
+    """Tables of a rod of ``mesh`` and the ``numbers`` that they also depend on, computed where they
+    are not cached.
     """
     key = _key(mesh, numbers)
     if key not in _MADE:
@@ -65,7 +65,7 @@ def _key(mesh: RodMesh, numbers: tuple[object, ...]) -> str:
 
 
 def _folder() -> Path | None:
-    """Where tables stand: with the compiled kernels; None where those are not stored."""
+    """Folder of the tables: with the compiled kernels; None where those are not stored."""
     kernels = getattr(reduced_rod_kernel.advance_reduced, "_cache", None)
     place = getattr(kernels, "cache_path", None)
     return None if place is None else Path(place) / "reduced-rods"

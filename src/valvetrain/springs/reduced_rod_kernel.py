@@ -40,8 +40,8 @@ HEAD, INTEGERS = 8, 7
 #: 1.2 times the time); points taken at a time; scratch, in rows: departure, rate, slope of rest,
 #: accelerations, shares of the first two at both lifts, contact sums.
 LINE, LANES, SCRATCH = 8, 4, 10
-#: Time (s) after which the size of accelerations is taken anew and longest that a point is left alone; what
-#: its closing speed (m/s) may gain on the way beside what the acceleration, which may double, gives.
+#: Time (s) after which the size of accelerations is computed again and longest without a look at a point; what
+#: its closing speed (m/s) may gain in that time in addition to what the acceleration, which may double, gives.
 HORIZON, LONGEST, SPARE_SPEED = 12e-6, 150e-6, 0.2
 FAST = {"reassoc", "contract", "nsz"}
 KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
@@ -49,7 +49,7 @@ INNER: dict[str, Any] = {**KERNEL, "forceinline": True}
 
 
 def row_size(values: int) -> int:
-    """Length of a row of the tables that holds so many values."""
+    """Length of a row of the tables with this many values."""
     return -(-values // LINE) * LINE
 
 

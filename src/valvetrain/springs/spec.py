@@ -31,9 +31,9 @@ class SpringModelSpec:
     options; ``rest`` the spring at rest by
     the finite-element rod, given where ``needs_rest``. ``wire_only``: why a card does not serve,
     empty where it does. ``needs_mass``:
-    whether a card must tell its mass. ``no_motion``: why the model does not run in time, empty
+    whether a card must give its mass. ``no_motion``: why the model does not run in time, empty
     where it does; ``alone``: why not in the steps of a train, ``driver``: the model that a train runs with
-    before this one follows its motion; ``no_statics``: why it gives no curve by itself.
+    before this one follows its motion; ``no_statics``: why it gives no curve on its own.
     ``shows``: what beyond
     the end forces (``sections``, ``clash``, ``stress``). ``damped``: whether the damping of the
     spring has an effect.

@@ -31,7 +31,7 @@ from valvetrain.springs.spec import NoOptions, SpringModelSpec
 from valvetrain.springs.wave_rod import cells_for_step, wave_friction
 from valvetrain.units import Given, keep_si, si
 
-#: Courant number that leaves room for the contacts, their stiffness over a cell's, and their
+#: Courant number that leaves a margin for the contacts, their stiffness over a cell's, and their
 #: damping time over the step.
 COURANT, CONTACT_SHARE, DAMPING_SHARE = 0.9, 0.2, 0.4
 

@@ -31,7 +31,7 @@ class System(Protocol):
 
     @property
     def spring_names(self) -> tuple[str, ...]:
-        """``("spring",)``, or ``("outer", "inner")`` of a nested pair; they stand before the
+        """``("spring",)``, or ``("outer", "inner")`` of a nested pair; they come before the
         channels of a pair.
         """
         ...

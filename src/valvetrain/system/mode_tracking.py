@@ -1,5 +1,5 @@
 """Modes of a train followed from the closed valve to full lift: from one lift to the next each mode
-goes on in the one whose shape overlaps it most, whatever their frequencies do in between.
+continues in the one whose shape overlaps it most, whatever their frequencies do in between.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LIFTS = (0.01, 0.05, 0.2, 0.5, 0.8)
 
 
 def continued(before: Array, after: Array) -> tuple[NDArray[np.int64], Array]:
-    """For each mode ``after`` the mode ``before`` (both (unknown, mode), of unit length) that it goes on
+    """For each mode ``after`` the mode ``before`` (both (unknown, mode), of unit length) that it continues
     from, each once, and their overlap: squared cosine between the shapes, weighted by mass.
     """
     overlap = (before.T @ after) ** 2
@@ -41,7 +41,7 @@ def modes_to_full_lift(
     label: str = "",
 ) -> tuple[TrainModes, TrainModes]:
     """Modes at cam angles (rad) of the closed valve and of full lift; those at full lift say which
-    mode of the closed valve each goes on from, and the least overlap on the way.
+    mode of the closed valve each continues, and the least overlap on the way.
 
     Raises :class:`InputError` for a train that comes to no rest.
     """

@@ -25,10 +25,10 @@ from valvetrain.system.train_system import TrainSystem
 
 #: Why solids of a pair that rub do not run.
 RUBBING = (
-    "solid finite elements move each spring of a pair by itself, and these two rub on one another; leave rubbing out, "
+    "solid finite elements move each spring of a pair alone, and these two rub on one another; leave rubbing out, "
     "or use multi-mass or wave-rod"
 )
-#: What stands for a wire whose rod cannot be reduced.
+#: What replaces a wire whose rod cannot be reduced.
 CHAIN = "multi-mass"
 #: Springs at rest by the installed spring they represent.
 Rest = Mapping[InstalledSpring, SpringAtRest]
@@ -51,7 +51,7 @@ class Gear:
 @dataclass(frozen=True, eq=False)
 class Member:
     """One variant of a problem: which springs by which model, in which train (none: prescribed
-    motion). ``note`` is printed next to the results. ``by_default``: nobody named the model;
+    motion). ``note`` is printed next to the results. ``by_default``: the model was not named;
     ``instead``: why it is a chain of masses then, where it would be the reduced rod.
     """
 
@@ -69,7 +69,7 @@ class Member:
 
     @property
     def kind(self) -> str:
-        """Word of the system this member makes."""
+        """Name of the system this member makes."""
         return PRESCRIBED if self.gear is None else TRAIN
 
     @property
@@ -94,7 +94,7 @@ class Member:
         self, rest: Rest | None = None, built: BuiltModels | None = None
     ) -> PrescribedSpring | TrainSystem | DrivenSprings:
         """The member assembled; ``rest`` holds the springs at rest where the model needs them
-        (``model.needs_rest``), ``built`` the models that stand already (new ones are added).
+        (``model.needs_rest``), ``built`` the models that exist already (new ones are added).
 
         Raises :class:`InputError` where the model cannot represent a spring.
         """
@@ -145,7 +145,7 @@ class Problem:
 
     @property
     def kind(self) -> str:
-        """Word of the systems of this problem."""
+        """Name of the systems of this problem."""
         return self.members[0].kind
 
     @property
@@ -166,7 +166,7 @@ class Problem:
         return self if found == self.members else replace(self, members=found)
 
     def only(self, keep: Callable[[Member], bool]) -> tuple[Member, ...]:
-        """Members that ``keep`` says."""
+        """Members for which ``keep`` is true."""
         return tuple(member for member in self.members if keep(member))
 
     def model_of(

@@ -88,7 +88,7 @@ class TrainSystem:
 
     @property
     def has_large_springs(self) -> bool:
-        """Whether a spring has states so many that samples and repeats are saved: a rod or a solid."""
+        """Whether only samples and repeats of a spring are saved, for its number of states: a rod or a solid."""
         return any(isinstance(spring, LargeSpring) for spring in self.springs)
 
     @property

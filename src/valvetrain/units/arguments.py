@@ -15,7 +15,7 @@ Result = TypeVar("Result")
 
 
 def as_names(given: Sequence[str] | str | None) -> tuple[str, ...]:
-    """Names, of which a single one may stand for itself; empty text is none. Raises
+    """Names, of which a single one may be given without a list; empty text is none. Raises
     :class:`InputError` for what is no name.
 
     >>> as_names("massless"), as_names(["massless", "multi-mass"]), as_names("")

@@ -343,7 +343,7 @@ def _doubt(
         format_quantity(end, window.default_unit) for end in (window.low, window.high)
     )
     if not bare:
-        sentence = f"{shown} of {label} is unusual ({low_text} to {high_text} is usual) and taken as written; check number and unit"
+        sentence = f"{shown} of {label} is unusual ({low_text} to {high_text} is typical) and taken as written; check number and unit"
         warnings.warn(
             f"{where}: {sentence}" if where else sentence, UnusualValueWarning, stacklevel=2
         )
@@ -362,7 +362,7 @@ def _doubt(
     if meant is None:
         value_text = shown if shown == in_default_unit else f"{shown} ({in_default_unit})"
         raise InputError(
-            f"{value_text} of {label} lies outside {low_text} to {high_text}; check the number and its unit",
+            f"{value_text} of {label} is outside {low_text} to {high_text}; check the number and its unit",
             where,
         )
     unit, value = meant

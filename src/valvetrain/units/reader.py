@@ -80,7 +80,7 @@ def reader_unit(unit: str) -> str:
 
 
 def reader_factor(unit: str) -> float:
-    """What a number in ``unit`` is multiplied with to stand in :func:`reader_unit`."""
+    """What a number in ``unit`` is multiplied with to be in :func:`reader_unit`."""
     shown = reader_unit(unit)
     return 1.0 if shown == unit else unit_factor(_read(unit)) / unit_factor(shown)
 

@@ -116,7 +116,7 @@ def dimension_powers(text: str) -> dict[str, float]:
 
 
 class PlainNumber(float):
-    """A number from Python that stands in the tree of a case: SI of the dimension that is due where
+    """A number from Python in the tree of a case: SI of the dimension that is due where
     it is read. ``unit`` is set there, so that the tree can be written with units.
 
     >>> number = PlainNumber(0.004)

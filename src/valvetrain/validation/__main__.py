@@ -34,7 +34,7 @@ CHAPTERS = (
     "defaults",
 )
 
-#: Chapters whose rows stand in the tables of another one: they are run together.
+#: Chapters whose rows are in the tables of another one: they are run together.
 TABLES = {"bars": "solids", "large_deflection": "springs", "followers": "laws"}
 
 HEAD = """# Validation book
@@ -59,7 +59,7 @@ def book() -> tuple[BookCase, ...]:
 
 
 def chapter_of(case: BookCase) -> str:
-    """The chapter in whose tables the rows of a case stand."""
+    """The chapter in whose tables the rows of a case are."""
     own = case.rows.__module__.rpartition(".")[2]
     return TABLES.get(own, own)
 
@@ -100,7 +100,7 @@ def page(rows: Iterable[Row]) -> str:
 
 
 def merged(old: str, rows: Iterable[Row]) -> str:
-    """The page ``old`` with the tables of the topics of ``rows`` made anew, at its end where it had none."""
+    """The page ``old`` with the tables of the topics of ``rows`` written again, at its end where it had none."""
     head, *tables = page(rows).split("\n## ")
     known, *before = old.split("\n## ")
     remade = {table.partition("\n")[0]: table for table in tables}

@@ -78,7 +78,7 @@ def bend_of_45_degrees() -> list[Row]:
                 value,
                 "in",
                 0.3,
-                "the source's beam elements; later codes stand up to 0.3 in from it",
+                "the source's beam elements; later codes are up to 0.3 in from it",
                 "published",
             )
         )

@@ -32,7 +32,7 @@ from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 
 RPM = math.pi / 30
-#: Raw forces of one impact of coils, which no division resolves and whose contact no source states: their bars alone tell of them.
+#: Raw forces of one impact of coils, which no division resolves and whose contact no source states: only their bars describe them.
 IMPACT_FORCES = ("peak_clash_force", "surge_clash_peak_force")
 #: Models of a wire, that of a card being made up; models that are compared: chain, surge modes, rod of the
 #: wave equation and, of a wire, reduced rod and rod.
@@ -47,7 +47,7 @@ CHAIN = 60
 #: lengths (m) and cam angles (rad) that differ by less than these.
 SHARE, PRELOAD_SHARE, LENGTH, ANGLE = 0.01, 0.005, 0.5e-6, math.radians(0.5)
 
-#: The same by the last word of a quantity.
+#: The same by the last part of a quantity.
 NEAR = {
     "_gap": LENGTH,
     "_height": LENGTH,
@@ -174,7 +174,7 @@ def _finest(problem: Problem, member: Member, default: Solution) -> Solution:
     ready = prepare(problem, replace(member, springs=springs), {}, problem.record.study)
     step, own = None, default.statistics.get("time_step_duration")
     if word in STEPS and isinstance(own, (int, float)) and ready.system is not None:
-        # the grid of the wave equation follows the step: it asks for none
+        # the grid of the wave equation follows the step: it needs none
         limits = [
             STEP_FRACTION * float(spring.stable_time_step())
             for spring in ready.system.springs

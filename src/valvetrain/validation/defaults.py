@@ -77,7 +77,7 @@ VERDICTS = ("converged", "inside its bar", "missed")
 def _reason(one: Compared) -> str:
     if one.bar > one.converged:
         return "its bar" if one.repeats else "its bar and the scatter of both"
-    return "1 %" if one.converged > one.near else "nothing beside the preload or the lift"
+    return "1 %" if one.converged > one.near else "nothing compared with the preload or the lift"
 
 
 #: Why a number of a motion that does not repeat may be beyond, and by which share of the larger value: on

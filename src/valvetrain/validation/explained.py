@@ -1,7 +1,7 @@
 """Published numbers that this package does not meet: why, and the values that come out instead. A
 value beyond its band fails the book.
 
-The bands stand about what comes out today: 2 % of a force, 4 % of a velocity, 5 % of a
+The bands are about the present results: 2 % of a force, 4 % of a velocity, 5 % of a
 displacement, 8 % of an acceleration, three output samples (1.5 degrees) of an angle, 3 % of a
 number of the trains. They hold a miss where it is: a greater one is not explained.
 """
@@ -22,17 +22,17 @@ class Explained:
 
 
 _SCAN = "one straight law of the diameter and few pitches represent a spring that was scanned and departs from its drawing"
-_PRELOAD = "the source's Stage I lies below its own preload, about which a released spring swings; the ramp of the lift adds to the rest"
+_PRELOAD = "the source's Stage I is below its own preload, about which a released spring swings; the ramp of the lift adds to the rest"
 _RATTLE = "small collisions at the lowest speed follow the last hundredths of a millimetre of pitch at coil 2, which the data leave open"
-_FLANK = "the flank of the lift is not published, and the calibrated speed does not tell it"
-_SHORT = "the lift excites the first mode too little at this speed: its flank is not published, and the calibrated speed does not tell it"
+_FLANK = "the flank of the lift is not published, and the calibrated speed does not give it"
+_SHORT = "the lift excites the first mode too little at this speed: its flank is not published, and the calibrated speed does not give it"
 _CORNER = "coil 2 lands on coil 1 at a corner of the force curve, which takes the surge (decision 0077): the pitch there is not published"
 _PHASE = "the free oscillation has another phase: it starts on the closing flank of the lift, which is not published"
 _SAMPLES = "read between output samples half a degree apart, as the source read its own: follows the sampling, no evidence either way"
 _MODAL = "the modal model follows the same flank of the lift, which is not published"
 _PROFILE = "cam profile, arms and inclination of the pushrod are assumed; weight and inertia make up some per cent"
 _DAMPER = (
-    "not reproduced, and not by this damper: its c v of 388 N at the valve lies on the flanks, where it doubles the peak "
+    "not reproduced, and not by this damper: its c v of 388 N at the valve is on the flanks, where it doubles the peak "
     "(7231 N with the impact after the loss of contact) and adds nothing at the nose (390 N)"
 )
 _COMPLIANCE = (

@@ -43,7 +43,7 @@ def three_arc_lobe() -> list[Row]:
     )
     away = (
         base + top - nose_radius
-    )  # the nose's centre stands on the x axis, the flank's beyond the cam's centre
+    )  # the nose's centre is on the x axis, the flank's beyond the cam's centre
 
     def centre(flank: float) -> Array:
         return -(flank - base) * np.array([math.cos(half), math.sin(half)])

@@ -73,7 +73,7 @@ def settle(
     free: NDArray[np.bool_],
     motion: sparse.csr_matrix,
 ) -> tuple[Array, list[Pressed]]:
-    """Equilibrium of linear bodies in contact: unknowns u from ``start`` of which ``free`` ones are sought,
+    """Equilibrium of linear bodies in contact: unknowns u from ``start`` of which ``free`` ones are solved for,
     the flat ``position`` (m) moved by ``motion`` u; and the contacts.
     """
     moved, inside = start.copy(), np.flatnonzero(free)
@@ -352,7 +352,7 @@ def _impact(
 
 
 def outside(body: Body, edges: Integers, sag: Array) -> Faces:
-    """Side faces of a body over ``edges`` that run so that they lie outside a section which is not
+    """Side faces of a body over ``edges`` that run so that they are outside a section which is not
     reverse, else the other way round.
     """
     return side_faces(edges, body.position.shape[2], reverse=body.reverse, sag=sag)

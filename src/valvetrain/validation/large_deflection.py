@@ -151,7 +151,7 @@ def conical_closing() -> list[Row]:
         why = (
             "terms of (d / D)^2"
             if share < 0.01
-            else "turns close point by point, the force then stands off the axis"
+            else "turns close point by point, the force is then off the axis"
         )
         what = f"conical spring, force at {1e3 * travel:g} mm"
         rows.append(

@@ -74,7 +74,7 @@ def hunt_crossley_restitution(number: float) -> float:
     """
     if number == 0:
         return 1.0
-    # e = 1 / number makes the logarithm infinite; the root lies below it, and below one.
+    # e = 1 / number makes the logarithm infinite; the root is below it, and below one.
     high = min(1.0, (1 - 1e-12) / number)
     return float(
         brentq(lambda e: number * (1 + e) - math.log((1 + number) / (1 - e * number)), 1e-9, high)

@@ -1,7 +1,7 @@
 """Contact of the outer faces of bricks with a plane or with the faces of another body: a pressure at
-Gauss points of each face, proportional to how deep they lie in the other.
+Gauss points of each face, proportional to how deep they are in the other.
 
-Faces are flat between nodes that lie on a round surface: ``sag`` is how far that surface stands over
+Faces are flat between nodes on a round surface: ``sag`` is the height of that surface over
 the middle of a face, and counts as part of it.
 """
 
@@ -48,7 +48,7 @@ class Faces:
         return point, np.cross(one, two), _all(shape, own)
 
     def rise(self, local: Array) -> Array:
-        """How far (m) the true surface stands over the faces at ``local`` (f or 1, g, 2)."""
+        """Height (m) of the true surface over the faces at ``local`` (f or 1, g, 2)."""
         found: Array = np.einsum("fgk,fk->fg", _all(1 - local**2, self.sag), self.sag)
         return found
 
@@ -122,7 +122,7 @@ class FaceContact:
         point, outward, shape = self.faces.at(position, local)
         size = np.linalg.norm(outward, axis=-1)
         area = (size * area_weight).ravel()
-        # the true surface stands out of the face
+        # the true surface is outside the face
         risen = point + (self.faces.rise(local) / size)[..., None] * outward
         risen, shape = risen.reshape(-1, 3), shape.reshape(-1, 4)
         corners = np.repeat(self.faces.corners, local.shape[1], axis=0)
@@ -163,7 +163,7 @@ def _response(
 def _feet(
     faces: Faces, position: Array, point: Array
 ) -> tuple[Array, Array, tuple[Array, Integers]]:
-    """Gap (n,) of points from the nearest of ``faces`` (infinite beside all of them), normals (n, 3), and
+    """Gap (n,) of points from the nearest of ``faces`` (infinite outside all of them), normals (n, 3), and
     the corners' weights (n, 4) and places (n, 4, 3).
     """
     middle = position[faces.corners].mean(axis=1)

@@ -1,4 +1,4 @@
-"""Springs reduced from their rods: at rest, in small swings and in motion with clash, beside the
+"""Springs reduced from their rods: at rest, in small swings and in motion with clash, next to the
 finite-element rod at 24 elements per coil.
 """
 
@@ -137,7 +137,7 @@ def reduced_rod_in_motion() -> list[Row]:
 
 @book_case()
 def reduced_rod_in_its_train() -> list[Row]:
-    """The wire of the pushrod template beside its rod, both under the motion that the train by the reduced rod
+    """The wire of the pushrod template and its rod, both under the motion that the train by the reduced rod
     gives the retainer, at 6000 rpm with clash.
     """
     text = resources.files("valvetrain").joinpath("templates/pushrod.toml").read_text("utf-8")
@@ -153,7 +153,7 @@ def reduced_rod_in_its_train() -> list[Row]:
 
 
 def _rms(name: str, found: Sequence[RodDifference | None], share: float) -> list[Row]:
-    """The row of the largest rms of some runs beside their rods."""
+    """The row of the largest rms of some runs and of their rods."""
     largest = float(np.max([np.nan if one is None else one.rms for one in found]))
     clash = "with" if share > WITHOUT_CLASH else "without"
     what = f"{name}: seat force below 20 kHz, largest rms of the difference"

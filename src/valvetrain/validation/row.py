@@ -41,7 +41,7 @@ class Row:
 
     @property
     def within(self) -> bool:
-        """Whether the computed value lies within a tolerance that was stated."""
+        """Whether the computed value is within a tolerance that was stated."""
         return math.isfinite(self.tolerance) and abs(self.difference) <= self.tolerance
 
     @property
@@ -67,9 +67,9 @@ class BookCase:
 
 
 CASES: list[BookCase] = []
-#: Text above the table of a topic, asked for when its page is written.
+#: Text above the table of a topic, requested when its page is written.
 NOTES: dict[str, Callable[[], str]] = {}
-#: A file beside the page of a topic: its path from the page, and its content, asked for likewise.
+#: A file next to the page of a topic: its path from the page, and its content, requested likewise.
 FILES: dict[str, tuple[str, Callable[[], str]]] = {}
 
 

@@ -1,5 +1,5 @@
 """The solid in motion: its statics and modes against CalculiX, faces of bricks against Hertz and impact,
-its clash spikes beside the rod's.
+its clash spikes next to the rod's.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ def curvature_in_job_c() -> list[Row]:
     at = spring.precompression
     due, found = rod.static_point(at).force, body.installed.retainer_force
     name, what = (
-        "bricks beside rod with curvature, force at 7 mm",
+        "bricks against rod with curvature, force at 7 mm",
         "job-c, 24 slices and elements per coil",
     )
     why = "straight slices and contact points: 0.05 % at 24 per coil"
@@ -194,7 +194,7 @@ def faces_that_meet() -> list[Row]:
         Row("solids", "faces, velocity of the bar that was struck", "", bar, 1.0, bars.velocity, "m/s", 0.02, why),
         Row("solids", "faces, force of a ring that falls flat", "", tube, fall, ring.force, "N", 0.02 * fall, why),
         Row("solids", "faces, time that a ring that falls flat touches", "", tube, rest, 1e6 * ring.duration, "us", 0.02 * rest, why),
-        Row("solids", "faces, velocity at which the ring bounces", "", tube, 1.0, ring.velocity, "m/s", 0.05, "it goes on to breathe: " + why),
+        Row("solids", "faces, velocity at which the ring bounces", "", tube, 1.0, ring.velocity, "m/s", 0.05, "it continues to breathe: " + why),
     ]  # fmt: skip
 
 
@@ -223,6 +223,6 @@ def spikes_of_rod_and_solid() -> list[Row]:
         ),
     ):
         rows.append(
-            Row("solids", f"rod beside solid, {label}", "", what, solid[name], rod[name], "N", within * solid[name], why, KIND)
+            Row("solids", f"rod against solid, {label}", "", what, solid[name], rod[name], "N", within * solid[name], why, KIND)
         )  # fmt: skip
     return rows

@@ -79,7 +79,7 @@ def stress_from_section_forces() -> list[Row]:
                     float(found.mean()) / 1e6,
                     "MPa",
                     0.01 * expected / 1e6,
-                    "0.7 % by the lead angle and the eccentric load; Wahl's factor stands 1.1 to 1.4 % high",
+                    "0.7 % by the lead angle and the eccentric load; Wahl's factor is 1.1 to 1.4 % high",
                     "independent computation",
                 )
             )

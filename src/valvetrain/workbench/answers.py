@@ -129,7 +129,7 @@ def figures(run: Run) -> list[PageFigure]:
 
 
 def compare(run_a: Run, run_b: Run) -> RunsCompared:
-    """What differs between two runs, as ``valvetrain compare-runs`` tells it.
+    """What differs between two runs, as ``valvetrain compare-runs`` reports it.
 
     Raises :class:`InputError` where the inputs on disk are not those that a run was made from.
     """
@@ -147,7 +147,7 @@ def overlay(
     run: Run, name: str, test_data: bytes, quantity: str = "", channel: int = 0
 ) -> Overlaid:
     """Measured cycles, or a table of measured values, against the curves of a run, as ``valvetrain
-    compare-test`` tells it.
+    compare-test`` reports it.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def against(
 def saved_study(run: Run) -> tuple[Study, Case]:
     """The study of a saved run with its solutions read from disk, and its case.
 
-    Raises :class:`InputError` for a run without solutions, as a sweep keeps none, and for damaged
+    Raises :class:`InputError` for a run without solutions, as a sweep stores none, and for damaged
     files.
     """
     case = read_case(run.folder / "inputs" / "case.toml")
@@ -218,7 +218,7 @@ def saved_study(run: Run) -> tuple[Study, Case]:
     )
     if not runs:
         raise InputError(
-            f"a {run.command} keeps no curves to lay a test over; run the case at the speed of the test",
+            f"a {run.command} stores no curves to lay a test over; run the case at the speed of the test",
             "test",
         )
     still = {

@@ -62,7 +62,7 @@ def with_change(text: str, path: str, value: Any) -> str:
 
 
 def with_name(text: str, name: str) -> str:
-    """The case file ``text`` with ``name`` as its name, where it tells one; else its folder's name
+    """The case file ``text`` with ``name`` as its name, where it gives one; else its folder's name
     is the case's.
     """
     if "name" not in tomllib.loads(text):

@@ -133,7 +133,7 @@ def check(case_text: str, key: str, value_text: str, folder: Path = Path()) -> s
     case_text : the case (TOML)
     key : key path
     value_text : the value as ``--set`` takes it, empty to remove the key
-    folder : where files that the case names lie
+    folder : of the files that the case names
 
     >>> check("[lift_law]\\nkind = 'zero'", "operation.cycles", "0")
     'cycles must be a whole number from 1 to 10000'

@@ -25,13 +25,13 @@ from valvetrain.parameters.spring import EndKind
 from valvetrain.parameters.toml_text import inline
 from valvetrain.units import DIMENSIONS, parse_quantity, to_unit, unit_factor
 
-#: Last word of a key -> label, where the key's own words are not those of the field.
+#: Last part of a key -> label, where the key's own words are not those of the field.
 LABELS = {
     "youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio", "lift_of": "lift measured at", "zero_of_angle": "zero of the cam angle",
     "kind": "kind", "law": "contact law", "ends": "both ends",
 }  # fmt: skip
 
-#: Last word of a key -> what it means, where the table that reads it does not say.
+#: Last part of a key -> what it means, where the table that reads it does not say.
 HELP = {
     "title": "one line above results", "description": "what the case is, on top of its page",
     "wire_diameter": "diameter of the wire; over the coils where it changes", "mean_diameter": "diameter of the helix of the wire's axis",

@@ -43,7 +43,7 @@ class Outcome:
 
 
 def write_inputs(workspace: Workspace, job_id: str, request: JobRequest, text: str) -> None:
-    """Put what a job needs into its folder: the case as it now stands, the files it names, and the
+    """Put what a job needs into its folder: the current case, the files it names, and the
     study file.
     """
     folder = inside(workspace.jobs_folder, job_id)
@@ -177,7 +177,7 @@ class JobProcess:
                 self._share = share
 
     def _end(self, state: str) -> None:
-        """The end of its standard input is what asks the process to stop."""
+        """The end of its standard input requests the process to stop."""
         self._requested_end, self._text = self._requested_end or state, "stopping"
         if self._process is not None:
             self._close()
@@ -192,11 +192,11 @@ class JobProcess:
         run_id, share = _run_id(self.workspace, answer), self._share
         saved = "; what it had finished is saved" if run_id else _left(self.workspace, self.job_id)
         if code == TIME_UP:
-            sentence = f"was stopped after {duration_text(self.limits.seconds)}, the longest time of a job{saved}; ask for fewer speeds or models"
+            sentence = f"was stopped after {duration_text(self.limits.seconds)}, the longest time of a job{saved}; choose fewer speeds or models"
             return Outcome("failed", sentence, run_id, share)
         if code == MEMORY_UP:
             sentence = f"was stopped because it took more than {memory_text(self.limits.bytes)}, the largest memory of a job{saved}"
-            return Outcome("failed", f"{sentence}; ask for fewer speeds or elements", run_id, share)
+            return Outcome("failed", f"{sentence}; choose fewer speeds or elements", run_id, share)
         if self._requested_end:
             sentence = {
                 "cancelled": "was cancelled",
@@ -272,5 +272,5 @@ def _left(workspace: Workspace, job_id: str) -> str:
     """Words on finished runs that a killed job left in a folder of its own."""
     for one in unfinished_runs(root=workspace.runs_folder):
         if not one.living and any(job_id in word for word in one.command_line) and one.finished > 1:
-            return f"; {one.finished} runs that it had finished lie in {one.folder.relative_to(workspace.folder)}"
+            return f"; {one.finished} runs that it had finished are in {one.folder.relative_to(workspace.folder)}"
     return ""

@@ -41,14 +41,14 @@ from valvetrain.workbench.workspace import Workspace
 __all__ = ["JobKind", "JobRequest", "JobState", "JobStatus", "Jobs"]
 
 JobState = Literal["queued", "running", "finished", "failed", "cancelled", "interrupted"]
-#: Jobs that the database keeps; older ones that have ended are forgotten, their runs stay.
+#: Jobs that the database stores; older ones that have ended are deleted, their runs stay.
 MAX_ENDED = 1000
 _COLUMNS = "id, case_name, kind, state, share, text, seconds_left, error, run_id, created_at, started_at, ended_at"
 
 
 @dataclass(frozen=True, slots=True)
 class JobStatus:
-    """How a job stands.
+    """State of a job.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class Jobs:
         return self._check(request, self.workspace.text(request.case))
 
     def status(self, job_id: str) -> JobStatus:
-        """How a job stands. Raises :class:`InputError` for an unknown id."""
+        """The state of a job. Raises :class:`InputError` for an unknown id."""
         with self.workspace.store.connected() as base:
             row = base.execute(
                 f"SELECT {_COLUMNS} FROM jobs WHERE id = ?", (str(job_id),)
@@ -231,7 +231,7 @@ class Jobs:
         return job_id
 
     def _manage(self) -> None:
-        """Start the oldest job that waits whenever there is room."""
+        """Start the oldest job that waits whenever a process is free."""
         while True:
             with self._changed:
                 while not self._stopping and len(self._running) >= self.most_running:

@@ -119,10 +119,10 @@ def with_law_of(text: str, law: str) -> str:
 
 
 def _spliced(text: str, law: str) -> str:
-    """Line for line, where both laws stand below a header of their own."""
+    """Line for line, where both laws are below a header of their own."""
     body, head = opened(text)["lift_law"].as_string(), _HEADER.search(text)
     if head is None or not text.startswith(body, head.end()) or not law.startswith(_HEAD):
-        raise ValueError("stands elsewhere")
+        raise ValueError("is elsewhere")
     end = head.end() + len(body)
     return text[: head.end()] + law.removeprefix(_HEAD) + text[end:]
 
@@ -136,7 +136,7 @@ def _replaced(text: str, law: str) -> str:
 
 
 def _in_one_table(document: Any) -> Any:
-    """The lift law of a ``document``, put into one table where its keys stand here and there."""
+    """The lift law of a ``document``, put into one table where its keys are scattered."""
     import tomlkit
 
     law = document["lift_law"]
@@ -208,7 +208,7 @@ class CachedLaws:
                 f"the last values of kind '{kind}' are no longer readable ({refused}); {error.reason}",
                 "lift_law.kind",
             ) from None
-        reason = f"kind '{kind}' needs more than this lift law tells ({refused})"
+        reason = f"kind '{kind}' needs more than this lift law gives ({refused})"
         raise InputError(
             f"{reason}; write its table in the downloaded case, and open that", "lift_law.kind"
         )
@@ -228,7 +228,7 @@ class CachedLaws:
             yield (last := made)
 
     def keep(self, text: str, made: str) -> None:
-        """Keep what the law of the case file ``text`` tells before that of ``made`` takes its
+        """Save the values of the law of the case file ``text`` before that of ``made`` takes its
         place, but where it was only begun.
         """
         reason, begun = law_of(text), law_of(made)
@@ -245,7 +245,7 @@ class CachedLaws:
 
 
 def _same(law: str, other: str | None) -> bool:
-    """Whether two texts of :func:`law_of` tell the same."""
+    """Whether two texts of :func:`law_of` are equal."""
     with suppress(ValueError):
         return other is not None and tomllib.loads(law) == tomllib.loads(other)
     return False

@@ -66,7 +66,7 @@ class LiveChain:
     spring_model : ``multi-mass``, ``massless`` or ``wave-rod``; empty: the chain of masses, of a train
         the model that its runs take unless that is the reduced rod, whose tables take seconds
     engine_speed : crank speed, such as ``"5600 rpm"``; empty: the highest of the case
-    folder : where files that the case names lie
+    folder : of the files that the case names
 
     Raises
     ------
@@ -187,7 +187,7 @@ class _Worker:
                     else "ended without an answer"
                 )
                 return LiveResult(
-                    sentence=f"the curve {label}; ask for fewer elements or a higher speed"
+                    sentence=f"the curve {label}; choose fewer elements or a higher speed"
                 )
             return _result(json.loads(line))
 

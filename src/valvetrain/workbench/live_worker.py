@@ -63,7 +63,7 @@ class LiveCase:
     Parameters
     ----------
     case_text : the case (TOML)
-    folder : where files that it names lie
+    folder : of the files that it names
     spring_model : name of the model that runs; empty: a chain of masses, of a train its own model unless
         that is the reduced rod
     """
@@ -162,7 +162,7 @@ class LiveCase:
 
     def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, PreparedRun, float]:
         """The built case, its run, and the engine speed (rad/s) at which rigid parts lose contact,
-        as a sweep tells it.
+        as a sweep reports it.
         """
         key = tuple(sorted(changes.items()))
         if key not in self._built:

@@ -1,4 +1,4 @@
-"""The request of a job, checked and turned into arguments of the command; nothing of it reaches a
+"""The request of a job, checked and turned into arguments of the command; no part of it reaches a
 shell.
 """
 
@@ -22,7 +22,7 @@ from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import refuse_foreign_files
 
 JobKind = Literal["run", "compare", "sweep", "static", "modes", "study"]
-#: Options that a kind takes besides those of all, by their long names.
+#: Options that a kind takes in addition to those of all, by their long names.
 OPTIONS: dict[str, tuple[str, ...]] = {
     "run": (), "compare": (), "sweep": ("resolution", "float-lift", "bounce-height", "no-critical-speeds"),
     "static": ("to", "steps", "height", "load"), "modes": ("count", "compression", "attached-mass", "free-end"), "study": (),
@@ -43,12 +43,12 @@ class JobRequest:
     Parameters
     ----------
     kind : ``run``, ``compare``, ``sweep``, ``static``, ``modes`` or ``study``
-    case : id of the case; it is taken as it stands when the job is submitted
+    case : id of the case; it is read when the job is submitted
     spring_models : words of spring models, empty for the case's own
     engine_speeds : crank speeds as ``--engine-speed`` takes them, ``"4200, 5600 rpm"`` or
         ``"1000:9000:100 rpm"``; empty for the case's own
     spring_sets : spring sets of a train, empty for its own
-    settings : values set besides, key path -> text, as ``--set`` takes them
+    settings : further values, key path -> text, as ``--set`` takes them
     options : options of the kind by their long names without dashes, such as
         ``{"resolution": "10 rpm"}`` of a sweep; ``"true"`` for flags
     study : text of the study file (TOML) of a study, whose ``case`` is replaced by this one
@@ -202,7 +202,7 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
 
 
 def cost_text(cost: Cost, limits: Limits) -> str:
-    """The cost in words. Raises :class:`InputError` where it lies beyond the bounds of a job."""
+    """The cost as text. Raises :class:`InputError` where it is beyond the bounds of a job."""
     return refuse_cost(cost, limits, "valvetrain serve --limit ")
 
 

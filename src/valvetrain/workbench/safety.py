@@ -1,4 +1,4 @@
-"""What stands before every request: address, token, Host and Origin, bounds and headers. Plain
+"""Checks before every request: address, token, Host and Origin, bounds and headers. Plain
 ASGI, whatever framework is behind it.
 """
 
@@ -211,7 +211,7 @@ class Guard:
     async def _socket(self, scope: Scope, receive: Receive, send: Send) -> None:
         heads = _heads(scope)
         refused = self._refusal(scope, heads, "origin" in heads) or (
-            "" if self._is_known(heads) else "this server asks for its token"
+            "" if self._is_known(heads) else "this server requires its token"
         )
         if refused or self._sockets >= self.settings.most_sessions:
             await receive()
@@ -315,7 +315,7 @@ class Guard:
                 self._wrong.take()
             await sender.refuse(
                 401,
-                "this server asks for its token: open the address that 'valvetrain serve' printed",
+                "this server requires its token: open the address that 'valvetrain serve' printed",
             )
 
     def is_token(self, given: str) -> bool:
@@ -357,7 +357,7 @@ class Guard:
         ):
             return "another site sent this request"
         if not is_declared:
-            return "this request does not tell where it comes from"
+            return "this request does not give its origin"
         return "" if _is_plain(scope) else "this address leads nowhere"
 
     def is_own(self, host: str) -> bool:
@@ -402,7 +402,7 @@ class _TooLargeError(Exception):
 
 
 class _Sender:
-    """Sends answers with the headers of security; a page is held back until its scripts are known."""
+    """Sends answers with the headers of security; a page is buffered until its scripts are known."""
 
     def __init__(self, send: Send, host: str) -> None:
         self._send, self.host = send, host if _is_host(host) else "invalid"
@@ -412,7 +412,7 @@ class _Sender:
 
     @staticmethod
     def wants_page(scope: Scope) -> bool:
-        """Whether a browser asks for a page."""
+        """Whether a browser requests a page."""
         return "text/html" in _heads(scope).get("accept", "")
 
     async def send(self, message: Message) -> None:
@@ -493,7 +493,7 @@ class _Sender:
 
 
 def _heads(scope: Scope) -> dict[str, str]:
-    """Headers by lower-case name; one that stands twice and must not is spoilt, so that nothing
+    """Headers by lower-case name; one that occurs twice and must not is spoilt, so that nothing
     takes it for the other.
     """
     found: dict[str, str] = {}

@@ -1,5 +1,5 @@
 """Saved runs of a workspace, as the run store has them: listed, found, served and removed;
-nothing of them is written twice.
+nothing is written twice.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from valvetrain.workbench.store import checked_name, inside, writing
 RunFiles = Literal["case", "data", "report", "csv"]
 #: Answers of studies of points, which are saved next to the runs.
 STUDIES, STUDY_ANSWER = "studies", "study.json"
-#: Folder of a run in which tests lie that were laid over it; they are none of its results.
+#: Folder of a run with the tests that were laid over it; they are none of its results.
 TESTS = "laid-over"
 #: Largest study.json that is read, and largest folder that is served (bytes).
 MAX_ANSWER, MAX_HANDED = 50_000_000, 2_000_000_000
@@ -320,7 +320,7 @@ def saved_name(sent: str) -> str:
 
 
 def keep_test(run: Run, name: str, content: bytes) -> SavedTest:
-    """Keep the file of a test with a run, in place of one that was sent under the same name.
+    """Store the file of a test with a run, in place of one that was sent under the same name.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ class ServeSettings:
     host : address listened on, ``127.0.0.1`` by default
     port : TCP port
     token : what a visitor must show, empty where none is required (loopback)
-    names : names of this machine that a browser may call it by, besides its addresses
+    names : names of this machine that a browser may call it by, in addition to its addresses
     open_page : open the first page in a browser
     most_upload : largest uploaded file (bytes)
     most_body : largest body of any request, and largest message of a socket (bytes)

@@ -90,7 +90,7 @@ def inner_spring(outer: InstalledSpring, given: Mapping[str, Any]) -> dict[str, 
         raise InputError("no second spring fits inside this one; widen it first", "spring")
     bare, _, _ = split_notes(
         {"material": given["material"]}
-    )  # its notes tell where the outer one's comes from
+    )  # its notes say where the outer one's comes from
     height = {"precompression": _length(outer.precompression)}
     if "installed_height" in given:
         height = {"installed_height": _length(wire.free_length - outer.precompression)}
@@ -270,7 +270,7 @@ def _table(document: Any, heads: Sequence[str]) -> Any:
 
 
 def _places(case: Case) -> list[tuple[str, tuple[InstalledSpring, ...], str]]:
-    """Key path, springs and words of each place where springs stand."""
+    """Key path, springs and words of each place with springs."""
     if case.train is None:
         return [("spring", case.springs, "")] if case.springs else []
     several = len(case.train.springs) > 1

@@ -144,7 +144,7 @@ def inside(root: Path, *parts: str) -> Path:
     return place
 
 
-#: Names that some systems keep for devices.
+#: Names that some systems reserve for devices.
 _RESERVED = {
     "CON",
     "PRN",
@@ -163,12 +163,13 @@ def writing(what: str, where: str = "") -> Iterator[None]:
     ...     raise OSError(28, "No space left on device")
     Traceback (most recent call last):
     valvetrain.errors.InputError: small: this case cannot be written (no space left on device); make
-    room there, or choose another folder
+    free space there, or choose another folder
     """
     try:
         yield
     except (OSError, sqlite3.Error) as error:
         reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).lower()
         raise InputError(
-            f"{what} cannot be written ({reason}); make room there, or choose another folder", where
+            f"{what} cannot be written ({reason}); free space there, or choose another folder",
+            where,
         ) from error

@@ -6,7 +6,7 @@ and locks the file LOCK as long as it
 lives. Standard input is the lifeline: when it
 ends, because the server closed it or was killed, the job is requested to stop, saves what it finished,
 and is killed where it does not obey.
-Nothing of the package is computed here.
+It computes nothing of the package.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from pathlib import Path
 GRACE, LOOK, WEIGH = 15.0, 0.1, 0.5
 #: What is run: the command line of this package.
 PROGRAM = [sys.executable, "-m", "valvetrain"]
-#: Exit codes of this process besides those of the command line: ended for its time, for its memory.
+#: Exit codes of this process in addition to those of the command line: ended for its time, for its memory.
 TIME_UP, MEMORY_UP = 64, 65
 #: Address space that libraries reserve and never touch (bytes).
 RESERVED = 4e9
@@ -121,7 +121,7 @@ def _kill_group(job: subprocess.Popen[bytes]) -> None:
 
 def memory_of_group() -> float:
     """Bytes of memory that the processes of this group hold, pages they share counted once each; 0
-    where the system does not tell.
+    where the system does not report it.
     """
     total = 0.0
     for number in _group():

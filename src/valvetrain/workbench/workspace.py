@@ -266,7 +266,7 @@ class Workspace:
             return self._put(ours, with_name(text, ours), f"file {clipped(name, 60)}", sides)
 
     def text(self, case: CaseId) -> str:
-        """The case file as it stands. Raises :class:`InputError` for an unknown case."""
+        """The present case file. Raises :class:`InputError` for an unknown case."""
         return self._file(case).read_text("utf-8")
 
     def read(self, case: CaseId) -> Case:
@@ -338,7 +338,7 @@ class Workspace:
 
     @_in_turn
     def rename(self, case: CaseId, name: str) -> CaseId:
-        """Give a case another name; the new id. Its earlier runs keep the name they were made
+        """Give a case another name; the new id. Its earlier runs retain the name they were made
         under.
         """
         path, ours = self._file(case), self._free(name)
@@ -361,7 +361,7 @@ class Workspace:
             ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name)
         )
         if (path.parent / STORE).is_file() and not (path.parent / STORE).is_symlink():
-            with writing("what the copy keeps of its lift laws", ours):
+            with writing("what the copy stores of its lift laws", ours):
                 write_bytes(self.case_folder(ours) / STORE, (path.parent / STORE).read_bytes())
         return ours
 
@@ -456,7 +456,7 @@ class Workspace:
         """The file to serve: ``case`` (TOML), ``data`` (all files, zip), ``report`` (HTML) or
         ``csv`` (all tables, zip).
 
-        The path lies inside the workspace. Raises :class:`InputError` for an unknown run or kind,
+        The path is inside the workspace. Raises :class:`InputError` for an unknown run or kind,
         or a run without such a file.
         """
         return file_of(self.runs_folder, self.jobs_folder, run_id, kind)

@@ -46,7 +46,7 @@ class FilmRequest:
     colour: str = ""
 
     def check(self) -> None:
-        """Raise :class:`InputError` for what lies beyond the bounds and for a colour that no wire
+        """Raise :class:`InputError` for values beyond the bounds and for a colour that no wire
         has.
         """
         if self.colour and self.colour not in COLOURS:

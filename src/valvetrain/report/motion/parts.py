@@ -42,7 +42,7 @@ class SpringDrawing:
     """One spring: nodes at ``coil`` numbers (node,) on a helix of ``radius`` (node,) and wire of
     ``wire_radius`` (node,), in m.
 
-    The axis of node n stands ``rest`` + ``displacement`` (m; (node,) and (frame, node)) above the
+    The axis of node n is ``rest`` + ``displacement`` (m; (node,) and (frame, node)) above the
     lower seat. ``seat`` (x, y in m) and ``direction`` (rad): foot and direction of the spring's
     axis in the plane of the train. ``retainer`` (frame,): height (m) of the retainer's plane.
     ``sign``: +1 of a right-hand helix, -1 of a left-hand one.
@@ -80,7 +80,7 @@ class Shape:
 @dataclass(frozen=True, eq=False)
 class Body:
     """A rigid body: ``pose`` (frame, 3) holds x, y (m) and the angle (rad, counter-clockwise);
-    ``tone``: word of its colour.
+    ``tone``: name of its colour.
     """
 
     name: str
@@ -149,7 +149,7 @@ _PEAKS = ("peak_spring_force", "minimum_spring_force")
 
 def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
     """Marks of a run by cam angle: largest and least spring force (on every step where the run
-    tells it), the hardest clashes at their peaks, the first of its other events.
+    gives it), the hardest clashes at their peaks, the first of its other events.
     """
     found = _peaks(run, cycle)
     clashes = sorted(
@@ -223,7 +223,7 @@ LOBE_POINTS, CIRCLE_POINTS = 720, 40
 def lobe_outline(
     kind: int, row: Array, table: Array, follower_radius: float, points: int = LOBE_POINTS
 ) -> Array:
-    """Outline (point, 2) of a cam in its own frame, which lies on the plane's at cam angle zero.
+    """Outline (point, 2) of a cam in its own frame, which coincides with the plane's at cam angle zero.
 
     Parameters
     ----------

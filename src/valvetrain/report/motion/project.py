@@ -40,7 +40,7 @@ TONES = {
 
 
 def motion_json(moving: Moving) -> str:
-    """The picture as JSON text that may stand inside a script element."""
+    """The picture as JSON text that is safe inside a script element."""
     return in_script(json.dumps(motion_data(moving), separators=(",", ":"), ensure_ascii=True))
 
 
@@ -234,7 +234,7 @@ def turned(points: Array, view: tuple[float, float]) -> Array:
 
 def helix(spring: SpringDrawing, frame: int, coil: Array) -> Array:
     """Axis (n, 3) of the wire in the space of the train at coil numbers (n,), in m."""
-    # Ground ends reach beyond seat and retainer; what is left of them lies between the planes.
+    # Ground ends reach beyond seat and retainer; the remainder is between the planes.
     room = 0.5 * np.interp(coil, spring.coil, spring.wire_radius)
     height = np.clip(
         np.interp(coil, spring.coil, spring.height[frame]), room, spring.retainer[frame] - room
@@ -304,7 +304,7 @@ def _discs(spring: SpringDrawing, frame: int, view: tuple[float, float]) -> list
         _body_project(Body("disc", "seat", (Shape("lathe", profile),), pose), 0, view)
         for profile in profiles
     ]
-    # Below all else and above all else: the wire stands between them.
+    # Below all else and above all else: the wire is drawn between them.
     return [
         Flat(one.points, one.colour, side * 1e3 + one.depth)
         for side, many in zip((-1, 1), found, strict=True)
@@ -382,7 +382,7 @@ def _rgb(values: Array) -> Colour:
     return red, green, blue
 
 
-#: Height (px) of the picture, and room (m) around it.
+#: Height (px) of the picture, and margin (m) around it.
 HEIGHT, MARGIN = 420, 1e-3
 
 

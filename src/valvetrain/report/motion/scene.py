@@ -49,8 +49,8 @@ def choose_frames(
     ----------
     cam_angle : (sample,) rad, ascending from 0 to less than one turn
     most : largest number of frames; required frames may exceed it
-    keep : samples that stay whatever happens, such as those of peaks
-    spans : first and last cam angle (rad) of clashes, most wanted first; every sample inside one is
+    keep : samples that are always drawn, such as those of peaks
+    spans : first and last cam angle (rad) of clashes, most important first; every sample inside one is
         drawn until ``most`` is reached
 
     Returns
@@ -99,7 +99,7 @@ _TURN = 2 * np.pi
 #: before they are written as text.
 MAX_VARIANTS, MAX_FRAMES, MAX_RUN_BYTES, MAX_BYTES = 4, 1000, 500_000, 1_000_000
 MIN_FRAMES = 120
-#: Clashes around which frames stand closer, most wanted first.
+#: Clashes around which frames are closer in time, most important first.
 MAX_SPANS = 60
 #: Forces next to the picture: words, channel, colour; the first that a run has of each line, three
 #: at most.

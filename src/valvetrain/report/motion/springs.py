@@ -267,7 +267,7 @@ def draw_spring(
     sample : (frame,) samples drawn
     travel : (frame,) displacement (m) of the retainer towards the seat
     rest : the spring at rest, whose static curve gives the installed shape where the run does not
-    shared : springs that rub on each other ran as one, so forces are of both; the run tells the
+    shared : springs that rub on each other ran as one, so forces are of both; the run gives the
         coils of the outer one alone
 
     Returns
@@ -291,7 +291,7 @@ def draw_spring(
         whose = (
             "this model moves no coils"
             if known
-            else "of springs that rub the run tells the coils of the outer one alone"
+            else "of springs that rub the run gives the coils of the outer one alone"
         )
         remarks = (f"{whose}: they are spread over the wire by its compliance, as in slow motion",)
     if exact:
@@ -391,7 +391,7 @@ def wire_of(
     """The wire to draw, its precompression (m) and a note where a card does not give it; None for a
     card without a mass.
 
-    ``valve_lift`` (m): a wire made up for a card has room for it.
+    ``valve_lift`` (m): a wire made up for a card leaves travel for it.
     """
     if installed.wire is not None:
         return installed.wire, installed.precompression, ()
@@ -406,7 +406,7 @@ def wire_of(
                 f"spring '{installed.name}' is known by a card without a mass, so its wire is not drawn",
             ),
         )
-    sentence = f"a card does not tell the wire: drawn is one of {ACTIVE_COILS:g} turns with the rate, preload and mass of the card"
+    sentence = f"a card does not give the wire: the drawing shows one of {ACTIVE_COILS:g} turns with the rate, preload and mass of the card"
     return wire, precompression, (sentence,)
 
 

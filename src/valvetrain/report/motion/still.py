@@ -1,5 +1,5 @@
-"""A still picture of a case to scale, from its parts alone: nothing is run, its parts stand as slow
-motion puts them.
+"""A still picture of a case to scale, from its parts alone: nothing is run, parts are placed as in slow
+motion.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member
 
-#: Cam angles (a turn) at which the parts are drawn, and the model that is asked for none of them.
+#: Cam angles (one revolution) at which the parts are drawn, and the model, which is not evaluated.
 ANGLES, MODEL = 180, "massless"
-#: Room between two drawings over their height.
+#: Space between two drawings as a share of their height.
 GAP_SHARE = 0.12
 
 
 def case_picture(case: Case, closed_alone: bool = False) -> str:
     """The train or spring of ``case`` as an SVG document to scale: valve closed and, unless
-    ``closed_alone``, at full lift to the same scale beside it where the case has a lift law.
+    ``closed_alone``, at full lift to the same scale next to it where the case has a lift law.
 
     Empty where it has neither a train nor a spring whose wire can be drawn. Raises
     :class:`InputError` where the case cannot be built.
@@ -63,7 +63,7 @@ def _svg(drawings: Sequence[Sequence[Flat]]) -> str:
 
 
 def _variant(member: Member) -> Variant | None:
-    """The parts over one turn of the cam, as rigid parts move."""
+    """The parts over one cam revolution, as rigid parts move."""
     angle = np.arange(ANGLES) * 2 * np.pi / ANGLES
     lift = np.asarray(member.valve_lift.lift(angle), dtype=float)
     channels = ChannelArrays(

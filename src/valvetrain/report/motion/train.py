@@ -208,7 +208,7 @@ def contact_direction(contact: Contact, turned: Array, cam_angle: Array) -> Arra
     pitch, slope = (
         np.interp(chi, nodes, contact.table[:, column], period=2 * np.pi) for column in (0, 1)
     )
-    # The pitch curve's normal leads from the cam to the centre; the contact lies the other way.
+    # The pitch curve's normal leads from the cam to the centre; the contact is on the other side.
     normal = polar - np.arctan2(-contact.sense * slope, pitch)
     found: Array = np.unwrap(normal + np.pi - turn)
     return found
@@ -429,7 +429,7 @@ def _pushrod(mechanism: AssembledMechanism, q: Mapping[str, Array]) -> list[Body
 def _valve(
     train: TrainParameters, member: Member, tip: tuple[float, float], travel: Array, lift: Array
 ) -> list[Body]:
-    """Stem with retainer, head, and the seats of springs and valve; the stem lies along the body's
+    """Stem with retainer, head, and the seats of springs and valve; the stem is along the body's
     y axis.
     """
     springs = spring_rooms(member, float(np.max(travel, initial=0.0)))

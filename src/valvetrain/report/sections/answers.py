@@ -49,12 +49,12 @@ from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import reader_text
 
-#: Runs that stand side by side in one table; more stand below each other, a table per question.
+#: Runs shown side by side in one table; of more, a table per question, one below the other.
 MAX_COLUMNS = 8
 #: Runs of which several clashes are listed at once; of more the largest of each, and the others
 #: behind a word to click.
 OPEN_LISTS = 2
-#: Letters of a note that stands open whole.
+#: Letters of a note that is shown in full.
 LONG_NOTE = 140
 _CLASH_HEADERS = (
     "coils",

@@ -18,15 +18,15 @@ from valvetrain.solution.status import COMPLETED
 from valvetrain.solution.study import Study
 
 MAX_SHAPES, MAX_MODES = 4, 6
-#: Top of an axis over its highest curve, so that labels of rules stand above that, and its end beyond the
-#: last rule, so that the label of that stands there.
+#: Top of an axis over its highest curve, so that labels of rules fit above it, and its end beyond the
+#: last rule, so that the label of that fits there.
 LABELLED, BEYOND = 1.25, 1.14
 #: Share by which a stiffness rises where coils close, and what is said of that.
 RISE = 0.02
-CLOSING = " The stiffness rises where coils come to lie on the ones below."
+CLOSING = " The stiffness rises where coils come to rest on the ones below."
 #: Dash of a model -> how a caption gives it.
 DASHES = {"solid": "solid", "dash": "dashed", "dot": "dotted"}
-#: Share of the largest force below which a difference in force tells of rounding.
+#: Share of the largest force below which a difference in force is rounding.
 LEAST_LOAD = 1e-3
 #: Cam orders that are named with a mode, and share of its frequency that a figure shows about it.
 MODE_ORDERS, ABOUT = (6, 12), 0.25
@@ -82,7 +82,7 @@ def opening_chart(study: Study) -> Chart | None:
 
 
 def _opening_key(study: Study) -> str:
-    """Key of that figure: of the modes where they were asked for, or where no curve was; empty with
+    """Key of that figure: of the modes where they were requested, or where no curve was; empty with
     any run.
     """
     if study.solutions or not study.rest:
@@ -268,7 +268,7 @@ def static_chart(study: Study, members: list[SpringAtRest], key: str, title: str
     every = np.concatenate([np.asarray(curve.stiffness, dtype=float) for _, curve in known]) * 1e-3
     # The wall of the solid spring would flatten all else.
     top = LABELLED * min(float(every.max()), 4 * float(np.median(every)))
-    # Room at the right for the words next to the last mark.
+    # Space at the right for the words next to the last mark.
     reach = (
         0.0,
         BEYOND
@@ -378,7 +378,7 @@ def orders_chart(study: Study, key: str) -> Chart | None:
         layers.append(
             Line(x, order * x / 120, f"order {order}", theme.MUTED, 1.0, "dot", False, at_end)
         )
-    # numbers of the lines that end at the top stand above those
+    # numbers of the lines that end at the top are above those
     layers.append(
         Marks(
             120 * above / np.array(upper),

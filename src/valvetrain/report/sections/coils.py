@@ -27,7 +27,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
 MAX_COLUMNS, COILS_MAX_ROWS, MAX_LINES = 720, 160, 16
-#: Runs of one engine speed whose figures stand below each other; more stand behind tabs.
+#: Runs of one engine speed whose figures are below each other; more are behind tabs.
 MAX_OPEN = 2
 #: What is drawn of the wire, the first that a run has.
 _HEIGHTS = (
@@ -412,7 +412,7 @@ def stress_chart(study: Study, run: Solution, spring: str, key: str, title: str)
 STRESS_SPEC = SectionSpec("stress", "Wire stress", stress_blocks)
 
 
-#: Rows up to which the table stands open.
+#: Rows up to which the table is open.
 OPEN_ROWS = 24
 EVENTS_MAX_ROWS = 400
 HEADERS = (

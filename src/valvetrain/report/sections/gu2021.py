@@ -1,4 +1,4 @@
-"""Figures of one source, the beehive spring of gu2021: solid beside rod, force by stages with published
+"""Figures of one source, the beehive spring of gu2021: solid next to rod, force by stages with published
 values, spikes close up, nodes 1 and 2.
 """
 
@@ -31,7 +31,7 @@ SPIKE_BANDWIDTH = 10e3
 #: The close-up begins this far (cam deg) before the end of the lift event and ends this far after
 #: it.
 SPIKE_REACH = (8.0, 87.0)
-#: Channel -> (word of a published name, unit shown, factor).
+#: Channel -> (part of a published name, unit shown, factor).
 MOTIONS = {
     "axial_displacement": ("displacement", "mm", 1e3), "axial_velocity": ("velocity", "m/s", 1.0),
     "axial_acceleration": ("acceleration", "km/s²", 1e-3),
@@ -70,7 +70,7 @@ HEIGHTS = {
     "spike of Stage III": ("stage_3_peak_force", None, ""),
     "spike of Stage III below 10 kHz": ("stage_3_below_10_khz_peak_force", 0.05, "main_clash_below_10_khz_peak_force"),
 }  # fmt: skip
-#: What stands between solid and rod, measured on this spring.
+#: Difference of solid and rod, measured on this spring.
 CONTACT = (
     "What is between rod and solid is the contact of coils and the solid's mesh: without that contact both are within 0.6 % in Stage II, "
     "clamped ends change nothing where no free wire touches a seat, and on finer bricks (36 slices, two rings) Stage II at 8000 rpm "
@@ -82,7 +82,7 @@ _MODELS = ("solid", "finite-element", "modal-varied")
 
 
 def height_blocks(study: Study) -> tuple[Block, ...]:
-    """Heights (N) by solid, rod and modal model beside those of the source, at every speed that a solid
+    """Heights (N) by solid, rod and modal model next to those of the source, at every speed that a solid
     ran at, and sentences on how far solid and rod are apart; nothing without either.
     """
     rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
@@ -324,7 +324,7 @@ def spike_chart(study: Study, runs: list[Solution], engine_speed: float, key: st
         if found is not None and len(found[0]):
             lines.append(Line(*thin(found[0], found[1]), look.label, look.colour, 1.4))
             if np.any(np.isfinite(found[2])):
-                # Darker than the raw line, so that the two part where they lie on each other.
+                # Darker than the raw line, so that the two part where they coincide.
                 dark = theme.mix(look.colour, theme.INK, 0.75)
                 lines.append(
                     Line(

@@ -43,7 +43,7 @@ def _cells(one: CaseValue) -> tuple[Cell, ...]:
 CASE_SPEC = SectionSpec("case", "Values of the case", case_blocks, folded=True)
 
 
-#: Rows up to which the table stands open.
+#: Rows up to which the table is open.
 OPEN_ROWS = 12
 
 

@@ -68,7 +68,7 @@ def clearance_chart(study: Study, runs: list[Solution], key: str, title: str) ->
                 rules=(Rule("y", 0.0, "they touch"),),
                 x_range=(-SHOWN, SHOWN),
                 x_step=30,
-                y_range=(low - room, high + room),  # the rule of touching stands inside
+                y_range=(low - room, high + room),  # the rule of touching is inside
             )
         )
     if not least:

@@ -42,7 +42,7 @@ from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import Range, Uncertainty
 
-#: Ends of the ratio axis; what lies beyond is drawn at the end as a triangle, its number on hover.
+#: Ends of the ratio axis; values beyond are drawn at the end as a triangle, its number on hover.
 AXIS = (0.5, 1.5)
 #: Rows up to which each is named at the side; more are named on hover and in the table.
 NAMED_ROWS = 40
@@ -90,7 +90,7 @@ def ratio_chart(study: Study) -> Chart | None:
     """One row per given value: computed over given, bars for stated tolerance and numerical
     uncertainty; None without a ratio.
     """
-    known = ratios(study.comparisons)[::-1]  # the first stands on top
+    known = ratios(study.comparisons)[::-1]  # the first is on top
     if not known:
         return None
     height = np.arange(len(known), dtype=float)
@@ -132,7 +132,7 @@ def ratio_chart(study: Study) -> Chart | None:
         y_tick_labels=value_text_at,
     )
     left = len(study.comparisons) - len(known)
-    caption = "Each mark is a computed value over the given one; name, engine speed and source show on it. Triangles stand beyond the axis."
+    caption = "Each mark is a computed value over the given one; name, engine speed and source show on it. Triangles mark values beyond the axis."
     caption += f" {left} values without a ratio are in the table only." if left else ""
     size = int(np.clip((17 if named else 7) * len(known), 120, 1100)) + 90
     return Chart("ratios", "Computed over given values", caption, (panel,), height=size)

@@ -1,4 +1,4 @@
-"""Stress of the wire beside its strength: largest over least corrected shear of every run, as the
+"""Stress of the wire and its strength: largest over least corrected shear of every run, as the
 charts of spring makers have it, with published fatigue strengths and the static limit.
 """
 
@@ -26,7 +26,7 @@ SYMBOLS = ("circle", "diamond", "triangle", "square")
 
 def blocks(study: Study) -> tuple[Block, ...]:
     """One figure; nothing where the strength of no wire is known."""
-    return figure_or_gap("Stress beside the strength of the wire", strength_chart, study)
+    return figure_or_gap("Stress and strength of the wire", strength_chart, study)
 
 
 def strength_chart(study: Study) -> Chart | None:
@@ -91,9 +91,7 @@ def strength_chart(study: Study) -> Chart | None:
         "Line across: where the uncorrected shear is 0.56 of the least tensile strength (EN 13906-1, at rest). Nearest to it: "
         f"{label} uncorrected, {number(100 * share, 3)} %."
     )
-    return Chart(
-        "strength", "Stress beside the strength of the wire", caption, (panel,), height=380
-    )
+    return Chart("strength", "Stress and strength of the wire", caption, (panel,), height=380)
 
 
 SPEC = SectionSpec("strength", "Stress and strength", blocks)

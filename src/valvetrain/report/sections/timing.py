@@ -17,9 +17,9 @@ from valvetrain.solution.study import Study
 
 #: Numbers of the cam's drive, in order.
 POWER = ("mean_cam_power", "mean_cam_torque", "peak_cam_torque", "minimum_cam_torque")
-#: Runs that stand side by side; of more, those of the highest speed of each label.
+#: Runs shown side by side; of more, those of the highest speed of each label.
 MAX_RUNS = 4
-#: Rows of the table of causes that stand open.
+#: Rows of the table of causes that are open.
 OPEN_ROWS = 8
 
 

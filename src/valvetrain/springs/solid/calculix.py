@@ -28,7 +28,7 @@ def start(
     program: Sequence[str], folder: str, environment: dict[str, str], log: IO[bytes]
 ) -> subprocess.Popen[bytes]:
     """Start ``program`` in ``folder``, its words in ``log``. Where there are forks, a guardian
-    stands between: it ends with this
+    is between: it ends with this
     process, and the program with it. Out of the terminal's group, Ctrl-C reaches neither;
     :func:`end` ends both."""
     guard = [sys.executable, "-I", "-S", str(GUARDIAN), folder] if hasattr(os, "fork") else []
@@ -47,7 +47,7 @@ def end(process: subprocess.Popen[bytes], patience: float = 10.0) -> None:
     """End what :func:`start` began, if it still runs."""
     assert process.stdin is not None
     with suppress(OSError):
-        process.stdin.close()  # tells the guardian
+        process.stdin.close()  # signals the guardian
     if hasattr(os, "fork"):
         with suppress(subprocess.TimeoutExpired):
             process.wait(patience)

@@ -148,7 +148,7 @@ def model_text(
 
 def seats_text(mesh: SolidMesh, spring: SpringDefinition, ground: bool) -> str:
     """Rigid blocks of the seat planes and their contact with the free wire next to the fixed ends;
-    stands after the contact of coils.
+    comes after the contact of coils.
 
     ``ground``: the mesh has flat ground faces (:func:`seat_plates`).
     """
@@ -276,7 +276,7 @@ def static_step(
     """Compression (m) reached in one step; ``first``, ``largest``, ``smallest`` increment as shares
     of the step.
 
-    First equal to largest equal to smallest asks for fixed increments. ``period`` is the step's
+    First equal to largest equal to smallest gives fixed increments. ``period`` is the step's
     length in solver time (s).
     """
     one, most, least = (f"{share * period:.10g}" for share in (first, largest, smallest))

@@ -84,7 +84,7 @@ class SolidSpring:
         )
 
     def deck(self, *load_steps: str, before: str = "", mass_damping: float = 0.0) -> str:
-        """The whole input deck with the given steps; ``before`` holds tables that stand between
+        """The whole input deck with the given steps; ``before`` holds tables between
         model and steps.
         """
         title = f"** {comment(self.spring.name)}: {len(self.mesh.elements)} {self.options.element_type}; mm, N, s, tonne, MPa\n"

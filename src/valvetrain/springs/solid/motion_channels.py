@@ -90,7 +90,7 @@ def _line_forces(wire: SolidWire, run: SolidTransient) -> tuple[dict[str, Array]
     forces, places = dict[str, Array](), dict[str, Array]()
     for name, peak, stiffness, there, own in groups:
         if own.any():
-            # stiffness of a point over that per metre is the wire that it stands for
+            # stiffness of a point over that per metre is the wire that it represents
             forces[f"{name}_line_force"] = peak[:, own] * whole / stiffness[own]
             places[f"{name}_point"] = there[own]
     return forces, places

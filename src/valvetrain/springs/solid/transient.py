@@ -50,7 +50,7 @@ class TransientJob:
     0) is the numerical damping of
     the Hilber-Hughes-Taylor method. ``mass_damping`` (1/s) is the only physical damping: the
     stiffness-proportional one of
-    CalculiX 2.20 brakes the wire as if a prescribed retainer stood still (measured:
+    CalculiX 2.20 brakes the wire as if a prescribed retainer were fixed (measured:
     docs/solid-reference.md).
     """
 
@@ -95,7 +95,7 @@ def transient_deck(model: SolidSpring, job: TransientJob) -> str:
     table = steps.amplitude_text("LIFT", time, -job.displacement(time) * MILLIMETRE)
     start = float(job.displacement(np.zeros(1))[0])
     # The solver prints total time to seven digits: a preload as long as the motion in solver time
-    # keeps them for it.
+    # reserves them for it.
     preload = steps.static_step(
         start,
         printout,

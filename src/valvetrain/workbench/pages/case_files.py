@@ -49,7 +49,7 @@ class CaseFiles:
         self.fill(files)
 
     def show(self) -> None:
-        """The files as they now lie there; nothing is sent where they are the same."""
+        """The present files; nothing is sent where they are the same."""
         files = self.desk.workspace.side_files(self.case)
         if files != self.shown:
             self.fill(files)

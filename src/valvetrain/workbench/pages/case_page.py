@@ -1,4 +1,4 @@
-"""The page of a case: its form, a slider, what to run, how the job stands, and the results as soon
+"""The page of a case: its form, a slider, what to run, the state of the job, and the results as soon
 as they are there.
 """
 
@@ -386,7 +386,7 @@ class CasePage:
                 ui.notify(sentence_of(error))
 
     async def look(self) -> None:
-        """Show how the newest job of the case stands, and its run when there is one."""
+        """Show the state of the newest job of the case, and its run when there is one."""
         self.looks += 1
         if self.looks % SLOW_LOOK and (self.job is None or self.job.ended):
             return
@@ -402,7 +402,7 @@ class CasePage:
             and newest.run_id != self.shown_run
         ):
             self.results.show(f"/part/{newest.run_id}")
-            await asyncio.sleep(0.02)  # its figures first, then what stands around them
+            await asyncio.sleep(0.02)  # its figures first, then what is around them
             await self.show_run(newest.run_id)
         elif not self.shown_run:
             await self.show_run("")

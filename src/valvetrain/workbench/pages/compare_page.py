@@ -25,7 +25,7 @@ _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)
 #: Pictures for readers without scripts.
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
 _VERDICT = re.compile(r'<p class="verdict">(.*?)</p>', re.DOTALL)
-#: What stands between the picture of a report and its first section, which the page of a run shows itself.
+#: Parts between the picture of a report and its first section, which the page of a run shows itself.
 _ABOUT = re.compile(r'<div class="about">.*?</dl>\n</div>\n?', re.DOTALL)
 _TAG = re.compile(r"<[^>]*>")
 _CHART = re.compile(r'data-chart="([^"]*)"')
@@ -65,14 +65,14 @@ def report_rest(run: Run) -> str:
 
 
 def _taken_apart(run: Run) -> tuple[str, str]:
-    """The sections of a report, and the data that stand between them and its scripts."""
+    """The sections of a report, and the data between them and its scripts."""
     text = _report(run)
     start, end = text.find('<section id="'), text.rfind("\n<footer>")
     if start < 0 or end < start:
         raise InputError("the report of this run has no sections; run it again", run.run_id)
     scripts = text.find("\n<script>", end)
     shown = text[start:end]
-    for left_out in (_WITHOUT_SCRIPTS, _ABOUT, _VERDICT):  # the page tells these itself
+    for left_out in (_WITHOUT_SCRIPTS, _ABOUT, _VERDICT):  # the page shows these itself
         shown = left_out.sub("", shown)
     return shown, text[end : scripts if scripts > 0 else len(text)]
 
@@ -105,7 +105,7 @@ FIGURES = {
 
 
 def compare_page(desk: Desk, a: str, b: str) -> None:
-    """The page of a comparison; without two runs it asks for them."""
+    """The page of a comparison; without two runs it requests them."""
     runs = [run for run in desk.workspace.runs() if run.command != "study"]  # which has no inputs
     with frame("Compare", "/compare"):
         tag("h1", "Compare two runs")
@@ -126,7 +126,7 @@ def compare_page(desk: Desk, a: str, b: str) -> None:
 
 
 def two_runs(runs: Sequence[Run], a: str, b: str) -> tuple[str, str]:
-    """Two different runs to compare, those asked for where they are; the other one is the newest
+    """Two different runs to compare, those requested where they are; the other one is the newest
     of the same case, where there is one.
     """
     given = a or b

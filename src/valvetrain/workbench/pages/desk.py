@@ -58,7 +58,7 @@ class Desk:
             found.text, found.base = text, None
 
     def chain(self, case: CaseId) -> tuple[OpenChain, LiveResult]:
-        """The chain of a case as it stands, begun where there is none, and its curve; blocks for
+        """The chain of the present case, begun where there is none, and its curve; blocks for
         seconds then.
         """
         with self._lock:

@@ -108,7 +108,7 @@ Handler = Callable[..., Any]
 
 
 def tag(name: str, /, label: str = "", classes: str = "", **attributes: str | None) -> ui.element:
-    """An HTML element ``name`` holding ``words``; an underscore in the name of an attribute stands
+    """An HTML element ``name`` with ``words``; an underscore in the name of an attribute is
     for a hyphen, None leaves it out.
     """
     made = TextElement(tag=name, text=label) if label else ui.element(name)
@@ -133,7 +133,7 @@ def link(label: str, href: str, classes: str = "", **attributes: str | None) -> 
 
 
 class Theme(ui.element, component="theme.js"):
-    """The button for light or dark, which tells how it stands."""
+    """The button for light or dark, which shows its state."""
 
 
 class Form(ui.element, component="form.js"):
@@ -229,7 +229,7 @@ class Order(ui.element, component="order.js"):
 
 
 class JobPanel(ui.element, component="job.js"):
-    """How a job stands."""
+    """State of a job."""
 
     def __init__(self, on_cancel: Handler, on_again: Handler) -> None:
         super().__init__()

@@ -40,7 +40,7 @@ class Overlays:
         self._turn = threading.Lock()
 
     def lay(self, run: Run, name: str, content: bytes) -> SavedTest:
-        """Lay a test over a run and keep it with the run. Raises :class:`InputError` with the
+        """Lay a test over a run and store it with the run. Raises :class:`InputError` with the
         reason why it cannot be.
         """
         found = against(run, Path(name).name, content)

@@ -35,7 +35,7 @@ def content(name: str) -> bytes:
 
 @cache
 def address(name: str) -> str:
-    """Address of an asset; it changes with the content, so that a browser may keep it."""
+    """Address of an asset; it changes with the content, so that a browser may cache it."""
     return f"/assets/{hashlib.sha256(content(name)).hexdigest()[:12]}/{name}"
 
 

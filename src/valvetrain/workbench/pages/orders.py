@@ -141,5 +141,5 @@ def _study(
 
 
 def _quoted(value: str) -> str:
-    """A number as it stands, anything else as text."""
+    """A number as it is, anything else as text."""
     return number(float(value)) if re.fullmatch(r"[-+]?\d+(\.\d+)?", value) else json.dumps(value)

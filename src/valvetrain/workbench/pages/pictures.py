@@ -34,7 +34,7 @@ def of_source(name: str) -> str:
 
 
 def of_case(desk: Desk, case: CaseId, key: str = "", value: str = "", small: bool = False) -> str:
-    """Address of the picture of a case with ``value`` at ``key``; another case as it stands is
+    """Address of the picture of a case with ``value`` at ``key``; another case unchanged is
     another address.
     """
     stamp = hash((desk.workspace.text(case), desk.workspace.stamps(case))) & 0xFFFFFFFF

@@ -90,7 +90,7 @@ def _title_and_more(title: str, more: str) -> None:
 
 
 def _picture(address: str) -> None:
-    """A picture to scale beside the words that name it."""
+    """A picture to scale next to its name."""
     with tag("span", classes="drawn"):
         tag("img", src=address, alt="", loading="lazy")
 
