@@ -162,7 +162,7 @@ def writing(what: str, where: str = "") -> Iterator[None]:
     >>> with writing("this case", "small"):
     ...     raise OSError(28, "No space left on device")
     Traceback (most recent call last):
-    valvetrain.errors.InputError: small: this case cannot be written (no space left on device); make
+    valvetrain.errors.InputError: small: this case cannot be written (no space left on device);
     free space there, or choose another folder
     """
     try:
