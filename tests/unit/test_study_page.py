@@ -444,7 +444,7 @@ vary = [{ key = "spring.precompression", values = ["7 mm", "9 mm", "11 mm"] }]
     table = StudyTable(plan, inputs, plan.runs * 3, values, (COMPLETED,) * 3)
     assert table.verdict == (
         "1.5 mm of clearance to coil bind, as the trade runs, does not pay here: less surge amplitude (19 N for 24 N) "
-        "but more clash energy (6 mJ for 4 mJ) next to 5.5 mm; keep 3.5 mm, for clash energy is least there (2 mJ, with surge amplitude 33 N)."
+        "but more clash energy (6 mJ for 4 mJ) next to 5.5 mm; choose 3.5 mm, for clash energy is least there (2 mJ, with surge amplitude 33 N)."
     )
     page = points_page(table)
     clash_panel, surge_panel = charts(page)[0].panels

@@ -66,7 +66,7 @@ def test_where_the_widest_clearance_is_best_it_is_called_the_largest_tried():
         points='{ sampler = "grid" }',
     )
     assert (
-        "keep 4.6 mm, the largest tried, or more, for clash energy is least there" in told.verdict
+        "choose 4.6 mm, the largest tried, or more, for clash energy is least there" in told.verdict
     )
 
 
