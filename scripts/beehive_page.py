@@ -30,8 +30,10 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "beehive.md"
 CASE, BLIND = "gu2021-beehive", "gu2021-beehive-blind"
 NEAREST = str(ROOT / "examples" / "beehive-nearest.toml")
-#: Springs that come nearest to groups of aims together: unknowns of the calibration, readings of the aims.
+#: Springs that come nearest to groups of aims together, and ends of the search of decision 0129: mesh and keys of
+#: NEAREST, readings of the aims; of the ends the weights of the aims as well.
 NEAR = PAGE.parent / "data" / "beehive" / "nearest.csv"
+ENDS = NEAR.with_name("ends.csv")
 ROD, EQUATIONS = "finite-element", "equations 2 and 5"
 RPM = math.pi / 30
 SPEEDS = (4200, 5600, 8000)
@@ -165,9 +167,9 @@ def misses(read: Array) -> Array:
     return np.where(np.isnan(beyond), np.inf, beyond)
 
 
-def near_springs() -> dict[str, Array]:
+def stored_springs(file: Path = NEAR) -> dict[str, Array]:
     """Columns of the stored springs by name."""
-    lines = NEAR.read_text(encoding="utf-8").splitlines()
+    lines = file.read_text(encoding="utf-8").splitlines()
     values = np.array([[float(cell) for cell in line.split(",")] for line in lines[2:]])
     return dict(zip(lines[1].split(","), values.T, strict=True))
 
@@ -178,7 +180,7 @@ def label(aim: Aim) -> str:
 
 def pairs_table() -> str:
     """Largest miss (half widths) of two groups of aims by the stored spring that is nearest to both."""
-    columns = near_springs()
+    columns = stored_springs()
     missed = misses(np.column_stack([columns[label(aim)] for aim in AIMS]))
     groups = list(dict.fromkeys(aim.group for aim in AIMS))
     worst = [missed[:, [aim.group == one for aim in AIMS]].max(axis=1) for one in groups]

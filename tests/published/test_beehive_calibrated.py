@@ -8,21 +8,24 @@ import numpy as np
 import pytest
 from beehive_page import (
     AIMS,
+    ENDS,
     NEAREST,
     PAGE,
     ROD,
     label,
     misses,
-    near_springs,
     pairs_table,
     shown,
+    stored_springs,
     value_of,
 )
+from numpy.typing import NDArray
 
 import valvetrain as vt
 from architecture.layout import ROOT
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.identification_file import read_request
+from valvetrain.explore.space import Varied
+from valvetrain.parameters.case import Case
 from valvetrain.solution.study import Study
 
 RPM = np.pi / 30
@@ -76,23 +79,24 @@ def test_the_nearest_spring_is_as_the_page_has_it() -> None:
     assert f"none of its aims is missed by more than {worst:.1f} half widths" in text
 
 
+def stored_spring(columns: dict[str, NDArray[np.float64]], row: int) -> Case:
+    """The case of a row of the stored springs: the nearest one with its values, on its mesh."""
+    keys = [name for name in columns if "." in name and ":" not in name]
+    case = vary(vt.load_case(NEAREST), {Varied(key): float(columns[key][row]) for key in keys})
+    mesh = int(columns["elements_per_coil"][row])
+    return case.replace(springs=(case.springs[0].with_options(ROD, elements_per_coil=mesh),))
+
+
 def test_pairs_of_groups_rest_on_springs_that_run_as_stored() -> None:
     """Example: the table of the page is that of the stored springs, and one of them, run anew at 8000 rpm
     and at rest, reads as stored.
     """
     table = PAGE.read_text(encoding="utf-8").split("<!-- pairs -->\n")[1].split("\n<!-- end")[0]
     assert table == pairs_table(), "run python scripts/beehive_page.py"
-    columns = near_springs()
-    request = read_request(ROOT / "examples" / "identify-beehive-calibrated.toml")
+    columns = stored_springs()
     missed = misses(np.column_stack([columns[label(aim)] for aim in AIMS]))
     best = int(missed.max(axis=1).argmin())
-    changed = {
-        path: float(columns[one.name][best])
-        for one, paths in zip(request.unknowns, request.varied, strict=True)
-        for path in paths
-    }
-    case = vary(request.case, changed)
-    case = case.replace(springs=(case.springs[0].with_options(ROD, elements_per_coil=12),))
+    case = stored_spring(columns, best)
     run = vt.simulate(case, "8000 rpm", spring_models=[ROD], workers=1)
     for aim in AIMS:
         if aim.model == ROD and aim.rpm in (0, 8000):
@@ -100,6 +104,22 @@ def test_pairs_of_groups_rest_on_springs_that_run_as_stored() -> None:
             assert found is not None
             room = 0.1 if aim.group in ("spikes", "durations") else 0.02
             assert found == pytest.approx(columns[label(aim)][best], rel=room), aim
+
+
+def test_aims_that_held_the_search_are_missed_as_stored() -> None:
+    """Example: at an end of the search the aims that carry its weights are missed on the side they push to."""
+    columns = stored_springs(ENDS)
+    weights = np.array([columns[f"weight: {label(aim)}"] for aim in AIMS])
+    assert np.allclose(np.abs(weights).sum(axis=0), 1.0, atol=0.05)
+    row = 1
+    study = vt.simulate(stored_spring(columns, row), spring_models=[ROD], workers=1)
+    for aim, weight in zip(AIMS, weights[:, row], strict=True):
+        if abs(weight) < 0.2 or aim.model != ROD:
+            continue
+        found = value_of(study, aim)
+        assert found is not None and (found > aim.high if weight > 0 else found < aim.low), aim
+        half = (aim.high - aim.low) / 2
+        assert found == pytest.approx(columns[label(aim)][row], abs=0.2 * half), aim
 
 
 def test_no_value_of_the_calibrated_case_is_called_a_prediction(study: Study) -> None:
