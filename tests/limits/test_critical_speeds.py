@@ -22,6 +22,15 @@ from valvetrain.integrate.train_steady import steady_train
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.critical_search import Limit, Search, SpeedSample
+from valvetrain.runs.critical_speeds import CriticalOptions, sample_of
+from valvetrain.runs.prepared import (
+    Plan,
+    integrate_from,
+    prepare,
+    provenance_of,
+    with_quantities,
+)
+from valvetrain.runs.train_runs import member_statics
 from valvetrain.solution.critical import Crossing, SpeedBracket
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.system.build import build
@@ -247,6 +256,26 @@ def test_the_verdict_on_the_performance_spring_does_not_follow_the_grid() -> Non
                 one.from_rest.apart(two.from_rest) <= 0
             )  # both brackets hold the change, so they meet
     assert len(found[0]) == 2
+
+
+def test_margins_of_a_run_do_not_hang_on_whether_its_coils_are_watched() -> None:
+    """The search leaves out what the coils do: margins, motion and cycles are the same bit by bit."""
+    problem = build(vt.load_case("vaz-ohc"), spring_models=("multi-mass",))
+    member = problem.members[0]
+    one = prepare(problem, member, member_statics(problem, member), "")
+    found = []
+    for watched in (True, False):
+        plan = Plan("ends", None, False, coil_contacts=watched)
+        origin = provenance_of(problem, one.member, 4200 * RPM, "")
+        solution, orbit = integrate_from(one, 4200 * RPM, plan, origin)
+        clashes = sum(event.kind == "clash" for event in solution.events)
+        found.append(
+            (sample_of(with_quantities(one, solution, plan, {}), CriticalOptions()), clashes)
+        )
+        assert orbit is not None
+    (first, clashes), (second, none) = found
+    assert first.margins == second.margins and first.cam_force == second.cam_force
+    assert clashes > none == 0
 
 
 @pytest.mark.long

@@ -185,6 +185,23 @@ def test_a_state_changed_from_outside_meets_its_contacts_at_once(spring):
     assert not np.array_equal(begun, state)
 
 
+def test_points_that_are_left_alone_meet_when_those_do_that_are_always_looked_at(spring):
+    """Coils clash at 340 rad/s; forces of every step are the same bit by bit (limit between models)."""
+    time_step = 0.8 * spring.stable_time_step()
+    time = np.arange(0.0, 2 * np.pi / 340.0, time_step)
+    lift = Pulse().lift(340.0 * time)
+    waiting = spring.initial_state(lift[0])
+    watched, arrays = waiting.copy(), (spring.parameters(), spring.integers())
+    first_position_as_left = 2 * spring.unknowns + 4
+    largest = 0.0
+    for here, rate in zip(lift, np.gradient(lift, time_step), strict=True):
+        watched[first_position_as_left] = np.nan  # as if moved from outside: all points are due
+        forces = [spring.kernel(*arrays, one, here, rate, time_step) for one in (waiting, watched)]
+        assert forces[0] == forces[1]
+        largest = max(largest, forces[0][1])
+    assert largest > 1.02 * spring.rod.static_point(PRELOAD_TRAVEL + LIFT).force
+
+
 def test_what_a_copied_state_holds_at_the_ends_of_its_rows_moves_nothing(spring):
     """Rows of the scratch begin a cache line, so those of a copy lie elsewhere: whatever stands in
     them, forces and state are the same bit by bit.

@@ -90,7 +90,8 @@ class RunOptions:
     (cam rad, may pass the end of the turn) in which the least force of every contact of a train is
     noted on every step (statistics ``least_..._force``, largest as ``open_..._force``). ``nose``:
     cam angle (rad) at which the force of the cam is taken to the angle itself. ``start``: motion at
-    another speed that a train starts from instead of from rest. ``later``: channels inside a spring
+    another speed that a train starts from instead of from rest. ``coil_contacts``: a train's coils are watched for
+    clashes. ``later``: channels inside a spring
     may be made from its states when they are first read. ``watch``: called with the share of a long
     run that is done; False stops it.
     """
@@ -103,6 +104,7 @@ class RunOptions:
     window: tuple[float, float] | None = None
     nose: float | None = None
     start: Orbit | None = None
+    coil_contacts: bool = True
     later: bool = False
     watch: Callable[[float], bool] | None = None
 

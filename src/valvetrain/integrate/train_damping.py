@@ -93,6 +93,9 @@ def _solve(count, index, scratch):
     rows, held, matrix, impulse, lowest, row = (
         scratch.rows, scratch.held, scratch.matrix, scratch.impulse, scratch.lowest, scratch.row,
     )  # fmt: skip
+    bound = 0
+    for a in range(count):
+        bound += held[a]
     for a in range(count):
         if held[a] == 1:
             for b in range(lowest[a], a):
@@ -101,7 +104,7 @@ def _solve(count, index, scratch):
             continue
         k, first = rows[a], lowest[a]
         value, pivot = scratch.right[a], scratch.diagonal[a] + _rate_of(k, a, index, scratch)
-        for b in range(count):
+        for b in range(count if bound > 0 else 0):
             if held[b] == 1:
                 value -= _rate_of(k, b, index, scratch) * impulse[b]
         for b in range(first, a):

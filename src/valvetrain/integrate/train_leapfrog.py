@@ -75,7 +75,7 @@ class TrainLeapfrog:
             samples,
             time_step=options.time_step,
             record_springs=options.keep != "ends",
-            record_contacts=not isinstance(until, RunUp),
+            record_contacts=options.coil_contacts and not isinstance(until, RunUp),
             window=options.window or (0.0, TURN),
             nose=options.nose or 0.0,
         )
@@ -186,7 +186,7 @@ def _events(
         zip(ready.springs, ready.system.spring_names, strict=True)
     ):
         watch = contact_watch_of(spring)
-        if watch is None or not record.pressed:
+        if watch is None or not any(map(len, record.pressed)):
             continue
         watched, pressed = True, record.pressed[place]
         time = np.asarray(record.pressed_interval * np.arange(len(pressed)), dtype=float)

@@ -206,7 +206,8 @@ def _search(
     """The search of one member, by its index, from the samples of its sweep."""
     problem, ready, plan, options = shared
     index, samples = job
-    one, reduced = ready[index], replace(plan, whole=False, keep="ends")
+    # margins are those of the train's contacts: what the coils do inside is not looked at
+    one, reduced = ready[index], replace(plan, whole=False, keep="ends", coil_contacts=False)
     assert isinstance(one.system, TrainSystem)
     large = one.system.has_large_springs
     until = (

@@ -61,7 +61,7 @@ class Plan:
     ``keep`` of its channels (``contacts`` for a sweep), ``samples`` per cam revolution (None: the
     default), ``whole``: the solution has channels at all, ``cycles`` of prescribed motion, most
     ``cycles_to_settle`` of a train, ``created_at`` (ISO 8601), ``max_seconds`` of one run;
-    ``implausible`` results pass; ``later``, ``watch``: as in :class:`RunOptions`.
+    ``implausible`` results pass; ``later``, ``watch``, ``coil_contacts``: as in :class:`RunOptions`.
     """
 
     keep: Keep = "all"
@@ -74,6 +74,7 @@ class Plan:
     implausible: bool = False
     later: bool = False
     watch: Callable[[float], bool] | None = None
+    coil_contacts: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,6 +250,7 @@ def integrate_from(
         window=ready.window,
         nose=ready.nose,
         start=start,
+        coil_contacts=plan.coil_contacts,
         later=plan.later,
         watch=plan.watch or _goes_on,
     )

@@ -7,7 +7,7 @@ static shape (Rayleigh).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -257,6 +257,7 @@ class MasslessTable:
         return self.effective_mass_fraction * self.active_mass + self.inactive_mass
 
 
+@lru_cache(maxsize=64)
 def massless_table(
     spring: SpringDefinition,
     precompression: float,

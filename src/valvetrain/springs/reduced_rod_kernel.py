@@ -42,7 +42,7 @@ HEAD, INTEGERS = 8, 7
 LINE, LANES, SCRATCH = 8, 4, 10
 #: Time (s) after which the size of accelerations is computed again and longest without a look at a point; what
 #: its closing speed (m/s) may gain in that time in addition to what the acceleration, which may double, gives.
-HORIZON, LONGEST, SPARE_SPEED = 12e-6, 150e-6, 0.2
+HORIZON, LONGEST, SPARE_SPEED = 12e-6, 300e-6, 0.2
 FAST = {"reassoc", "contract", "nsz"}
 KERNEL: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": FAST}
 INNER: dict[str, Any] = {**KERNEL, "forceinline": True}
