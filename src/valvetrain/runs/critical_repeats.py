@@ -251,7 +251,9 @@ def repeated(
         def measure(engine_speed: float) -> float:
             return sample(engine_speed).measure(kind)
 
-        return onset_in(change(begin, measure, ends, at), measure)
+        found = change(begin, measure, ends, at)
+        # where motion does not repeat, what is inside the bracket says nothing of the next revolution
+        return onset_in(found, measure) if steady else found.upper_engine_speed
 
     moved = _moved(kind, begin, search, ends, at, SMALL * whole) if steady else []
     graze = any(abs(one - nominal) > GRAZE * begin for one in moved)

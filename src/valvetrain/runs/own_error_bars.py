@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from valvetrain.integrate.contract import STEP_FRACTION, Keep, Periodic
+from valvetrain.integrate.train_channels import LONG_SEARCH
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.clash import next_to_largest
 from valvetrain.quantities.train_events import marginal_duration
@@ -184,6 +185,8 @@ def _point(problem: Problem, run: Solution, place: int, way: _Further) -> _Point
     settled = run.statistics.get("steady_cycles_count")
     if way.sooner and problem.kind == TRAIN and isinstance(settled, float) and settled > 1:
         cycles = round(settled) - 1
+    if run.statistics.get("motion_period_count", 1.0) != 1 and run.model not in (ROD, SOLID):
+        cycles = LONG_SEARCH  # another revolution of a motion that does not repeat is as good as any
     if way.steps is None or not isinstance(own, (int, float)) or way.ready.system is None:
         return _Point(run.label, run.engine_speed, place, None, cycles)
     limits = [
