@@ -182,12 +182,15 @@ def differences_from_rods(
     """Differences (SI) of the numbers of ``members``, reduced rods, from their rods by label and engine
     speed (rad/s) of their runs, and sentences on them.
     """
-    ready = {member.label: prepare(problem, member, rest, "") for member in members}
-    runs = [
-        run for run in solutions if run.label in ready and run.status.completed and run.quantities
+    labels = {member.label for member in members}
+    runs = [  # of a sweep, which keeps no motion, nothing can be driven again
+        run
+        for run in solutions
+        if run.label in labels and run.status.completed and run.quantities and len(run.time)
     ]
     if not runs:
         return {}, ()
+    ready = {member.label: prepare(problem, member, rest, "") for member in members}
     found = map_points(
         _rod_difference, (ready, runs), range(len(runs)), workers, lost=lambda _: None
     )
