@@ -29,7 +29,12 @@ from valvetrain.compiled import njit
 
 #: Nothing is allocated here; counting references to the rows passed in costs the time loop of a
 #: train some percent.
-OPTIONS: dict[str, Any] = {"cache": True, "_nrt": False, "forceinline": True, "error_model": "numpy"}
+OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "_nrt": False,
+    "forceinline": True,
+    "error_model": "numpy",
+}
 
 WIDTH = 8
 STIFFNESS, EXPONENT, DAMPING, RESTITUTION, DEPTH, SLOWEST = range(6)

@@ -12,7 +12,12 @@ from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, LINEAR
 
 #: No reference counting: nothing is allocated, and counting the arrays passed along would cost more
 #: than the geometry.
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": {"contract", "nsz"}}
+OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "error_model": "numpy",
+    "_nrt": False,
+    "fastmath": {"contract", "nsz"},
+}
 
 
 @njit(forceinline=True, **OPTIONS)

@@ -186,7 +186,9 @@ def _point(problem: Problem, run: Solution, place: int, way: _Further) -> _Point
     if way.sooner and problem.kind == TRAIN and isinstance(settled, float) and settled > 1:
         cycles = round(settled) - 1
     if run.statistics.get("motion_period_count", 1.0) != 1 and run.model not in (ROD, SOLID):
-        cycles = LONG_SEARCH  # another revolution of a motion that does not repeat is as good as any
+        cycles = (
+            LONG_SEARCH  # another revolution of a motion that does not repeat is as good as any
+        )
     if way.steps is None or not isinstance(own, (int, float)) or way.ready.system is None:
         return _Point(run.label, run.engine_speed, place, None, cycles)
     limits = [
