@@ -185,10 +185,10 @@ def _point(problem: Problem, run: Solution, place: int, way: _Further) -> _Point
     settled = run.statistics.get("steady_cycles_count")
     if way.sooner and problem.kind == TRAIN and isinstance(settled, float) and settled > 1:
         cycles = round(settled) - 1
-    if run.statistics.get("motion_period_count", 1.0) != 1 and run.model not in (ROD, SOLID):
-        cycles = (
-            LONG_SEARCH  # another revolution of a motion that does not repeat is as good as any
-        )
+    never_repeats = run.statistics.get("motion_period_count", 1.0) != 1
+    if never_repeats and isinstance(settled, float) and run.model not in (ROD, SOLID):
+        # another revolution of a motion that does not repeat is as good as any
+        cycles = min(LONG_SEARCH, round(settled))
     if way.steps is None or not isinstance(own, (int, float)) or way.ready.system is None:
         return _Point(run.label, run.engine_speed, place, None, cycles)
     limits = [
