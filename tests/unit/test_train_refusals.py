@@ -115,7 +115,7 @@ def vaz_with_contact_stiffness(value: str):
                 finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, -math.pi / 2)),
                 LAW,
             ),
-            "along the valve axis",
+            "parallel to the valve axis",
         ),
         (
             lambda: ContactParameters("linear", {}, -0.1),
