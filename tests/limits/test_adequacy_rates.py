@@ -188,7 +188,7 @@ def test_what_cannot_be_judged_is_refused():
     ):
         with pytest.raises(InputError, match=words):
             adequacy_test(values, np.zeros(20))
-    with pytest.raises(InputError, match="leave nothing"):
+    with pytest.raises(InputError, match="none is left to test"):
         adequacy_test(np.random.default_rng(0).standard_normal((4, 5)), np.zeros(5), fitted=5)
     with pytest.raises(InputError, match="no band"):
         difference_band(np.ones((2, 20)), np.zeros(20))

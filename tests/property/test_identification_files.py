@@ -108,7 +108,7 @@ REFUSED = [
     (("quantities", "damping", "factor"), 0.5, "above 1"),
     (("quantities", "wire", "center"), 1, "unknown"),
     (("measurements",), {}, "there is none"),
-    (("measurements", "seat", "quantity"), None, "says nothing"),
+    (("measurements", "seat", "quantity"), None, "gives nothing"),
     (("measurements", "seat", "quantity"), "strength", "is no quantity"),
     (("measurements", "seat", "value"), "212 mm", "force"),
     (("measurements", "seat", "scatter"), None, "standard deviation"),

@@ -104,6 +104,10 @@ class RodStatics:
         self._span = slice(
             int(np.argmax(self.free)), int(len(self.free) - np.argmax(self.free[::-1]))
         )
+        count, width = self._span.stop - self._span.start, 2 * kern.HALF_BAND + 1
+        #: Row of each entry of the band of free unknowns, by column, and whether it is one of theirs.
+        self._rows = np.arange(count)[:, None] + (np.arange(width) - kern.HALF_BAND)[None]
+        self._inside = (self._rows >= 0) & (self._rows < count)
         self._has_contact = bool(mesh.contact.points.any())
         self._radius = float(np.max(np.hypot(mesh.position[:, 0], mesh.position[:, 1])))
 
@@ -320,13 +324,21 @@ class RodStatics:
                     (half, half), band[:, self._span], right, check_finite=False
                 )
                 return found
-            matrix = (sparse_of(band) + contact).tocsc()[self._span, self._span]
+            matrix = (self._free_band(band) + contact[self._span, self._span]).tocsc()
             found = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(
                 right
             )
         except (np.linalg.LinAlgError, RuntimeError):  # of a band, of a sparse matrix
             found = np.full(len(right), np.nan)
         return found
+
+    def _free_band(self, band: Array) -> csc_matrix:
+        """The banded tangent of the free unknowns as a sparse matrix, without entries that are zero."""
+        columns = band[:, self._span].T
+        present = self._inside & (columns != 0.0)
+        ends = np.append(0, np.cumsum(np.count_nonzero(present, axis=1)))
+        size = (len(columns), len(columns))
+        return csc_matrix((columns[present], self._rows[present], ends), shape=size)
 
     def _norm(self, residual: Array) -> float:
         steps = (residual * self.free).reshape(-1, 6)
