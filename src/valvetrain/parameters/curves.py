@@ -99,7 +99,9 @@ class PiecewiseLinear:
         return slopes[np.searchsorted(knots, np.asarray(coil, dtype=float), side="right")]
 
     def integral(self, coil: ArrayLike) -> Array:
-        return self._primitive(np.asarray(coil, dtype=float)) - self._primitive(np.asarray(0.0))
+        places = np.asarray(coil, dtype=float)
+        found = self._primitive(np.append(places, 0.0))
+        return (found[:-1] - found[-1]).reshape(places.shape)
 
     def _primitive(self, coil: Array) -> Array:
         knots, values = np.asarray(self.coils), np.asarray(self.values)
