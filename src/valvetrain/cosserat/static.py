@@ -212,7 +212,8 @@ class RodStatics:
         if not used:
             return energy, None
         size = 6 * self.mesh.vertices
-        return energy, coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc()
+        places = rows.astype(np.int32), columns.astype(np.int32)  # whose range scipy does not scan
+        return energy, coo_matrix((values, places), shape=(size, size)).tocsc()
 
     def gaps(self, position: Array) -> Array:
         """Gap (groups, nv) in m between each contact point and its partner, infinite where there is

@@ -101,7 +101,8 @@ class PiecewiseLinear:
     def integral(self, coil: ArrayLike) -> Array:
         places = np.asarray(coil, dtype=float)
         found = self._primitive(np.append(places, 0.0))
-        return (found[:-1] - found[-1]).reshape(places.shape)
+        areas: Array = (found[:-1] - found[-1]).reshape(places.shape)
+        return areas
 
     def _primitive(self, coil: Array) -> Array:
         knots, values = np.asarray(self.coils), np.asarray(self.values)
