@@ -80,9 +80,16 @@ def test_the_nearest_spring_is_as_the_page_has_it() -> None:
 
 
 def stored_spring(columns: dict[str, NDArray[np.float64]], row: int) -> Case:
-    """The case of a row of the stored springs: the nearest one with its values, on its mesh."""
-    keys = [name for name in columns if "." in name and ":" not in name]
-    case = vary(vt.load_case(NEAREST), {Varied(key): float(columns[key][row]) for key in keys})
+    """The case of a row of the stored springs: the nearest one with its values, on its mesh, its opening
+    flank by as many control values as the row has, of which the last is not stored.
+    """
+    keys = [
+        key for key in columns if "." in key and ":" not in key and np.isfinite(columns[key][row])
+    ]
+    drawn = sum(key.startswith("lift_law.flank_shape.") for key in keys)
+    shape = [1.0] * (drawn - drawn // 2) + [-1.0] * (drawn // 2 + 1)
+    base = vt.load_case(NEAREST, {"lift_law.flank_shape": shape})
+    case = vary(base, {Varied(key): float(columns[key][row]) for key in keys})
     mesh = int(columns["elements_per_coil"][row])
     return case.replace(springs=(case.springs[0].with_options(ROD, elements_per_coil=mesh),))
 
