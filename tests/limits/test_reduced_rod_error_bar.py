@@ -33,3 +33,10 @@ def test_a_run_too_far_off_names_the_rod(study, monkeypatch):
     again = vt.simulate("job-c", "3000 rpm", spring_models=["reduced-rod"])
     assert "take finite-element there" in " ".join(again.error_bars.sentences)
     assert np.isfinite([row.numerical for row in again.error_bars.rows]).all()
+
+
+def test_a_sweep_of_a_spring_alone_compares_it_with_its_rod_too():
+    """Contract: the lift law drives both, though runs of a sweep keep no channels."""
+    swept = vt.sweep("job-c", "3000 rpm", "reduced-rod", workers=1)
+    assert not len(swept.solutions[0].time)
+    assert "difference from its rod" in " ".join(swept.error_bars.sentences)

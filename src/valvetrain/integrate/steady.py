@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 PROBE_CYCLES = 4
 """Plain cycles that test whether an orbit found by acceleration attracts."""
 TRUSTED, WINDOWS = 0.6, (4, 6, 8, 12)
-"""Largest multiplier of the map that the last ``cycles`` show with which an orbit is taken to attract
+"""Largest multiplier of the map that the last cycles show with which an orbit is taken to attract
 untested: those that repel despite such had 0.7 and more (245 orbits of a card, 144 of a chain, 157 of a reduced rod).
 """
 BEYOND = 2.0

@@ -3,7 +3,7 @@ resolves it.
 
 A contact that a body meets at the rate r stops it in a time of the size tau: F(r tau, r) W tau = r,
 F its law and W the mobility of the two bodies. For a linear contact tau is 1 / omega; for a damper
-that covers the impact it is far shorter than any period of the train.
+that takes the impact it is far shorter than any period of the train.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def finest_step(train, motion, scratch, ahead, passed):
     """Step (s) that takes ``counters[5]`` parts of the rise of every impact that lasts or is due
     within ``ahead`` (s).
 
-    ``passed`` (s): since the last call. ``blows`` (n, 4) holds per contact the step of its impact (0:
+    ``passed`` (s): since the last call. ``impacts`` (n, 4) holds per contact the step of its impact (0:
     none) and how long that still lasts.
     """
     parts, impacts, laws, finest = motion.counters[5], scratch.impacts, train.laws, math.inf

@@ -25,7 +25,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import TOO_HARD
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.reduced_rod import ReducedRod
-from valvetrain.system.contract import System
+from valvetrain.system.contract import TRAIN, System
 from valvetrain.system.prescribed import PrescribedSpring
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_system import TrainSystem
@@ -183,11 +183,11 @@ def differences_from_rods(
     speed (rad/s) of their runs, and sentences on them.
     """
     labels = {member.label for member in members}
-    runs = [  # of a sweep, which keeps no motion, nothing can be driven again
-        run
-        for run in solutions
-        if run.label in labels and run.status.completed and run.quantities and len(run.time)
+    runs = [
+        run for run in solutions if run.label in labels and run.status.completed and run.quantities
     ]
+    if problem.kind == TRAIN:  # the motion of its retainer is known of runs with channels alone
+        runs = [run for run in runs if len(run.time)]
     if not runs:
         return {}, ()
     ready = {member.label: prepare(problem, member, rest, "") for member in members}
