@@ -1,5 +1,6 @@
 """Tables of docs/beehive.md from runs: what the calibrated spring and examples/beehive-nearest.toml meet,
-which groups of aims were met together, second and settled revolution, the modal model, the sequel's sweep.
+which groups of aims were met together, second and settled revolution, the modal model, the sequel's sweep;
+and what other pages and the README print of the calibrated spring.
 
     python scripts/beehive_page.py            writes the tables between their marks (two minutes)
 """
@@ -7,6 +8,7 @@ which groups of aims were met together, second and settled revolution, the modal
 from __future__ import annotations
 
 import math
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,6 +17,7 @@ from itertools import combinations_with_replacement
 from pathlib import Path
 
 import numpy as np
+from beehive_sentences import peak_text, spike_text, write_elsewhere
 from numpy.typing import NDArray
 
 import valvetrain as vt
@@ -268,6 +271,20 @@ def sweep_table() -> str:
     return "\n".join([head, "|---" * (len(cells) + 1) + "|", "| largest force, N | " + " | ".join(told for _, told in cells) + " |"])  # fmt: skip
 
 
+def misses_of(study: Study, case: str | Case = CASE) -> Array:
+    """Half widths by which the spring of a study lies outside the ends of each aim."""
+    read = [value_of(study, aim, case) for aim in AIMS]
+    return misses(np.array([math.nan if one is None else one for one in read]))
+
+
+def shipped_row(study: Study) -> str:
+    """First cells of the calibrated spring in the table of searches."""
+    missed = misses_of(study)
+    return (
+        f"| calibrated (ships) | {np.sum(missed == 0)} | {missed.max():.2f} | {missed.sum():.1f} |"
+    )
+
+
 def between(text: str, mark: str, table: str) -> str:
     begin, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
     before, _, after = text.partition(begin)
@@ -289,11 +306,21 @@ def main() -> None:
         "revolutions": revolutions_table(*both),
         "modal model": modal_table(),
         "sweep": sweep_table(),
+        "spike": spike_text(both[0][8000]),
+        "peak": peak_text(both[0][8000], both[1][8000]),
     }
     text = PAGE.read_text(encoding="utf-8")
     for mark, table in tables.items():
         text = between(text, mark, table)
+    text, count = re.subn(
+        r"^\| calibrated \(ships\) \|[^|]*\|[^|]*\|[^|]*\|",
+        shipped_row(study),
+        text,
+        flags=re.MULTILINE,
+    )
+    assert count == 1, "the table of searches has one row of the calibrated spring"
     PAGE.write_text(text, encoding="utf-8")
+    write_elsewhere(ROOT, *(one.solution(ROD, 8000 * RPM).quantities for one in (study, blind)))
     sys.stdout.write(f"wrote {PAGE.name}\n")
 
 

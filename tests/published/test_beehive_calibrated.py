@@ -4,6 +4,8 @@ prints what comes out.
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from beehive_page import (
@@ -12,13 +14,16 @@ from beehive_page import (
     NEAREST,
     PAGE,
     ROD,
+    SETTLED,
     label,
     misses,
     pairs_table,
+    shipped_row,
     shown,
     stored_springs,
     value_of,
 )
+from beehive_sentences import peak_text, spike_text
 from numpy.typing import NDArray
 
 import valvetrain as vt
@@ -79,16 +84,50 @@ def test_the_nearest_spring_is_as_the_page_has_it() -> None:
     assert f"none of its aims is missed by more than {worst:.1f} half widths" in text
 
 
+NUMBER = re.compile(r"\d+(?:\.\d+)?")
+
+
+def test_sentences_of_numbers_are_as_they_come_out(study: Study) -> None:
+    """Example: the same words, and numbers within 10 %; a difference of two of them is left out."""
+    later = vt.load_case("gu2021-beehive", {"operation.cycles": SETTLED})
+    settled = vt.simulate(later, "8000 rpm", spring_models=[ROD], workers=1).solutions[0].quantities
+    run, page = study.solution(ROD, 8000 * RPM).quantities, PAGE.read_text(encoding="utf-8")
+    for mark, text in (("spike", spike_text(run)), ("peak", peak_text(run, settled))):
+        there = page.split(f"<!-- {mark} -->\n")[1].split("\n<!-- end")[0]
+        there, text = (re.sub(r"\d+ N (below|above) the", r"\1", one) for one in (there, text))
+        assert NUMBER.sub("#", there) == NUMBER.sub("#", text), "run python scripts/beehive_page.py"
+        found, made = (np.array(NUMBER.findall(one), dtype=float) for one in (there, text))
+        assert found == pytest.approx(made, rel=0.1, abs=1e-3), "run python scripts/beehive_page.py"
+    (row,) = re.findall(r"^(\| calibrated \(ships\) \|[^|]*\|[^|]*\|[^|]*\|)", page, re.MULTILINE)
+    found, made = (np.array(NUMBER.findall(one), dtype=float) for one in (row, shipped_row(study)))
+    assert found == pytest.approx(made, rel=0.1), "run python scripts/beehive_page.py"
+
+
+def test_other_pages_print_the_spike_of_the_page() -> None:
+    """Contract: README and pages repeat numbers of the table of aims."""
+    row, angle = printed()["spikes: Stage III, 8000 rpm"], printed()["angles: spike, 8000 rpm"][2]
+    for name, words in (
+        ("README.md", f"calibrated {row[2]} N, blind prediction {row[4]} N, for {row[0]}"),
+        ("docs/model-against-test.md", f"the spike {row[2]} N at {angle} degrees"),
+        ("docs/theory/coil-contact.md", f"Its spike there is {row[2]} N without friction"),
+    ):
+        assert words in (ROOT / name).read_text(encoding="utf-8"), (
+            "run python scripts/beehive_page.py"
+        )
+
+
 def stored_spring(columns: dict[str, NDArray[np.float64]], row: int) -> Case:
-    """The case of a row of the stored springs: the nearest one with its values, on its mesh, its opening
-    flank by as many control values as the row has, of which the last is not stored.
+    """The case of a row of the stored springs: the nearest one with its values, on its mesh, each flank by
+    as many control values as the row has, of which the last is not stored.
     """
     keys = [
         key for key in columns if "." in key and ":" not in key and np.isfinite(columns[key][row])
     ]
-    drawn = sum(key.startswith("lift_law.flank_shape.") for key in keys)
-    shape = [1.0] * (drawn - drawn // 2) + [-1.0] * (drawn // 2 + 1)
-    base = vt.load_case(NEAREST, {"lift_law.flank_shape": shape})
+    shapes = {}
+    for flank in ("lift_law.flank_shape", "lift_law.closing_flank_shape"):
+        drawn = sum(key.startswith(f"{flank}.") for key in keys)
+        shapes[flank] = [1.0] * (drawn - drawn // 2) + [-1.0] * (drawn // 2 + 1)
+    base = vt.load_case(NEAREST, shapes)
     case = vary(base, {Varied(key): float(columns[key][row]) for key in keys})
     mesh = int(columns["elements_per_coil"][row])
     return case.replace(springs=(case.springs[0].with_options(ROD, elements_per_coil=mesh),))
