@@ -70,11 +70,12 @@ HEIGHTS = {
     "spike of Stage III": ("stage_3_peak_force", None, ""),
     "spike of Stage III below 10 kHz": ("stage_3_below_10_khz_peak_force", 0.05, "main_clash_below_10_khz_peak_force"),
 }  # fmt: skip
-#: Difference of solid and rod, measured on this spring.
+#: Difference of solid and rod, measured on the calibrated spring of decision 0120.
 CONTACT = (
-    "What is between rod and solid is the contact of coils and the solid's mesh: without that contact both are within 0.6 % in Stage II, "
-    "clamped ends change nothing where no free wire touches a seat, and on finer bricks (36 slices, two rings) Stage II at 8000 rpm "
-    "below 10 kHz is 0.9 % apart for 3.4 %, but the spike 7 %: docs/decisions/0120-solid-beside-rod-calibrated.md."
+    "What is between rod and solid is the contact of coils and the solid's mesh. On the calibrated spring of "
+    "docs/decisions/0120-solid-beside-rod-calibrated.md both were within 0.6 % in Stage II without that contact, clamped ends "
+    "changed nothing where no free wire touched a seat, and finer bricks (36 slices, two rings) brought Stage II at 8000 rpm "
+    "below 10 kHz from 3.4 to 0.9 %, but not the spike (7 %)."
 )
 #: Force (N) above 10 kHz, as a share of the peak, from which the peak of Stage II is that of a clash.
 CLASH_SHARE = 0.02
