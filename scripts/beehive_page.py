@@ -1,6 +1,5 @@
-"""Tables of docs/beehive.md from runs: what the calibrated spring and examples/beehive-nearest.toml meet,
-which groups of aims were met together, second and settled revolution, the modal model, the sequel's sweep;
-and what other pages and the README print of the calibrated spring.
+"""Tables of docs/beehive.md from runs: what the calibrated spring meets, next to the blind one, second and
+settled revolution, the modal model, the sequel's sweep.
 
     python scripts/beehive_page.py            writes the tables between their marks (two minutes)
 """
@@ -8,12 +7,10 @@ and what other pages and the README print of the calibrated spring.
 from __future__ import annotations
 
 import math
-import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from itertools import combinations_with_replacement
 from pathlib import Path
 
 import numpy as np
@@ -32,11 +29,6 @@ Array = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "beehive.md"
 CASE, BLIND = "gu2021-beehive", "gu2021-beehive-blind"
-NEAREST = str(ROOT / "examples" / "beehive-nearest.toml")
-#: Springs that come nearest to groups of aims together, and ends of the search of decision 0129: mesh and keys of
-#: NEAREST, readings of the aims; of the ends the weights of the aims as well.
-NEAR = PAGE.parent / "data" / "beehive" / "nearest.csv"
-ENDS = NEAR.with_name("ends.csv")
 ROD, EQUATIONS = "finite-element", "equations 2 and 5"
 RPM = math.pi / 30
 SPEEDS = (4200, 5600, 8000)
@@ -137,21 +129,19 @@ def shown(value: float | None, unit: str) -> str:
     return f"{value:.{digits}f}"
 
 
-def aims_table(study: Study, blind: Study, nearest: Study) -> str:
-    """A row per aim: the source, ours, met or not, and the other two springs beside it."""
-    head = "| aim | source | aimed at | calibrated | met | blind | nearest to all | met |"
-    lines = [head, "|---" * 8 + "|"]
+def aims_table(study: Study, blind: Study) -> str:
+    """A row per aim: the source, ours, met or not, and the blind spring beside it."""
+    head = "| aim | source | aimed at | calibrated | met | blind |"
+    lines = [head, "|---" * 6 + "|"]
     met: dict[str, list[bool]] = {}
     for aim in AIMS:
         value, other = value_of(study, aim), value_of(blind, aim, BLIND)
-        near = value_of(nearest, aim, NEAREST)
         met.setdefault(aim.group, []).append(aim.met(value))
         where = f", {aim.rpm} rpm" if aim.rpm else ""
         ends = f"{shown(aim.low, aim.unit)} to {shown(aim.high, aim.unit)}"
         lines.append(
             f"| {aim.group}: {aim.what}{where} | {aim.source} {aim.unit} | {ends} | "
-            f"{shown(value, aim.unit)} | {'yes' if aim.met(value) else 'no'} | {shown(other, aim.unit)} | "
-            f"{shown(near, aim.unit)} | {'yes' if aim.met(near) else 'no'} |"
+            f"{shown(value, aim.unit)} | {'yes' if aim.met(value) else 'no'} | {shown(other, aim.unit)} |"
         )
     counts = ", ".join(f"{group} {sum(one)} of {len(one)}" for group, one in met.items())
     total = sum(map(sum, met.values()))
@@ -168,34 +158,6 @@ def misses(read: Array) -> Array:
     low, high = (np.array([getattr(one, end) for one in AIMS]) for end in ("low", "high"))
     beyond: Array = np.maximum(np.maximum(low - read, read - high), 0.0) / ((high - low) / 2)
     return np.where(np.isnan(beyond), np.inf, beyond)
-
-
-def stored_springs(file: Path = NEAR) -> dict[str, Array]:
-    """Columns of the stored springs by name."""
-    lines = file.read_text(encoding="utf-8").splitlines()
-    values = np.array([[float(cell) for cell in line.split(",")] for line in lines[2:]])
-    return dict(zip(lines[1].split(","), values.T, strict=True))
-
-
-def label(aim: Aim) -> str:
-    return f"{aim.group}: {aim.what}" + (f" {aim.rpm} rpm" if aim.rpm else "")
-
-
-def pairs_table() -> str:
-    """Largest miss (half widths) of two groups of aims by the stored spring that is nearest to both."""
-    columns = stored_springs()
-    missed = misses(np.column_stack([columns[label(aim)] for aim in AIMS]))
-    groups = list(dict.fromkeys(aim.group for aim in AIMS))
-    worst = [missed[:, [aim.group == one for aim in AIMS]].max(axis=1) for one in groups]
-    cells = {
-        (a, b): f"{np.maximum(worst[a], worst[b]).min():.2f}"
-        for a, b in combinations_with_replacement(range(len(groups)), 2)
-    }
-    lines = ["| | " + " | ".join(groups) + " |", "|---" * (len(groups) + 1) + "|"]
-    for b, name in enumerate(groups):
-        row = [cells.get((a, b), "") for a in range(len(groups))]
-        lines.append(f"| {name} | {' | '.join(row)} |")
-    return "\n".join([*lines, "", f"All {len(AIMS)} aims: {missed.max(axis=1).min():.2f}."])
 
 
 #: Quantities whose second and settled revolution stand side by side.
@@ -277,14 +239,6 @@ def misses_of(study: Study, case: str | Case = CASE) -> Array:
     return misses(np.array([math.nan if one is None else one for one in read]))
 
 
-def shipped_row(study: Study) -> str:
-    """First cells of the calibrated spring in the table of searches."""
-    missed = misses_of(study)
-    return (
-        f"| calibrated (ships) | {np.sum(missed == 0)} | {missed.max():.2f} | {missed.sum():.1f} |"
-    )
-
-
 def between(text: str, mark: str, table: str) -> str:
     begin, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
     before, _, after = text.partition(begin)
@@ -292,7 +246,7 @@ def between(text: str, mark: str, table: str) -> str:
 
 
 def main() -> None:
-    study, blind, nearest = (vt.simulate(one, workers=1) for one in (CASE, BLIND, NEAREST))
+    study, blind = (vt.simulate(one, workers=1) for one in (CASE, BLIND))
     later = vt.simulate(
         vt.load_case(CASE, {"operation.cycles": SETTLED}), spring_models=[ROD], workers=1
     )
@@ -301,24 +255,16 @@ def main() -> None:
         for one in (study, later)
     ]  # fmt: skip
     tables = {
-        "aims": aims_table(study, blind, nearest),
-        "pairs": pairs_table(),
+        "aims": aims_table(study, blind),
         "revolutions": revolutions_table(*both),
         "modal model": modal_table(),
         "sweep": sweep_table(),
-        "spike": spike_text(both[0][8000]),
+        "spike": spike_text(study),
         "peak": peak_text(both[0][8000], both[1][8000]),
     }
     text = PAGE.read_text(encoding="utf-8")
     for mark, table in tables.items():
         text = between(text, mark, table)
-    text, count = re.subn(
-        r"^\| calibrated \(ships\) \|[^|]*\|[^|]*\|[^|]*\|",
-        shipped_row(study),
-        text,
-        flags=re.MULTILINE,
-    )
-    assert count == 1, "the table of searches has one row of the calibrated spring"
     PAGE.write_text(text, encoding="utf-8")
     write_elsewhere(ROOT, *(one.solution(ROD, 8000 * RPM).quantities for one in (study, blind)))
     sys.stdout.write(f"wrote {PAGE.name}\n")

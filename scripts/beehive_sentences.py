@@ -8,6 +8,7 @@ import math
 import re
 import tempfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import sample_test_cycles
@@ -15,20 +16,42 @@ import sample_test_cycles
 import valvetrain as vt
 from valvetrain.compare_test.compare import compare_with_test
 from valvetrain.parameters.loading import load_case
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.solution.study import Study
+from valvetrain.sources.gu2021_reading import sampled
+from valvetrain.sources.gu2021_stages import spike_index
 
 CASE, ROD = "gu2021-beehive", "finite-element"
-DEG, US = math.pi / 180, 1e-6
+DEG, US, RPM = math.pi / 180, 1e-6, math.pi / 30
 
 
-def spike_text(run: Mapping[str, float]) -> str:
-    """The spike at 8000 rpm, of the quantities of its run, in each way of reading it."""
+def spike_angles(study: Study) -> list[int]:
+    """Cam angle (whole deg) of the highest sample of Stage III at 8000 rpm, by phase of the samples."""
+    event = study.lift_event
+    assert event is not None
+    cycle = reported_cycle(study.solution(ROD, 8000 * RPM))
+    read, found = sampled(cycle), []
+    for angle, force in zip(read.cam_angle, read.force, strict=True):
+        found.append(round(angle[spike_index(replace(cycle, cam_angle=angle), force, event)] / DEG))
+    return found
+
+
+def spike_text(study: Study) -> str:
+    """The spike at 8000 rpm in each way of reading it, and to which collisions its samples belong."""
+    run = study.solution(ROD, 8000 * RPM).quantities
+    angles = spike_angles(study)
+    seen = ", ".join(
+        f"{angle} degrees at {angles.count(angle)} of {len(angles)}"
+        for angle in sorted(set(angles))
+    )
     low, high = (run[f"stage_3_{word}_sampled_peak_force"] for word in ("least", "largest"))
     return (
         f"At 8000 rpm the spike is {run['stage_3_peak_force']:.0f} N in the median over the phase, {low:.0f} to "
         f"{high:.0f} N over it, {run['stage_3_every_instant_peak_force']:.0f} N at every instant and "
         f"{run['stage_3_below_20_khz_peak_force']:.0f} N below 20 kHz,\n{run['stage_3_peak_duration'] / US:.0f} us wide at "
         f"half height, with an impulse of {run['stage_3_peak_impulse']:.3f} N s. Published are 1430 N; 83 us are the "
-        "time from contact to contact."
+        "time from contact to contact.\n"
+        f"The highest sample of Stage III is, by phase, the collision at {seen}."
     )
 
 
