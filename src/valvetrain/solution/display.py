@@ -39,9 +39,13 @@ class Figure(Protocol):
 
 
 def value_text(value: float, unit: str, digits: int = 5) -> str:
-    """An SI value in its shown unit: ``value_text(0.007, "m") == "7 mm"``."""
+    """An SI value in its shown unit, rounded to ``digits``; powers of ten from a million on.
+
+    >>> value_text(0.007, "m"), value_text(1053.0, "N", 3), value_text(2.5e7, "N", 3)
+    ('7 mm', '1050 N', '2.5e+07 N')
+    """
     name, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    return f"{value * factor:.{digits}g} {name}".strip()
+    return f"{float(f'{value * factor:.{digits}g}'):g} {name}".strip()
 
 
 def span(values: Sequence[float] | ArrayLike, unit: str) -> str:
