@@ -65,7 +65,8 @@ def test_every_source_of_the_registry_follows_the_contract():
 
 
 @pytest.mark.parametrize(
-    ("ratio", "verdict"), [(1.02, "agrees"), (0.9, "not seen: -10% from one period"), (None, None)]
+    ("ratio", "verdict"),
+    [(1.02, "agrees"), (0.9, "not seen: −10.0 % from one period"), (None, None)],
 )
 def test_collisions_come_once_a_period_or_they_do_not(ratio, verdict):
     names = (
@@ -84,9 +85,9 @@ def test_collisions_come_once_a_period_or_they_do_not(ratio, verdict):
 @pytest.mark.parametrize(
     ("ours", "verdict"),
     [
-        ((930, 590, 1190), "agrees within 5%"),
-        ((790, 760, 845), "two maxima; first, valley and second -16%, +31%, -30%"),
-        ((845, 760, 790), "two maxima; first, valley and second -10%, +31%, -34%"),
+        ((930, 590, 1190), "agrees within 5 %"),
+        ((790, 760, 845), "two maxima; first, valley and second −16.0 %, +31.0 %, −29.6 %"),
+        ((845, 760, 790), "two maxima; first, valley and second −10.1 %, +31.0 %, −34.2 %"),
         (None, "not seen"),
     ],
 )

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from unit.cli_parts import call
+from valvetrain.explore.identification_summary import conflict_cells
 from valvetrain.explore.identified import conflicts_of
 from valvetrain.explore.identify import identify
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
@@ -122,6 +123,9 @@ def test_of_a_measurement_of_many_values_the_worst_stands_for_it():
     ]
     assert found[0].datum.key == "at 0.0000" and found[0].meeting == 301 and found[1].meeting == 601
     assert [(datum.key, round(off, 2)) for datum, off in found[1].instead] == [("at 0.0000", 16.0)]
+    beyond = np.sum(np.abs(best[0][0] - 10.0 * stations) > 1.0)
+    assert [one.values for one in found] == [beyond, 1]
+    assert conflict_cells(found[0])[0] == f"Trace: at 0.0000 (worst of {beyond} missed)"
 
 
 def test_without_a_missed_measurement_there_is_no_conflict():
@@ -208,3 +212,16 @@ def test_answer_page_and_terminal_tell_them(tmp_path):
     )
     assert f"results in {tmp_path / ('wide' * 20)}\n" in again.stdout, "a path is broken nowhere"
     assert "missed instead" in again.stdout and f"{off['at_12']:+.1f}" in again.stdout
+    assert "2 of 2 measured values are missed, most at " in " ".join(again.stdout.split())
+
+
+def test_sentence_and_table_count_the_same_values_of_one_measurement(tmp_path):
+    """388 N at 12 mm ask for 32.3 N/mm, 380 N at 10 mm for 38, as two values of one curve: one row for both."""
+    (tmp_path / "card.toml").write_text(CARD)
+    head = FILE.partition("[measurements.at_12]")[0]
+    curve = 'compressions = "10, 12 mm"\nforces = "380, 388 N"\nscatter = "4 N"\nspring_model = "massless"\n'
+    (tmp_path / "one.toml").write_text(f"{head}[measurements.curve]\n{curve}")
+    folder = str(tmp_path / "out")
+    told = call("identify", str(tmp_path / "one.toml"), "--workers", "1", "--output", folder)
+    told = " ".join(told.stdout.split())
+    assert "(worst of 2 missed)" in told and "2 of 2 measured values are missed, most curve" in told

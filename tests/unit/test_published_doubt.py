@@ -9,7 +9,7 @@ import re
 from valvetrain.cli.answers import published_summary
 from valvetrain.cli.published import short_verdict
 from valvetrain.quantities.compare import compare
-from valvetrain.report.run_verdict import published_clause
+from valvetrain.report.run_verdict import published_sentences
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity
 
@@ -33,8 +33,8 @@ def rows(doubt: str):
 
 def test_a_number_in_doubt_is_told_apart():
     told = published_summary(rows("too slow for its own lift"))
-    assert published_clause(rows("too slow for its own lift")) == (
-        "the published value of peak spring force differs by 10.0 %"
+    assert published_sentences(rows("too slow for its own lift")) == (
+        "Compared with the source: the published value of peak spring force differs by 10.0 %."
     )
     assert re.search(
         r"peak lever rotation speed \+400.0 %, but the number is in doubt: too slow for its own lift$",
@@ -44,7 +44,7 @@ def test_a_number_in_doubt_is_told_apart():
 
 def test_a_number_that_is_not_in_doubt_counts():
     assert "doubt" not in published_summary(rows(""))
-    assert "furthest peak lever rotation speed" in published_clause(rows(""))
+    assert "Furthest: peak lever rotation speed" in published_sentences(rows(""))
 
 
 def test_the_verdict_names_the_doubt_and_the_row_keeps_its_use():

@@ -27,7 +27,7 @@ TEXT = """
 case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
 spring_models = "{model}"
-outputs = ["peak_spring_force", "clash_count"]
+outputs = ["peak_spring_force", "minimum_spring_force"]
 points = {{ sampler = "grid", levels = {levels} }}
 vary = [
   {{ key = "spring.precompression", low = "6 mm", high = "8 mm" }},

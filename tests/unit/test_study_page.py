@@ -189,6 +189,7 @@ def test_the_sentence_of_a_surrogate_is_of_its_ranges_and_its_picture_is_the_map
         r"<i>compression</i> \(8[2-4] % of its variance\); the surrogate errs by less than 0.1 % of its scatter\.$",
         table.verdict,
     )
+    assert ", less than 0.1 % of their scatter." in table.surrogates[0].sentence
     assert titles(table)[0].startswith("Peak spring force over both quantities")
     assert any(title.startswith("How the outputs scatter") for title in titles(table)[1:])
 
@@ -305,7 +306,7 @@ LIST = """
 title = "Springs compared"
 case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
-spring_models = "massless"
+spring_models = "finite-element"
 outputs = ["{names[0]}", "{names[1]}", "peak_valve_lift"]
 points = {{ sampler = "list" }}
 vary = [
@@ -316,10 +317,10 @@ vary = [
 
 
 def listed(
-    first, second, forces, failed=(), names=("minimum_spring_force", "peak_spring_force")
+    first, second, forces, failed=(), names=("minimum_spring_force", "peak_spring_force"), text=LIST
 ) -> StudyTable:
     """A list of points whose first two outputs are ``forces`` and twice them; no run behind it."""
-    text = LIST.format(first=[f"{one} mm" for one in first], second=second, names=names)
+    text = text.format(first=[f"{one} mm" for one in first], second=second, names=names)
     plan = read_plan(StudyText(text, "study", Path()))
     inputs = plan.sampler.first(plan.varied, plan.options)
     values = np.column_stack([forces, 2 * np.array(forces), np.full(len(forces), 9e-3)])
@@ -379,7 +380,7 @@ def test_a_list_that_changes_one_quantity_at_a_time_is_drawn_as_change_from_its_
         ),
         (
             lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0], failed=(0, 1)),
-            "No point completed: compression 7 mm, lift factor × 1, 6000 rpm, massless: refused: the coils overlap.",
+            "No point completed: compression 7 mm, lift factor × 1, 6000 rpm, finite-element: refused: the coils overlap.",
         ),
         (
             lambda: made("tolerance", "saltelli"),
@@ -413,7 +414,10 @@ def test_a_list_with_names_tells_each_change_by_name_and_for_each_gram():
 
 def test_what_rigid_theory_gives_is_no_input():
     names = ("rigid_contact_loss_engine_speed", "minimum_spring_margin_force")
-    table = listed([7.0, 9.0], [1.0, 1.1], [800.0, 820.0], names=names)
+    train = LIST.replace("gu2021-beehive-blind", "tdi-pushrod").replace(
+        "spring.precompression", "train.cam.base_radius"
+    )
+    table = listed([7.0, 9.0], [1.0, 1.1], [800.0, 820.0], names=names, text=train)
     assert ": contact-loss speed, rigid parts 7830 rpm" in table.verdict
 
 
@@ -433,7 +437,7 @@ def test_a_study_over_the_clearance_says_at_which_it_is_calm_and_draws_over_it()
     text = """
 case = "gu2021-beehive-blind"
 engine_speeds = "6000 rpm"
-spring_models = "massless"
+spring_models = "finite-element"
 outputs = ["coil_bind_clearance", "clash_energy", "surge_amplitude_force"]
 vary = [{ key = "spring.precompression", values = ["7 mm", "9 mm", "11 mm"] }]
 """

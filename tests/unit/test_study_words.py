@@ -14,12 +14,14 @@ from valvetrain.parameters.loading import load_case
 from valvetrain.solution.status import COMPLETED
 
 
-def of_points(case: str, varied: str, outputs: dict, **more: str) -> StudyTable:
+def of_points(
+    case: str, varied: str, outputs: dict, model: str = "massless", **more: str
+) -> StudyTable:
     """A study along one quantity, by made-up outputs (SI)."""
     lines = "\n".join(f"{name} = {value}" for name, value in more.items())
     text = f"""
 case = "{case}"
-spring_models = "massless"
+spring_models = "{model}"
 outputs = {list(outputs)}
 {lines}
 vary = [{varied}]
@@ -62,6 +64,7 @@ def test_where_the_widest_clearance_is_best_it_is_called_the_largest_tried():
         "gu2021-beehive-blind",
         '{ key = "spring.precompression", values = "7, 9, 11 mm" }',
         own,
+        "finite-element",
         engine_speeds='"6000 rpm"',
         points='{ sampler = "grid" }',
     )
@@ -77,7 +80,7 @@ def test_a_spring_that_is_stressed_most_has_its_reasons():
         "peak_spring_force": [500.0, 500.0], "surge_amplitude_force": [20.0, 10.0],
     }  # fmt: skip
     table = of_points(
-        "gu2021-beehive-blind", '{ key = "spring.precompression", values = "7, 9 mm" }', own,
+        "gu2021-beehive-blind", '{ key = "spring.precompression", values = "7, 9 mm" }', own, "finite-element",
         engine_speeds='"6000 rpm"', points='{ sampler = "list", names = ["thin", "thick"] }',
     )  # fmt: skip
     assert table.verdict == (

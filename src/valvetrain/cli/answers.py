@@ -350,9 +350,15 @@ def _percent(value: float | None, reference: float | None) -> str:
 def _show_published(console: Console, study: Study, whole: bool) -> None:
     """A line on published values, and one on findings and notes; or all of them."""
     from valvetrain.cli.published import show_comparisons
+    from valvetrain.report.published_verdict import calibration_sentence, not_compared_sentence
 
-    if study.comparisons:
-        console.print(f"\n{published_summary(study.comparisons)}")
+    lines = (
+        published_summary(study.comparisons) if study.comparisons else "",
+        calibration_sentence(study.record),
+        not_compared_sentence(study) if whole else "",
+    )
+    if any(lines):
+        console.print("\n" + "\n".join(filter(None, lines)))
     more = [
         f"{len(found)} {noun}{'s' if len(found) > 1 else ''}"
         for found, noun in ((study.findings, "finding"), (study.all_notes, "note"))

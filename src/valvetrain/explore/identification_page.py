@@ -273,6 +273,7 @@ def identification_json(found: Identified) -> dict[str, Any]:
             "measurement": one.datum.name,
             "key": one.datum.key,
             "scatters": one.off,
+            "missed_values": one.values,
             "points_that_meet_it": one.meeting,
             "cost": one.cost,
             "missed_instead": [

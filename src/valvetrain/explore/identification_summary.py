@@ -86,8 +86,9 @@ def conflict_cells(one: Conflict) -> tuple[str, ...]:
     instead = ", ".join(f"{datum_label(datum)} ({off:+.1f})" for datum, off in one.instead) or (
         "nothing more" if one.meeting else "–"
     )
+    several = f" (worst of {one.values} missed)" if one.values > 1 else ""
     return (
-        datum_label(one.datum),
+        f"{datum_label(one.datum)}{several}",
         f"{one.off:+.1f}",
         f"{one.meeting} points",
         f"{one.cost:.3g}" if one.meeting else "–",
@@ -203,14 +204,17 @@ def identified_verdict(found: Identified) -> str:
     said = f"{said[:1].upper()}{said[1:]}"
     if parts and open_:
         said += f"; not determined: {', '.join(open_[:MAX_NAMED])}"
-    missed, fitted = odd(found), len(found.predicted)
+    # fitted values as the table of conflicts counts them; those compared by their percentile
+    compared = [one.datum for one in odd(found) if not one.datum.used]
+    missed = [*(one.datum for one in found.conflicts), *compared]
+    count, values = sum(one.values for one in found.conflicts) + len(compared), len(found.predicted)
     if missed:
-        verb = "is" if len(missed) == 1 else "are"
-        said += f"; {len(missed)} of {fitted} measurements {verb} missed, first {_lower(datum_label(missed[0].datum))}"
-    elif fitted and not (found.fit and found.fit.missed):
+        verb = "is" if count == 1 else "are"
+        said += f"; {count} of {values} measured values {verb} missed, most {_lower(datum_label(missed[0]))}"
+    elif values and not (found.fit and found.fit.missed):
         said += (
-            f"; every one of {fitted} measurements is met"
-            if fitted > 1
+            f"; every one of {values} measured values is met"
+            if values > 1
             else "; the measurement is met"
         )
     lead = "" if found.whole else "Stopped before its end: "

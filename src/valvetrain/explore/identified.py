@@ -40,8 +40,8 @@ class Conflict:
     """A fitted ``datum`` that the likeliest point misses by ``off`` scatters, and the likeliest of
     the computed points that meet it.
 
-    Of a measurement of several values the one that is missed most. ``meeting``: number of computed
-    points within :data:`MET` scatters of
+    Of a measurement of several values the one that is missed most, of ``values`` that are missed.
+    ``meeting``: number of computed points within :data:`MET` scatters of
     it. ``cost``: misfit of the likeliest of them above that of the likeliest point (priors
     included), NaN where there is none; negative
     where another branch has the smaller misfit and the smaller probability. ``instead``: data that
@@ -56,6 +56,7 @@ class Conflict:
     meeting: int
     cost: float
     instead: tuple[tuple[Datum, float], ...]
+    values: int = 1
 
 
 def conflicts_of(
@@ -78,11 +79,11 @@ def conflicts_of(
     ('same load', 'load')
     """
     own = _deviations(posterior, [best])[0]
-    missed = _worst(
-        posterior.used, {place: float(size) for place, size in enumerate(own) if abs(size) > MET}
-    )
+    beyond = {place: float(size) for place, size in enumerate(own) if abs(size) > MET}
+    missed = _worst(posterior.used, beyond)
     if not missed:
         return ()
+    names = [posterior.used[place].name for place in beyond]
     least = float(_misfits(posterior, np.array([best[0]]), own[None, :])[0])
     meeting, cheapest = dict.fromkeys(missed, 0), dict.fromkeys(missed, np.inf)
     others: dict[int, Array] = {}
@@ -109,6 +110,7 @@ def conflicts_of(
             meeting[place],
             cheapest[place] - least if place in others else np.nan,
             _instead(posterior.used, own, others[place], place) if place in others else (),
+            names.count(posterior.used[place].name),
         )
         for place, off_by in missed.items()
     ]

@@ -188,6 +188,17 @@ class Outputs:
         ):
             object.__setattr__(self, name, value)
 
+    def of(self, quantity: str) -> Outputs:
+        """One quantity of the same runs, without limit speeds."""
+        return Outputs(
+            quantity,
+            engine_speeds=self.engine_speeds,
+            spring_models=self.spring_models,
+            spring_set=self.spring_sets,
+            rest_model=self.rest_model,
+            function=self.function,
+        )
+
     @property
     def request(self) -> PointRequest:
         """The request of one run."""

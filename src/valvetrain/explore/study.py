@@ -38,6 +38,7 @@ from valvetrain.explore.study_limits import (
 )
 from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyPlan, StudyTable
+from valvetrain.explore.unavailable import refuse_outputs
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
 from valvetrain.registry import find
 from valvetrain.runs.cluster import on_cluster
@@ -304,6 +305,7 @@ def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
     if plan.sampler.more.__name__ != "no_more":
         draws = max(draws, int(getattr(plan.options, "count", draws)))
     experiment = plan.experiment
+    refuse_outputs(experiment)
     refuse_limits(experiment)
     runs = plan.runs if experiment.outputs.quantities else ()
     seconds = [seconds_of(experiment, run) for run in runs]
@@ -322,7 +324,7 @@ def _seconds_of_limit(experiment: Evaluation, limit: LimitSearch) -> float:
     """Estimated seconds of one core for a limit speed of one draw, by every model, at most: its whole grid
     and the speeds between.
     """
-    outputs = replace(experiment.outputs, quantities=(limit.quantity,), limit_speeds=())
+    outputs = experiment.outputs.of(limit.quantity)
     own = Evaluation(experiment.case, experiment.space, outputs, experiment.runs)
     speeds = limit.engine_speeds
     kinds = dict.fromkeys(run[1:] for run in experiment.runs)
@@ -478,6 +480,7 @@ def read_plan(text: StudyText) -> StudyPlan:
             ),
         ),
     )
+    text.guarded(("outputs",), lambda: refuse_outputs(experiment))
     text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
     title = model.title or f"{case.name}: {spec.shown_name}"
     plan = StudyPlan(experiment, spec, options, title, model.kind, model.description)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +77,7 @@ class LimitColumnsSearch:
         self.engine, self.experiment = engine, experiment
         self.searches: list[tuple[LimitSearch, Evaluation]] = []
         for limit in experiment.outputs.limit_speeds:
-            outputs = replace(experiment.outputs, quantities=(limit.quantity,), limit_speeds=())
+            outputs = experiment.outputs.of(limit.quantity)
             own = Evaluation(experiment.case, experiment.space, outputs, experiment.runs)
             engine.include(own)
             self.searches.append((limit, own))

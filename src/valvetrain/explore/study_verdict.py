@@ -376,8 +376,7 @@ def _over_ranges(table: StudyTable, name: str, run: Run, where: str) -> str:
     if made is None:
         return said
     good = " and cannot replace a run" if made.share >= POOR else ""
-    share = "less than 0.1" if made.share < 1e-3 else number(100 * made.share, 2)
-    return f"{said}; the surrogate errs by {share} % of its scatter{good}"
+    return f"{said}; the surrogate errs by {made.share_text} of its scatter{good}"
 
 
 def _cause(one: Sensitivity) -> str:

@@ -1,20 +1,22 @@
 """Surrogates: a Gaussian process for one output, with the error that it has at points left out of it,
-in closed form, and the range in which it is valid.
+in closed form, and the region in which it is valid.
 """
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import cho_solve
+from scipy.special import ndtri
 
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.outputs import Run
+from valvetrain.parameters.summary import number
 from valvetrain.solution.definition import definition_of, label_of, shown
 
 Array = NDArray[np.float64]
@@ -24,6 +26,29 @@ HINT = "a surrogate needs scikit-learn, which is not installed; install the extr
 LEAST, MOST = 12, 1000
 #: Error over scatter above which a surrogate cannot replace a run.
 POOR = 0.3
+#: Probability that quantities which vary independently are taken for dependent, and how far beyond the
+#: furthest of its points, as a multiple, a surrogate of dependent ones is used.
+CHANCE, WIDER = 1e-3, 1.25
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """Two quantities (indices ``first``, ``second``) whose points depend on each other: their
+    ``correlation``, and the largest distance ``reach`` of a point from the centre (standard deviations,
+    the correlation taken into account).
+    """
+
+    first: int
+    second: int
+    correlation: float
+    reach: float
+
+    def distance(self, scaled: Array) -> Array:
+        """Distance (m,) of points (m, d), in standard deviations from the centre (Mahalanobis 1936)."""
+        one, other = scaled[:, self.first], scaled[:, self.second]
+        free = max(1.0 - self.correlation**2, 1e-9)
+        squares = (one - self.correlation * other) ** 2 / free + other**2
+        return np.asarray(np.sqrt(squares))
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +59,8 @@ class Surrogate:
     ``predicted`` (n): prediction of each point from the others alone; ``error``: root of
     the mean square of those misses (SI), ``share``: that over the standard deviation of the values,
     ``covered``: share of the misses within two standard deviations of the prediction. ``low``,
-    ``high`` (d, SI): the range of its points, beyond which it is not used.
+    ``high`` (d, SI): the range of its points, beyond which it is not used, nor off the points of two
+    quantities that depend on each other (``dependences``).
     """
 
     output: str
@@ -50,11 +76,17 @@ class Surrogate:
     centre: Array
     scale: Array
     process: Any = field(repr=False)
+    dependences: tuple[Dependence, ...] = ()
 
     @property
     def fitted(self) -> int:
         """Points that it is fitted to."""
         return len(self.computed)
+
+    @property
+    def share_text(self) -> str:
+        """Its error over the scatter, in per cent."""
+        return f"{'less than 0.1' if self.share < 1e-3 else number(100 * self.share, 2)} %"
 
     @property
     def sentence(self) -> str:
@@ -66,14 +98,15 @@ class Surrogate:
             f"{self.fitted} points left out in turn"
         )
         good = "" if self.share < POOR else ", so it cannot replace a run"
-        return f"{reported}, {100 * self.share:.2g} % of their scatter{good}."
+        return f"{reported}, {self.share_text} of their scatter{good}."
 
     def predict(self, inputs: ArrayLike) -> tuple[Array, Array]:
         """Mean and standard deviation (m,) in SI at ``inputs`` (m, d) in SI, in the order of the
         varied quantities.
 
         Raises :class:`InputError` for points beyond the range of those it was fitted to by more than
-        their mean distance along that quantity: there it predicts nothing.
+        their mean distance along that quantity, and for points off those of two quantities that depend
+        on each other: there it predicts nothing.
         """
         points = np.atleast_2d(np.asarray(inputs, dtype=float))
         if points.shape[1] != len(self.centre):
@@ -89,8 +122,25 @@ class Surrogate:
                 "compute that point, or widen the study",
                 self.names[column],
             )
-        mean, deviation = self.process.predict((points - self.centre) / self.scale, return_std=True)
+        scaled = (points - self.centre) / self.scale
+        for pair in self.dependences:
+            self._refuse_off(pair, points, scaled)
+        mean, deviation = self.process.predict(scaled, return_std=True)
         return np.asarray(mean), np.asarray(deviation)
+
+    def _refuse_off(self, pair: Dependence, points: Array, scaled: Array) -> None:
+        """Raise :class:`InputError` for points off those of a dependent pair."""
+        distance = pair.distance(scaled)
+        row = int(np.argmax(distance))
+        if distance[row] <= WIDER * pair.reach:
+            return
+        one, other = self.names[pair.first], self.names[pair.second]
+        raise InputError(
+            f"the surrogate knows {one} and {other} as they depend on each other (correlation {pair.correlation:.2g}), up to "
+            f"{pair.reach:.2g} standard deviations from their centre, and {points[row, pair.first]:.6g} with "
+            f"{points[row, pair.second]:.6g} (SI) is {distance[row]:.2g} off; compute that point, or widen the study",
+            one,
+        )
 
 
 def surrogate_of(
@@ -140,7 +190,28 @@ def surrogate_of(
         centre,
         scale,
         process,
+        dependences_of((points - centre) / scale),
     )
+
+
+def dependences_of(scaled: Array) -> tuple[Dependence, ...]:
+    """The pairs of quantities whose points (n, d), less their mean and over their standard deviation,
+    depend on each other beyond :data:`CHANCE` (Fisher's transformation of the correlation).
+
+    >>> line = np.linspace(-1.7, 1.7, 20)
+    >>> [(one.first, one.second) for one in dependences_of(np.column_stack([line, line, line**2 - 1]))]
+    [(0, 1)]
+    """
+    count, size = scaled.shape
+    pairs = [(i, j) for i in range(size) for j in range(i)]
+    found = []
+    for second, first in pairs:
+        correlation = float(np.mean(scaled[:, first] * scaled[:, second]))
+        least = np.tanh(-ndtri(CHANCE / (2 * len(pairs))) / np.sqrt(count - 3))
+        if abs(correlation) > least:
+            pair = Dependence(first, second, correlation, 0.0)
+            found.append(replace(pair, reach=float(np.max(pair.distance(scaled)))))
+    return tuple(found)
 
 
 def left_out(process: Any) -> tuple[Array, Array]:

@@ -248,6 +248,16 @@ def share_text(share: float) -> str:
     return f"{number(100 * share, 2)} %"
 
 
+def percent(share: float) -> str:
+    """A share as a signed percentage with one decimal; what rounds to zero has no sign.
+
+    >>> percent(0.035), percent(-0.0713), percent(-0.0002)
+    ('+3.5 %', '−7.1 %', '0.0 %')
+    """
+    text = f"{100 * share:+.1f}"
+    return ("0.0" if float(text) == 0 else text.replace("-", "−")) + " %"
+
+
 def unit_text(unit: str) -> str:
     """A unit as printed: ``mm/s^2`` -> ``mm/s²``, ``us`` -> ``µs``, ``um`` -> ``µm``."""
     return unit.replace("^2", "²").replace("^3", "³").replace("us", "µs").replace("um", "µm")

@@ -1,5 +1,5 @@
-"""How the published values of a case compare, in one clause: by role, by kind of quantity, and the
-worst by name.
+"""How the published values of a case compare: by role and kind of quantity, and the furthest by name;
+what the case was fitted to, and why nothing was compared.
 """
 
 from __future__ import annotations
@@ -8,59 +8,172 @@ import math
 import statistics
 from collections.abc import Sequence
 
-from valvetrain.report.clauses import figure
-from valvetrain.report.text import percent, speed_text
+from valvetrain.report.clauses import figure, joined
+from valvetrain.report.text import percent, rpm, speed_text
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import label_of
+from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.quantity import unit_of
+from valvetrain.solution.study import Study
 
 ROLES = ("calibration", "check", "prediction")
-#: Kind -> SI units of its quantities.
-KINDS = {"forces": ("N",), "motion": ("m", "m/s", "m/s^2")}
+#: SI units -> kind of the quantities in them; all others are of the last kind.
+KINDS = {"N": "forces", "m": "motion", "m/s": "motion", "m/s2": "motion", "rad": "angles"}
+KIND_NAMES = ("forces", "motion", "angles", "others")
+#: A value of a kind, as it is counted: singular and plural.
+NOUNS = {
+    "forces": ("force", "forces"),
+    "motion": ("motion", "motions"),
+    "angles": ("angle", "angles"),
+}
+#: How the first of these sentences begins.
+COMPARED = "Compared with the source"
 #: Values that are named as the furthest from the published ones.
 NAMED = 3
+#: Fitted values up to which each is named; the table of a case whose parts are named, not itself.
+MAX_NAMES, SPRING = 3, "spring"
 
 
-def published_clause(rows: Sequence[Comparison]) -> str:
-    """How the published values of a case compare; empty without any.
+def kind_of(name: str) -> str:
+    """Kind of a quantity among :data:`KIND_NAMES`.
+
+    >>> kind_of("preload"), kind_of("stage_2_peak_cam_angle"), kind_of("mode_1_frequency")
+    ('forces', 'angles', 'others')
+    """
+    return KINDS.get(unit_of(name), KIND_NAMES[-1])
+
+
+def published_sentences(rows: Sequence[Comparison]) -> str:
+    """How the published values of a case compare; empty without any that was computed.
 
     Roles and kinds are given apart, since a median over values that were fitted and values that were
-    predicted describes neither. Values in doubt are left out; angles count in degrees.
+    predicted describes neither. Values in doubt are left out; angles count in degrees, and the
+    furthest of them is named apart, since no share of an angle compares with a share of a force.
     """
-    given = [row for row in rows if row.difference is not None and not row.doubt]
-    angles = [row for row in given if row.unit == "deg"]
-    known = [row for row in given if row.unit != "deg" and row.relative_difference is not None]
-    if not known:
+    sure = [row for row in rows if row.difference is not None and not row.doubt]
+    angles = [row for row in sure if kind_of(row.quantity) == "angles"]
+    shares = [row for row in sure if row not in angles and row.relative_difference is not None]
+    if not shares and not angles:
         return ""
-    if len(known) == 1:
-        name, middle = label_of(known[0].quantity), _middle(known)
-        return f"the published value of {name} differs by {middle}"
-    roles = [(role, [row for row in known if row.role == role]) for role in ROLES]
-    by_role = [f"{role} {_middle(mine)} ({len(mine)})" for role, mine in roles if mine]
-    parts = [f"{len(known)} published values, median difference of {', '.join(by_role)}"]
-    kinds = {
-        kind: [r for r in known if unit_of(r.quantity) in units] for kind, units in KINDS.items()
-    }
-    by_kind = [f"{kind} {_middle(mine)}" for kind, mine in kinds.items() if mine]
+    if len(shares) + len(angles) == 1:
+        (row,) = shares or angles
+        return f"{COMPARED}: the published value of {label_of(row.quantity)} differs by {_median([row])}."
+    compared = [*shares, *angles]
+    texts = [
+        f"{COMPARED}: {_count(rows, len(compared))}; median difference by role, number of values in brackets."
+    ]
+    for role in dict.fromkeys((*ROLES, *(row.role for row in compared))):
+        cells = [
+            f"{kind} {_median(mine)} ({len(mine)})"
+            for kind in KIND_NAMES
+            if (mine := [r for r in compared if (r.role, kind_of(r.quantity)) == (role, kind)])
+        ]
+        if cells:
+            texts.append(f"{role.capitalize()}: {', '.join(cells)}.")
+    worst = sorted(shares, key=lambda row: -abs(row.relative_difference or 0.0))
+    named = [_named(row) for row in worst[: min(NAMED, max(1, len(shares) - 1))]]
     if angles:
-        off = statistics.median(abs(math.degrees(row.difference or 0.0)) for row in angles)
-        by_kind.append(f"angles {figure(off)} deg")
-    if len(by_kind) > 1:
-        parts.append(", ".join(by_kind))
-    worst = sorted(known, key=lambda row: -abs(row.relative_difference or 0.0))
-    named = [_named(row) for row in worst[: min(NAMED, len(known) - 1)]]
-    return "; ".join([*parts, f"furthest {', '.join(named)}"])
+        furthest = max(angles, key=lambda row: abs(row.difference or 0.0))
+        named.append(f"{'and ' if named else ''}of the angles {_named(furthest)}")
+    return " ".join([*texts, f"Furthest: {', '.join(named)}."])
 
 
-def _middle(rows: Sequence[Comparison]) -> str:
+def _count(rows: Sequence[Comparison], compared: int) -> str:
+    """``110 of 120 published values (9 not computed, 1 zero in the source)``."""
+    doubtful = sum(bool(row.doubt) for row in rows)
+    missing = sum(row.difference is None for row in rows if not row.doubt)
+    left = {
+        "not computed": missing,
+        "zero in the source": len(rows) - doubtful - missing - compared,
+        "in doubt": doubtful,
+    }
+    why = ", ".join(f"{count} {text}" for text, count in left.items() if count)
+    return (
+        f"{compared} of {len(rows)} published values ({why})"
+        if why
+        else f"{compared} published values"
+    )
+
+
+def _median(rows: Sequence[Comparison]) -> str:
+    """The median size of the differences of one kind, with its unit."""
+    if kind_of(rows[0].quantity) == "angles":
+        off = statistics.median(abs(math.degrees(row.difference or 0.0)) for row in rows)
+        return f"{figure(off)} deg"
     return share(statistics.median(abs(row.relative_difference or 0.0) for row in rows))
 
 
 def _named(row: Comparison) -> str:
     where = "" if row.engine_speed is None else f" at {speed_text(row.engine_speed)}"
-    return f"{label_of(row.quantity)}{where} {percent(row.relative_difference or 0.0)}"
+    if kind_of(row.quantity) == "angles":
+        degrees = math.degrees(row.difference or 0.0)
+        by = f"{'+' if degrees > 0 else ''}{figure(degrees)} deg".replace("-", "−")
+    else:
+        by = percent(row.relative_difference or 0.0)
+    return f"{label_of(row.quantity)}{where} {by}"
 
 
 def share(value: float) -> str:
     """A positive share in per cent."""
     return "less than 0.1 %" if 0 <= value < 5e-4 else percent(value).lstrip("+")
+
+
+def calibration_sentence(record: CaseRecord) -> str:
+    """That a case was fitted to published values, to which, and what of it; empty of any other case, and of
+    a changed one.
+
+    >>> calibration_sentence(CaseRecord("own"))
+    ''
+    """
+    fitted = [value for value in record.published if value.role == "calibration"]
+    if not fitted or record.changed:
+        return ""
+    names = list(dict.fromkeys(label_of(value.quantity) for value in fitted))
+    if len(names) > MAX_NAMES:
+        counts = {
+            kind: sum(kind_of(value.quantity) == kind for value in fitted) for kind in KIND_NAMES
+        }
+        names = [
+            f"{count} {NOUNS.get(kind, ('other', kind))[count > 1]}"
+            for kind, count in counts.items()
+            if count
+        ]
+    whole = f"{len(fitted)} of its {len(record.published)} published values"
+    return f"calibrated: {_identified(record)} fitted to {whole} ({', '.join(names)})"
+
+
+def _identified(record: CaseRecord) -> str:
+    """What of a case was identified: parts of its spring, and other tables; with its verb."""
+    found: dict[str, None] = {}
+    for value in record.values:
+        if value.status == "identified":
+            table, _, key = value.path.partition(".")
+            found[key.partition(".")[0] if table == SPRING and key else table] = None
+    names = joined([name.replace("_", " ") for name in found]) if found else "the case"
+    return f"{names} {'were' if len(found) > 1 else 'was'}"
+
+
+def not_compared_sentence(study: Study) -> str:
+    """Why a study has no comparison with published values; empty where it has one."""
+    record, ran = study.record, study.engine_speeds
+    if study.comparisons:
+        return ""
+    given = sorted({v.engine_speed for v in record.published if v.engine_speed is not None})
+    if not record.study and not record.published:
+        why = "the case gives none and names no published study"
+    elif record.changed:
+        keys, verb = (
+            joined([f"'{key}'" for key in record.changed]),
+            "was" if len(record.changed) == 1 else "were",
+        )
+        why = f"{keys} {verb} changed, and published values are of the case without changes"
+    elif study.command == "sweep":
+        why = "a sweep over engine speed is not compared; 'valvetrain run' is"
+    elif (
+        given and ran and not all(any(math.isclose(s, g, rel_tol=1e-6) for g in given) for s in ran)
+    ):
+        speeds = joined([f"{rpm(speed):.6g}" for speed in given])
+        why = f"those of the case are of {speeds} rpm; leave the engine speed out, or give one of these"
+    else:
+        why = "no run gave a quantity that is published"
+    return f"No published value is compared: {why}."

@@ -20,7 +20,7 @@ from valvetrain.report.clauses import (
     sentence,
 )
 from valvetrain.report.model_verdict import fidelity_verdict
-from valvetrain.report.published_verdict import published_clause, share
+from valvetrain.report.published_verdict import published_sentences, share
 from valvetrain.report.run_clauses import (
     NEAR,
     SOLID,
@@ -55,9 +55,9 @@ def study_verdict(study: Study) -> str:
     """The sentence of a study: of its sweep, its map of models, its runs or its springs at rest."""
     if len(study.fidelity):
         return fidelity_verdict(study.fidelity)
-    published = published_clause(study.comparisons)
+    published = published_sentences(study.comparisons)
     if not study.solutions:
-        return sentence([*rest_failures(study), *rest_clauses(study), published])
+        return in_sentences([*rest_failures(study), *rest_clauses(study)], [], published, "")
     if study.command == "compare-springs" and len(study.labels) == 2:
         return springs_verdict(study)
     if study.over_speed:
@@ -87,13 +87,11 @@ def _too_hard(study: Study) -> list[str]:
 
 
 def in_sentences(lead: list[str], more: list[str], published: str, condition: str) -> str:
-    """Parts of the first sentence, which pages show in bold, of the second, and what is published of a case
-    as one of its own, behind what the spring does.
+    """Parts of the first sentence, which pages show in bold, of the second, and the sentences on what is
+    ``published`` of a case, behind what the spring does.
     """
-    source = [published and f"compared with the source: {published}"]
     first, second = (lead, more) if lead else (more, [])
-    said = (sentence(first, condition), sentence(second), sentence(source))
-    return " ".join(filter(None, said))
+    return " ".join(filter(None, (sentence(first, condition), sentence(second), published)))
 
 
 def solution_verdict(run: Solution) -> str:

@@ -6,6 +6,7 @@ import math
 
 from valvetrain.parameters.summary import in_unit as in_unit
 from valvetrain.parameters.summary import number as number
+from valvetrain.parameters.summary import percent as percent
 from valvetrain.parameters.summary import unit_text as unit_text
 from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.solution.status import Event
@@ -39,12 +40,6 @@ def rpm_text(engine_speed: float) -> str:
 def speed_text(engine_speed: float) -> str:
     """An engine speed as text, such as ``5600 rpm``."""
     return f"{rpm(engine_speed):.10g} rpm"
-
-
-def percent(share: float) -> str:
-    """A share as a signed percentage with one decimal; what rounds to zero has no sign."""
-    text = f"{100 * share:+.1f}"
-    return ("0.0" if float(text) == 0 else text.replace("-", "−")) + " %"
 
 
 def axis_label(name: str) -> str:

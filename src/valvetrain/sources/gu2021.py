@@ -17,6 +17,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from valvetrain.parameters.summary import percent
 from valvetrain.quantities.cycle import Frame, reported_cycle
 from valvetrain.quantities.signal import WINDOWS
 from valvetrain.solution.comparison import Finding
@@ -122,7 +123,7 @@ def _period(run: Solution, solid: Printed) -> tuple[Finding, ...]:
     verdict = (
         "agrees"
         if abs(ratio - 1) <= PERIOD_SHARE
-        else f"not seen: {ratio - 1:+.0%} from one period"
+        else f"not seen: {percent(ratio - 1)} from one period"
     )
     statement = f"{_rpm(run)}: coils 1 and 2 meet every {np.degrees(printed.value):.1f} cam degrees, the period of the first mode"
     return (Finding(printed.source, statement, computed, verdict),)
@@ -148,9 +149,9 @@ def _two_maxima(run: Solution, solid: Printed) -> tuple[Finding, ...]:
     off = [mine / theirs - 1 for mine, theirs in zip(ours, (first, valley, second), strict=True)]
     computed = f"{ours[0]:.0f} N and {ours[2]:.0f} N with {ours[1]:.0f} N between"
     if max(map(abs, off)) <= HEIGHT_SHARE:
-        verdict = f"agrees within {HEIGHT_SHARE:.0%}"
+        verdict = f"agrees within {100 * HEIGHT_SHARE:g} %"
     else:
-        verdict = f"two maxima; first, valley and second {', '.join(f'{one:+.0%}' for one in off)}"
+        verdict = f"two maxima; first, valley and second {', '.join(map(percent, off))}"
     return (Finding(solid[names[0]].source, statement, computed, verdict),)
 
 

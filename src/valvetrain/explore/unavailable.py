@@ -1,0 +1,88 @@
+"""Outputs that no run of an experiment can give, refused before the first point: by what the spring models
+show, and whether a spring is given by wire or card. What depends on the values of a point is not refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from valvetrain.errors import InputError
+from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.outputs import Run
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.registry import OWN, find, names
+from valvetrain.runs.request_cost import RunRequest, planned
+from valvetrain.solution.definition import NESTED, definition_of, label_of, not_given
+
+#: What a spring model shows -> beginnings of the names of quantities that need it.
+NEEDS = {
+    "clash": (
+        "clash_", "peak_clash_", "surge_clash_", "largest_clash_", "main_clash_",
+    ),
+    "stress": (
+        "peak_shear_stress", "minimum_shear_stress", "peak_equivalent_stress", "largest_amplitude_",
+    ),
+}  # fmt: skip
+#: Stresses of the force by the dimensions of a wire, which every model gives.
+BY_WIRE = ("nominal_peak_shear", "nominal_minimum_shear", "uncorrected_peak_shear")
+WHAT = {"clash": "coils that meet", "stress": "stress along the wire"}
+
+
+def refuse_outputs(experiment: Evaluation) -> None:
+    """Raise :class:`InputError` for an output that no run of the experiment can give.
+
+    >>> import valvetrain as vt
+    >>> space = vt.Space({"spring.precompression": vt.Uniform("6 mm", "8 mm")})
+    >>> outputs = vt.Outputs("clash_count", engine_speeds="4000 rpm", spring_models="massless")
+    >>> refuse_outputs(Evaluation("job-c", space, outputs))
+    Traceback (most recent call last):
+    ...
+    valvetrain.errors.InputError: the coil contacts (clash_count) cannot be had by massless, which has no coils that meet; ...
+    """
+    case = experiment.case
+    if case is None:
+        return
+    kind = "spring" if case.train is None else "train"
+    for name in experiment.outputs.quantities:
+        row = definition_of(name)
+        if row.systems and kind not in row.systems:
+            raise InputError(f"a {kind} has no {row.label} ({name}); choose another")
+    runs = [_chosen(experiment, run) for run in experiment.runs]
+    for name in experiment.outputs.quantities:
+        reasons = [_reason(name, model, springs) for model, springs in runs]
+        if reasons and all(reasons):
+            raise InputError(reasons[0])
+
+
+def _chosen(experiment: Evaluation, run: Run) -> tuple[str, Sequence[InstalledSpring]]:
+    """Spring model and springs of a run, as its point is built."""
+    assert experiment.case is not None
+    speed, model, spring_set = run
+    models, sets = (tuple(filter(None, (one,))) for one in (model, spring_set))
+    speeds = None if speed is None else (speed,)
+    chosen, springs = planned(RunRequest("run", experiment.case, speeds, models, sets, 1))[0]
+    return chosen[0], springs
+
+
+def _reason(name: str, model: str, springs: Sequence[InstalledSpring]) -> str:
+    """Why a run does not give a quantity; empty where it may."""
+    first, _, rest = name.partition("_")
+    own = rest if first in NESTED and len(springs) > 1 else name
+    need = next((one for one, starts in NEEDS.items() if own.startswith(starts)), "")
+    if not need and not own.startswith(BY_WIRE):
+        return ""
+    text = f"the {label_of(name)} ({name}) cannot be had"
+    cards = [f"'{one.name}'" for one in springs if one.wire is None]
+    if len(cards) == len(springs):
+        known = "springs {} are" if len(cards) > 1 else "spring {} is"
+        return (
+            f"{text}: {known.format(' and '.join(cards))} known by card alone, and it needs the wire, "
+            "which 'valvetrain spring-card' makes; leave it out"
+        )
+    # a model given in Python may show coils without saying so
+    if need and model not in OWN and need not in find("springs", model).shows:
+        able = ", ".join(one for one in names("springs") if need in find("springs", one).shows)
+        return f"{text} by {model}, which has no {WHAT[need]}; choose {able}, or leave it out"
+    if need == "stress" and own == name and len(springs) > 1:
+        return not_given(name, [f"{spring}_{name}" for spring in NESTED])
+    return ""
