@@ -21,6 +21,7 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, wait_until
+from unit.test_identification_conflicts import CARD, FILE
 from valvetrain.errors import RunFailedError
 from valvetrain.explore.study import StudyText, estimate_study, read_plan
 from valvetrain.runs.cluster import Cluster
@@ -198,7 +199,16 @@ def threads_of_this_process(count: int) -> Iterator[str]:
 )
 def test_what_runs_side_by_side_has_the_bits_of_one_process_on_a_cluster(compute, monkeypatch):
     """Contract: sweeps, refinements and comparisons of models go to the cluster in use."""
-    submitted = []
+    submitted = noted_submissions(monkeypatch)
+    with threads_of_this_process(2) as address, vt.runs.on_cluster(address):
+        found = compute()
+    assert submitted
+    assert numbers_of(found) == numbers_of(compute())
+
+
+def noted_submissions(monkeypatch) -> list[tuple]:
+    """What clusters are given from now on."""
+    submitted: list[tuple] = []
     for name in ("stream", "call"):
         own = getattr(Cluster, name)
 
@@ -207,10 +217,26 @@ def test_what_runs_side_by_side_has_the_bits_of_one_process_on_a_cluster(compute
             return own(self, *arguments)
 
         monkeypatch.setattr(Cluster, name, noted)
-    with threads_of_this_process(2) as address, vt.runs.on_cluster(address):
-        found = compute()
+    return submitted
+
+
+def test_identify_on_a_cluster_has_the_bits_of_one_process(tmp_path, monkeypatch):
+    """Contract: the command submits its points to the cluster and finds what one process finds."""
+    (tmp_path / "card.toml").write_text(CARD)
+    (tmp_path / "two.toml").write_text(FILE)
+    submitted = noted_submissions(monkeypatch)
+
+    def found(folder: str, *more: str) -> dict:
+        words = ("--json", "--output", str(tmp_path / folder), *more)
+        answer = call("identify", str(tmp_path / "two.toml"), *words)
+        assert answer.exit_code == 0, answer.stderr
+        data = json.loads(answer.stdout)
+        return {key: data[key] for key in ("branches", "measurements", "conflicts")}
+
+    with threads_of_this_process(1) as address:
+        on_cluster = found("cluster", "--dask", address)
     assert submitted
-    assert numbers_of(found) == numbers_of(compute())
+    assert on_cluster == found("alone", "--workers", "1")
 
 
 def numbers_of(found) -> list[object]:
