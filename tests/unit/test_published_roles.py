@@ -46,9 +46,7 @@ ROWS = (
 
 def test_fitted_and_predicted_values_share_no_median():
     told = published_sentences(ROWS)
-    assert told.startswith(
-        "Compared with the source: 8 published values; median difference by role"
-    )
+    assert told.startswith("Compared with the source, median (count): 8 published values. ")
     assert " Calibration: forces 2.0 % (2), angles 4 deg (1). " in told
     assert (
         " Prediction: forces 40.0 % (1), motion 60.0 % (1), angles 29 deg (2), others 20.0 % (1). "
@@ -72,7 +70,7 @@ def test_every_value_left_out_is_counted():
         row("node_1_peak_acceleration", 1.0, 9.0, "check", doubt="cannot be"),
     )
     told = published_sentences((*ROWS, *left))
-    assert ": 8 of 11 published values (1 not computed, 1 zero in the source, 1 in doubt); " in told
+    assert ": 8 of 11 published values, 1 not computed, 1 is zero, 1 in doubt. " in told
     assert published_sentences(left) == ""
 
 

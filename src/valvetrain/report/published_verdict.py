@@ -59,9 +59,7 @@ def published_sentences(rows: Sequence[Comparison]) -> str:
         (row,) = shares or angles
         return f"{COMPARED}: the published value of {label_of(row.quantity)} differs by {_median([row])}."
     compared = [*shares, *angles]
-    texts = [
-        f"{COMPARED}: {_count(rows, len(compared))}; median difference by role, number of values in brackets."
-    ]
+    texts = [f"{COMPARED}, median (count): {_count(rows, len(compared))}."]
     for role in dict.fromkeys((*ROLES, *(row.role for row in compared))):
         cells = [
             f"{kind} {_median(mine)} ({len(mine)})"
@@ -79,20 +77,18 @@ def published_sentences(rows: Sequence[Comparison]) -> str:
 
 
 def _count(rows: Sequence[Comparison], compared: int) -> str:
-    """``110 of 120 published values (9 not computed, 1 zero in the source)``."""
+    """``110 of 120 published values, 9 not computed, 1 is zero``."""
     doubtful = sum(bool(row.doubt) for row in rows)
     missing = sum(row.difference is None for row in rows if not row.doubt)
+    zero = len(rows) - doubtful - missing - compared
     left = {
         "not computed": missing,
-        "zero in the source": len(rows) - doubtful - missing - compared,
+        "is zero" if zero == 1 else "are zero": zero,
         "in doubt": doubtful,
     }
-    why = ", ".join(f"{count} {text}" for text, count in left.items() if count)
-    return (
-        f"{compared} of {len(rows)} published values ({why})"
-        if why
-        else f"{compared} published values"
-    )
+    whole = f"{compared} of {len(rows)}" if compared < len(rows) else f"{compared}"
+    why = (f"{count} {text}" for text, count in left.items() if count)
+    return ", ".join([f"{whole} published values", *why])
 
 
 def _median(rows: Sequence[Comparison]) -> str:
