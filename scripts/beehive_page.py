@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from beehive_sentences import peak_text, spike_text, write_elsewhere
+from beehive_sentences import peak_text, place_text, spike_text, write_elsewhere
 from numpy.typing import NDArray
 
 import valvetrain as vt
@@ -260,6 +260,7 @@ def main() -> None:
         "modal model": modal_table(),
         "sweep": sweep_table(),
         "spike": spike_text(study),
+        "places": place_text(study),
         "peak": peak_text(both[0][8000], both[1][8000]),
     }
     text = PAGE.read_text(encoding="utf-8")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from beehive_page import (
     AIMS,
+    EQUATIONS,
     PAGE,
     ROD,
     SETTLED,
@@ -17,7 +18,7 @@ from beehive_page import (
     shown,
     value_of,
 )
-from beehive_sentences import peak_text, spike_text
+from beehive_sentences import peak_text, place_text, spike_text
 
 import valvetrain as vt
 from architecture.layout import ROOT
@@ -98,6 +99,36 @@ def test_other_pages_print_the_spike_of_the_page() -> None:
 def test_no_value_of_the_calibrated_case_is_called_a_prediction(study: Study) -> None:
     assert {row.role for row in study.comparisons} == {"calibration", "check"}
     assert all(row.reading for row in study.comparisons)
+
+
+#: Names of the case for the peaks of the source's modal model, which the page finds on the lift by its equations.
+BY_EQUATIONS = {
+    "stage_2": "stage_2_peak_force", "stage_2_first": "stage_2_first_peak_force",
+    "stage_2_second": "stage_2_second_peak_force", "stage_3": "stage_3_peak_force",
+}  # fmt: skip
+
+
+def test_the_role_calibration_is_that_of_the_aims() -> None:
+    """Contract: a printed value is calibration exactly where the table of the page aims at it."""
+    aims = {
+        (aim.model == EQUATIONS, aim.rpm, BY_EQUATIONS[aim.quantity] if aim.model == EQUATIONS else aim.quantity)
+        for aim in AIMS
+    }  # fmt: skip
+    roles = {
+        (value.model == "analytical modal", round((value.engine_speed or 0.0) / RPM), str(value.quantity))
+        for value in vt.load_case("gu2021-beehive").published
+        if value.role == "calibration"
+    }  # fmt: skip
+    assert roles == aims
+
+
+def test_the_page_says_where_contacts_were_read(study: Study) -> None:
+    """Example: the same words, angles within a degree."""
+    there = PAGE.read_text(encoding="utf-8").split("<!-- places -->\n")[1].split("\n<!-- end")[0]
+    text = place_text(study)
+    assert NUMBER.sub("#", there) == NUMBER.sub("#", text), "run python scripts/beehive_page.py"
+    found, made = (np.array(NUMBER.findall(one), dtype=float) for one in (there, text))
+    assert found == pytest.approx(made, abs=1.0), "run python scripts/beehive_page.py"
 
 
 def test_where_the_peak_at_8000_rpm_lies_is_among_the_findings(study: Study) -> None:
