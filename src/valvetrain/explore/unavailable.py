@@ -34,7 +34,7 @@ def refuse_outputs(experiment: Evaluation) -> None:
     >>> import valvetrain as vt
     >>> space = vt.Space({"spring.precompression": vt.Uniform("6 mm", "8 mm")})
     >>> outputs = vt.Outputs("clash_count", engine_speeds="4000 rpm", spring_models="massless")
-    >>> refuse_outputs(Evaluation("job-c", space, outputs))
+    >>> refuse_outputs(Evaluation("job-c", space, outputs))  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
     valvetrain.errors.InputError: the coil contacts (clash_count) cannot be had by massless, which has no coils that meet; ...
