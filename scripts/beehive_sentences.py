@@ -55,10 +55,10 @@ def spike_text(study: Study) -> str:
     )
 
 
-#: Readings taken wherever the model has them, by speed: words, quantity of the angle, the source's angle (deg).
+#: Readings taken wherever the model has them: words, quantity of their angle.
 PLACES = (
-    ("contact to contact from", "coil_1_2_bounce_start_cam_angle", {5600: 240.0, 8000: 253.5}),
-    ("node 2 fastest at", "node_2_stage_3_minimum_velocity_cam_angle", {5600: 241.5, 8000: 251.5}),
+    ("contact to contact from", "coil_1_2_bounce_start_cam_angle"),
+    ("node 2 fastest at", "node_2_stage_3_minimum_velocity_cam_angle"),
 )
 #: Farther apart (deg) than this, two angles are those of different collisions: half the distance of two.
 ONE_COLLISION = 13.0
@@ -67,14 +67,13 @@ ONE_COLLISION = 13.0
 def place_text(study: Study) -> str:
     """Where contacts and the velocity of node 2 were read, beside where the source has them."""
     lines = []
-    for words, quantity, source in PLACES:
-        for rpm, there in source.items():
-            ours = study.solution(ROD, rpm * RPM).quantities.get(quantity)
-            if ours is None:
-                continue
-            angle = float(ours) / DEG
-            other = ", another collision" if abs(angle - there) > ONE_COLLISION else ""
-            lines.append(f"{words} {angle:.1f} degrees ({there:g}) at {rpm} rpm{other}")
+    for words, quantity in PLACES:
+        for row in study.comparisons:
+            if row.quantity == quantity and row.computed is not None and row.engine_speed:
+                angle, there = row.computed / DEG, row.published / DEG
+                other = ", another collision" if abs(angle - there) > ONE_COLLISION else ""
+                speed = row.engine_speed / RPM
+                lines.append(f"{words} {angle:.1f} degrees ({there:g}) at {speed:.0f} rpm{other}")
     return (
         "The aims of durations and of node 2 are read where the model has them, beside the source's place: "
         + ";\n".join(lines)

@@ -274,7 +274,7 @@ def test_models_of_a_spring_and_published_values():
     )
     assert said.endswith("models differ by 1.4 % in peak force at 5600 rpm.")
     assert (
-        " in peak force at 5600 rpm. Compared with the source, median (count): 3 published values. "
+        " in peak force at 5600 rpm. Compared with the source, median (count): 3 values. "
         "Calibration: forces 91.0 % (1). Prediction: forces 4.5 % (2). Furthest:"
         " Stage II peak force +91.0 %, Stage II peak force at 5600 rpm −7.0 %."
         in published_study().verdict

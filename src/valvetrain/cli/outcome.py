@@ -154,15 +154,10 @@ def _show(outcome: Outcome) -> tuple[str, ...]:
             outcome.show(console)
         if outcome.verdict:
             from valvetrain.report.page import sentences
-            from valvetrain.report.published_verdict import COMPARED
 
             first, *more = sentences(outcome.verdict)
-            starts = (n for n, one in enumerate(more) if one.startswith(COMPARED))
-            split = next(starts, len(more))
             console.print()
-            console.print(Text.assemble((first, "bold"), *(f" {one}" for one in more[:split])))
-            for one in more[split:]:  # a line per role of the published values
-                console.print(Text(one))
+            console.print(Text.assemble((first, "bold"), *(f" {one}" for one in more)))
     except (OSError, InputError, typer.Exit):
         raise
     except Exception as error:

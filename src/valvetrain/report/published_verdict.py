@@ -61,23 +61,31 @@ def published_sentences(rows: Sequence[Comparison]) -> str:
     compared = [*shares, *angles]
     texts = [f"{COMPARED}, median (count): {_count(rows, len(compared))}."]
     for role in dict.fromkeys((*ROLES, *(row.role for row in compared))):
-        cells = [
-            f"{kind} {_median(mine)} ({len(mine)})"
+        groups = [
+            (kind, mine)
             for kind in KIND_NAMES
             if (mine := [r for r in compared if (r.role, kind_of(r.quantity)) == (role, kind)])
         ]
+        sizes = {_median(mine) for _, mine in groups}
+        if len(groups) > 1 and len(sizes) == 1:  # no kind differs from another
+            groups = [("all", [row for _, mine in groups for row in mine])]
+        cells = [f"{kind} {_median(mine)} ({len(mine)})" for kind, mine in groups]
         if cells:
             texts.append(f"{role.capitalize()}: {', '.join(cells)}.")
     worst = sorted(shares, key=lambda row: -abs(row.relative_difference or 0.0))
-    named = [_named(row) for row in worst[: min(NAMED, max(1, len(shares) - 1))]]
+    named = worst[: min(NAMED, max(1, len(shares) - 1))]
     if angles:
-        furthest = max(angles, key=lambda row: abs(row.difference or 0.0))
-        named.append(f"{'and ' if named else ''}of the angles {_named(furthest)}")
-    return " ".join([*texts, f"Furthest: {', '.join(named)}."])
+        named.append(max(angles, key=lambda row: abs(row.difference or 0.0)))
+    sets = ({row.engine_speed for row in compared} - {None}, {row.engine_speed for row in named})
+    several = any(len(speeds) > 1 for speeds in sets)
+    ends = [_named(row, several) for row in named]
+    if angles:
+        ends[-1] = f"{'and ' if shares else ''}of the angles {ends[-1]}"
+    return " ".join([*texts, f"Furthest: {', '.join(ends)}."])
 
 
 def _count(rows: Sequence[Comparison], compared: int) -> str:
-    """``110 of 120 published values, 9 not computed, 1 is zero``."""
+    """``110 of 120 values, 9 not computed, 1 is zero``."""
     doubtful = sum(bool(row.doubt) for row in rows)
     missing = sum(row.difference is None for row in rows if not row.doubt)
     zero = len(rows) - doubtful - missing - compared
@@ -88,7 +96,7 @@ def _count(rows: Sequence[Comparison], compared: int) -> str:
     }
     whole = f"{compared} of {len(rows)}" if compared < len(rows) else f"{compared}"
     why = (f"{count} {text}" for text, count in left.items() if count)
-    return ", ".join([f"{whole} published values", *why])
+    return ", ".join([f"{whole} values", *why])
 
 
 def _median(rows: Sequence[Comparison]) -> str:
@@ -99,8 +107,9 @@ def _median(rows: Sequence[Comparison]) -> str:
     return share(statistics.median(abs(row.relative_difference or 0.0) for row in rows))
 
 
-def _named(row: Comparison) -> str:
-    where = "" if row.engine_speed is None else f" at {speed_text(row.engine_speed)}"
+def _named(row: Comparison, with_speed: bool) -> str:
+    known = with_speed and row.engine_speed is not None
+    where = f" at {speed_text(row.engine_speed or 0.0)}" if known else ""
     if kind_of(row.quantity) == "angles":
         degrees = math.degrees(row.difference or 0.0)
         by = f"{'+' if degrees > 0 else ''}{figure(degrees)} deg".replace("-", "−")
@@ -115,14 +124,15 @@ def share(value: float) -> str:
 
 
 def calibration_sentence(record: CaseRecord) -> str:
-    """That a case was fitted to published values, to which, and what of it; empty of any other case, and of
-    a changed one.
+    """What of a case was fitted to published values, and to which; empty of a case without identified
+    values, and of a changed one.
 
     >>> calibration_sentence(CaseRecord("own"))
     ''
     """
     fitted = [value for value in record.published if value.role == "calibration"]
-    if not fitted or record.changed:
+    parts = _identified(record)
+    if not fitted or not parts or record.changed:
         return ""
     names = list(dict.fromkeys(label_of(value.quantity) for value in fitted))
     if len(names) > MAX_NAMES:
@@ -135,18 +145,18 @@ def calibration_sentence(record: CaseRecord) -> str:
             if count
         ]
     whole = f"{len(fitted)} of its {len(record.published)} published values"
-    return f"calibrated: {_identified(record)} fitted to {whole} ({', '.join(names)})"
+    verb = "were" if len(parts) > 1 else "was"
+    return f"calibrated: {joined(parts)} {verb} fitted to {whole} ({', '.join(names)})"
 
 
-def _identified(record: CaseRecord) -> str:
-    """What of a case was identified: parts of its spring, and other tables; with its verb."""
+def _identified(record: CaseRecord) -> list[str]:
+    """What of a case was identified: parts of its spring, and other tables."""
     found: dict[str, None] = {}
     for value in record.values:
         if value.status == "identified":
             table, _, key = value.path.partition(".")
             found[key.partition(".")[0] if table == SPRING and key else table] = None
-    names = joined([name.replace("_", " ") for name in found]) if found else "the case"
-    return f"{names} {'were' if len(found) > 1 else 'was'}"
+    return [name.replace("_", " ") for name in found]
 
 
 def not_compared_sentence(study: Study) -> str:
