@@ -157,8 +157,8 @@ def node() -> Known:
 
 
 def collisions() -> Known:
-    """Coil 2 meets coil 1 at 20, 46, 72, 245.5 and 272 degrees, 25 % off one period; after 245.5 it
-    leaves for 3 degrees.
+    """Coil 2 meets coil 1 at 20, 46, 72, 245.5 and 272 degrees, 25 % off one period; after 245.5,
+    where the spike is, it leaves for 3 degrees.
     """
     touched = [(20, 22), (46, 48), (72, 74), (245.5, 246.5), (249.5, 251), (272, 274)]
 
@@ -166,7 +166,10 @@ def collisions() -> Known:
         shut = np.any([(degrees >= first) & (degrees < last) for first, last in touched], axis=0)
         return np.where(shut, -1e-7, 1e-5)[:, None]
 
-    made = run({"seat_force": level(300.0), "coil_gap": gap}, upper_coil=[2.0])
+    def force(degrees):
+        return 300 + 200 * bump(degrees, 246, 2)
+
+    made = run({"seat_force": force, "coil_gap": gap}, upper_coil=[2.0])
     mean = (26 + 26 + 26.5) / 3
     surge_frequency = 1.25 * CAM_RATE / (mean * DEG)
     found = evaluate(

@@ -233,18 +233,29 @@ def test_runs_of_true():
     assert runs(np.zeros(3, dtype=bool)) == []
 
 
-def test_bounce_is_the_longest_separation_after_the_collision():
-    def gap(degrees):
-        low = np.where(
-            (degrees >= 240) & (degrees < 241) | (degrees >= 244) & (degrees < 260), -1e-7, 1e-5
-        )
-        return np.stack([0 * degrees, low, 1e-3 + 0 * degrees, 1e-3 + 0 * degrees], axis=1)
+def test_bounce_is_the_longest_separation_after_the_touch_at_the_spike():
+    """One point rings within the collision, another leaves for three degrees, a third meets ten
+    degrees later only and is apart for longer: a collision of its own.
+    """
 
-    found = bounce_quantities(reported_cycle(_motion(coil_gap=gap)), 240 * DEG, 9 * DEG)
+    def gap(degrees):
+        rings = (degrees >= 240) & (degrees < 242) | (degrees >= 242.5) & (degrees < 243)
+        leaves = (degrees >= 240) & (degrees < 241) | (degrees >= 244) & (degrees < 260)
+        later = (degrees >= 250) & (degrees < 251) | (degrees >= 256) & (degrees < 257)
+        open_at = 1e-3 + 0 * degrees
+        return np.stack(
+            [*(np.where(shut, -1e-7, 1e-5) for shut in (rings, leaves, later)), open_at], axis=1
+        )
+
+    cycle = reported_cycle(_motion(coil_gap=gap))
+    found = bounce_quantities(cycle, 240.25 * DEG, 9 * DEG)
     assert found["coil_1_2_bounce_start_cam_angle"] / DEG == pytest.approx(241)
     assert found["coil_1_2_bounce_end_cam_angle"] / DEG == pytest.approx(244)
     assert found["coil_1_2_bounce_duration"] == pytest.approx(3 * DEG / (ENGINE_SPEED / 2))
-    assert bounce_quantities(reported_cycle(_motion(coil_gap=gap)), 300 * DEG, 9 * DEG) == {}
+    assert bounce_quantities(cycle, 250.25 * DEG, 9 * DEG)[
+        "coil_1_2_bounce_duration"
+    ] == pytest.approx(5 * DEG / (ENGINE_SPEED / 2))
+    assert bounce_quantities(cycle, 300 * DEG, 9 * DEG) == {}
 
 
 def test_separate_spikes_takes_the_largest_first():

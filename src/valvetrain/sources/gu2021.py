@@ -72,7 +72,7 @@ def quantities(solution: Solution, frame: Frame) -> dict[str, float]:
     )
     if cycle.whole:
         found |= acceleration_quantities(cycle, separation, coils) | collision_quantities(
-            cycle, separation, surge_frequency, event
+            cycle, separation, surge_frequency, event, found.get("stage_3_peak_cam_angle")
         )
     return found
 

@@ -5,6 +5,7 @@ counts them.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.signal import separate_spikes
 from valvetrain.solution.study import LiftEvent
 from valvetrain.sources.gu2021_reading import SAMPLE
-from valvetrain.sources.gu2021_stages import covers_stage, in_stage, spike_index
+from valvetrain.sources.gu2021_stages import covers_stage, in_stage
 
 #: Gap (m) below which coils count as touching; contact stiffness lets them overlap by less than
 #: this.
@@ -62,10 +63,14 @@ def _meeting_gaps(cycle: Cycle) -> Array | None:
 
 
 def collision_quantities(
-    cycle: Cycle, separation: float, surge_frequency: float | None, event: LiftEvent | None
+    cycle: Cycle,
+    separation: float,
+    surge_frequency: float | None,
+    event: LiftEvent | None,
+    spike_angle: float | None = None,
 ) -> dict[str, float]:
     """Angles of the collisions, their mean distance outside Stage II, that distance over the first
-    mode's period, the bounce.
+    mode's period, and the bounce after the spike at ``spike_angle`` (rad).
     """
     angles = collision_angles(cycle, separation)
     found = {
@@ -81,23 +86,9 @@ def collision_quantities(
                 cycle.solution.engine_speed / 2 / surge_frequency
             )  # cam rad per period of the first mode
             found["clash_interval_to_mode_1_period_ratio"] = interval / period
-    late = angles[angles >= event.end]
-    if len(late) == 0:
+    if spike_angle is None:
         return found
-    return found | bounce_quantities(cycle, _main(cycle, late, event), separation)
-
-
-def _main(cycle: Cycle, late: Array, event: LiftEvent) -> float:
-    """Of the collisions of Stage III (rad, ascending) the one whose spike is highest: the last that
-    began before its top. The first where the run gives no force.
-    """
-    name = "seat_force_fine" if cycle.solution.has("seat_force_fine") else "seat_force"
-    if not cycle.solution.has(name):
-        return float(late[0])
-    force = cycle.channel(name)
-    top = cycle.cam_angle[spike_index(cycle, force.max(axis=1) if force.ndim > 1 else force, event)]
-    before = late[late <= top + SAMPLE]
-    return float(before[-1] if len(before) else late[0])
+    return found | bounce_quantities(cycle, spike_angle, separation)
 
 
 def mean_interval(clash_angles: Array, event: LiftEvent) -> float | None:
@@ -114,26 +105,24 @@ def mean_interval(clash_angles: Array, event: LiftEvent) -> float | None:
     return float(np.mean(steps[steps <= 1.5 * np.median(steps)]))
 
 
-def bounce_quantities(cycle: Cycle, collision_angle: float, separation: float) -> dict[str, float]:
-    """Contact, separation and contact again after the collision at ``collision_angle`` (rad).
+def bounce_quantities(cycle: Cycle, spike_angle: float, separation: float) -> dict[str, float]:
+    """Contact, separation and contact again in the collision whose spike is at ``spike_angle`` (rad).
 
-    The longest separation of any point within half a turn of node 2 that begins within
-    ``separation`` (rad) after it and ends within another; nothing where no point leaves again.
+    The longest separation that follows a touch within a sample of the source of that angle, of any
+    point within half a turn of node 2, and ends within twice ``separation`` (rad); nothing where no
+    point leaves again.
     """
     gaps = _meeting_gaps(cycle)
     if gaps is None:
         return {}
-    apart: list[tuple[float, int, int]] = []
+    near, apart = SAMPLE * (1 + 1e-9), []
     for pair in range(gaps.shape[1]):
-        for first, last in runs(gaps[:, pair] >= TOUCHING):
-            if first == 0 or last == len(gaps) - 1:
-                continue
-            start, end = cycle.cam_angle[first], cycle.cam_angle[last + 1]
-            if (
-                collision_angle < start <= collision_angle + separation
-                and end <= collision_angle + 2 * separation
-            ):
-                apart.append((float(end - start), first, last + 1))
+        touches = runs(gaps[:, pair] < TOUCHING)
+        for (first, last), (again, _) in pairwise(touches):
+            start, end = cycle.cam_angle[last + 1], cycle.cam_angle[again]
+            struck = cycle.cam_angle[first] - near <= spike_angle <= cycle.cam_angle[last] + near
+            if struck and end <= spike_angle + 2 * separation:
+                apart.append((float(end - start), last + 1, again))
     if not apart:
         return {}
     _, first, last = max(apart)
