@@ -247,7 +247,7 @@ def test_bounce_is_the_longest_separation_after_the_touch_at_the_spike():
             [*(np.where(shut, -1e-7, 1e-5) for shut in (rings, leaves, later)), open_at], axis=1
         )
 
-    cycle = reported_cycle(_motion(coil_gap=gap))
+    cycle = reported_cycle(_motion(coil_gap=gap, coil_contact_force=None))
     found = bounce_quantities(cycle, 240.25 * DEG, 9 * DEG)
     assert found["coil_1_2_bounce_start_cam_angle"] / DEG == pytest.approx(241)
     assert found["coil_1_2_bounce_end_cam_angle"] / DEG == pytest.approx(244)

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.integrate.clash import runs
 from valvetrain.quantities.cycle import Array, Cycle
@@ -53,13 +54,27 @@ def collision_angles(cycle: Cycle, separation: float) -> Array:
     return angles[first]
 
 
-def _meeting_gaps(cycle: Cycle) -> Array | None:
-    """Gaps (m; sample, pair) over the meeting stretch, or None where a model has none there."""
-    if not cycle.solution.has("coil_gap"):
+def _meeting_gaps(cycle: Cycle, channel: str = "coil_gap") -> Array | None:
+    """Gaps (m; sample, pair) over the meeting stretch, or another channel of coil pairs; None where
+    a model has none there.
+    """
+    if not cycle.solution.has(channel):
         return None
     places = cycle.solution.arrays.coords["upper_coil"].values
     mine = (places > MEETING[0] + 1e-9) & (places <= MEETING[1] + 1e-9)
-    return cycle.channel("coil_gap")[:, mine] if np.any(mine) else None
+    return cycle.channel(channel)[:, mine] if np.any(mine) else None
+
+
+def _touched(cycle: Cycle) -> NDArray[np.bool_] | None:
+    """Whether each pair of the meeting stretch touched at a sample or since the one before (sample,
+    pair): contacts may be shorter than a sample. None where a model has no gaps there.
+    """
+    gaps, forces = _meeting_gaps(cycle), _meeting_gaps(cycle, "coil_contact_force")
+    if gaps is None:
+        return None
+    touched = gaps < TOUCHING
+    touched[1:] |= touched[:-1]
+    return touched if forces is None else touched | (forces > 0)
 
 
 def collision_quantities(
@@ -110,19 +125,18 @@ def bounce_quantities(cycle: Cycle, spike_angle: float, separation: float) -> di
 
     The longest separation that follows a touch within a sample of the source of that angle, of any
     point within half a turn of node 2, and ends within twice ``separation`` (rad); nothing where no
-    point leaves again.
+    point leaves again. It lasts from the first sample that is free again to the first that touches.
     """
-    gaps = _meeting_gaps(cycle)
-    if gaps is None:
+    touched = _touched(cycle)
+    if touched is None:
         return {}
     near, apart = SAMPLE * (1 + 1e-9), []
-    for pair in range(gaps.shape[1]):
-        touches = runs(gaps[:, pair] < TOUCHING)
-        for (first, last), (again, _) in pairwise(touches):
-            start, end = cycle.cam_angle[last + 1], cycle.cam_angle[again]
-            struck = cycle.cam_angle[first] - near <= spike_angle <= cycle.cam_angle[last] + near
+    for pair in range(touched.shape[1]):
+        for (first, last), (again, _) in pairwise(runs(touched[:, pair])):
+            start, end = cycle.cam_angle[last], cycle.cam_angle[again]
+            struck = cycle.cam_angle[first] - near <= spike_angle <= start + near
             if struck and end <= spike_angle + 2 * separation:
-                apart.append((float(end - start), last + 1, again))
+                apart.append((float(end - start), last, again))
     if not apart:
         return {}
     _, first, last = max(apart)
