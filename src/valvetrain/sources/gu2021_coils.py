@@ -124,8 +124,8 @@ def bounce_quantities(cycle: Cycle, spike_angle: float, separation: float) -> di
     """Contact, separation and contact again in the collision whose spike is at ``spike_angle`` (rad).
 
     The longest separation that follows a touch within a sample of the source of that angle, of any
-    point within half a turn of node 2, and ends within twice ``separation`` (rad); nothing where no
-    point leaves again. It lasts from the first sample that is free again to the first that touches.
+    point within half a turn of node 2, that begins within ``separation`` (rad) and ends within
+    another; nothing where no point leaves again. It lasts from the first sample that is free again to the first that touches.
     """
     touched = _touched(cycle)
     if touched is None:
@@ -135,7 +135,8 @@ def bounce_quantities(cycle: Cycle, spike_angle: float, separation: float) -> di
         for (first, last), (again, _) in pairwise(runs(touched[:, pair])):
             start, end = cycle.cam_angle[last], cycle.cam_angle[again]
             struck = cycle.cam_angle[first] - near <= spike_angle <= start + near
-            if struck and end <= spike_angle + 2 * separation:
+            soon = start <= spike_angle + separation and end <= spike_angle + 2 * separation
+            if struck and soon:
                 apart.append((float(end - start), last, again))
     if not apart:
         return {}
