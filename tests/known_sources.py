@@ -158,7 +158,7 @@ def node() -> Known:
 
 def collisions() -> Known:
     """Coil 2 meets coil 1 at 20, 46, 72, 245.5 and 272 degrees, 25 % off one period; after 245.5,
-    where the spike is, it leaves for 3 degrees.
+    where the spike is, it meets again 4 degrees later.
     """
     touched = [(20, 22), (46, 48), (72, 74), (245.5, 246.5), (249.5, 251), (272, 274)]
 
@@ -180,9 +180,9 @@ def collisions() -> Known:
         "clash_4_cam_angle": 245.5 * DEG,
         "clash_interval_cam_angle": mean * DEG,
         "clash_interval_to_mode_1_period_ratio": 1.25,
-        "coil_1_2_bounce_start_cam_angle": 246.5 * DEG,
+        "coil_1_2_bounce_start_cam_angle": 245.5 * DEG,
         "coil_1_2_bounce_end_cam_angle": 249.5 * DEG,
-        "coil_1_2_bounce_duration": 3 * DEG / CAM_RATE,
+        "coil_1_2_bounce_duration": 4 * DEG / CAM_RATE,
     }
 
 

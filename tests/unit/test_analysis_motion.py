@@ -20,6 +20,7 @@ from valvetrain.quantities.statics import (
     slope_change,
     static_quantities,
 )
+from valvetrain.solution.channels import FINE
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.solution.static import SpringAtRest, StaticCurve
@@ -85,7 +86,9 @@ def _motion(**changes):
         "coil_gap": gap, "coil_contact_force": _contact,
     }  # fmt: skip
     return run(
-        {name: value for name, value in (channels | changes).items() if value is not None}, **PLACES
+        {name: value for name, value in (channels | changes).items() if value is not None},
+        extra=FINE,
+        **PLACES,
     )
 
 
@@ -233,29 +236,36 @@ def test_runs_of_true():
     assert runs(np.zeros(3, dtype=bool)) == []
 
 
-def test_bounce_is_the_longest_separation_after_the_touch_at_the_spike():
-    """One point rings within the collision, another leaves for three degrees, a third meets ten
-    degrees later only and is apart for longer: a collision of its own.
+def test_bounce_is_that_of_the_point_that_bounces_and_is_pressed_hardest_at_the_spike():
+    """One point is pressed harder but stays in contact, another leaves for three degrees and comes back, a third touches
+    between samples only, ten degrees later.
     """
 
     def gap(degrees):
-        rings = (degrees >= 240) & (degrees < 242) | (degrees >= 242.5) & (degrees < 243)
-        leaves = (degrees >= 240) & (degrees < 241) | (degrees >= 244) & (degrees < 260)
-        later = (degrees >= 250) & (degrees < 251) | (degrees >= 256) & (degrees < 257)
+        stays = (degrees >= 238) & (degrees < 250)
+        leaves = (degrees >= 240) & (degrees < 241) | (degrees >= 244) & (degrees < 248)
         open_at = 1e-3 + 0 * degrees
         return np.stack(
-            [*(np.where(shut, -1e-7, 1e-5) for shut in (rings, leaves, later)), open_at], axis=1
+            [*(np.where(shut, -1e-7, 1e-5) for shut in (stays, leaves)), open_at, open_at], axis=1
         )
 
-    cycle = reported_cycle(_motion(coil_gap=gap, coil_contact_force=None))
+    def pressed(degrees):
+        nil = 0 * degrees
+        touch = 50.0 * ((abs(degrees - 251) < 0.2) | (abs(degrees - 254) < 0.2))
+        shut = gap(degrees) < 0
+        return np.stack([200.0 * shut[:, 0], 90.0 * shut[:, 1], touch, nil], axis=1)
+
+    cycle = reported_cycle(
+        _motion(coil_gap=gap, coil_contact_force=pressed, coil_contact_peak_force=pressed)
+    )
     found = bounce_quantities(cycle, 240.25 * DEG, 9 * DEG)
-    assert found["coil_1_2_bounce_start_cam_angle"] / DEG == pytest.approx(241)
+    assert found["coil_1_2_bounce_start_cam_angle"] / DEG == pytest.approx(240)
     assert found["coil_1_2_bounce_end_cam_angle"] / DEG == pytest.approx(244)
-    assert found["coil_1_2_bounce_duration"] == pytest.approx(3 * DEG / (ENGINE_SPEED / 2))
-    assert bounce_quantities(cycle, 250.25 * DEG, 9 * DEG)[
-        "coil_1_2_bounce_duration"
-    ] == pytest.approx(5 * DEG / (ENGINE_SPEED / 2))
+    assert found["coil_1_2_bounce_duration"] == pytest.approx(4 * DEG / (ENGINE_SPEED / 2))
+    short = bounce_quantities(cycle, 251.25 * DEG, 9 * DEG)
+    assert short["coil_1_2_bounce_duration"] == pytest.approx(3 * DEG / (ENGINE_SPEED / 2))
     assert bounce_quantities(cycle, 300 * DEG, 9 * DEG) == {}
+    assert bounce_quantities(cycle, 240.25 * DEG, 2 * DEG) == {}  # back later than twice that
 
 
 def test_separate_spikes_takes_the_largest_first():

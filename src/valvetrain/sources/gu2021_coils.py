@@ -123,28 +123,36 @@ def mean_interval(clash_angles: Array, event: LiftEvent) -> float | None:
 def bounce_quantities(cycle: Cycle, spike_angle: float, separation: float) -> dict[str, float]:
     """Contact, separation and contact again in the collision whose spike is at ``spike_angle`` (rad).
 
-    The longest separation that follows a touch within a sample of the source of that angle, of any
-    point within half a turn of node 2, that begins within ``separation`` (rad) and ends within
-    another; nothing where no point leaves again. It lasts from the first sample that is free again to the first that touches.
+    Of the points within half a turn of node 2 that touch within a sample of the source of that
+    angle, that meet, leave and meet again within ``separation`` (rad) each, the one that is pressed
+    hardest there (where no force is known, the deepest): from the sample at which it meets the coil
+    below to the one at which it meets it again after a sample apart. The source counts so: at 8000
+    rpm from 253.5 degrees, where coils touch, with the spike at 254.5, to 255.5.
     """
-    touched = _touched(cycle)
-    if touched is None:
+    gaps, touched = _meeting_gaps(cycle), _touched(cycle)
+    near = np.abs(cycle.cam_angle - spike_angle) <= SAMPLE * (1 + 1e-9)
+    if gaps is None or touched is None or not np.any(near):
         return {}
-    near, apart = SAMPLE * (1 + 1e-9), []
+    pressed = _meeting_gaps(cycle, "coil_contact_peak_force")
+    hardest = (-gaps if pressed is None else pressed)[near].max(axis=0)
+    found: list[tuple[float, int, int]] = []
     for pair in range(touched.shape[1]):
         for (first, last), (again, _) in pairwise(runs(touched[:, pair])):
-            start, end = cycle.cam_angle[last], cycle.cam_angle[again]
-            struck = cycle.cam_angle[first] - near <= spike_angle <= start + near
-            soon = start <= spike_angle + separation and end <= spike_angle + 2 * separation
-            if struck and soon:
-                apart.append((float(end - start), last, again))
-    if not apart:
+            meets, leaves, comes = cycle.cam_angle[[first, last, again]] - spike_angle
+            if (
+                np.any(near[first : last + 1])
+                and meets >= -separation
+                and leaves <= separation
+                and comes <= 2 * separation
+            ):
+                found.append((float(hardest[pair]), first, again))
+    if not found:
         return {}
-    _, first, last = max(apart)
+    _, first, again = max(found)
     return {
         "coil_1_2_bounce_start_cam_angle": float(cycle.cam_angle[first]),
-        "coil_1_2_bounce_end_cam_angle": float(cycle.cam_angle[last]),
-        "coil_1_2_bounce_duration": float(cycle.time[last] - cycle.time[first]),
+        "coil_1_2_bounce_end_cam_angle": float(cycle.cam_angle[again]),
+        "coil_1_2_bounce_duration": float(cycle.time[again] - cycle.time[first]),
     }
 
 

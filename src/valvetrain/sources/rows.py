@@ -81,10 +81,10 @@ _NODES = (
 
 _COLLISIONS = (
     _row("coil_1_2_bounce_start_cam_angle", "bounce of coils 1 and 2, start",
-         "Cam angle at which coils 1 and 2 part in the collision of the spike of Stage III: the longest separation, of any point within "
-         "half a turn of node 2, that follows a touch within half a cam degree of the spike's top."),
-    _row("coil_1_2_bounce_end_cam_angle", "bounce of coils 1 and 2, end", "Cam angle at which they meet again."),
-    _row("coil_1_2_bounce_duration", "bounce of coils 1 and 2, time", "Time between parting and meeting again."),
+         "Cam angle at which coils 1 and 2 meet in the collision of the spike of Stage III: of the points within half a turn of node 2 "
+         "that leave and meet again, the one that is pressed hardest at the spike's top."),
+    _row("coil_1_2_bounce_end_cam_angle", "bounce of coils 1 and 2, end", "Cam angle at which they meet again after a time apart."),
+    _row("coil_1_2_bounce_duration", "bounce of coils 1 and 2, time", "Time between their meeting and meeting again."),
     _row("clash_{k}_cam_angle", "collision {k} of coils 1 and 2, cam angle",
          "Cam angle of collision {k} of coils 1 and 2 in the cycle, counted from 0 degrees: first touch of any point within half a turn "
          "of node 2, or a spike of the acceleration in models without coil gaps."),
