@@ -237,8 +237,8 @@ def test_runs_of_true():
 
 
 def test_bounce_is_that_of_the_point_that_bounces_and_is_pressed_hardest_at_the_spike():
-    """One point is pressed harder but stays in contact, another leaves for three degrees and comes back, a third touches
-    between samples only, ten degrees later.
+    """One point is pressed harder but stays in contact, another leaves for three degrees and comes
+    back, a third touches between samples only, ten degrees later.
     """
 
     def gap(degrees):
@@ -265,7 +265,7 @@ def test_bounce_is_that_of_the_point_that_bounces_and_is_pressed_hardest_at_the_
     short = bounce_quantities(cycle, 251.25 * DEG, 9 * DEG)
     assert short["coil_1_2_bounce_duration"] == pytest.approx(3 * DEG / (ENGINE_SPEED / 2))
     assert bounce_quantities(cycle, 300 * DEG, 9 * DEG) == {}
-    assert bounce_quantities(cycle, 240.25 * DEG, 2 * DEG) == {}  # back later than twice that
+    assert bounce_quantities(cycle, 240.25 * DEG, 1.5 * DEG) == {}  # back later than twice that
 
 
 def test_separate_spikes_takes_the_largest_first():
