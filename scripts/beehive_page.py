@@ -69,6 +69,15 @@ def _angle(what: str, rpm: int, quantity: str, value: float, model: str = ROD) -
     return Aim("angles", what, rpm, quantity, f"{value:g}", value - 3, value + 3, "deg", model)
 
 
+def _duration(rpm: int, source: str, begin: float, end: float) -> Aim:
+    """Within a factor of two of the time from one angle (deg) to the other; the printed times are whole
+    numbers of a rounded step.
+    """
+    lasts, room = (end - begin) / (3e-6 * rpm), 1 + 1e-9
+    return Aim("durations", "contact to contact", rpm, "coil_1_2_bounce_duration", source,
+               lasts / 2 / room, lasts * 2 * room, "us")  # fmt: skip
+
+
 def _modal(rpm: int, quantity: str, what: str, value: float) -> Aim:
     """By the source's equations on our lift, since they know no contact."""
     return _about("modal model", what, rpm, quantity, value, 0.03, model=EQUATIONS)
@@ -89,8 +98,8 @@ AIMS: tuple[Aim, ...] = (
     _about("spikes", "Stage III", 4200, "stage_3_peak_force", 315, 0.2),
     _about("spikes", "Stage III", 5600, "stage_3_peak_force", 620, 0.2),
     _about("spikes", "Stage III", 8000, "stage_3_peak_force", 1430, 0.2),
-    Aim("durations", "contact to contact", 5600, "coil_1_2_bounce_duration", "327", 163.5, 654, "us"),
-    Aim("durations", "contact to contact", 8000, "coil_1_2_bounce_duration", "83", 41.6, 166.4, "us"),
+    _duration(5600, "327", 240.0, 245.5),
+    _duration(8000, "83", 253.5, 255.5),
     _about("node 2", "displacement", 5600, "node_2_maximum_displacement", 0.28, 0.15, "mm"),
     _about("node 2", "displacement", 8000, "node_2_maximum_displacement", 0.68, 0.15, "mm"),
     _about("node 2", "velocity", 5600, "node_2_stage_3_minimum_velocity", -1.352, 0.15, "m/s"),
