@@ -129,7 +129,11 @@ def deliver(outcome: Outcome) -> None:
         if not reader_left():
             raise
     except OSError as error:
-        error.filename = error.filename or "standard output"
+        if not error.filename:
+            error.filename = "standard output"
+            # what is still buffered would fail once more at the end, which changes the exit code
+            with contextlib.suppress(OSError, ValueError):
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise
     for sentence in failures:
         complain(f"failed: {sentence}")
