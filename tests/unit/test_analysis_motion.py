@@ -265,7 +265,7 @@ def test_bounce_is_that_of_the_point_that_bounces_and_is_pressed_hardest_at_the_
     short = bounce_quantities(cycle, 251.25 * DEG, 9 * DEG)
     assert short["coil_1_2_bounce_duration"] == pytest.approx(3 * DEG / (ENGINE_SPEED / 2))
     assert bounce_quantities(cycle, 300 * DEG, 9 * DEG) == {}
-    assert bounce_quantities(cycle, 240.25 * DEG, 1.5 * DEG) == {}  # back later than twice that
+    assert bounce_quantities(cycle, 240.25 * DEG, 2.5 * DEG) == {}  # back in another collision
 
 
 def test_separate_spikes_takes_the_largest_first():

@@ -58,10 +58,15 @@ def reader_left() -> bool:
             watch.register(place, select.POLLOUT)
             if not any(what & (select.POLLERR | select.POLLHUP) for _, what in watch.poll(0)):
                 return False
-        os.dup2(os.open(os.devnull, os.O_WRONLY), place)
+        _discard(place)
     except (OSError, ValueError):
         return False
     return True
+
+
+def _discard(place: int) -> None:
+    """Send what is written to the file descriptor ``place`` to the null device."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), place)
 
 
 def unread() -> bool:
@@ -133,7 +138,7 @@ def deliver(outcome: Outcome) -> None:
             error.filename = "standard output"
             # what is still buffered would fail once more at the end, which changes the exit code
             with contextlib.suppress(OSError, ValueError):
-                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+                _discard(sys.stdout.fileno())
         raise
     for sentence in failures:
         complain(f"failed: {sentence}")

@@ -42,7 +42,7 @@ def collision_angles(cycle: Cycle, separation: float) -> Array:
     A collision is a touch of any point within half a turn of node 2 that comes more than
     ``separation`` (rad) after the touch before it. A model without gaps has none.
     """
-    gaps = _meeting_gaps(cycle)
+    gaps = _where_coils_meet(cycle, "coil_gap")
     if gaps is None:
         return np.zeros(0)
     closing = (gaps < TOUCHING) & (np.roll(gaps, 1, axis=0) >= TOUCHING)
@@ -54,10 +54,8 @@ def collision_angles(cycle: Cycle, separation: float) -> Array:
     return angles[first]
 
 
-def _meeting_gaps(cycle: Cycle, channel: str = "coil_gap") -> Array | None:
-    """Gaps (m; sample, pair) over the meeting stretch, or another channel of coil pairs; None where
-    a model has none there.
-    """
+def _where_coils_meet(cycle: Cycle, channel: str) -> Array | None:
+    """A channel of coil pairs over the meeting stretch (sample, pair), None where a model has none there."""
     if not cycle.solution.has(channel):
         return None
     places = cycle.solution.arrays.coords["upper_coil"].values
@@ -69,7 +67,10 @@ def _touched(cycle: Cycle) -> NDArray[np.bool_] | None:
     """Whether each pair of the meeting stretch touched at a sample or since the one before (sample,
     pair): contacts may be shorter than a sample. None where a model has no gaps there.
     """
-    gaps, forces = _meeting_gaps(cycle), _meeting_gaps(cycle, "coil_contact_force")
+    gaps, forces = (
+        _where_coils_meet(cycle, "coil_gap"),
+        _where_coils_meet(cycle, "coil_contact_force"),
+    )
     if gaps is None:
         return None
     touched = gaps < TOUCHING
@@ -129,11 +130,11 @@ def bounce_quantities(cycle: Cycle, spike_angle: float, separation: float) -> di
     below to the one at which it meets it again after a sample apart. The source counts so: at 8000
     rpm from 253.5 degrees, where coils touch, with the spike at 254.5, to 255.5.
     """
-    gaps, touched = _meeting_gaps(cycle), _touched(cycle)
+    gaps, touched = _where_coils_meet(cycle, "coil_gap"), _touched(cycle)
     near = np.abs(cycle.cam_angle - spike_angle) <= SAMPLE * (1 + 1e-9)
     if gaps is None or touched is None or not np.any(near):
         return {}
-    pressed = _meeting_gaps(cycle, "coil_contact_peak_force")
+    pressed = _where_coils_meet(cycle, "coil_contact_peak_force")
     hardest = (-gaps if pressed is None else pressed)[near].max(axis=0)
     found: list[tuple[float, int, int]] = []
     for pair in range(touched.shape[1]):
@@ -143,7 +144,7 @@ def bounce_quantities(cycle: Cycle, spike_angle: float, separation: float) -> di
                 np.any(near[first : last + 1])
                 and meets >= -separation
                 and leaves <= separation
-                and comes <= 2 * separation
+                and comes - leaves <= separation
             ):
                 found.append((float(hardest[pair]), first, again))
     if not found:
