@@ -340,7 +340,7 @@ def tutorial_pictures(folder: Path) -> dict[str, str]:
             Chart("spring", "The spring of the card", "", (force,), height=300)
         ),
         "tutorial-run.svg": svg(
-            Chart("run", "The train at 6500 rpm", "", (lift, cam), height=460, legend=False)
+            Chart("run", "The train at 6000 rpm", "", (lift, cam), height=460, legend=False)
         ),
         "tutorial-sweep.svg": svg(
             Chart(

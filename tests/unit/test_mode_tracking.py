@@ -45,20 +45,22 @@ def test_the_overlap_is_the_squared_cosine_of_the_angle_that_shapes_turn():
 
 
 def test_the_mode_of_a_train_goes_past_surge_as_the_seat_opens():
-    """The lists were sorted by frequency alone; surge modes keep theirs within 3 %."""
+    """The lists were sorted by frequency alone; surge modes keep theirs within 3 %, the third, next to
+    the mode of the train, within 5 % above: two modes that meet push each other apart."""
     closed, lifted = train_modes(load_case(str(TEMPLATES / "pushrod.toml")), spring_set="card")
     assert not closed.closed_mode and sorted(lifted.closed_mode) == list(range(len(lifted.closed_mode)))  # fmt: skip
-    assert lifted.closed_mode[:9] == (0, 1, 2, 7, 3, 4, 5, 6, 8)
-    assert lifted.overlap[3] == min(lifted.overlap[:9]) < 0.5 and lifted.overlap[0] > 0.99
-    for place in (0, 1, 2, 4, 5, 6, 7, 8):
+    assert lifted.closed_mode[:9] == (0, 1, 7, 2, 3, 4, 5, 6, 8)
+    assert lifted.overlap[2] == min(lifted.overlap[:9]) < 0.5 and lifted.overlap[0] > 0.99
+    for place in (0, 1, 4, 5, 6, 7, 8):
         before = closed.natural_frequency[lifted.closed_mode[place]]
         assert lifted.natural_frequency[place] == pytest.approx(before, rel=0.03)
+    assert 1 < lifted.natural_frequency[3] / closed.natural_frequency[2] < 1.05
 
 
 def test_the_command_tells_the_branch_of_each_mode_at_full_lift():
     words = ["modes", str(TEMPLATES / "pushrod.toml"), "--spring-set", "card", "--count", "5"]
     closed, lifted = json.loads(CliRunner().invoke(app, [*words, "--json"]).stdout)["train_modes"]
     assert "closed_mode" not in closed["modes"][0]
-    assert [one["closed_mode"] for one in lifted["modes"]] == [1, 2, 3, 8, 4]
+    assert [one["closed_mode"] for one in lifted["modes"]] == [1, 2, 8, 3, 4]
     text = CliRunner().invoke(app, words).output
-    assert "closed mode" in text and "36 %" in text
+    assert "closed mode" in text and "41 %" in text

@@ -23,6 +23,7 @@ from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.overrides import with_values
 from valvetrain.parameters.schema_case import CaseModel
 from valvetrain.parameters.schema_types import MAX_NAME_LENGTH, first_problem, problem
+from valvetrain.parameters.templates import template_kind, template_text
 from valvetrain.parameters.toml_text import find_line, resolved, toml_text
 from valvetrain.units import believed
 from valvetrain.units.text import clipped
@@ -75,6 +76,8 @@ def refuse_moved(tree: Mapping[str, Any]) -> None:
 
 
 LIBRARY = Path(__file__).parent / "library"
+#: What the name of a template begins with, where a case is called by name.
+TEMPLATE = "template:"
 #: Keys of more parts than this (``a.b.c``) are no case's; reading them takes time with the square
 #: of their number.
 MAX_PARTS = 32
@@ -110,12 +113,12 @@ def case_of(case: AnyCase) -> Case:
 def load_case(
     name_or_path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None
 ) -> Case:
-    """The case of a library name or a TOML file.
+    """The case of a library name, a template or a TOML file.
 
     Parameters
     ----------
-    name_or_path : name of a library case (:func:`list_cases`), such as ``gu2021-beehive``, or path
-        of a TOML file
+    name_or_path : name of a library case (:func:`list_cases`), such as ``gu2021-beehive``, path
+        of a TOML file, or ``template:KIND`` for what ``valvetrain new --kind KIND`` writes
     changes : key path -> value, as a file would hold it: {"spring.wire_diameter": "4.1 mm"}
 
     Returns
@@ -140,6 +143,9 @@ def load_case(
     names = library_names()
     if text in names:
         return read_case(LIBRARY / f"{text}.toml", changes)
+    if text.startswith(TEMPLATE):
+        kind = template_kind(text.removeprefix(TEMPLATE))
+        return parse_case(template_text(kind), kind, where=text, changes=changes)
     path = Path(text)
     if path.suffix == ".toml" or os.sep in text or os.path.exists(text):
         return read_case(path, changes)
