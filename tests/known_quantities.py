@@ -419,7 +419,7 @@ def moving_train() -> Known:
         "contact_friction_dissipated_energy": 0.4, "steady_cycles_count": 7, "steady_residual_ratio": 3e-5,
         "steady_tolerance_ratio": 1e-4, "motion_period_count": 2,
         "peak_cam_contact_force": 1234.0, "peak_support_force": 411.0, "peak_stem_force": 412.0, "peak_pushrod_bar_force": 413.0,
-        "peak_lever_bending_force": 414.0, "wall_time_per_cycle_duration": 9.0,
+        "peak_lever_bending_moment": 414.0, "wall_time_per_cycle_duration": 9.0,
     }  # fmt: skip
     made = train(logged, statistics=counted, **values)
     moved = -4e-3 * bump(np.degrees(ANGLE), 180, 90)[:, None] * np.array([0.0, 1.0, 2.0])
@@ -468,7 +468,7 @@ def moving_train() -> Known:
         "peak_support_force": 411.0,
         "peak_stem_force": 412.0,
         "peak_pushrod_bar_force": 413.0,
-        "peak_lever_bending_force": 414.0,
+        "peak_lever_bending_moment": 414.0,
         "spring_mean_peak_section_displacement": (0.0 + 4e-3 + 8e-3) / 3,
     }
 

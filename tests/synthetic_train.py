@@ -36,6 +36,7 @@ def rigid(**changes) -> RigidTable:
         "valve_lift": lift_of(ANGLE),
         "valve_acceleration": np.where(degrees(135, 225), -1000.0, 1000.0),
         "contact_force": 400.0 + 0 * ANGLE,
+        "valve_tip_contact_force": 300.0 + 0 * ANGLE,
     }
     return RigidTable(ANGLE, CAM_SPEED, columns | changes)
 

@@ -61,7 +61,9 @@ def driven(spring: SpringModel, stiffness: float) -> TrainSystem:
     mechanism = build_mechanism(direct(model="single-mass"), LAW, "valve")
     cam = mechanism.interactions[mechanism.interaction_index("cam")]
     link = ElasticLink(stiffness, 0.2 * math.sqrt(0.14 * stiffness))
-    return TrainSystem(replace(mechanism, interactions=(replace(cam, law=link),)), (spring,))
+    return TrainSystem(
+        replace(mechanism, interactions=(replace(cam, law=link, role=""),)), (spring,)
+    )
 
 
 @dataclass(frozen=True)

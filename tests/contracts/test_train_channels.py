@@ -15,7 +15,7 @@ from valvetrain.runs.run import run_study
 
 #: Forces inside elastic parts, whose sizes other tests hold to closed forms
 #: (tests/limits/test_train_dynamics.py).
-INSIDE = {"lever_bending_force", "support_force", "stem_force"}
+INSIDE = {"lever_bending_moment", "support_force", "stem_force"}
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +125,7 @@ def test_places_of_bodies_have_the_rates_and_strain_the_links_between_them(ran):
     links = {
         "stem_force": (("valve_tip_displacement", "valve_lift"), train.valve.stem_stiffness, train.valve.stem_damping),
         "support_force": (("support_displacement",), train.support.stiffness, train.support.damping),
-        "lever_bending_force": (
+        "lever_bending_moment": (
             ("lever_angle", "lever_tip_angle"), train.lever.stiffness * train.lever.valve_arm**2,
             train.lever.damping * train.lever.valve_arm**2,
         ),

@@ -15,7 +15,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "architecture.md").read_text(encodi
 TABLE = PAGE[PAGE.index("## Channels") :]
 NAMES = re.findall(r"`([a-z_<>]+)`", TABLE[TABLE.index("|") :])
 PLACES = {
-    "place": "(cam|tappet|rocker|valve_tip|seat)", "link": "(stem|support|lever_bending|pushrod_bar)",
+    "place": "(cam|tappet|rocker|valve_tip|seat)", "link": "(stem|support|pushrod_bar)", "joint": "lever_bending",
     "body": "(tappet|pushrod|pushrod_top|lever|lever_tip|support|valve_tip)",
 }  # fmt: skip
 KNOWN = [re.compile(re.sub(r"<(\w+)>", lambda match: PLACES[match[1]], name)) for name in NAMES]

@@ -172,6 +172,7 @@ from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.run import run_study
 from valvetrain.runs.run import sweep_study
+from valvetrain.solution.quantity import unit_of
 from valvetrain.system.build import build
 
 assert {"progressive"} < set(registry.names("springs")) and {"versine"} < set(registry.names("lifts"))
@@ -215,6 +216,17 @@ closed = seat[run.channel("valve_lift") < 1e-6]
 assert 100 < np.median(closed) < card.preload + 10
 deep = -run.channel("seat_gap")[np.argmax(seat)]
 print("seat", float(np.median(closed)), "peak", float(seat.max()), "depth", float(deep))
+# a train kind of its own: a torsion spring on the rocker, whose moment follows from the rocker's angle
+own = run_study(load_case("tdi-pushrod", {"train.kind": "held-rocker"}), engine_speeds=[200.0], spring_models=["massless"], workers=1)
+plain = run_study(load_case("tdi-pushrod"), engine_speeds=[200.0], spring_models=["massless"], workers=1)
+(one, *_), (other, *_) = own.solutions, plain.solutions
+assert one.status.completed, one.status.sentence()
+angle = one.channel("lever_angle")
+assert np.allclose(one.channel("rocker_spring_moment"), 20.0 * angle), one.channel("rocker_spring_moment")
+assert abs(one.quantities["peak_rocker_spring_moment"] - 20.0 * angle.max()) < 1e-2 and unit_of("peak_rocker_spring_moment") == "N m"
+assert one.channels["rocker_spring_moment"].attrs["units"] == "N m"
+speeds = [next(iter(study.still.values()))["rigid_contact_loss_engine_speed"] for study in (own, plain)]
+assert 1.0 < speeds[0] / speeds[1] < 1.5, speeds  # the spring helps a little
 # over processes too
 both = sweep_study(train, [200.0, 260.0], spring_models=["progressive"], spring_sets=["stock"], workers=2)
 assert all(run.status.completed for run in both.solutions), both.failures

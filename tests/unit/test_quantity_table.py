@@ -146,7 +146,7 @@ def test_units_of_json_are_si():
         "card_rate": "N/m",
     }
     assert {name: unit_of(name) for name in units} == units
-    assert unit_of("peak_lever_bending_force") == "N m"  # a torque in spite of its name
+    assert unit_of("peak_lever_bending_moment") == "N m"
 
 
 def test_a_name_that_no_table_has_speaks_by_its_last_word():

@@ -52,9 +52,19 @@ def turn(gaps=(), raised=(), transitions=(), names=NAMES, **more) -> dict[str, f
         apart[first : last + 1, names.index(name)] = size
     for first, last, size in raised:
         lift[first : last + 1] += size
+    inside = {"pushrod bar"}
     mechanism = SimpleNamespace(
         index={"tappet": 0, "valve": 1}.get,
         valve="valve",
+        interactions=[
+            SimpleNamespace(
+                name=name, role="link" if name in inside else "contact", load=("force", "N")
+            )
+            for name in names
+        ],
+        cam=0,
+        seat=names.index("seat") if "seat" in names else None,
+        drive=tuple(k for k, name in enumerate(names) if name not in {"seat", *inside}),
         kinematics=SimpleNamespace(valve_lift=kinematics),
     )
     told = {
@@ -79,6 +89,7 @@ def test_forces_and_lift_are_those_of_every_step():
             "peak_pushrod_bar_force": 1003.0,
             "peak_seat_contact_force": 1004.0,
             "minimum_cam_contact_force": 50.0,
+            "minimum_tappet_contact_force": 51.0,
             "minimum_valve_tip_contact_force": 52.0,
             "peak_retainer_force": 500.0,
             "minimum_retainer_force": 502.0,

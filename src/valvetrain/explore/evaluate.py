@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -24,7 +25,6 @@ from valvetrain.quantities.statics import (
     rest_quantities,
     size_quantities,
 )
-from valvetrain.runs.critical_speeds import DRIVE
 from valvetrain.runs.notes import refuse_implausible, refuse_speeds
 from valvetrain.runs.prepared import (
     FAILURES,
@@ -224,8 +224,8 @@ def _train(
         plan = Plan("all", None, True, problem.cycles, problem.cycles_to_settle)
         solution: Solution = train_point((problem, ready, plan), (0, engine_speed))
         status, values = solution.status, dict(solution.quantities)
-        names = (f"minimum_{place}_contact_force" for place in DRIVE)
-        forces = [values[name] for name in names if name in values]
+        least = re.compile("minimum_.+_contact_force")  # which contacts of the drive alone have
+        forces = [value for name, value in values.items() if least.fullmatch(name)]
         if DRIVE_FORCE in request.outputs and forces:
             values[DRIVE_FORCE] = min(forces)
     if request.rigid or (request.rest and engine_speed is not None):

@@ -20,7 +20,7 @@ from valvetrain.integrate.train_tuples import (
     PEAK_SPEED_ANGLE,
 )
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
-from valvetrain.mechanism.parts import Coordinate
+from valvetrain.mechanism.parts import CONTACT, Coordinate, Interaction
 from valvetrain.mechanism.planar import crank_angle, piston_clearance
 from valvetrain.solution.channels import SPRING_CHANNELS, ChannelArrays, Variable
 from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs, outputs_at
@@ -28,15 +28,14 @@ from valvetrain.system.train_rest import TrainRest
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
-#: Interactions that are contacts; all others are elastic links.
-CONTACTS = ("cam", "tappet", "rocker", "valve tip", "seat")
 
 
-def force_name(interaction: str) -> str:
-    """Channel of an interaction's force: ``valve tip`` -> ``valve_tip_contact_force``, ``pushrod
-    bar`` -> ``pushrod_bar_force``.
+def load_name(interaction: Interaction) -> str:
+    """Channel of an interaction's load: ``valve tip`` -> ``valve_tip_contact_force``, ``pushrod bar``
+    -> ``pushrod_bar_force``, ``lever bending`` -> ``lever_bending_moment``.
     """
-    return f"{interaction.replace(' ', '_')}{'_contact' if interaction in CONTACTS else ''}_force"
+    contact = "_contact" if interaction.role == CONTACT else ""
+    return f"{interaction.name.replace(' ', '_')}{contact}_{interaction.load[0]}"
 
 
 def position_name(part: Coordinate, valve: str) -> str:
@@ -99,14 +98,12 @@ def train_channels(
         table["piston_clearance"] = (clearance, "m", "clearance between piston and valve")
         turned = crank_angle(system.crank, angle)
         table["crank_angle"] = (turned, "rad", "crank angle from top dead centre of gas exchange")
-    for k, name in enumerate(system.interaction_names):
-        table[force_name(name)] = (forces[:, k], "N", f"force at {name}")
-        if name in CONTACTS:
-            table[f"{name.replace(' ', '_')}_gap"] = (
-                gaps[:, k],
-                "m",
-                f"gap at {name}, open positive",
-            )
+    for k, one in enumerate(mechanism.interactions):
+        load, unit = one.load
+        table[load_name(one)] = (forces[:, k], unit, f"{load} at {one.name}")
+        if one.role == CONTACT:
+            label = f"gap at {one.name}, open positive"
+            table[f"{one.name.replace(' ', '_')}_gap"] = gaps[:, k], one.unit or "m", label
     variables = {
         name: Variable(("sample",), values, {"units": unit, "long_name": label})
         for name, (values, unit, label) in table.items()
@@ -215,8 +212,8 @@ def train_statistics(
 ) -> dict[str, float | int | str | bool]:
     """What the loop found on every step: peak forces, works; by the names of docs/quantities.md."""
     found: dict[str, float | int | str | bool] = {
-        f"peak_{force_name(name)}": float(record.peak_forces[k])
-        for k, name in enumerate(system.interaction_names)
+        f"peak_{load_name(one)}": float(record.peak_forces[k])
+        for k, one in enumerate(system.mechanism.interactions)
     }
     found |= _every_step(system, record)
     return found | {
@@ -265,22 +262,20 @@ def _every_step(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
 
 
 def least_forces(system: TrainSystem, record: CycleRecord, options: RunOptions) -> dict[str, float]:
-    """Least and largest force (N) of every contact over all steps in the window of ``options``, and
-    that of the cam at the nose; nothing where none was requested.
+    """Least and largest force (N) of every contact of the drive over all steps in the window of
+    ``options``, and that of the cam at the nose; nothing where none was requested.
     """
     if options.window is None or not len(record.least_forces):
         return {}
     found: dict[str, float] = {}
-    for place, name in enumerate(system.interaction_names):
-        if name in CONTACTS:
-            found |= {
-                f"least_{force_name(name)}": float(record.least_forces[place]),
-                f"open_{force_name(name)}": float(record.largest_forces[place]),
-            }
-    if options.nose is not None and "cam" in system.interaction_names:
-        found["nose_cam_contact_force"] = float(
-            record.nose_forces[system.interaction_names.index("cam")]
-        )
+    for place in system.mechanism.drive:
+        name = load_name(system.mechanism.interactions[place])
+        found |= {
+            f"least_{name}": float(record.least_forces[place]),
+            f"open_{name}": float(record.largest_forces[place]),
+        }
+    if options.nose is not None and (cam := system.mechanism.cam) is not None:
+        found["nose_cam_contact_force"] = float(record.nose_forces[cam])
     return found
 
 
@@ -347,28 +342,26 @@ def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
         "peak_valve_lift": float(valve[PEAK_PLACE]),
         "peak_valve_acceleration": float(valve[PEAK_ACCELERATION]),
     }
-    names = system.interaction_names
-    found |= {
-        f"peak_{force_name(name)}": float(record.peak_forces[place])
-        for place, name in enumerate(names)
-        if name in CONTACTS
-    }
-    for place, name in enumerate(names):
-        if name in ("cam", "valve tip"):
-            found[f"minimum_{force_name(name)}"] = float(record.least_forces[place])
-    if "cam" in names and system.mechanism.kinematics is not None:
-        opened = system.mechanism.kinematics.valve_lift(record.cam_angle) > 0
-        found["loft_gap"] = float(np.max(record.gaps[opened, names.index("cam")], initial=0.0))
-        found["nose_cam_contact_force"] = float(record.nose_forces[names.index("cam")])
-    if "seat" not in names:
+    mechanism = system.mechanism
+    cam, seat_place = mechanism.cam, mechanism.seat
+    for place, one in enumerate(mechanism.interactions):
+        if one.role == CONTACT:
+            found[f"peak_{load_name(one)}"] = float(record.peak_forces[place])
+        if place in mechanism.drive:
+            found[f"minimum_{load_name(one)}"] = float(record.least_forces[place])
+    if cam is not None and mechanism.kinematics is not None:
+        opened = mechanism.kinematics.valve_lift(record.cam_angle) > 0
+        found["loft_gap"] = float(np.max(record.gaps[opened, cam], initial=0.0))
+        found["nose_cam_contact_force"] = float(record.nose_forces[cam])
+    if seat_place is None:
         return found
-    openings = record.transitions.open_stretches(names.index("seat"))
+    openings = record.transitions.open_stretches(seat_place)
     heights = np.sort(openings.largest_gap[openings.largest_gap > SMALLEST_HEIGHT])
     found |= {
         "bounce_count": float(max(len(heights) - 1, 0)),
         "bounce_height": float(heights[-2]) if len(heights) > 1 else 0.0,
     }
-    velocity = record.transitions.seating_velocity(names.index("seat"))
+    velocity = record.transitions.seating_velocity(seat_place)
     return found if velocity is None else found | {"seating_velocity": velocity}
 
 
@@ -376,10 +369,10 @@ def landing_angle(system: TrainSystem, record: CycleRecord) -> float | None:
     """Cam angle (rad) at which the largest flight off the cam ends, the rigid valve being off its seat at
     its largest gap; None without a flight.
     """
-    kinematics = system.mechanism.kinematics
-    if "cam" not in system.interaction_names or kinematics is None:
+    kinematics, cam = system.mechanism.kinematics, system.mechanism.cam
+    if cam is None or kinematics is None:
         return None
-    found = record.transitions.open_stretches(system.interaction_names.index("cam"))
+    found = record.transitions.open_stretches(cam)
     found = found.where(kinematics.valve_lift(found.largest_gap_cam_angle) > 0)
     return float(found.cam_angle[np.argmax(found.largest_gap)]) if len(found) else None
 
@@ -403,7 +396,7 @@ def scatter_of(
         lifts.append(record.q[:, valve])
         numbers.append(cycle_numbers(runner.system, record))
         landings.append(landing_angle(runner.system, record))
-        on_cam = on_cam or record.touches(runner.system, "cam")
+        on_cam = on_cam or record.touches_cam(runner.system)
         if unless_equal and len(numbers) == 2 and numbers[0].keys() == numbers[1].keys():
             before, after = (np.array(list(one.values())) for one in numbers)
             if np.allclose(before, after, rtol=EQUAL, atol=NO_LENGTH):

@@ -160,10 +160,10 @@ class CycleRecord:
     loads: Array = field(default_factory=lambda: np.zeros((0, 4)))
     bodies: Array = field(default_factory=lambda: np.zeros((0, 5)))
 
-    def touches(self, system: TrainSystem, contact: str) -> bool:
-        """Whether a contact of the train closed in this cycle; True where it has none of the name."""
-        names = system.interaction_names
-        return contact not in names or bool(self.peak_forces[names.index(contact)] > 0)
+    def touches_cam(self, system: TrainSystem) -> bool:
+        """Whether the contact of the cam closed in this cycle; True for a train without one."""
+        cam = system.mechanism.cam
+        return cam is None or bool(self.peak_forces[cam] > 0)
 
 
 @dataclass(frozen=True)

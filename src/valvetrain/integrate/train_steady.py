@@ -89,7 +89,7 @@ class SteadyTrain:
         """
         system = self.runner.system
         alone = self.search.converged or (self.scatter is not None and not self.scatter.on_cam)
-        if self.record.touches(system, "cam") or not alone or system.mechanism.kinematics is None:
+        if self.record.touches_cam(system) or not alone or system.mechanism.kinematics is None:
             return 0.0
         return float(system.mechanism.kinematics.maximum_lift)
 

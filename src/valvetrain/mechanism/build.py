@@ -78,6 +78,8 @@ def build_mechanism(
         )
     laws = {place: _contact_law(train.contact(place)) for place in places}
     planar = spec.build(train, law, laws, lift_of)
+    if planar.cam is None:
+        raise InputError(f"the mechanism of a {train.kind} train has no contact that follows a cam")
     rough = {
         place: friction
         for place in places

@@ -24,6 +24,9 @@ from __future__ import annotations
 
 LINEAR, CAM_LIFT, CAM_FLAT, CAM_ROUND, POINT_PLANE, DISTANCE = range(6)
 
+CAM_KINDS = (CAM_LIFT, CAM_FLAT, CAM_ROUND)
+"""Those whose gap follows the cam angle."""
+
 ARC_RADIUS = 14
 """Column of the radius (m) of the touching arc; only sliding needs it."""
 

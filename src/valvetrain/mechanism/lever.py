@@ -169,12 +169,9 @@ def lever_bodies(
         Coordinate("lever", lever.inertia / 2, "rad", -lever.holding_torque),
         Coordinate("lever tip", lever.inertia / 2, unit="rad"),
     ]
-    return (
-        halves,
-        [Interaction("lever bending", LINEAR, ("lever", "lever tip"), (0.0, 1.0, -1.0), twist)],
-        "lever",
-        "lever tip",
-    )
+    ends = "lever", "lever tip"
+    bending = Interaction("lever bending", LINEAR, ends, (0.0, 1.0, -1.0), twist, unit="rad")
+    return halves, [bending], *ends
 
 
 def valve_tip_contact(

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.mechanism.contour import lift_table
-from valvetrain.mechanism.gap_kinds import CAM_FLAT, CAM_LIFT, CAM_ROUND, LINEAR
+from valvetrain.mechanism.gap_kinds import CAM_KINDS, CAM_LIFT, DISTANCE, LINEAR, POINT_PLANE
 from valvetrain.mechanism.gaps import penetration_and_gradient
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
 from valvetrain.mechanism.rigid import RigidKinematics
@@ -70,24 +70,19 @@ def build_lumped(planar: AssembledMechanism) -> AssembledMechanism:
     """
     gradients = closed_gradients(planar)
     mode = rigid_mode(planar, gradients)
-    cam = planar.interaction_index("cam")
-    drive = -float(gradients[cam] @ mode)
+    drive = -float(gradients[planar.cam] @ mode)
     tables = {"cam lift": lift_table(_Scaled(planar.kinematics, drive))}
     changed = []
     for k, interaction in enumerate(planar.interactions):
         names = tuple(name for name in interaction.coordinates if name)
         row = [float(gradients[k, planar.index(name)]) for name in names]
-        if interaction.kind in (CAM_FLAT, CAM_ROUND):
+        if interaction.kind in CAM_KINDS:
+            kind, table = CAM_LIFT, "cam lift"
             geometry = (0.0, *[-value for value in row], *[0.0] * (4 - len(row)), 1.0)
-            changed.append(
-                Interaction("cam", CAM_LIFT, names, geometry, interaction.law, "cam lift")
-            )
         else:
-            changed.append(
-                Interaction(
-                    interaction.name, LINEAR, names, (_offset(interaction), *row), interaction.law
-                )
-            )
+            kind, table, geometry = LINEAR, "", (_offset(interaction), *row)
+        made = replace(interaction, kind=kind, coordinates=names, geometry=geometry, table=table)
+        changed.append(replace(made, unit=interaction.unit or "m"))
     return AssembledMechanism(
         f"{planar.name}, lumped",
         planar.coordinates,
@@ -102,35 +97,23 @@ def build_lumped(planar: AssembledMechanism) -> AssembledMechanism:
 def _offset(interaction: Interaction) -> float:
     """Constant part of a gap (m): minus the lash."""
     row = interaction.geometry_row()
-    return (
-        float(row[0])
-        if interaction.kind == LINEAR
-        else -float(row[10] if interaction.name == "valve tip" else row[13])
-    )
+    return float({LINEAR: row[0], POINT_PLANE: -row[10], DISTANCE: -row[13]}[interaction.kind])
 
 
 def rigid_mode(mechanism: AssembledMechanism, gradients: Array) -> Array:
-    """Travel of every coordinate per travel of the valve (N,), all gaps but cam and seat closed and
-    the pivot at home.
+    """Travel of every coordinate per travel of the valve (N,), links rigid and gaps between bodies
+    closed.
     """
     total, valve = len(mechanism.coordinates), mechanism.index(mechanism.valve)
-    rows = [
-        gradients[k]
-        for k, item in enumerate(mechanism.interactions)
-        if item.name not in ("cam", "seat", "support")
-    ]
-    pins = [np.eye(total)[valve]] + [
-        np.eye(total)[i] for i, item in enumerate(mechanism.coordinates) if item.name == "support"
-    ]
-    matrix = np.array([*rows, *pins])
+    matrix = np.array([*gradients[mechanism.held], np.eye(total)[valve]])
     target = np.zeros(len(matrix))
-    target[len(rows)] = 1.0
-    mode: Array = np.linalg.lstsq(matrix, target, rcond=None)[0]
-    if np.max(np.abs(matrix @ mode - target)) > 1e-9:
+    target[-1] = 1.0
+    mode, _, rank, _ = np.linalg.lstsq(matrix, target, rcond=None)
+    if rank < total or np.max(np.abs(matrix @ mode - target)) > 1e-9:
         raise InputError(
             f"mechanism '{mechanism.name}' does not tie every body to the valve; check its interactions"
         )
-    return mode
+    return np.asarray(mode)
 
 
 def equivalent_mass(mechanism: AssembledMechanism) -> float:
@@ -163,16 +146,29 @@ def build_single_mass(planar: AssembledMechanism) -> AssembledMechanism:
         "valve", equivalent_mass(planar), force=force, damping=damping, friction=friction
     )
     kinematics = planar.kinematics
-    cam_law = planar.interactions[planar.interaction_index("cam")].law
-    seat = planar.interactions[planar.interaction_index("seat")]
     scaled = lift_table(_Scaled(kinematics, 1.0))
-    cam = Interaction(
-        "cam", CAM_LIFT, ("valve",), (kinematics.lash, 1.0, 0.0, 0.0, 0.0, 1.0), cam_law, "cam lift"
+    cam = replace(
+        planar.interactions[planar.interaction_index("cam")],
+        kind=CAM_LIFT,
+        coordinates=("valve",),
+        geometry=(kinematics.lash, 1.0, 0.0, 0.0, 0.0, 1.0),
+        table="cam lift",
     )
+    seat = [] if planar.seat is None else [planar.interactions[planar.seat]]
+    soft = [
+        replace(
+            item := planar.interactions[k],
+            kind=LINEAR,
+            coordinates=("valve",),
+            geometry=(_offset(item), float(gradients[k] @ mode)),
+            unit=item.unit or "m",
+        )
+        for k in planar.soft
+    ]
     return AssembledMechanism(
         f"{planar.name}, single mass",
         (valve,),
-        (cam, seat),
+        (cam, *seat, *soft),
         {"cam lift": scaled},
         "valve",
         "valve",

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
@@ -14,9 +15,13 @@ from numpy.typing import NDArray
 from valvetrain.contact import kernels
 from valvetrain.contact.friction import CoulombFriction
 from valvetrain.errors import InputError
-from valvetrain.mechanism.gap_kinds import GEOMETRY_COLUMNS
+from valvetrain.mechanism.gap_kinds import CAM_KINDS, GEOMETRY_COLUMNS, LINEAR
 
 Array = NDArray[np.float64]
+CONTACT, LINK, SPRING = "contact", "link", "spring"
+"""Roles of an interaction: a contact pushes only, a link is a stiff part that rigid theory takes for
+rigid, a spring is a soft part that acts on rigid bodies by its force.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +99,9 @@ class Interaction:
     ``kind``: one of :mod:`valvetrain.mechanism.gap_kinds`. ``coordinates``: up to four coordinate
     names, '' where a slot is empty. ``geometry``: the row of the kind. ``table``: name of the lift
     or contour table, '' when none. ``law``: a contact law, an :class:`ElasticLink` or a
-    :class:`MaxwellLink`. ``friction``: along the contact, None for none.
+    :class:`MaxwellLink`. ``friction``: along the contact, None for none. ``role``: :data:`CONTACT`,
+    :data:`LINK` or :data:`SPRING`; by default a contact by its law, a spring where a link holds one
+    body to the ground, else a link. ``unit`` of the gap: 'm', or 'rad' where the law gives N m.
     """
 
     name: str
@@ -104,6 +111,28 @@ class Interaction:
     law: Law
     table: str = ""
     friction: CoulombFriction | None = None
+    role: str = ""
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        pulls = self.law.code < 0
+        alone = SPRING if len(self.bodies) == 1 else LINK
+        role = self.role or (alone if pulls else CONTACT)
+        if role not in (CONTACT, LINK, SPRING) or role == (CONTACT if pulls else LINK):
+            raise InputError(
+                f"interaction '{self.name}' cannot be a '{role}' by its law; a contact law makes a contact or a spring, a link law a link or a spring"
+            )
+        object.__setattr__(self, "role", role)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the coordinates that it joins."""
+        return tuple(name for name in self.coordinates if name)
+
+    @property
+    def load(self) -> tuple[str, str]:
+        """What its law gives, force or moment, and the unit of that."""
+        return ("moment", "N m") if self.unit == "rad" else ("force", "N")
 
     def geometry_row(self) -> Array:
         """The geometry padded to its fixed number of columns."""
@@ -234,6 +263,16 @@ class AssembledMechanism:
                 raise InputError(
                     f"interaction '{interaction.name}' reads table '{interaction.table}', which is missing"
                 )
+            turning = {one.unit for one in self.coordinates if one.name in interaction.bodies}
+            if interaction.kind == LINEAR and turning == {"rad"} and not interaction.unit:
+                raise InputError(
+                    f"interaction '{interaction.name}' joins turning bodies only; give it unit = 'rad' where its law gives N m, 'm' where N"
+                )
+        for place, name in ((self.cam, "cam"), (self.seat, "seat")):
+            if place is not None and self.interactions[place].name != name:
+                raise InputError(
+                    f"contact '{self.interactions[place].name}' of mechanism '{self.name}' is its {name}; call it '{name}'"
+                )
 
     def index(self, name: str) -> int:
         """Place of a coordinate."""
@@ -242,3 +281,69 @@ class AssembledMechanism:
     def interaction_index(self, name: str) -> int:
         """Place of an interaction."""
         return [interaction.name for interaction in self.interactions].index(name)
+
+    def _of_role(self, role: str) -> list[int]:
+        """Places of the interactions of a role but what follows the cam."""
+        numbered = enumerate(self.interactions)
+        return [k for k, one in numbered if one.role == role and one.kind not in CAM_KINDS]
+
+    @cached_property
+    def cam(self) -> int | None:
+        """Place of what follows the cam, None without it."""
+        kinds = (interaction.kind in CAM_KINDS for interaction in self.interactions)
+        return next((k for k, is_cam in enumerate(kinds) if is_cam), None)
+
+    @cached_property
+    def seat(self) -> int | None:
+        """Place of the contact of the valve alone, its seat; None without one."""
+        contacts = self._of_role(CONTACT)
+        return next((k for k in contacts if self.interactions[k].bodies == (self.valve,)), None)
+
+    @cached_property
+    def held(self) -> list[int]:
+        """Places of what keeps its length in rigid theory: links, and contacts between two bodies that
+        move; a contact with the ground opens.
+        """
+        joining = (k for k in self._of_role(CONTACT) if len(self._moving(k)) > 1)
+        return sorted([*self._of_role(LINK), *joining])
+
+    @cached_property
+    def soft(self) -> list[int]:
+        """Places of what acts on rigid bodies by its own force: all but cam, seat and what is held."""
+        others = {self.cam, self.seat, *self.held}
+        return [k for k in range(len(self.interactions)) if k not in others]
+
+    @cached_property
+    def drive(self) -> tuple[int, ...]:
+        """Places of the contacts on a way from the cam to the valve, in their order."""
+        if self.cam is None:
+            return ()
+
+        cam, contacts = self.cam, set(self._of_role(CONTACT))
+
+        def is_between(k: int) -> bool:
+            others = [j for j in self.held if j != k]
+            from_cam = self._moving(k) & self._reached(self._moving(cam), others)
+            from_valve = self._moving(k) & self._reached({self.valve}, others)
+            return bool(from_cam and from_valve) and len(from_cam | from_valve) > 1
+
+        return tuple(sorted((cam, *(k for k in self.held if k in contacts and is_between(k)))))
+
+    @cached_property
+    def valve_side(self) -> list[int]:
+        """Places of the coordinates that links alone join to the valve."""
+        return sorted(map(self.index, self._reached({self.valve}, self._of_role(LINK))))
+
+    def _moving(self, k: int) -> set[str]:
+        """Bodies of an interaction but those that a link holds to the ground."""
+        links = (self.interactions[j].bodies for j in self._of_role(LINK))
+        held = {name for bodies in links if len(bodies) == 1 for name in bodies}
+        return {*self.interactions[k].bodies} - held
+
+    def _reached(self, start: set[str], over: list[int]) -> set[str]:
+        """Moving bodies that interactions at the places ``over`` join to those of ``start``."""
+        joined = [self._moving(k) for k in over]
+        found = set(start)
+        for _ in joined:  # as often as the longest way
+            found |= {name for bodies in joined if bodies & found for name in bodies}
+        return found

@@ -20,7 +20,7 @@ from valvetrain.mechanism.contour import (
     table_from_samples,
 )
 from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, LINEAR
-from valvetrain.mechanism.parts import Coordinate, ElasticLink, Interaction
+from valvetrain.mechanism.parts import LINK, Coordinate, ElasticLink, Interaction
 from valvetrain.parameters.train import CrankParameters, FollowerParameters, TrainParameters
 
 Array = NDArray[np.float64]
@@ -146,9 +146,8 @@ def support_parts(
     ex, ey = unit(support.direction)
     mass = support.mass + carried_mass
     weight = mass * (train.gravity[0] * ex + train.gravity[1] * ey)
-    link = Interaction(
-        "support", LINEAR, ("support",), (0.0, 1.0), ElasticLink(support.stiffness, support.damping)
-    )
+    law = ElasticLink(support.stiffness, support.damping)
+    link = Interaction("support", LINEAR, ("support",), (0.0, 1.0), law, role=LINK)
     return [Coordinate("support", mass, force=weight)], [link], (ex, ey), "support"
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.mechanism.gaps import table_value
-from valvetrain.system.rigid_pose import RigidPoses
+from valvetrain.system.rigid_pose import RigidPoses, soft_forces
 from valvetrain.system.train_forces import gap_states
 from valvetrain.system.train_system import TrainSystem
 
@@ -62,15 +62,14 @@ class RigidForces:
 
     @cached_property
     def active(self) -> list[int]:
-        """Interactions that carry force with the valve off its seat."""
-        return [k for k, name in enumerate(self.system.interaction_names) if name != "seat"]
+        """Interactions that carry unknown forces with the valve off its seat."""
+        mechanism = self.system.mechanism
+        return sorted({*mechanism.drive, *mechanism.held})
 
     @cached_property
     def places(self) -> tuple[str, ...]:
         """Contacts of the drive, which push and cannot pull, in the order of the shares."""
-        return tuple(
-            self.system.interaction_names[k] for k in self.active if self.system.arrays.laws[k] >= 0
-        )
+        return tuple(self.system.interaction_names[k] for k in self.system.mechanism.drive)
 
     def poses_at(self, valve_lift: Array) -> Array:
         """Lift (m) of the driving side, which is ahead of the valve by the lash once the valve is
@@ -93,7 +92,7 @@ class RigidForces:
         lift, velocity, acceleration = (motion.valve_lift(cam_angle, order) for order in range(3))
         tight = self.poses_at(lift)
         positions, modes = self.poses.positions(tight), self.poses.mode(tight)
-        loads = np.tile(arrays.body[:, 1], (len(cam_angle), 1))
+        loads = arrays.body[:, 1] + soft_forces(system, positions)
         loads[:, arrays.retainer] -= self.static_spring_force(lift)
         loads[:, system.mechanism.index(system.mechanism.valve)] += self.gas(cam_angle)
         inertia = -system.masses * (
@@ -103,10 +102,7 @@ class RigidForces:
         forces = _solved(
             np.swapaxes(gradients[:, self.active], 1, 2), np.stack([loads, inertia], axis=2)
         )
-        driving, cam = (
-            [place for place, k in enumerate(self.active) if arrays.laws[k] >= 0],
-            system.mechanism.interaction_index("cam"),
-        )
+        driving, cam = [self.active.index(k) for k in system.mechanism.drive], system.mechanism.cam
         per_lift = -np.sum(gradients[:, cam] * modes, axis=1)
         return ContactShares(forces[:, driving, 0], forces[:, driving, 1], per_lift, slopes[:, cam])
 

@@ -46,6 +46,13 @@ class RigidTable:
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
 
+    @property
+    def drive(self) -> tuple[str, ...]:
+        """Its contacts from cam to valve (``cam``, ``valve_tip``)."""
+        ending = "_contact_force"
+        others = (name.removesuffix(ending) for name in self.columns if name.endswith(ending))
+        return "cam", *others
+
 
 @dataclass(frozen=True, eq=False)
 class RigidMotion:

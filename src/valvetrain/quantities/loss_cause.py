@@ -12,7 +12,7 @@ from valvetrain.quantities.train_events import (
     CAUSE_INERTIA,
     CAUSE_SURGE,
     CAUSE_VIBRATION,
-    PLACES,
+    LOSSES,
     SMALLEST_GAP,
     TURN,
     RigidCycle,
@@ -49,7 +49,7 @@ def loss_cause(
     ``places`` (``cam``, ``valve tip``) that has no gap yet has that of the moment at which the force there
     is least in the ``window`` (begin, end in cam rad) of the open valve. Empty where none is known.
     """
-    losses = [one for one in solution.events if one.kind in PLACES.values()]
+    losses = [one for one in solution.events if one.kind in LOSSES]
     turn = len(solution.time) * float(solution.time[1] - solution.time[0])
     if kind == "float":
         floats = [one for one in solution.events if one.kind == "float"]

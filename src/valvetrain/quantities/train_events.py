@@ -26,13 +26,8 @@ open any gap is one, as in the search over engine speed.
 """
 MARGINAL = 2.5 * SMALLEST_GAP
 
-#: Place whose gap can open while the valve should be driven -> kind of that event.
-PLACES = {
-    "cam": "loft",
-    "tappet": "loss-of-contact",
-    "rocker": "loss-of-contact",
-    "valve_tip": "loss-of-contact",
-}
+#: Kinds of a loss of contact while the valve should be driven: of the cam, of another contact.
+LOSSES = LOFT, LOSS = "loft", "loss-of-contact"
 CAUSE_INERTIA = "inertia exceeds the spring force (rigid theory loses contact here too)"
 CAUSE_SURGE = "surge lowers the spring force below its static value"
 CAUSE_VIBRATION = "vibration of the train unloads the contact"
@@ -48,7 +43,8 @@ class RigidCycle:
     """Rigid motion at the samples of a run (S,): lift (m), acceleration (m/s2), contact force at
     the cam (N); ``top`` (m) and ``nose`` (cam rad): its largest lift and its position, whatever
     the samples; ``open_spans``: begin and end (cam rad) of the stretches off the seat; ``wide_open``: of
-    that around the nose in which it is above :data:`OPEN_SHARE` of its largest lift.
+    that around the nose in which it is above :data:`OPEN_SHARE` of its largest lift; ``drive``: its
+    contacts from cam to valve (``cam``, ``valve_tip``).
     """
 
     valve_lift: Array
@@ -58,6 +54,7 @@ class RigidCycle:
     nose: float
     open_spans: tuple[Span, ...]
     wide_open: tuple[Span, ...]
+    drive: tuple[str, ...]
 
 
 def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
@@ -71,7 +68,18 @@ def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
     top, nose = ring_peak(lift), ring_top(rigid.cam_angle, lift)
     high = spans_above(rigid.cam_angle, lift, OPEN_SHARE * top)
     wide = tuple((begin, end) for begin, end in high if (nose - begin) % TURN <= end - begin)
-    return RigidCycle(moved, slowed, pressed, top, nose, opened, wide)
+    return RigidCycle(moved, slowed, pressed, top, nose, opened, wide, rigid.drive)
+
+
+def drive_forces(solution: Solution) -> dict[str, float]:
+    """Least force (N) of every contact of the drive (``valve_tip``) over every step with the valve open;
+    empty where the integrator did not look.
+    """
+    return {
+        name.removeprefix("least_").removesuffix("_contact_force"): float(value)
+        for name, value in solution.statistics.items()
+        if name.startswith("least_") and name.endswith("_contact_force")
+    }
 
 
 def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
@@ -86,7 +94,7 @@ def lost_spans(events: Sequence[Event], turn: float) -> list[Span]:
     return [
         span_of(event.cam_angle, event.cam_angle + event.duration / turn * TURN)
         for event in events
-        if event.kind in PLACES.values()
+        if event.kind in LOSSES
     ]
 
 
@@ -94,7 +102,7 @@ def marginal_duration(events: Iterable[Event]) -> float:
     """Time (s) of the losses of contact by gaps up to :data:`MARGINAL`, each of which another division
     of the springs may not have.
     """
-    lost = (event for event in events if event.kind in PLACES.values())
+    lost = (event for event in events if event.kind in LOSSES)
     return sum(event.duration for event in lost if event.size < MARGINAL)
 
 
@@ -105,12 +113,13 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
     logged = solution.statistics.get(CONTACTS_LOGGED) == 1
     if logged and not any(event.kind in LOGGED for event in solution.events):
         return [
-            event for event in solution.events if event.kind in PLACES.values()
+            event for event in solution.events if event.kind in LOSSES
         ]  # found before, when the log was there
     found = []
-    for place, kind in PLACES.items():
+    for place in rigid.drive:
         if not solution.has(f"{place}_gap"):
             continue
+        kind = LOFT if place == "cam" else LOSS
         gap, name = solution.channel(f"{place}_gap"), place.replace("_", " ")
         for begin, end, largest in (
             _logged_spans(solution, name, gap) if logged else _sampled_spans(solution, gap)
@@ -132,10 +141,10 @@ def _unloaded(
     """Losses of a contact that carries no force with the valve wide open and yet has no gap: its damping
     holds it back. To the samples, of no gap; none next to a loss that was ``found`` there.
     """
-    least = solution.statistics.get(f"least_{place}_contact_force", np.nan)
+    least = drive_forces(solution).get(place, np.nan)
     name, turn = place.replace("_", " "), _period(solution)
     known = lost_spans([one for one in found if one.where == name], turn)
-    if not (float(least) <= 0 and rigid.wide_open) or shared(known, rigid.wide_open):
+    if not (least <= 0 and rigid.wide_open) or shared(known, rigid.wide_open):
         return []
     angle, (begin, end) = solution.cam_angle, rigid.wide_open[0]
     inside = (angle - begin) % TURN <= end - begin
@@ -144,7 +153,7 @@ def _unloaded(
     return [
         _event(
             solution,
-            PLACES[place],
+            LOFT if place == "cam" else LOSS,
             part,
             0.0,
             name,

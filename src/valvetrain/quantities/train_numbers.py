@@ -11,14 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.train_channels import force_name
+from valvetrain.integrate.train_channels import load_name
 from valvetrain.integrate.train_run import CycleRecord
 from valvetrain.integrate.train_tuples import HIGHEST, LOADS, LOWEST, PEAK_PLACE
 from valvetrain.mechanism.rigid import RigidKinematics
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_value
 from valvetrain.quantities.train_events import (
-    PLACES,
     SMALLEST_GAP,
     TURN,
     RigidCycle,
@@ -34,7 +33,7 @@ from valvetrain.solution.status import Event
 from valvetrain.system.train_system import TrainSystem
 
 #: Numbers of the integrator that are quantities under the same name, next to every
-#: ``peak_..._force``.
+#: ``peak_..._force`` and ``peak_..._moment``.
 COUNTED = (
     "cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy", "contact_friction_dissipated_energy",
     "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
@@ -47,15 +46,13 @@ COUNTED = (
 ROUNDING = 2e-5
 #: Front of the names of what differs from cycle to cycle.
 SCATTER = "cycle_scatter_"
-#: Contacts that drive the valve, whose minimum force while it is open is reported.
-DRIVING = ("cam", "valve_tip")
 
 
 def counted_quantities(solution: Solution) -> dict[str, float]:
     """Numbers that only the integrator could see: every step's peaks, work and losses, the way to
     the steady state.
     """
-    peak = re.compile("peak_.*_force")
+    peak = re.compile("peak_.*_(force|moment)")
     counted = {
         name: value
         for name, value in solution.statistics.items()
@@ -98,7 +95,7 @@ def train_quantities(
         values["mean_cam_torque"] = float(solution.statistics["cycle_work_energy"]) / (2 * np.pi)
         values["mean_cam_power"] = values["mean_cam_torque"] * solution.engine_speed / 2
     opened = rigid.valve_lift > 0.1 * np.max(rigid.valve_lift)
-    for place in DRIVING:
+    for place in rigid.drive:
         name = f"{place}_contact_force"
         if solution.has(name):
             force = solution.channel(name)[opened]
@@ -224,17 +221,19 @@ def turn_quantities(
 
     All but gaps and the lift above the rigid one are those of every step.
     """
-    mechanism, names = system.mechanism, system.interaction_names
+    mechanism = system.mechanism
     lift = record.q[:, mechanism.index(mechanism.valve)]
     rigid = mechanism.kinematics.valve_lift(record.cam_angle)
     retainer, spring = (record.loads[LOADS.index(side)].tolist() for side in ("retainer", "seat"))
     largest = float(record.bodies[mechanism.index(mechanism.valve), PEAK_PLACE])
     values = {
-        f"peak_{force_name(name)}": float(record.peak_forces[k]) for k, name in enumerate(names)
+        f"peak_{load_name(one)}": float(record.peak_forces[k])
+        for k, one in enumerate(mechanism.interactions)
     }
-    for place in DRIVING:
-        if (name := place.replace("_", " ")) in names:
-            values[f"minimum_{place}_contact_force"] = float(record.least_forces[names.index(name)])
+    values |= {
+        f"minimum_{load_name(mechanism.interactions[k])}": float(record.least_forces[k])
+        for k in mechanism.drive
+    }
     values |= {
         "peak_spring_force": spring[HIGHEST],
         "minimum_spring_force": spring[LOWEST],
@@ -243,29 +242,25 @@ def turn_quantities(
         "peak_valve_lift": largest,
         "lift_loss_displacement": window.top - largest,
     }
-    apart = [
-        record.gaps[:, names.index(one)]
-        for place in PLACES
-        if (one := place.replace("_", " ")) in names
-    ]
-    cam = record.gaps[:, names.index("cam")]
+    apart = record.gaps[:, list(mechanism.drive)]
+    cam = record.gaps[:, mechanism.cam]
     inside = window.holds(record.cam_angle)
     values["loft_gap"] = float(np.max(cam[inside], initial=0.0))  # wide open any gap is a loft
     nose = (rigid > 0.3 * window.top) & (mechanism.kinematics.valve_lift(record.cam_angle, 2) < 0)
-    excess = np.where(np.any(np.array(apart) > SMALLEST_GAP, axis=0) & nose, lift - rigid, 0.0)
+    excess = np.where(np.any(apart > SMALLEST_GAP, axis=1) & nose, lift - rigid, 0.0)
     values["float_excess_lift"] = float(
         np.max(np.where(excess > 10 * SMALLEST_GAP, excess, 0.0), initial=0.0)
     )
-    return values | _seating(record, names, window)
+    return values | _seating(record, mechanism.seat, window)
 
 
-def _seating(record: CycleRecord, names: tuple[str, ...], window: OpenWindow) -> dict[str, float]:
+def _seating(record: CycleRecord, seat: int | None, window: OpenWindow) -> dict[str, float]:
     """Velocity of the first touch of the seat after the valve was open; none in a turn that does
     not hold one.
     """
-    if "seat" not in names:
+    if seat is None:
         return {}
-    found = record.transitions.of(names.index("seat"))
+    found = record.transitions.of(seat)
     closings = found.where(found.closes & (found.largest_gap > OPEN_SHARE * window.top))
     if not len(closings):
         return {}

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from valvetrain.quantities.train_events import PLACES, TURN, covered, lost_spans
+from valvetrain.quantities.train_events import LOSSES, TURN, covered, drive_forces, lost_spans
 from valvetrain.quantities.valve_events import OPEN_SHARE
 from valvetrain.report.clauses import Runs, Worst
 from valvetrain.solution.result import Solution
@@ -21,7 +21,7 @@ def losses_while_open(run: Solution) -> list[Event]:
     """Losses of contact of a run while the valve is open by more than a tenth of its lift, the largest
     gap first.
     """
-    events = [event for event in run.events if event.kind in PLACES.values()]
+    events = [event for event in run.events if event.kind in LOSSES]
     return sorted(
         (event for event in events if _is_open(run, event)), key=lambda event: -event.size
     )
@@ -62,14 +62,14 @@ def loss_near_seat(runs: Runs) -> tuple[Event, Solution] | None:
         for run in runs.solutions
         if run.quantities.get(DURATION, 0.0) > 0
         for event in run.events
-        if event.kind in PLACES.values() and not _is_open(run, event)
+        if event.kind in LOSSES and not _is_open(run, event)
     ]
     return max(found, key=lambda pair: pair[0].size, default=None)
 
 
 def _counted(run: Solution, name: str, value: float) -> float:
     """A number of all losses, of those while the valve is open alone where others are among them."""
-    every = [event for event in run.events if event.kind in PLACES.values()]
+    every = [event for event in run.events if event.kind in LOSSES]
     some = losses_while_open(run)
     if len(some) == len(every) or not math.isfinite(value):
         return value
@@ -83,9 +83,9 @@ def _is_open(run: Solution, event: Event) -> bool:
     """Whether the rigid valve, of a run without it the valve, is above a tenth of its lift anywhere in
     an event, as in the search over engine speed; True without any lift.
     """
-    least = [run.statistics.get(f"least_{place}_contact_force") for place in PLACES]
-    forces = [one for one in least if isinstance(one, float)]
-    if forces and min(forces) > 0:  # of every step with the rigid valve open so far
+    if (
+        min(drive_forces(run).values(), default=0.0) > 0
+    ):  # of every step with the rigid valve open so far
         return False
     name = next((one for one in ("rigid_valve_lift", "valve_lift") if run.has(one)), None)
     if name is None:

@@ -12,6 +12,7 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Periodic
+from valvetrain.quantities.train_events import drive_forces
 from valvetrain.runs.critical_causes import with_cause
 from valvetrain.runs.critical_repeats import (
     NOMINAL_TOLERANCE,
@@ -47,10 +48,6 @@ from valvetrain.system.train_system import TrainSystem
 from valvetrain.units import Given, si
 
 RPM = math.pi / 30
-#: Contacts of the drive, from the cam to the valve.
-DRIVE = ("cam", "tappet", "rocker", "valve_tip")
-#: Columns of the forces of a rigid train on those behind the cam.
-LOADED = tuple(f"{name}_contact_force" for name in DRIVE[1:])
 #: Stiffness (N/m) of a drive at the cam, typical: it continues a contact force below zero by the
 #: gap, to judge how deep control is lost; the speed of zero does not depend on it.
 DRIVE_STIFFNESS = 5e7
@@ -124,10 +121,7 @@ def sample_of(
     to float and to bounce (m, at most the limit itself, at least its negative). A run without its
     numbers has lost control. ``missing``: :func:`missing_force` of the run.
     """
-    forces = (
-        float(solution.statistics.get(f"least_{name}_contact_force", math.nan)) for name in DRIVE
-    )
-    least = {name: force for name, force in zip(DRIVE, forces, strict=True) if math.isfinite(force)}
+    least = {name: one for name, one in drive_forces(solution).items() if math.isfinite(one)}
     whole = bool(least) and "float_excess_lift" in solution.quantities
     opened = ", ".join(name.replace("_", " ") for name, force in least.items() if force <= 0)
     contact, floats, bounces = KINDS
@@ -152,7 +146,7 @@ def missing_force(ready: PreparedRun, solution: Solution) -> float:
     open, of a run with the events of its integrator; 0 where none opens.
     """
     begin, end = ready.window or (0.0, 2 * math.pi)
-    drive = {name.replace("_", " ") for name in DRIVE}
+    drive = set() if ready.motion is None else set(ready.motion.forces.places)
     gaps = (
         float(event.details["largest_gap"])
         for event in solution.events
@@ -170,7 +164,7 @@ def standing_force(ready: PreparedRun) -> float:
     assert ready.motion is not None and ready.window is not None
     table, (begin, end) = ready.motion.table(0.0), ready.window
     open_wide = (table.cam_angle - begin) % (2 * math.pi) <= end - begin
-    forces = (table[name] for name in ("contact_force", *LOADED) if name in table.columns)
+    forces = (table[name] for name in table.columns if name.endswith("contact_force"))
     return max(0.0, min(float(force[open_wide].min()) for force in forces))
 
 

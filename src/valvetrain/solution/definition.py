@@ -45,7 +45,8 @@ BY_LAST_WORD: dict[str, tuple[str, str]] = {
     "height": ("length", "mm"), "lift": ("length", "mm"), "diameter": ("length", "mm"), "duration": ("time", "ms"),
     "rate": ("stiffness", "N/mm"), "impulse": ("impulse", "mN s"), "energy": ("energy", "mJ"), "stress": ("pressure", "MPa"),
     "pressure": ("pressure", "MPa"), "mass": ("mass", "g"), "speed": ("angular speed", "rpm"), "torque": ("moment", "N m"),
-    "power": ("power", "W"), "ratio": ("ratio", ""), "count": ("ratio", ""), "order": ("ratio", ""), "number": ("ratio", ""),
+    "power": ("power", "W"), "moment": ("moment", "N m"), "ratio": ("ratio", ""), "count": ("ratio", ""), "order": ("ratio", ""),
+    "number": ("ratio", ""),
 }  # fmt: skip
 #: SI units written otherwise than `valvetrain.units` does.
 _SI_TEXTS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}

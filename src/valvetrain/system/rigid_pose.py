@@ -12,17 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.system.train_forces import gap_state
+from valvetrain.system.train_forces import gap_state, gap_states, law_force
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
-FREE_PLACES = ("cam", "seat", "support")
 
 
 @dataclass(frozen=True)
 class RigidPoses:
-    """Poses of a train whose links are rigid and whose gaps (cam and seat apart) are just closed,
-    over the valve lift.
+    """Poses of a train whose links are rigid and whose gaps between bodies are as with the valve
+    closed, over the valve lift.
 
     ``lift`` (p,) in m; ``q`` (p, N) positions; ``reduced_mass`` (p,) in kg: sum of m_i (dq_i /
     dlift)**2, springs' share included.
@@ -60,7 +59,7 @@ class RigidPoses:
         )
 
     def weight(self, valve_lift: ArrayLike) -> Array:
-        """Constant forces (gravity, holding torque) reduced to the valve (N, opening positive)."""
+        """Forces of gravity, holding torque and soft parts reduced to the valve (N, opening positive)."""
         return np.asarray(self._splines[3](valve_lift))
 
 
@@ -71,51 +70,66 @@ def rigid_poses(system: TrainSystem, count: int = 41) -> RigidPoses:
     kinematics = system.mechanism.kinematics
     top = float(kinematics.maximum_lift + kinematics.lash)
     lifts = np.linspace(-0.02 * top, 1.02 * top, count)
-    places = [k for k, name in enumerate(system.interaction_names) if name not in FREE_PLACES]
     total = len(system.masses)
-    valve = system.mechanism.index(system.mechanism.valve)
-    pins = [valve] + [i for i, name in enumerate(system.coordinate_names) if name == "support"]
     home, _, _ = gap_state(system, np.zeros(total), 0.0)
     positions, modes = np.zeros((count, total)), np.zeros((count, total))
     q = np.zeros(total)
     for row, lift in enumerate(lifts):
-        q = _solve_pose(system, q, lift, places, pins, home)
+        q = _solve_pose(system, q, lift, home)
         positions[row] = q
-        modes[row] = _mode(system, q, places, pins)
+        modes[row] = _mode(system, q)
     masses = modes**2 @ system.masses
-    return RigidPoses(lifts, positions, modes, masses, modes @ system.arrays.body[:, 1])
+    loads = system.arrays.body[:, 1] + soft_forces(system, positions)
+    return RigidPoses(lifts, positions, modes, masses, np.sum(modes * loads, axis=1))
 
 
-def _constraints(
-    system: TrainSystem, q: Array, places: list[int], pins: list[int]
-) -> tuple[Array, Array]:
+def soft_forces(system: TrainSystem, positions: Array) -> Array:
+    """Generalised forces (p, N) of a train's soft parts in its rigid poses (p, N); the valve is behind
+    those by the lash.
+    """
+    mechanism, total = system.mechanism, np.zeros_like(positions)
+    if not mechanism.soft:
+        return total
+    positions = positions.copy()
+    positions[:, mechanism.valve_side] -= mechanism.kinematics.lash
+    pens, gradients, _ = gap_states(system, positions, np.zeros(len(positions)))
+    for k in mechanism.soft:
+        forces = np.array([law_force(system, k, pen) for pen in pens[:, k].tolist()])
+        total -= forces[:, None] * gradients[:, k]
+    return total
+
+
+def _constraints(system: TrainSystem, q: Array) -> tuple[Array, Array]:
     pens, gradients, _ = gap_state(system, q, 0.0)
-    matrix = np.vstack([gradients[places], np.eye(len(q))[pins]])
-    return pens, matrix
+    valve = system.mechanism.index(system.mechanism.valve)
+    matrix = np.vstack([gradients[system.mechanism.held], np.eye(len(q))[valve]])
+    return pens[system.mechanism.held], matrix
 
 
-def _solve_pose(
-    system: TrainSystem, q: Array, lift: float, places: list[int], pins: list[int], home: Array
-) -> Array:
-    target = np.zeros(len(pins))
-    target[0] = lift
+def _solve_pose(system: TrainSystem, q: Array, lift: float, home: Array) -> Array:
+    valve, home = system.mechanism.index(system.mechanism.valve), home[system.mechanism.held]
     for _ in range(30):
-        pens, matrix = _constraints(system, q, places, pins)
-        error = np.concatenate((pens[places] - home[places], q[pins] - target))
+        pens, matrix = _constraints(system, q)
+        error = np.append(pens - home, q[valve] - lift)
         change, *_ = np.linalg.lstsq(matrix, -error, rcond=None)
         q = q + change
         if np.max(np.abs(change)) < 1e-14:
             break
     if np.max(np.abs(error)) > 1e-9:
         raise InputError(
-            f"train '{system.name}' finds no rigid pose at {lift * 1e3:.2f} mm of valve lift; check its geometry"
+            f"train '{system.name}' finds no rigid pose at {lift * 1e3:.2f} mm of valve lift; check its geometry and the roles of its "
+            "interactions"
         )
     return q
 
 
-def _mode(system: TrainSystem, q: Array, places: list[int], pins: list[int]) -> Array:
-    _, matrix = _constraints(system, q, places, pins)
+def _mode(system: TrainSystem, q: Array) -> Array:
+    _, matrix = _constraints(system, q)
     target = np.zeros(len(matrix))
-    target[len(places)] = 1.0
-    mode, *_ = np.linalg.lstsq(matrix, target, rcond=None)
+    target[-1] = 1.0
+    mode, _, rank, _ = np.linalg.lstsq(matrix, target, rcond=None)
+    if rank < len(mode):
+        raise InputError(
+            f"train '{system.name}' has a body that no link and no contact ties to the valve; check the roles of its interactions"
+        )
     return np.asarray(mode)

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.contact import kernels
 from valvetrain.errors import InputError
+from valvetrain.mechanism.parts import CONTACT
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.solution.modes import TrainModes
 from valvetrain.springs.contract import SpringModel
@@ -96,7 +96,7 @@ def modes_from(
     contacts = [
         (one.name, pen > 0)
         for one, pen in zip(system.mechanism.interactions, pens, strict=True)
-        if one.law.code >= kernels.LINEAR
+        if one.role == CONTACT
     ]
     names = (
         ["spring"]
