@@ -89,7 +89,7 @@ def test_listening_is_told_once_the_port_takes_connections():
     asyncio.run(run())
 
 
-def test_another_address_gets_a_random_token_that_is_printed_once(started):
+def test_another_address_gets_a_random_token_that_is_printed_once(started, monkeypatch):
     result = call("serve", "--no-open", "--port", "0", "--host", "0.0.0.0", "--quiet")
     assert result.exit_code == 0
     token = started[0][2].token
@@ -102,16 +102,16 @@ def test_another_address_gets_a_random_token_that_is_printed_once(started):
         call("serve", "--no-open", "--port", "0", "--host", "0.0.0.0").exit_code == 0
         and started[1][2].token != token
     )
-    assert (
-        call("serve", "--no-open", "--port", "0", "--token", "x" * 20).exit_code == 0
-        and started[2][2].token == "x" * 20
-    )
+    monkeypatch.setenv("VALVETRAIN_TOKEN", "x" * 20)
+    assert call("serve", "--no-open", "--port", "0").exit_code == 0
+    assert started[2][2].token == "x" * 20 and "VALVETRAIN_TOKEN" not in os.environ
+    assert call("serve", "--no-open", "--port", "0", "--token").exit_code == 0
+    assert len(started[3][2].token) >= 32
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--token", "short"), "at least 16 plain characters"),
         (("--host", "nowhere.invalid"), "is no address"),
         (("--host", "192.0.2.1"), "no address of this machine"),
         (("--port", "70000"), "is outside"),
@@ -124,6 +124,12 @@ def test_another_address_gets_a_random_token_that_is_printed_once(started):
 def test_what_cannot_be_served_is_refused_in_one_sentence(started, words, told):
     result = call("serve", "--no-open", *words)
     assert result.exit_code == 2 and told in sentence(result) and not started
+
+
+def test_a_short_token_is_refused(started, monkeypatch):
+    monkeypatch.setenv("VALVETRAIN_TOKEN", "short")
+    result = call("serve", "--no-open", "--port", "0")
+    assert result.exit_code == 2 and "VALVETRAIN_TOKEN" in sentence(result) and not started
 
 
 def test_a_taken_port_and_a_held_workspace_are_refused(started, tmp_path):

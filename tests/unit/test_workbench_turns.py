@@ -281,10 +281,10 @@ def test_a_full_disk_leaves_no_case(workspace, monkeypatch, where):
 
 
 def test_a_database_that_cannot_be_written_leaves_no_case(workspace, monkeypatch):
-    def broken():
+    def broken(*_, **__):
         raise sqlite3.OperationalError("database or disk is full")
 
-    monkeypatch.setattr(workspace.store, "connected", broken)
+    monkeypatch.setattr(sqlite3, "connect", broken)
     with pytest.raises(InputError, match="disk is full"):
         workspace.new_case("a", "spring")
     assert not list(workspace.cases_folder.iterdir())

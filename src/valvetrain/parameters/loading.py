@@ -78,9 +78,9 @@ def refuse_moved(tree: Mapping[str, Any]) -> None:
 LIBRARY = Path(__file__).parent / "library"
 #: What the name of a template begins with, where a case is called by name.
 TEMPLATE = "template:"
-#: Keys of more parts than this (``a.b.c``) are no case's; reading them takes time with the square
-#: of their number.
-MAX_PARTS = 32
+#: Keys of more parts than this (``a.b.c``) are no case's, nor are more keys, tables and lists, or
+#: more numbers: the largest case has 700, and a table of lifts may have 50 000 lines.
+MAX_PARTS, MAX_TABLES, MAX_NUMBERS = 12, 5_000, 120_000
 
 
 class HasParameters(Protocol):
@@ -93,6 +93,7 @@ class HasParameters(Protocol):
 
 #: A case, the name of a library case or the path of a case file.
 AnyCase = Case | HasParameters | str | os.PathLike[str]
+_TABLE = re.compile(r"[=\[{\\]+")
 _DEEP_KEY = re.compile(
     rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MAX_PARTS}}}(?=[\w"'-])"""
 )
@@ -165,7 +166,7 @@ def read_case(path: Path, changes: Mapping[str, Any] | None = None) -> Case:
         "utf-8", "replace"
     )  # the name of a case is text, that of its file any bytes
     return parse_case(
-        _read_text(path),
+        read_text(path),
         name=clipped(name, MAX_NAME_LENGTH),
         folder=path.parent,
         where=path.name,
@@ -261,7 +262,7 @@ def list_cases() -> tuple[CaseSummary, ...]:
     """
     summaries = []
     for name in library_names():
-        tree = parse_toml(_read_text(LIBRARY / f"{name}.toml"), name)
+        tree = parse_toml(read_text(LIBRARY / f"{name}.toml"), name)
         holds = tuple(key for key in ("spring", "lift_law", "train", "published") if key in tree)
         summaries.append(
             CaseSummary(
@@ -271,7 +272,8 @@ def list_cases() -> tuple[CaseSummary, ...]:
     return tuple(summaries)
 
 
-def _read_text(path: Path) -> str:
+def read_text(path: Path) -> str:
+    """The text of the case file ``path``; errors as :func:`load_case`."""
     try:
         return bounded_bytes(path, "case").decode("utf-8-sig")
     except InputError as error:
@@ -302,6 +304,12 @@ def parse_toml(text: str, where: str, what: str = "case") -> dict[str, Any]:
             f"a key has more than {MAX_PARTS} parts with dots between; write tables",
             f"{where}, line {line}",
         )
+    for what_of, most, count in (
+        ("keys, tables and lists", MAX_TABLES, sum(1 for _ in _TABLE.finditer(text))),
+        ("numbers", MAX_NUMBERS, text.count(",")),
+    ):
+        if count > most:
+            raise InputError(f"has more than {most} {what_of}; leave some out", where)
     try:
         tree = tomllib.loads(text)
         _refuse_long_integers(tree, "", where)

@@ -37,7 +37,7 @@ from valvetrain.parameters.schema_types import (
 from valvetrain.parameters.train_schema import TrainModel, of_bucket, with_cam_card
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.provenance import PublishedValue, Role
-from valvetrain.units import dimension_of, parse_quantity, si
+from valvetrain.units import dimension_of, parse_quantity, si, si_speeds
 
 
 def dimension_of_quantity(name: str) -> str | None:
@@ -213,8 +213,9 @@ class OperationModel(StrictModel):
         )
         if any(speed <= 0 for speed in speeds):
             raise problem("a speed must be positive; correct the list")
-        for speed in speeds:
-            guarded(si, f"{speed * 30 / math.pi:.12g} rpm", "engine_speed")
+        if speeds:
+            written = (f"{speed * 30 / math.pi:.12g} rpm" for speed in speeds)
+            guarded(si_speeds, written, "engine_speed")
         if self.red_line is not None:
             guarded(
                 si, f"{self.red_line * 30 / math.pi:.12g} rpm", "engine_speed", path=("red_line",)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from valvetrain.errors import InputError
+from valvetrain.parameters.loading import parse_toml, read_text
 from valvetrain.runs.saved_runs import SavedRun, check_inputs
 
 #: Entries of an answer that describe the request, or repeat other numbers.
@@ -76,8 +77,8 @@ def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference
 
 def _inputs_of(run: SavedRun) -> dict[str, Any]:
     try:
-        values = dict(_leaves(tomllib.loads(run.case_file.read_text("utf-8"))))
-    except (OSError, ValueError, RecursionError):
+        values = dict(_leaves(parse_toml(read_text(run.case_file), "case")))
+    except (InputError, RecursionError):
         values = {}
     about = {
         "case": run.case,

@@ -32,7 +32,8 @@ from valvetrain.solution.definition import is_defined, label_of, shown, topics
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
-from valvetrain.workbench.saved_runs import Run
+from valvetrain.units.text import clipped
+from valvetrain.workbench.saved_runs import Run, is_ours
 from valvetrain.workbench.store import inside
 
 #: Parts of an answer, by the names that pages know them by.
@@ -211,10 +212,11 @@ def saved_study(run: Run) -> tuple[Study, Case]:
     paths = [
         run.folder / str(one) for one in run.answer.get("files", ()) if str(one).endswith(".nc")
     ]
+    for path in paths:
+        if not is_ours(path, run.folder):
+            raise InputError("this file of the run is missing; repeat the run", clipped(path.name))
     runs = tuple(
-        load_netcdf(path)
-        for path in paths
-        if not path.name.startswith(("static-", "modes-")) and path.is_file()
+        load_netcdf(path) for path in paths if not path.name.startswith(("static-", "modes-"))
     )
     if not runs:
         raise InputError(

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from valvetrain.cli.options import QuietOption, asks, read_count, read_folder
+from valvetrain.cli.options import QuietOption, read_count, read_folder
 from valvetrain.cli.outcome import complain, tell
 from valvetrain.errors import InputError, MissingExtraError
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 #: Default bounds of one job.
 DEFAULT_LIMITS = ("1 h", "4 GB")
 PORT, DEFAULT_FOLDER = 8420, Path("workbench")
+#: Variable with the token that visitors must show.
+TOKEN = "VALVETRAIN_TOKEN"
 MISSING = (
     'the workbench in the browser needs NiceGUI; install it with pip install "valvetrain[serve]"'
 )
@@ -59,13 +61,12 @@ def serve(
         ),
     ] = "127.0.0.1",
     token: Annotated[
-        str,
-        asks(
+        bool,
+        typer.Option(
             "--token",
-            "TEXT",
-            "Token that a visitor must show (default: a random one where one is needed).",
+            help="Visitors of this machine's own address must show a token, too: that in the variable VALVETRAIN_TOKEN, else a random one.",
         ),
-    ] = "",
+    ] = False,
     name: Annotated[
         list[str] | None,
         typer.Option(
@@ -109,7 +110,8 @@ def serve(
     )
     address = host.strip().strip("[]")
     taken = free_port(address, read_count(port, 0, 65535, "--port"))
-    shown = token or ("" if is_loopback(address) else new_token())
+    # A word of the command line is read by every user of the machine.
+    shown = os.environ.pop(TOKEN, "") or (new_token() if token or not is_loopback(address) else "")
     settings = check_settings(ServeSettings(address, taken, shown, tuple(name or ()), open_page))
     if find_spec("nicegui") is None:
         raise MissingExtraError(MISSING)
@@ -136,7 +138,7 @@ def _serve(
 
             with _ended_by_signals(), suppress(KeyboardInterrupt):
                 start(workspace, jobs, settings, listening)
-            going = sum(one.state == "running" for one in jobs.jobs())
+            going = jobs.running
         tell(
             "the server has ended"
             + (

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.loading import parse_toml
 from valvetrain.parameters.overrides import REMOVED, read_assignment, with_values
 from valvetrain.units.text import clipped
 
@@ -70,16 +71,16 @@ def with_name(text: str, name: str) -> str:
     return with_value(text, "name", f'"{name}"')
 
 
-def refuse_foreign_files(text: str, changes: Mapping[str, Any] | None = None) -> None:
+def refuse_foreign_files(
+    text: str, changes: Mapping[str, Any] | None = None, where: str = "case"
+) -> None:
     """Refuse a case, as it is with ``changes`` (key path -> value), that names a file elsewhere
     than next to it, whatever reads it later.
 
-    Raises :class:`InputError` with the name, or where a change leads nowhere.
+    Raises :class:`InputError` with the name, for a text that is no TOML, or where a change leads
+    nowhere.
     """
-    try:
-        tree: Mapping[str, Any] = tomllib.loads(text)
-    except (ValueError, RecursionError):
-        return  # the reader says what is wrong with it
+    tree: Mapping[str, Any] = parse_toml(text, where)
     tree = with_values(tree, changes) if changes else tree
     for name in named_files(tree):
         if not _PLAIN_FILE.fullmatch(name) or ".." in name:

@@ -4,7 +4,6 @@ source, and the refusal in place.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case, Note
-from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.loading import parse_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED, read_assignment
 from valvetrain.parameters.schema_blocks import is_card
 from valvetrain.parameters.schema_case import CaseModel, OperationModel
@@ -114,13 +113,7 @@ def fields(case: Case | str) -> list[FieldGroup]:
     4.0
     """
     text = case.text if isinstance(case, Case) else case
-    try:
-        tree = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(
-            f"is not valid TOML: {str(error)[:160]}; correct the text first", "case"
-        ) from None
-    bare, notes, _ = split_notes(tree)
+    bare, notes, _ = split_notes(parse_toml(text, "case"))
     form = _Form(bare, notes)
     return [group for group in form.groups() if group.fields]
 

@@ -149,20 +149,20 @@ class JobProcess:
             "OPENBLAS_NUM_THREADS": "1",
             "OMP_NUM_THREADS": "1",
         }
-        try:
-            with (
-                (folder / ANSWER).open("wb") as answer,
-                (folder / COMPLAINTS).open("wb") as complaints,
-            ):
-                self._process = subprocess.Popen(
-                    [*SUPERVISOR, *bounds, *sentence], cwd=self.workspace.folder, env=environment,
-                    stdin=subprocess.PIPE, stdout=answer, stderr=complaints, pass_fds=(writing,), start_new_session=True,
-                )  # fmt: skip
-        finally:
-            os.close(writing)
-        if self._requested_end:
-            self._end(self._requested_end)
         with os.fdopen(reading, "rb") as report_lines:
+            try:
+                with (
+                    (folder / ANSWER).open("wb") as answer,
+                    (folder / COMPLAINTS).open("wb") as complaints,
+                ):
+                    self._process = subprocess.Popen(
+                        [*SUPERVISOR, *bounds, *sentence], cwd=self.workspace.folder, env=environment,
+                        stdin=subprocess.PIPE, stdout=answer, stderr=complaints, pass_fds=(writing,), start_new_session=True,
+                    )  # fmt: skip
+            finally:
+                os.close(writing)
+            if self._requested_end:
+                self._end(self._requested_end)
             for line in report_lines:
                 self._hear(line)
         code = self._process.wait()

@@ -7,14 +7,15 @@ is started again find it.
 
 from __future__ import annotations
 
+import logging
 import os
 import secrets
 import shutil
 import threading
 import time
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
 
 from valvetrain.errors import InputError
 from valvetrain.runs.cost import Limits
@@ -43,6 +44,8 @@ __all__ = ["JobKind", "JobRequest", "JobState", "JobStatus", "Jobs"]
 JobState = Literal["queued", "running", "finished", "failed", "cancelled", "interrupted"]
 #: Jobs that the database stores; older ones that have ended are deleted, their runs stay.
 MAX_ENDED = 1000
+#: Time between two looks at the queue, and two tries to write what the disk did not take (s).
+LOOK = 5.0
 _COLUMNS = "id, case_name, kind, state, share, text, seconds_left, error, run_id, created_at, started_at, ended_at"
 
 
@@ -115,6 +118,7 @@ class Jobs:
         self.workers = max(1, min(4, cores // max(1, most_running)))
         self._changed, self._stopping = threading.Condition(), False
         self._running: dict[str, JobProcess] = {}
+        self._unsaved: dict[str, dict[str, Any]] = {}
         self._threads: list[threading.Thread] = []
         self._recover()
         self._manager = threading.Thread(target=self._manage, name="jobs", daemon=True)
@@ -126,7 +130,8 @@ class Jobs:
         """
         with self.workspace.turn:  # the files of a case stay those that its text names
             job_id = self._queued(request)
-        self._forget()
+        with suppress(InputError):
+            self._forget()
         return job_id
 
     def estimate(self, request: JobRequest) -> str:
@@ -173,7 +178,8 @@ class Jobs:
             if (process := self._running.get(job_id)) is not None:
                 process.cancel()
                 return
-            self._end(job_id, Outcome("cancelled"), ("queued",))
+            if self.status(job_id).state == "queued":
+                self._end(job_id, Outcome("cancelled"))
 
     def restart(self, job_id: str) -> str:
         """Start a job that ended again, with its request and its case as it is now; the new
@@ -182,6 +188,11 @@ class Jobs:
         if not self.status(job_id).ended:
             raise InputError("this job has not ended; wait for it, or cancel it", "job")
         return self.submit(self.request(job_id))
+
+    @property
+    def running(self) -> int:
+        """Number of jobs that run."""
+        return len(self._running)
 
     def stop(self) -> None:
         """End the running jobs, which are then shown as interrupted with what they had, and start
@@ -222,39 +233,51 @@ class Jobs:
                         f"{waiting} jobs are waiting already; wait for one, or cancel one", "job"
                     )
                 job_id = f"{time.strftime('%Y%m%d-%H%M%S', time.gmtime())}-{secrets.token_hex(4)}"
-                write_inputs(self.workspace, job_id, request, text)
                 base.execute(
                     "INSERT INTO jobs (id, case_name, kind, request, state, text, created_at) VALUES (?, ?, ?, ?, 'queued', 'waiting', ?)",
                     (job_id, request.case, request.kind, request_json(request), time.time()),
                 )
+                write_inputs(self.workspace, job_id, request, text)
             self._changed.notify_all()
         return job_id
 
     def _manage(self) -> None:
-        """Start the oldest job that waits whenever a process is free."""
-        while True:
-            with self._changed:
-                while not self._stopping and len(self._running) >= self.most_running:
-                    self._changed.wait()
-                if self._stopping:
-                    return
-                row = self._oldest()
-                if row is None:
-                    self._changed.wait(timeout=5.0)
-                    continue
-                job_id, request = row
-                process = JobProcess(self.workspace, job_id, request, self.workers, self.limits)
-                self._running[job_id] = process
-                with self.workspace.store.connected() as base:
-                    base.execute(
-                        "UPDATE jobs SET state = 'running', text = '', started_at = ? WHERE id = ?",
-                        (time.time(), job_id),
-                    )
-            thread = threading.Thread(
-                target=self._follow, args=(job_id, process), name=f"job {job_id}", daemon=True
+        """Start the oldest job that waits whenever a process is free; no fault of the disk or the
+        database ends this.
+        """
+        told = ""
+        with self._changed:
+            while not self._stopping:
+                try:
+                    self._save()
+                    told, waits = "", not self._start_oldest()
+                except Exception as error:
+                    if str(error) != told:
+                        told = str(error)
+                        logging.getLogger(__name__).warning("no job can be started: %s", told)
+                    waits = True
+                if waits:
+                    self._changed.wait(LOOK)
+
+    def _start_oldest(self) -> bool:
+        """Start the oldest job that waits where a process is free; whether one was started."""
+        row = None if len(self._running) >= self.most_running else self._oldest()
+        if row is None:
+            return False
+        job_id, request = row
+        with self.workspace.store.connected() as base:
+            base.execute(
+                "UPDATE jobs SET state = 'running', text = '', started_at = ? WHERE id = ?",
+                (time.time(), job_id),
             )
-            self._threads = [one for one in self._threads if one.is_alive()] + [thread]
-            thread.start()
+        process = JobProcess(self.workspace, job_id, request, self.workers, self.limits)
+        self._running[job_id] = process
+        thread = threading.Thread(
+            target=self._follow, args=(job_id, process), name=f"job {job_id}", daemon=True
+        )
+        self._threads = [one for one in self._threads if one.is_alive()] + [thread]
+        thread.start()
+        return True
 
     def _oldest(self) -> tuple[str, JobRequest] | None:
         with self.workspace.store.connected() as base:
@@ -272,32 +295,31 @@ class Jobs:
                 "failed", f"could not be started ({type(error).__name__}: {error}); try again"
             )
         with self._changed:
-            self._end(job_id, outcome, ("running",))
             self._running.pop(job_id, None)
+            self._end(job_id, outcome)
             self._changed.notify_all()
 
-    def _end(self, job_id: str, outcome: Outcome, states: tuple[str, ...]) -> None:
-        share = {"finished": 1.0}.get(outcome.state)
-        marks = ",".join("?" * len(states))
-        with self.workspace.store.connected() as base:
-            base.execute(
-                f"UPDATE jobs SET state = ?, error = ?, run_id = ?, text = '', seconds_left = NULL, ended_at = ?, "
-                f"share = COALESCE(?, ?) WHERE id = ? AND state IN ({marks})",
-                (
-                    outcome.state,
-                    outcome.error,
-                    outcome.run_id,
-                    time.time(),
-                    share,
-                    outcome.share,
-                    job_id,
-                    *states,
-                ),
-            )
-        if outcome.state == "finished":
-            shutil.rmtree(self.workspace.jobs_folder / job_id, ignore_errors=True)
+    def _end(self, job_id: str, outcome: Outcome) -> None:
+        """Save how a job ended; where the database does not take it now, it is tried again."""
+        self._unsaved[job_id] = {**asdict(outcome), "ended_at": time.time()}
+        with suppress(InputError):
+            self._save()
+
+    def _save(self) -> None:
+        """Write the outcomes that the database has not taken yet."""
+        for job_id, ended in list(self._unsaved.items()):
+            with self.workspace.store.connected() as base:
+                base.execute(
+                    "UPDATE jobs SET state = :state, error = :error, run_id = :run_id, share = :share, "
+                    "ended_at = :ended_at, text = '', seconds_left = NULL WHERE id = :id",
+                    {**ended, "id": job_id},
+                )
+            del self._unsaved[job_id]
+            if ended["state"] == "finished":
+                shutil.rmtree(self.workspace.jobs_folder / job_id, ignore_errors=True)
 
     def _with_progress(self, found: JobStatus) -> JobStatus:
+        found = replace(found, **self._unsaved.get(found.job_id, {}))
         process = self._running.get(found.job_id)
         if found.state != "running" or process is None:
             return found
@@ -331,7 +353,8 @@ class Jobs:
                 found = settle(
                     self.workspace, job_id, "interrupted", "the server ended while this job ran"
                 )
-                self._end(job_id, found, ("interrupted",))
+                with self._changed:
+                    self._end(job_id, found)
 
     def _forget(self) -> None:
         """Forget the oldest ended jobs beyond :data:`MAX_KEPT`, and the inputs of those that

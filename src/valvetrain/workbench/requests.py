@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
@@ -14,6 +13,7 @@ from typing import Any, Literal
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.loading import parse_toml
 from valvetrain.parameters.overrides import read_assignment
 from valvetrain.registry import find
 from valvetrain.runs.cost import Cost, Limits, refuse_cost
@@ -220,12 +220,7 @@ def _study_tree(text: str) -> dict[str, Any]:
         raise InputError(
             f"the study file is longer than {MAX_STUDY_LENGTH} characters; shorten it", "study"
         )
-    try:
-        tree = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(
-            f"is not valid TOML: {clipped(str(error), 160)}; correct it", "study"
-        ) from None
+    tree = parse_toml(text, "study", "study file")
     if "vary" not in tree or "outputs" not in tree:
         raise InputError(
             "a study needs outputs and at least one [[vary]] table; add them (docs/studies.md)",

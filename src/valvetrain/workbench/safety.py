@@ -11,6 +11,7 @@ import ipaddress
 import re
 import secrets
 import time
+from asyncio import wait_for
 from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from http.cookies import CookieError, SimpleCookie
@@ -93,6 +94,8 @@ COOKIE = "valvetrain"
 #: How long (s) a browser is known, and how many are; wrong tokens in a minute after which none is
 #: looked at.
 KNOWN_FOR, MAX_KNOWN, MAX_WRONG = 12 * 3600.0, 256, 20
+#: How long (s) a body may take to arrive.
+BODY_TIME = 30.0
 #: Largest page that is read for its scripts (bytes).
 _MAX_PAGE = 50_000_000
 _METHODS = ("GET", "HEAD", "POST", "OPTIONS")
@@ -126,32 +129,17 @@ def check_settings(settings: ServeSettings) -> ServeSettings:
     """
     if not settings.token and not is_loopback(settings.host):
         raise InputError(
-            f"address '{settings.host}' is reached from elsewhere, so it needs a token; leave --token out to get one",
+            f"address '{settings.host}' is reached from elsewhere, so it needs a token",
             "--host",
         )
     if settings.token and (
         len(settings.token) < 16 or not settings.token.isascii() or not settings.token.isprintable()
     ):
         raise InputError(
-            "a token has at least 16 plain characters; leave --token out to get a random one",
-            "--token",
+            "a token has at least 16 plain characters; leave the variable out to get a random one",
+            "VALVETRAIN_TOKEN",
         )
     return settings
-
-
-def uvicorn_options(settings: ServeSettings) -> dict[str, Any]:
-    """Options of the server (uvicorn) that belong to safety: bounds of messages and heads, no trust
-    in headers of a proxy, a quick end.
-    """
-    return {
-        "proxy_headers": False,
-        "server_header": False,
-        "ws_max_size": settings.most_body,
-        "h11_max_incomplete_event_size": 65_536,
-        "timeout_keep_alive": 30,
-        "timeout_graceful_shutdown": 3,
-        "backlog": 128,
-    }
 
 
 class Rate:
@@ -256,8 +244,10 @@ class Guard:
             await sender.refuse(413, self._too_large)
         elif self._requests >= self.settings.most_requests:
             await sender.refuse(503, "too many requests at a time; try again in a moment")
+        elif (query := _query(scope)) and self.is_token(query.pop("token", "")):
+            await self._admit(scope, query, sender)
         elif not self._is_known(heads):
-            await self._ask(scope, sender)
+            await self._turn_away("token" in _query(scope), sender)
         else:
             await self._answer(scope, receive, sender)
 
@@ -267,11 +257,12 @@ class Guard:
 
     async def _answer(self, scope: Scope, receive: Receive, sender: _Sender) -> None:
         """Let the request through, its body counted and its answer given the headers."""
-        taken = 0
+        taken, whole, due = 0, False, time.monotonic() + BODY_TIME
 
         async def bounded() -> Message:
-            nonlocal taken
-            message = await receive()
+            nonlocal taken, whole
+            message = await wait_for(receive(), None if whole else due - time.monotonic())
+            whole = not message.get("more_body")
             taken += len(message.get("body") or b"")
             if taken > self.settings.most_body:
                 raise _TooLargeError
@@ -291,36 +282,37 @@ class Guard:
             await self.app(scope, bounded, sender.send)
         except _TooLargeError:
             await sender.refuse(413, self._too_large)
+        except TimeoutError:
+            await sender.refuse(408, "the rest of what was sent did not arrive; send it again")
         finally:
             self._requests -= 1
 
-    async def _ask(self, scope: Scope, sender: _Sender) -> None:
-        """Of a visitor who is not known: take the token from the address and set the cookie, or
-        refuse.
-        """
-        query = dict(parse_qsl(scope.get("query_string", b"").decode("latin-1")))
-        given = query.pop("token", "")
-        if given and self._wrong.full:
+    async def _admit(self, scope: Scope, query: dict[str, str], sender: _Sender) -> None:
+        """Set the cookie of a visitor who showed the token, which leaves the address."""
+        name = secrets.token_urlsafe(24)
+        self._know(name)
+        secure = "; Secure" if scope.get("scheme") in ("https", "wss") else ""
+        mark = f"{self.cookie}={name}; HttpOnly; SameSite=Strict; Path=/; Max-Age={KNOWN_FOR:.0f}{secure}"
+        place = scope["path"] + (f"?{urlencode(query)}" if query else "")
+        place = "/" + place.lstrip("/")  # two slashes would name another host
+        await sender.redirect(place, mark)
+
+    async def _turn_away(self, guessed: bool, sender: _Sender) -> None:
+        """Refuse a visitor who is not known; ``guessed``: the address has a token that is wrong."""
+        if guessed and not self._wrong.take():
             await sender.refuse(429, "too many wrong tokens; wait a minute")
-        elif given and scope["method"] == "GET" and self.is_token(given):
-            name = secrets.token_urlsafe(24)
-            self._know(name)
-            secure = "; Secure" if scope.get("scheme") in ("https", "wss") else ""
-            mark = f"{self.cookie}={name}; HttpOnly; SameSite=Strict; Path=/; Max-Age={KNOWN_FOR:.0f}{secure}"
-            place = scope["path"] + (f"?{urlencode(query)}" if query else "")
-            place = "/" + place.lstrip("/")  # two slashes would name another host
-            await sender.redirect(place, mark)
         else:
-            if given:
-                self._wrong.take()
             await sender.refuse(
                 401,
                 "this server requires its token: open the address that 'valvetrain serve' printed",
             )
 
     def is_token(self, given: str) -> bool:
-        """Whether ``given`` is the token, compared in the same time however much of it is right."""
-        return hmac.compare_digest(given.encode("utf-8", "replace"), self.settings.token.encode())
+        """Whether ``given`` is the token, compared in the same time however much of it is right;
+        never where none is required.
+        """
+        same = hmac.compare_digest(given.encode("utf-8", "replace"), self.settings.token.encode())
+        return same and bool(given)
 
     def _know(self, name: str) -> None:
         now = time.monotonic()
@@ -462,7 +454,7 @@ class _Sender:
             (b"content-type", b"text/plain; charset=utf-8"),
             (b"content-length", str(len(body)).encode()),
         ]
-        if status in (413, 503):
+        if status in (408, 413, 503):
             plain.append((b"connection", b"close"))
         await self._begin(
             {
@@ -510,6 +502,10 @@ def _heads(scope: Scope) -> dict[str, str]:
     return found
 
 
+def _query(scope: Scope) -> dict[str, str]:
+    return dict(parse_qsl(scope.get("query_string", b"").decode("latin-1")))
+
+
 def _length(heads: dict[str, str]) -> float:
     text = heads.get("content-length", "0")
     return int(text) if text.isdecimal() and len(text) < 16 else float("inf")
@@ -520,10 +516,6 @@ def _is_host(host: str) -> bool:
 
 
 def _is_plain(scope: Scope) -> bool:
-    """Whether a path leads down only: no way up, however it is written, no zero byte, no backslash."""
+    """Whether a path leads down only: no way up, however it is written, and nothing that a terminal obeys."""
     path = scope["path"]
-    return (
-        ".." not in path.split("/")
-        and not any(sign in path for sign in "\\\0\r\n")
-        and "%" not in path
-    )
+    return ".." not in path.split("/") and path.isprintable() and not set("\\%") & set(path)

@@ -92,10 +92,17 @@ def list_saved(root: Path, case: str | None = None) -> list[Run]:
     for home in homes(root=root):
         for folder in home.iterdir() if home.name == STUDIES or case in (None, home.name) else ():
             path = folder / (STUDY_ANSWER if home.name == STUDIES else ANSWER)
-            with suppress(OSError, InputError):
-                if not (folder.is_symlink() or path.is_symlink()):
-                    run = _card(root, folder, path, path.stat().st_mtime_ns)
-                    found += [run] if run is not None and case in (None, run.case) else []
+            if folder.is_symlink() or path.is_symlink():
+                continue
+            try:
+                run = _card(root, folder, path, path.stat().st_mtime_ns)
+            except OSError:  # no run, or removed meanwhile
+                continue
+            except InputError as error:
+                about = folder.relative_to(root)
+                run_id, name = (clipped(str(one), 200) for one in (about, about.parent))
+                run = Run(run_id, folder, name, "", "", False, verdict=f"damaged: {error.reason}")
+            found += [run] if run is not None and case in (None, run.case) else []
     return sorted(found, key=lambda run: (run.created_at, run.run_id), reverse=True)
 
 
@@ -152,7 +159,7 @@ def file_of(root: Path, passing: Path, run_id: str, kind: RunFiles) -> Path:
     files = [
         path
         for path in sorted(run.folder.rglob("*"))
-        if _is_ours(path, run.folder) and (kind == "data" or path.suffix == ".csv")
+        if is_ours(path, run.folder) and (kind == "data" or path.suffix == ".csv")
     ]
     if not files:
         raise InputError(f"run '{run.run_id}' holds no such files; repeat it", "download")
@@ -161,8 +168,10 @@ def file_of(root: Path, passing: Path, run_id: str, kind: RunFiles) -> Path:
             f"run '{run.run_id}' is larger than {MAX_HANDED / 1e9:.0f} GB; take it from its folder",
             "download",
         )
-    target = passing / "downloads" / f"{safe_name(run.case)}-{run.folder.name}-{kind}.zip"
+    name = f"{safe_name(run.case)}-{run.folder.name}-{kind}.zip"
+    target = inside(passing, "downloads", name)
     with (
+        writing("this archive", "download"),
         atomic_path(target) as temporary,
         zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
     ):
@@ -177,13 +186,14 @@ def _there(path: Path, run: Run, what: str) -> Path:
     return path
 
 
-def _is_ours(path: Path, folder: Path) -> bool:
+def is_ours(path: Path, folder: Path) -> bool:
     """Whether a path is a plain file of the run, reached over no link."""
     ways = [
         path,
         *(parent for parent in path.parents if parent != folder and folder in parent.parents),
     ]
     foreign = path.name.startswith(".") or path.relative_to(folder).parts[0] == TESTS
+    foreign = foreign or ".." in path.parts
     return path.is_file() and not foreign and not any(way.is_symlink() for way in ways)
 
 
@@ -224,15 +234,15 @@ def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
     return Run(
         folder.relative_to(root).as_posix(),
         folder,
-        saved.case,
-        saved.command,
-        saved.created_at or _written_at(folder),
+        clipped(saved.case, 200),
+        clipped(saved.command, 40),
+        clipped(saved.created_at, 40) or _written_at(folder),
         bool(answer.get("completed", True)),
-        saved.failures,
-        str(answer.get("title", "")),
-        saved.spring_models,
+        tuple(clipped(one, 1000) for one in saved.failures[:100]),
+        clipped(str(answer.get("title", "")), 200),
+        tuple(clipped(one) for one in saved.spring_models[:100]),
         saved.engine_speeds,
-        str(answer.get("verdict", "")),
+        clipped(str(answer.get("verdict", "")), 5000),
     )
 
 

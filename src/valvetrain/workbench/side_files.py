@@ -6,13 +6,13 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.loading import parse_toml
 from valvetrain.solution.atomic import write_bytes, write_text
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import named_files
@@ -74,8 +74,8 @@ def plain_files(folder: Path) -> list[Path]:
 def names_in(text: str) -> frozenset[str]:
     """Names of the files that a case names; none of a text that is no TOML."""
     try:
-        return frozenset(named_files(tomllib.loads(text)))
-    except (ValueError, RecursionError):
+        return frozenset(named_files(parse_toml(text, "case")))
+    except InputError:
         return frozenset()
 
 

@@ -1,5 +1,5 @@
-"""The database of a workspace: one SQLite file in WAL mode, a connection for each use, so that
-threads and restarts do not matter.
+"""The database of a workspace: one SQLite file, a connection for each use, so that threads and
+restarts do not matter. Reading it writes nothing, so a full disk or one that may not be written is read.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ import os
 import re
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from valvetrain.errors import InputError
@@ -45,34 +45,33 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / DATABASE
-        try:
-            with self.connected() as base:
-                base.execute("PRAGMA journal_mode=WAL")
-                (found,) = base.execute("PRAGMA user_version").fetchone()
-                if found not in (0, _LAYOUT):
-                    raise InputError(
-                        f"was written by another version (layout {found}); use that version, or another folder",
-                        DATABASE,
-                    )
-                base.executescript(_TABLES)
-                base.execute(f"PRAGMA user_version={_LAYOUT}")
-        except sqlite3.Error as error:
-            raise InputError(
-                f"cannot be used ({error}); move it away, the cases and runs next to it stay",
-                DATABASE,
-            ) from None
+        with self.connected() as base:
+            base.execute("PRAGMA journal_mode=DELETE")
+            (found,) = base.execute("PRAGMA user_version").fetchone()
+            if found not in (0, _LAYOUT):
+                raise InputError(
+                    f"was written by another version (layout {found}); use that version, or another folder",
+                    DATABASE,
+                )
+            base.executescript(_TABLES)
+            base.execute(f"PRAGMA user_version={_LAYOUT}")
 
     @contextmanager
     def connected(self) -> Iterator[sqlite3.Connection]:
-        """A connection whose changes are saved when the block ends well, all or none."""
-        base = sqlite3.connect(self.path, timeout=10.0)
-        base.row_factory = sqlite3.Row
+        """A connection whose changes are saved when the block ends well, all or none.
+
+        Raises :class:`InputError` for a full disk, a file that may not be written or is damaged.
+        """
         try:
-            base.execute("PRAGMA synchronous=NORMAL")
-            with base:
+            with closing(sqlite3.connect(self.path, timeout=10.0)) as base, base:
+                base.row_factory = sqlite3.Row
                 yield base
-        finally:
-            base.close()
+        except sqlite3.Error as error:
+            raise InputError(
+                f"cannot be used ({error}); free space there and let it be written, or move it away: "
+                "the cases and runs next to it stay",
+                DATABASE,
+            ) from error
 
 
 #: Longest name of a case or a file (characters).
@@ -167,8 +166,8 @@ def writing(what: str, where: str = "") -> Iterator[None]:
     """
     try:
         yield
-    except (OSError, sqlite3.Error) as error:
-        reason = (getattr(error, "strerror", None) or str(error) or type(error).__name__).lower()
+    except OSError as error:
+        reason = (error.strerror or str(error) or type(error).__name__).lower()
         raise InputError(
             f"{what} cannot be written ({reason}); free space there, or choose another folder",
             where,

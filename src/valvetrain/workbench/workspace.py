@@ -12,17 +12,23 @@ import os
 import shutil
 import threading
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from functools import wraps
+from functools import lru_cache, wraps
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import MAX_BYTES
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, parse_case, parse_toml
+from valvetrain.parameters.loading import (
+    LIBRARY,
+    library_names,
+    list_cases,
+    parse_case,
+    parse_toml,
+    read_text,
+)
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.solution.atomic import lock, write_bytes, write_text
 from valvetrain.system.build import build
@@ -91,6 +97,16 @@ def binding(case: Case) -> str:
     return ""
 
 
+@lru_cache(maxsize=2 * MAX_CASES)
+def _contents(path: Path, changed: int) -> tuple[str, tuple[str, ...]]:
+    """Title and tables of a case file, cached until it is ``changed``. Raises :class:`InputError`
+    for what is none.
+    """
+    tree = parse_toml(read_text(path), path.parent.name)
+    holds = tuple(key for key in ("spring", "lift_law", "train", "published") if key in tree)
+    return clipped(str(tree.get("title", "")), 120), holds
+
+
 @dataclass(frozen=True, slots=True)
 class CaseCard:
     """What a list of cases shows of one.
@@ -104,6 +120,7 @@ class CaseCard:
     holds : tables it has, such as ``spring``, ``lift_law``, ``train``
     origin : where a case of the workspace comes from
     changed_at : time of its last change, ISO 8601 UTC; empty for library and templates
+    fault : why it cannot be opened; empty where it can
     """
 
     name: str
@@ -112,6 +129,7 @@ class CaseCard:
     holds: tuple[str, ...] = ()
     origin: str = ""
     changed_at: str = ""
+    fault: str = ""
 
 
 class Workspace:
@@ -146,7 +164,8 @@ class Workspace:
 
         Raises :class:`InputError` where another server holds it.
         """
-        handle = os.open(self.folder / "workbench.lock", os.O_RDWR | os.O_CREAT, 0o600)
+        with writing("this workspace", "--folder"):
+            handle = os.open(self.folder / "workbench.lock", os.O_RDWR | os.O_CREAT, 0o600)
         if not lock(handle):
             os.close(handle)
             name = clipped(str(self.folder), 120)
@@ -175,35 +194,21 @@ class Workspace:
             }
         found = []
         for folder in self.cases_folder.iterdir():
-            path = folder / CASE_FILE
-            if (
-                folder.name.startswith(".")
-                or folder.is_symlink()
-                or path.is_symlink()
-                or not path.is_file()
-            ):
+            if folder.name.startswith(".") or not os.path.lexists(folder / CASE_FILE):
                 continue
-            tree: dict[str, Any] = {}
-            with suppress(InputError, OSError, ValueError):
-                tree = parse_toml(path.read_text("utf-8"), folder.name)
-            holds = tuple(
-                key for key in ("spring", "lift_law", "train", "published") if key in tree
-            )
-            at = datetime.fromtimestamp(path.stat().st_mtime, UTC)
-            title = clipped(str(tree.get("title", "")), 120)
-            found.append(
-                (
-                    at,
-                    CaseCard(
-                        folder.name,
-                        title,
-                        "case",
-                        holds,
-                        origins.get(folder.name, ""),
-                        f"{at:%Y-%m-%dT%H:%M:%SZ}",
-                    ),
-                )
-            )
+            title, holds, fault, changed = "", tuple[str, ...](), "", 0
+            try:
+                path = self._file(folder.name)
+                changed = path.stat().st_mtime_ns
+                title, holds = _contents(path, changed)
+            except InputError as error:
+                fault = str(error)
+            except OSError:  # removed meanwhile
+                continue
+            name = clipped(folder.name, 200)
+            at = f"{datetime.fromtimestamp(changed / 1e9, UTC):%Y-%m-%dT%H:%M:%SZ}"
+            origin = origins.get(name, "")
+            found.append((changed, CaseCard(name, title, "case", holds, origin, at, fault)))
         return [card for _, card in sorted(found, key=lambda one: one[0], reverse=True)]
 
     @_in_turn
@@ -252,7 +257,7 @@ class Workspace:
                 "is no text file; a case is TOML in UTF-8", clipped(name, 60)
             ) from None
         sides = dict(side_files or {})
-        refuse_foreign_files(text)
+        refuse_foreign_files(text, where=clipped(name, 60))
         check_bounds(sides, "upload")
         with side_by_side(self.jobs_folder, sides) as folder:
             try:
@@ -267,7 +272,7 @@ class Workspace:
 
     def text(self, case: CaseId) -> str:
         """The present case file. Raises :class:`InputError` for an unknown case."""
-        return self._file(case).read_text("utf-8")
+        return read_text(self._file(case))
 
     def read(self, case: CaseId) -> Case:
         """The case, read. Raises :class:`InputError` with the reader's sentence."""
@@ -277,7 +282,7 @@ class Workspace:
         """``toml`` as the case would be read, with the files next to it and ``changes``;
         :class:`InputError` otherwise.
         """
-        refuse_foreign_files(toml, changes)
+        refuse_foreign_files(toml, changes, case)
         return parse_case(toml, case, self._file(case).parent, case, changes)
 
     @_in_turn
@@ -423,7 +428,7 @@ class Workspace:
 
     def remember(self, case: CaseId, key: str, value: str) -> None:
         """Save a choice made for a case, such as the speeds requested last."""
-        with writing("what this page remembers", case), self.store.connected() as base:
+        with self.store.connected() as base:
             base.execute(
                 "INSERT OR REPLACE INTO choices VALUES (?, ?, ?)", (case, key[:80], value[:2000])
             )
@@ -505,7 +510,7 @@ class Workspace:
         refuse_foreign_files(text)
         new_folder(self.cases_folder, ours, text, sides)
         try:
-            with writing(f"the case '{ours}'", "name"), self.store.connected() as base:
+            with self.store.connected() as base:
                 now = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}"
                 base.execute("INSERT OR REPLACE INTO cases VALUES (?, ?, ?)", (ours, origin, now))
         except BaseException:

@@ -50,9 +50,11 @@ def start(
         ) from None
     from valvetrain.workbench.pages import frame as assets
     from valvetrain.workbench.pages import routes
+    from valvetrain.workbench.pages.connections import tell_briefly, uvicorn_options
     from valvetrain.workbench.pages.desk import Desk
-    from valvetrain.workbench.safety import Guard, uvicorn_options
+    from valvetrain.workbench.safety import Guard
 
+    tell_briefly()
     desk = Desk(workspace, jobs, settings)
     routes.register(desk)
     app.add_middleware(Guard, settings=settings)
@@ -64,11 +66,6 @@ def start(
 
     app.on_startup(tell_once)
     app.on_shutdown(desk.close)
-    shown: str | bool = (
-        settings.first_page.removeprefix(settings.address.rstrip("/"))
-        if settings.open_page
-        else False
-    )
     with suppress(KeyboardInterrupt):
         ui.run(
             host=settings.host,
@@ -78,7 +75,7 @@ def start(
             dark=False,
             language="en-US",
             reload=False,
-            show=shown,
+            show=settings.open_page and not settings.token,
             tailwind=False,
             show_welcome_message=False,
             reconnect_timeout=30.0,

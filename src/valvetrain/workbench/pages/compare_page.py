@@ -52,7 +52,7 @@ def verdict_in(run: Run) -> str:
     """The one sentence with which a run's report opens; empty where it has none."""
     try:
         found = _VERDICT.search(_report(run))
-    except (InputError, OSError):
+    except InputError:
         return ""
     return "" if found is None else unescape(_TAG.sub("", found[1]))
 
@@ -94,7 +94,10 @@ def _report(run: Run) -> str:
     page = run.page
     if page is None or page.stat().st_size > MAX_REPORT:
         raise InputError("this run wrote no report; run it again", run.run_id)
-    return page.read_text(encoding="utf-8")
+    try:
+        return page.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        raise InputError("the report of this run is damaged; run it again", run.run_id) from None
 
 
 #: Figures that are laid over each other, those that both runs have.

@@ -10,7 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from fastapi import FastAPI, Request
-from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, PlainTextResponse, Response
+from fastapi.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.datastructures import UploadFile
 from starlette.exceptions import HTTPException
 
@@ -20,6 +20,7 @@ from valvetrain.workbench.answers import against
 from valvetrain.workbench.pages.compare_page import comparison_part, report_part, report_rest
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.html import test_part
+from valvetrain.workbench.pages.pictures import FAULTS
 from valvetrain.workbench.saved_runs import Run, SavedTest, keep_test, read_test
 from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES
 
@@ -197,7 +198,12 @@ async def _sent_case(request: Request) -> tuple[str, bytes, dict[str, bytes]]:
 
 def _part(make: Callable[[], str]) -> Response:
     """A part of a page, or the sentence why there is none."""
-    try:
-        return HTMLResponse(make(), headers={"Cache-Control": "no-store"})
+    try:  # as plain text a page takes it in, but opened by itself it runs nothing
+        return PlainTextResponse(make(), headers={"Cache-Control": "no-store"})
     except ValvetrainError as error:
         return _missing(error)
+    except FAULTS as error:
+        reason = f"{type(error).__name__}: {error}"
+        return _missing(
+            InputError(f"a file of this run is damaged ({clipped(reason, 120)}); repeat it")
+        )

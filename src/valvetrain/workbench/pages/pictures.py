@@ -22,8 +22,10 @@ from valvetrain.workbench.workspace import CaseId
 
 #: Pictures that stay in the cache.
 MAX_CACHED = 64
-#: What a case may raise whose parts cannot be drawn.
-FAULTS = (ValvetrainError, ArithmeticError, ValueError, LookupError, OSError)
+#: What a case may raise whose parts cannot be drawn, and a run whose files are damaged.
+FAULTS = (
+    ValvetrainError, ArithmeticError, ValueError, LookupError, OSError, TypeError, AttributeError,
+)  # fmt: skip
 #: What is drawn of a case that has nothing to draw.
 EMPTY = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1 1"></svg>'
 

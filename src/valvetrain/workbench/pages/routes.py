@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
+from html import escape
 
 from nicegui import app, ui
 
@@ -42,13 +43,8 @@ def home_page(desk: Desk) -> None:
         mine = desk.workspace.cases()
         if mine:
             tag("h2", "Your cases")
-            with tag("ul", classes="cases"):
-                for card in mine:
-                    with tag("li"), link("", f"/case/{card.name}"):
-                        _picture(pictures.of_case(desk, card.name, small=True))
-                        _title_and_more(
-                            card.title or card.name, card.name if card.title else card.origin
-                        )
+            rows = "".join(_row(desk, card) for card in mine)  # elements for each take seconds
+            ui.html(rows, sanitize=False, tag="ul").classes("cases")
         known = desk.workspace.library()
         tag("h2", "Begin with a template")
         _choices(desk, [card for card in known if card.kind == "template"])
@@ -64,6 +60,17 @@ def home_page(desk: Desk) -> None:
             tag("h2", "Last runs")
             run_table(runs)
             link("All runs", "/runs")
+
+
+def _row(desk: Desk, card: CaseCard) -> str:
+    """A case of the workspace in the list, with what is wrong with it where it cannot be opened."""
+    title, more = card.title or card.name, card.name if card.title else card.origin
+    words = f"<div><strong>{escape(title)}</strong><span>{escape(card.fault or more)}</span></div>"
+    if card.fault:
+        return f"<li>{words}</li>"
+    drawn = escape(pictures.of_case(desk, card.name, small=True))
+    picture = f'<span class="drawn"><img src="{drawn}" alt="" loading="lazy"></span>'
+    return f'<li><a href="/case/{escape(card.name)}">{picture}{words}</a></li>'
 
 
 def _choices(desk: Desk, cards: Sequence[CaseCard]) -> None:

@@ -1,0 +1,174 @@
+"""A workbench as a process of its own on a disk of its own, and requests to it over real sockets."""
+
+from __future__ import annotations
+
+import http.client
+import os
+import resource
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from workbench_parts import wait_for
+
+
+class Server:
+    """A server in ``folder``.
+
+    Parameters
+    ----------
+    folder : its workspace
+    options : further words of the command
+    descriptors : files and sockets that it may have open
+    variables : further variables of its environment
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *options: str,
+        descriptors: int = 1024,
+        variables: dict[str, str] | None = None,
+    ) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        plain = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("PYTEST_", "NICEGUI_"))
+        }
+        plain |= {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+        self.log = folder.with_name(f"{folder.name}-log.txt")
+        words = ("--folder", str(folder), "--port", str(self.port), "--no-open", *options)
+        with self.log.open("wb") as stream:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "valvetrain", "serve", *words],
+                env=plain | (variables or {}),
+                start_new_session=True,
+                stderr=stream,
+                preexec_fn=lambda: resource.setrlimit(
+                    resource.RLIMIT_NOFILE, (descriptors, descriptors)
+                ),
+            )
+        wait_for(lambda: f":{self.port}/" in self.told or self.process.poll() is not None)
+        assert self.process.poll() is None, self.told
+
+    @property
+    def told(self) -> str:
+        """What it has printed."""
+        return self.log.read_text("utf-8", "replace")
+
+    @property
+    def memory(self) -> float:
+        """Memory that it holds (bytes)."""
+        pages = Path(f"/proc/{self.process.pid}/statm").read_text("ascii").split()[1]
+        return int(pages) * os.sysconf("SC_PAGE_SIZE")
+
+    @property
+    def spent(self) -> float:
+        """Processor time that it has taken (s)."""
+        stat = Path(f"/proc/{self.process.pid}/stat").read_text("ascii").rpartition(")")[2].split()
+        return sum(map(int, stat[11:13])) / os.sysconf("SC_CLK_TCK")
+
+    def get(
+        self, path: str, heads: dict[str, str] | None = None
+    ) -> tuple[int, dict[str, str], str]:
+        """Status, headers and text of an answer."""
+        return self._visit("GET", path, None, heads or {})
+
+    def post(self, path: str, body: bytes, kind: str) -> tuple[int, dict[str, str], str]:
+        """The same, of an upload by a page of the server."""
+        origin = f"http://127.0.0.1:{self.port}"
+        return self._visit("POST", path, body, {"content-type": kind, "origin": origin})
+
+    def _visit(
+        self, method: str, path: str, body: bytes | None, heads: dict[str, str]
+    ) -> tuple[int, dict[str, str], str]:
+        visit = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        try:
+            visit.request(method, path, body, heads)
+            answer = visit.getresponse()
+            text = answer.read().decode("utf-8", "replace")
+            return answer.status, {name.lower(): value for name, value in answer.getheaders()}, text
+        finally:
+            visit.close()
+
+    def seconds(self, path: str = "/") -> float:
+        """How long a page takes that is answered."""
+        begun = time.monotonic()
+        status, _, body = self.get(path, {"accept": "text/html"})
+        assert status == 200, (status, body[:300], self.told[-2000:])
+        return time.monotonic() - begun
+
+    def door(self) -> socket.socket:
+        """A connection on which nothing has been said."""
+        return socket.create_connection(("127.0.0.1", self.port), timeout=10)
+
+    def pour(self, begin: bytes, piece: bytes, most: int) -> int:
+        """Send ``begin`` and then pieces without an end; the bytes that were taken."""
+        sent = 0
+        with self.door() as door:
+            try:
+                door.sendall(begin)
+                while sent < most:
+                    door.sendall(piece)
+                    sent += len(piece)
+            except OSError:
+                pass
+        return sent
+
+    def end(self) -> int:
+        """End it as the system does; its exit code."""
+        self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(30)
+
+
+@contextmanager
+def served(folder: Path, *options: str, **more: object) -> Iterator[Server]:
+    """A server that ends with the block."""
+    server = Server(folder, *options, **more)  # type: ignore[arg-type]
+    try:
+        yield server
+    finally:
+        if server.process.poll() is None:
+            os.killpg(server.process.pid, signal.SIGKILL)
+            server.process.wait(10)
+
+
+@contextmanager
+def disk(folder: Path, size: str) -> Iterator[Path]:
+    """A file system of its own at ``folder``."""
+    folder.mkdir()
+    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "none", folder], check=True)
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", folder], check=True)
+
+
+def may_mount() -> bool:
+    """Whether this process may mount file systems."""
+    return (
+        hasattr(os, "getuid")
+        and os.getuid() == 0
+        and subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode == 0
+    )
+
+
+def filled(folder: Path) -> Path:
+    """Fill the disk of a folder; the file that holds all of it."""
+    path = folder / "filler"
+    with path.open("wb", buffering=0) as stream:
+        for size in (1 << 20, 1 << 12, 1):
+            try:
+                while True:
+                    stream.write(b"x" * size)
+            except OSError:
+                continue
+    return path
