@@ -245,17 +245,16 @@ class Jobs:
         """Start the oldest job that waits whenever a process is free; no fault of the disk or the
         database ends this.
         """
-        told = ""
+        fault = ""
         with self._changed:
             while not self._stopping:
                 try:
                     self._save()
-                    told, waits = "", not self._start_oldest()
+                    fault, waits = "", not self._start_oldest()
                 except Exception as error:
-                    if str(error) != told:
-                        told = str(error)
-                        logging.getLogger(__name__).warning("no job can be started: %s", told)
-                    waits = True
+                    before, fault, waits = fault, str(error), True
+                    if fault != before:
+                        logging.getLogger(__name__).warning("no job can be started: %s", fault)
                 if waits:
                     self._changed.wait(LOOK)
 

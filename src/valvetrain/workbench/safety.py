@@ -154,20 +154,14 @@ class Rate:
         self.most, self.seconds = most, seconds
         self._seen: deque[float] = deque()
 
-    @property
-    def full(self) -> bool:
-        """Whether no more events are taken at present."""
+    def take(self) -> bool:
+        """Count an event; whether it is still within the bound."""
         now = time.monotonic()
         while self._seen and now - self._seen[0] > self.seconds:
             self._seen.popleft()
-        return len(self._seen) >= self.most
-
-    def take(self) -> bool:
-        """Count an event; whether it is still within the bound."""
-        if self.full:
-            return False
-        self._seen.append(time.monotonic())
-        return True
+        if within := len(self._seen) < self.most:
+            self._seen.append(now)
+        return within
 
 
 class Guard:

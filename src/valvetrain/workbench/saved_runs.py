@@ -94,15 +94,9 @@ def list_saved(root: Path, case: str | None = None) -> list[Run]:
             path = folder / (STUDY_ANSWER if home.name == STUDIES else ANSWER)
             if folder.is_symlink() or path.is_symlink():
                 continue
-            try:
+            with suppress(OSError):  # no run, or removed meanwhile
                 run = _card(root, folder, path, path.stat().st_mtime_ns)
-            except OSError:  # no run, or removed meanwhile
-                continue
-            except InputError as error:
-                about = folder.relative_to(root)
-                run_id, name = (clipped(str(one), 200) for one in (about, about.parent))
-                run = Run(run_id, folder, name, "", "", False, verdict=f"damaged: {error.reason}")
-            found += [run] if run is not None and case in (None, run.case) else []
+                found += [run] if case in (None, run.case) else []
     return sorted(found, key=lambda run: (run.created_at, run.run_id), reverse=True)
 
 
@@ -115,11 +109,13 @@ def saved_run(root: Path, run_id: str) -> Run:
         raise InputError(f"'{clipped(str(run_id), 60)}' is no run; choose one of the list", "run")
     folder = inside(root, *parts)
     path = inside(folder, STUDY_ANSWER if parts[0] == STUDIES else ANSWER)
-    found = _card(root, folder, path, path.stat().st_mtime_ns) if path.is_file() else None
-    if found is None:
+    if not path.is_file():
         raise InputError(
             f"there is no run '{clipped(run_id, 60)}'; it may have been removed", "run"
         )
+    found = _card(root, folder, path, path.stat().st_mtime_ns)
+    if not found.created_at:
+        raise InputError(found.verdict, run_id)
     return found
 
 
@@ -214,12 +210,19 @@ def _answer(path: Path, _: int) -> Mapping[str, Any]:
 
 
 @lru_cache(maxsize=5000)
-def _card(root: Path, folder: Path, path: Path, changed: int) -> Run | None:
-    """What a list shows of a run; cached until its answer is written again, so that a long list is not
-    read again and again.
+def _card(root: Path, folder: Path, path: Path, changed: int) -> Run:
+    """What a list shows of a run, of a damaged one why it is (without a time); cached until its
+    answer is written again, so that a long list is not read again and again.
     """
-    answer = _answer(path, changed)
-    return _run(root, folder, answer) if answer else None
+    try:
+        if answer := _answer(path, changed):
+            return _run(root, folder, answer)
+        reason = "this is not what a run writes; repeat the run"
+    except InputError as error:
+        reason = error.reason
+    about = folder.relative_to(root)
+    run_id, case = clipped(about.as_posix(), 200), clipped(about.parent.name, 200)
+    return Run(run_id, folder, case, "", "", False, verdict=f"damaged: {reason}")
 
 
 def _written_at(folder: Path) -> str:
@@ -231,18 +234,22 @@ def _written_at(folder: Path) -> str:
 
 def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
     saved = SavedRun(folder, answer)
+
+    def text(key: str, most: int) -> str:
+        return clipped(str(answer.get(key, "")), most)
+
     return Run(
         folder.relative_to(root).as_posix(),
         folder,
-        clipped(saved.case, 200),
-        clipped(saved.command, 40),
-        clipped(saved.created_at, 40) or _written_at(folder),
+        text("case", 200),
+        text("command", 40),
+        text("created_at", 40) or _written_at(folder),
         bool(answer.get("completed", True)),
-        tuple(clipped(one, 1000) for one in saved.failures[:100]),
-        clipped(str(answer.get("title", "")), 200),
-        tuple(clipped(one) for one in saved.spring_models[:100]),
+        tuple(clipped(one, 1000) for one in saved.failures),
+        text("title", 200),
+        tuple(map(clipped, saved.spring_models)),
         saved.engine_speeds,
-        clipped(str(answer.get("verdict", "")), 5000),
+        text("verdict", 5000),
     )
 
 

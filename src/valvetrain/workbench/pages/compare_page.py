@@ -109,7 +109,8 @@ FIGURES = {
 
 def compare_page(desk: Desk, a: str, b: str) -> None:
     """The page of a comparison; without two runs it requests them."""
-    runs = [run for run in desk.workspace.runs() if run.command != "study"]  # which has no inputs
+    # A study has no inputs, and what is damaged no command.
+    runs = [run for run in desk.workspace.runs() if run.command not in ("study", "")]
     with frame("Compare", "/compare"):
         tag("h1", "Compare two runs")
         if len(runs) < 2:

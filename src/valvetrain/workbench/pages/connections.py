@@ -6,6 +6,7 @@ import asyncio
 import logging
 import time
 import traceback
+from collections import OrderedDict
 from typing import Any, ClassVar
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -22,7 +23,7 @@ class Connection(H11Protocol):
     longest of too many.
     """
 
-    waiting: ClassVar[dict[Connection, asyncio.TimerHandle]] = {}
+    waiting: ClassVar[OrderedDict[Connection, asyncio.TimerHandle]] = OrderedDict()
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """It waits for its first head."""
@@ -54,8 +55,8 @@ class Connection(H11Protocol):
         self._wait_no_more()
         self.waiting[self] = self.loop.call_later(HEAD_TIME, self.transport.abort)
         if len(self.waiting) > MAX_WAITING:
-            oldest = next(iter(self.waiting))
-            oldest._wait_no_more()
+            oldest, timer = self.waiting.popitem(last=False)
+            timer.cancel()
             oldest.transport.abort()
 
     def _wait_no_more(self) -> None:
@@ -86,21 +87,20 @@ class Brief(logging.Filter):
 
     def __init__(self) -> None:
         super().__init__()
-        self._told: dict[str, float] = {}
+        self._written: dict[str, float] = {}
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether the message is written."""
         text, error = record.getMessage(), record.exc_info[1] if record.exc_info else None
         if error is not None:
-            place = traceback.extract_tb(error.__traceback__)[-1:]
-            text = f"{type(error).__name__}: {error} {[f'{one.filename}:{one.lineno}' for one in place]}"
-        record.msg = clipped(text, 400)
-        record.args, record.exc_info = (), None
-        now, last = time.monotonic(), self._told.get(record.msg, -60.0)
-        if now - last < 60.0:
-            return False
-        self._told = {**self._told, record.msg: now} if len(self._told) < 100 else {record.msg: now}
-        return True
+            (*_, place) = traceback.extract_tb(error.__traceback__) or (None,)
+            text = f"{type(error).__name__}: {error} ({place})"
+        record.msg, record.args, record.exc_info = clipped(text, 400), (), None
+        last, now = self._written.pop(record.msg, -60.0), time.monotonic()
+        self._written[record.msg] = now if now - last >= 60.0 else last
+        if len(self._written) > 100:
+            self._written.clear()
+        return now - last >= 60.0
 
 
 def tell_briefly() -> None:

@@ -198,7 +198,7 @@ async def _sent_case(request: Request) -> tuple[str, bytes, dict[str, bytes]]:
 
 def _part(make: Callable[[], str]) -> Response:
     """A part of a page, or the sentence why there is none."""
-    try:  # as plain text a page takes it in, but opened by itself it runs nothing
+    try:  # a page takes in plain text, too, which runs nothing where it is opened as a page
         return PlainTextResponse(make(), headers={"Cache-Control": "no-store"})
     except ValvetrainError as error:
         return _missing(error)

@@ -65,12 +65,12 @@ def home_page(desk: Desk) -> None:
 def _row(desk: Desk, card: CaseCard) -> str:
     """A case of the workspace in the list, with what is wrong with it where it cannot be opened."""
     title, more = card.title or card.name, card.name if card.title else card.origin
-    words = f"<div><strong>{escape(title)}</strong><span>{escape(card.fault or more)}</span></div>"
+    text = f"<div><strong>{escape(title)}</strong><span>{escape(card.fault or more)}</span></div>"
     if card.fault:
-        return f"<li>{words}</li>"
+        return f"<li>{text}</li>"
     drawn = escape(pictures.of_case(desk, card.name, small=True))
     picture = f'<span class="drawn"><img src="{drawn}" alt="" loading="lazy"></span>'
-    return f'<li><a href="/case/{escape(card.name)}">{picture}{words}</a></li>'
+    return f'<li><a href="/case/{escape(card.name)}">{picture}{text}</a></li>'
 
 
 def _choices(desk: Desk, cards: Sequence[CaseCard]) -> None:

@@ -7,6 +7,7 @@ from datetime import datetime
 
 from valvetrain.report import theme
 from valvetrain.report.page import sentences
+from valvetrain.units.text import clipped
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import link, tag
 from valvetrain.workbench.saved_runs import Run
@@ -30,7 +31,7 @@ def when(run: Run) -> str:
     try:
         return f"{datetime.fromisoformat(run.created_at):%Y-%m-%d %H:%M}"
     except ValueError:
-        return run.created_at[:16]
+        return run.created_at[:16] or clipped(run.folder.name)
 
 
 def models_of(run: Run) -> str:
