@@ -86,7 +86,8 @@ object from the names above to such numbers.
 | `folder`, `files`, `page` | where the results were written |
 | `holds`, `facts`, `durations` | of `check`: tables of the case; what it says, in words; crank angle above every lift that matters, per row `lift`, `crank_angle` |
 | `cases` | of `cases`: per case `name`, `title`, `holds`, `sources`; with a name, `text` of the file instead |
-| `uncertainties` | of `refine`, and of a run whose case ships with its error bars: per number `quantity`, `label` of a variant of a train, `engine_speed`, `value`, `numerical_uncertainty`, `observed_order` (null: not monotonic), `extrapolated`, `step_part`, and `contact_stiffness`, `contact_damping` each with `least` and `largest` |
+| `uncertainties` | error bars, stored or computed: per number `quantity`, `label` of the run, `engine_speed`, `value`, `numerical_uncertainty`, `resolved` (false: the bar is larger than the value), `observed_order` (null: not monotonic), `extrapolated`, `step_part`, `range` (null: not computed) with `low`, `high` and the constants that move it (`by`), and `rests_on_contact_constants` |
+| `without_error_bars` | completed runs that have none: `label`, `engine_speed`, `code` (`no-division`, `not-repeated`) |
 | `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference`; `verdict` on the headline quantities |
 | `runs` | of the command `runs`: per saved run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `headline`, `folder` |
 | `error` | in place of all of these: `message`, `where`, `code` (the exit code) |

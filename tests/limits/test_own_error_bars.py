@@ -1,26 +1,30 @@
-"""Error bars of two further runs: they hold the value of many more modes (limit between models), do not
-vanish where one pair agrees (by hand), are wide where the division is coarse, are absent where nothing is
-divided, and stand beside their own run alone.
+"""Error bars of further runs: they hold the value of many more modes (limit between models), follow the order that
+three grids show (closed form), and every completed run has them or says why not.
 """
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from importlib import resources
-from types import SimpleNamespace
 
 import pytest
 
 import valvetrain as vt
 from valvetrain.cli.published import ErrorBars
+from valvetrain.errors import InputError
 from valvetrain.quantities.clash import next_to_largest
 from valvetrain.quantities.train_events import marginal_duration
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
 from valvetrain.report.json import study_json
-from valvetrain.runs import own_error_bars
+from valvetrain.runs.error_bars import grid_bar
 from valvetrain.runs.run import run_study
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
-from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.solution.uncertainty import REASONS, Uncertainty
+from valvetrain.solution.uncertainty import ErrorBars as Bars
 
 
 def engine(**options) -> vt.Case:
@@ -61,34 +65,34 @@ def test_a_coarse_chain_and_the_modes_of_the_default_hold_the_limit(rpm):
     assert modes["minimum_spring_force"].numerical < 0.01 * modes["minimum_spring_force"].value
 
 
-def bar_by_hand(name: str, order: float, further: dict[float, float]) -> float:
-    """Bar of 100 of a quantity in a run with clashes, whose further runs gave others by their ratio."""
-    member = SimpleNamespace(model=SimpleNamespace(word="finite-element"), springs=())
-    run = SimpleNamespace(
-        quantities={name: 100.0, "clash_count": 2.0}, engine_speed=1.0, label="rod", model="finite-element", events=()
-    )  # fmt: skip
-    ways = [
-        (own_error_bars._Further(SimpleNamespace(member=member), ratio, order, None), {name: value})
-        for ratio, value in further.items()
-    ]
-    (row,) = own_error_bars._rows(run, ways, {})
-    return row.numerical
+@pytest.mark.parametrize("order", [0.8, 1.0, 1.6, 2.0])
+def test_the_order_that_three_grids_show_gives_the_bar(order):
+    """Closed form, 100 + h^order: the bar holds the error of 1 of the own grid and is no more than the spread of all."""
+    further = [(fine, 100 + fine**-order) for fine in (1.5, 1 / 1.5)]
+    found = grid_bar(101.0, further, 2.0)
+    assert found.observed_order == pytest.approx(order, rel=1e-6)
+    assert found.extrapolated == pytest.approx(100.0)
+    spread = 1.5**order - 1.5**-order
+    assert found.uncertainty == pytest.approx(max(1.25, spread)) and found.trusted
 
 
-def test_the_wider_bar_of_two_further_runs_counts():
-    """The rod of the rocker template at 3000 rpm: 3.86 mN s of clash on two meshes, 0.95 on the finest, and a bar of 0.06."""
-    name = "minimum_spring_force"
-    agreeing = bar_by_hand(name, 1.0, {1.25: 99.0, 1 / 1.5: 99.99})
-    assert agreeing == pytest.approx(2 * 1.0 * 1.25 / 0.25)
-    assert bar_by_hand(name, 1.0, {1.25: 99.0}) == pytest.approx(3 * 1.0 * 1.25 / 0.25)
+def test_grids_that_show_no_order_give_their_spread():
+    assert grid_bar(100.0, [(1.5, 101.0), (1 / 1.5, 102.0)], 2.0).uncertainty == pytest.approx(
+        max(3 * 2 / (1.5**2 - 1), 2)
+    )
+    assert grid_bar(100.0, [(1.5, 100.0), (1 / 1.5, 100.0)], 2.0).uncertainty == 0.0
 
 
-def test_what_clashing_coils_make_follows_no_order():
-    """A coarser rod, 1 off: smooth numbers by order 2 and a factor of 2, those of clashes by order 1 and Roache's 3."""
-    ways = {1 / 1.5: 99.0, 1 / 1.25: 99.0}
-    assert bar_by_hand("minimum_spring_force", 2.0, ways) == pytest.approx(2 / (1.25**2 - 1))
-    for name in ("largest_clash_impulse", "peak_clash_force", "surge_clash_peak_force"):
-        assert bar_by_hand(name, 2.0, ways) == pytest.approx(3 / (1.25 - 1))
+def test_two_grids_take_the_order_of_the_scheme():
+    """Roache's factor of three."""
+    assert grid_bar(101.0, [(1.5, 100.0)], 1.0).uncertainty == pytest.approx(3 * 1.0 * 1.5 / 0.5)
+    assert grid_bar(100.0, [(1 / 1.5, 101.0)], 2.0).uncertainty == pytest.approx(3 / (1.5**2 - 1))
+
+
+def test_a_model_is_judged_by_the_limit_of_another():
+    """A reduced rod of 104 whose rod has 101, 100.444 and 102.25 by 1, 1.5 and 2 / 3 grids: that of 100."""
+    rods = [(fine, 100 + fine**-2.0) for fine in (1.0, 1.5, 1 / 1.5)]
+    assert grid_bar(104.0, rods, 2.0, of_model=True).uncertainty == pytest.approx(1.25 * 4)
 
 
 def blow(time: float, first: float, last: float, impulse: float, spring: str = "") -> Event:
@@ -133,12 +137,78 @@ def test_bars_do_not_depend_on_workers_nor_on_the_way_in():
     assert told["minimum_spring_force"]["numerical_uncertainty"]["value"] == row.numerical
 
 
-def test_what_has_no_bar_is_said():
-    study = run_of(engine(), "massless", "6000 rpm")
-    assert study.error_bars.rows == ()
-    assert study.error_bars.sentences == (
-        "No error bars: none by massless, whose spring has no division.",
+def test_what_has_no_bar_says_why():
+    """A spring without mass under prescribed motion has neither division nor step; in a train it has a step."""
+    study = vt.simulate("job-t", "3000 rpm", spring_models="massless", workers=1)
+    assert study.error_bars.rows == () and study.error_bars.sentences
+    (without,) = study.error_bars.missing
+    assert without.label == "massless" and without.reason in REASONS
+    (told,) = study_json(study)["without_error_bars"]
+    assert told["code"] == without.reason and told["engine_speed"]["value"] == pytest.approx(3000)
+    train = run_of(engine(), "massless", "6000 rpm").error_bars
+    assert len(train.rows) > 10 and not train.missing
+
+
+CASES = [
+    ("gu2021-beehive-blind", "4200, 4500 rpm", {"spring_models": "finite-element"}),
+    *(pytest.param(name, speeds, {}, marks=pytest.mark.long) for name, speeds in (
+        ("tdi-pushrod", "4000, 5500 rpm"), ("vaz-ohc", "4136, 3000 rpm"), ("gu2021-beehive-blind", "8000, 6000 rpm"),
+        ("job-t", "3000, 5000 rpm"), ("job-c", "3000, 5000 rpm"), ("uniform-spring", "3000 rpm"), ("direct", "3000, 6000 rpm"),
+        ("finger", "3000, 6000 rpm"), ("rocker", "3000, 6000 rpm"), ("pushrod", "3000, 6000 rpm"), ("spring", "3000, 6000 rpm"),
+    )),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "speeds", "ways"), CASES)
+def test_every_completed_run_has_bars_or_a_reason_in_every_interface(name, speeds, ways):
+    """Contract: at a speed of the case beside another one, and alone, stored or computed."""
+    path = resources.files("valvetrain").joinpath(f"templates/{name}.toml")
+    text = path.read_text(encoding="utf-8") if path.is_file() else ""
+    case = vt.Case(text).parameters if text else name
+    *numbers, last = speeds.removesuffix(" rpm").split(", ")
+    try:
+        study = vt.simulate(case, [f"{rpm} rpm" for rpm in (*numbers, last)], workers=1, **ways)
+    except InputError:  # a case without a motion has no runs
+        return
+    runs = {(run.label, run.engine_speed) for run in study.solutions if run.status.completed}
+    barred = [
+        {(row.label, row.engine_speed) for row in rows}
+        for rows in (study.error_bars.rows, ErrorBars.of(study).rows["peak_spring_force"])
+    ]
+    missing = {(one.label, one.engine_speed) for one in study.error_bars.missing}
+    assert all(one.reason in REASONS for one in study.error_bars.missing) and runs
+    for label, speed in runs:
+        for found in (*barred, missing):
+            if any(label == one and same_speed(speed, at) for one, at in found):
+                break
+        else:
+            raise AssertionError(f"{label} at {speed} rad/s has neither bars nor a reason")
+    answer = study_json(study)
+    told = [*answer["uncertainties"], *answer["without_error_bars"]]
+    found = {
+        (one.get("label"), round((one["engine_speed"] or {"value": 0})["value"])) for one in told
+    }
+    assert {(label, round(speed * 30 / math.pi)) for label, speed in runs} <= found
+
+
+def test_a_bar_beyond_its_value_is_a_state_and_no_number_of_a_sentence():
+    """Contract: "93 ± 1031 N" was printed."""
+    speed = 628.0
+    row = Uncertainty(
+        "peak_clash_force", speed, 93.0, 1031.0, None, 93.0, 0.0, (93.0,) * 2, (93.0,) * 2, "rod"
     )
+    assert not row.resolved and row.rests_on_contact_constants and row.range is None
+    cells = ErrorBars({row.quantity: (row,)}).cells(
+        HeadlineRow("", row.quantity, "", "N", (93.0,), (None,)), [HeadlineColumn("rod", speed)]
+    )
+    assert "1031" not in cells[0] and "±" not in cells[0]
+    told = study_json(Study(CaseRecord("own"), error_bars=Bars((row,))))["uncertainties"][0]
+    assert told["resolved"] is False and told["rests_on_contact_constants"] is True
+    varied = replace(row, numerical=9.0, contact_stiffness=(60.0, 130.0), damping=(90.0, 95.0))
+    assert varied.resolved and not varied.rests_on_contact_constants
+    assert varied.range == (60.0, 130.0, ("contact stiffness", "damping"))
+    smooth = replace(row, quantity="peak_valve_lift")
+    assert not smooth.rests_on_contact_constants
 
 
 def rod(elements: int) -> vt.Case:
@@ -198,7 +268,16 @@ def test_bars_of_coarse_chains_hold_in_every_template():
 def test_bars_stored_of_the_rod_stand_beside_the_rod_alone():
     value, bar, speed = 280.4, 0.99, 439.8
     held = Uncertainty(
-        "minimum_spring_force", speed, value, bar, None, value, 0.0, (value, value), (value, value)
+        "minimum_spring_force",
+        speed,
+        value,
+        bar,
+        None,
+        value,
+        0.0,
+        (value, value),
+        (value, value),
+        "finite-element",
     )
     columns = [HeadlineColumn(label, speed) for label in ("finite-element", "modal-varied")]
     row = HeadlineRow("", held.quantity, "", "N", (value, 279.9), (None, None))

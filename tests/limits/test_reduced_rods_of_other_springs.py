@@ -4,7 +4,7 @@ rest and in motion without that it stands in the validation book.
 
 from __future__ import annotations
 
-from valvetrain.runs.against_rod import difference_from_rods
+from valvetrain.validation.against_rod import difference_from_rods
 from valvetrain.validation.reduced_rods import OTHER_SPRINGS, Pulse, other_spring
 
 

@@ -83,8 +83,8 @@ def test_the_missing_feedback_is_told(study):
 def test_the_error_bar_is_of_a_second_mesh():
     """Contract: numbers carry a bar from a solid two thirds as fine behind the same train."""
     problem = build(pushrod(), spring_models=["solid"])
-    (way,) = own_error_bars._further(problem, problem.members[0], {})
-    assert way.ratio == pytest.approx(2 / 3) and way.order == 2.0
+    way = own_error_bars._way(problem, problem.members[0], {}, 1 / own_error_bars.RATIO)
+    assert way.fineness == pytest.approx(2 / 3)
     coarse, own = way.ready.member.system(), problem.members[0].system()
     assert coarse.springs[0].size.per_coil == 8 and own.springs[0].size.per_coil == 12
     assert coarse.train.springs[0].elements_per_coil == own.train.springs[0].elements_per_coil

@@ -48,8 +48,8 @@ def test_a_bar_stands_beside_its_own_number_in_its_own_unit():
     assert bars("bounce_height", 1.5e-4, 2.5e-5).cells(row("bounce_height", 0.15), (STOCK,)) == [
         "0.15 ± 0.025"
     ]
-    rod = HeadlineColumn("finite-element", SPEED)  # whose bars are stored without a label
-    assert bars("peak_spring_force", 965.0, 2.0, "").cells(
+    rod = HeadlineColumn("finite-element", SPEED)
+    assert bars("peak_spring_force", 965.0, 2.0, "finite-element").cells(
         row("peak_spring_force", 965.0, None, 965.0), (rod, rod, STOCK)
     ) == ["965 ± 2", "–", "965"]
 

@@ -130,15 +130,15 @@ def test_good_and_bad_follow_a_stated_tolerance_only():
 @pytest.mark.parametrize(
     ("value", "numerical", "speed", "label", "same"),
     [
-        (811.0, 0.0, 100.0, "", True),
+        (811.0, 0.0, 100.0, "finite-element", True),
         (811.8, 0.0, 100.0, "finite-element", True),
-        (812.0, 0.0, 100.0, "", False),
-        (810.0, 0.0, 100.0, "", False),
-        (812.0, 1.1, 100.0, "", True),
-        (809.8, 1.1, 100.0, "", False),
-        (811.0, 0.0, 101.0, "", False),
+        (812.0, 0.0, 100.0, "finite-element", False),
+        (810.0, 0.0, 100.0, "finite-element", False),
+        (812.0, 1.1, 100.0, "finite-element", True),
+        (809.8, 1.1, 100.0, "finite-element", False),
+        (811.0, 0.0, 101.0, "finite-element", False),
         (811.0, 0.0, 100.0, "modal-varied", False),
-        (811.0, 0.0, None, "", False),
+        (811.0, 0.0, None, "finite-element", False),
     ],
 )
 def test_a_stored_uncertainty_belongs_to_the_number_it_was_found_for(
@@ -154,6 +154,7 @@ def test_a_stored_uncertainty_belongs_to_the_number_it_was_found_for(
         0.0,
         (811.0, 811.0),
         (811.0, 811.0),
+        "finite-element",
     )
     assert belongs(row, {Quantity("peak_spring_force", speed, label): value}) is same
     assert not belongs(row, {Quantity("minimum_spring_force", 100.0, ""): 811.0})

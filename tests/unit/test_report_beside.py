@@ -39,6 +39,7 @@ def test_a_ratio_carries_the_bar_of_its_own_number_and_speed_alone(monkeypatch, 
             0.0,
             (310.0, 310.0),
             (310.0, 310.0),
+            "finite-element",
         )
         for at in (*others, speed)
     ]

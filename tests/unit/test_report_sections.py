@@ -501,20 +501,16 @@ def test_uncertainty_stands_beside_the_values_it_belongs_to():
     record, section = load_case("gu2021-beehive-blind").record(), find("sections", "uncertainty")
     rows = load_uncertainty(record)
     values = {row.quantity: row.value for row in rows if row.engine_speed is None}
+    held = tuple(row for row in rows if row.engine_speed is None)
     study = replace(published_study(), record=record, solutions=(), still={"": values})
+    study = replace(study, error_bars=ErrorBars(held))
     words, grid, *_ = section.blocks(study)
     assert (
         isinstance(words, Text)
         and isinstance(grid, Grid)
         and sum(len(cells) > 1 for cells, _ in grid.rows) == len(values)
     )
-    assert (
-        section.blocks(
-            replace(study, still={"": {name: 2 * value for name, value in values.items()}})
-        )
-        == ()
-    )
-    assert section.blocks(replace(study, record=replace(record, digest="another"))) == ()
+    assert section.blocks(replace(study, error_bars=ErrorBars())) == ()
     assert uncertainty_table(rows)["value"].tolist() == [row.value for row in rows]
     assert len(uncertainty_grid(rows).rows) > len(rows)
 
@@ -559,16 +555,7 @@ def test_a_long_table_of_error_bars_is_folded(monkeypatch):
     study = replace(
         published_study(), record=load_case("gu2021-beehive-blind").record(), solutions=()
     )
-    study = replace(
-        study,
-        still={
-            "": {
-                row.quantity: row.value
-                for row in load_uncertainty(study.record)
-                if row.engine_speed is None
-            }
-        },
-    )
+    study = replace(study, error_bars=ErrorBars(load_uncertainty(study.record)[:4]))
     monkeypatch.setattr(uncertainty, "ONE_SCREEN", 3)
     folded = uncertainty.uncertainty_blocks(study)[1]
     assert (

@@ -298,7 +298,7 @@ def test_error_bars_are_named_once_known_and_never_computed_for_it():
     [
         (
             0.98,
-            "seating velocity 0.542 m/s with an error bar of 0.98 m/s, not resolved from the 0.52 m/s called smooth.",
+            "seating velocity 0.542 m/s (not resolved), not resolved from the 0.52 m/s called smooth.",
         ),
         (0.01, "seating velocity 0.542 m/s, above the 0.52 m/s called smooth."),
     ],
@@ -549,7 +549,7 @@ def test_the_hardest_clash_is_told_with_its_error_bar():
     told = replace(study, error_bars=ErrorBars((row,))).verdict
     assert "hardest 584 ± 120 N between coils 1–2" in told
     wide = replace(study, error_bars=ErrorBars((replace(row, numerical=700.0),))).verdict
-    assert "hardest not resolved (584 N with an error bar of 700 N) between coils 1–2" in wide
+    assert "hardest 584 N (not resolved) between coils 1–2" in wide
 
 
 def test_the_clash_of_the_finest_model_is_told():

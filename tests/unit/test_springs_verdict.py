@@ -130,7 +130,7 @@ def test_wide_error_bars_stand_in_the_sentence_and_hide_a_surge_below_them():
     swept = replace(pair("sweep", wide), between=())
     assert "Worst surge amplitude 340 ± 47 N at 6000 rpm" in swept.verdict
     hidden = replace(swept, error_bars=ErrorBars((bar("light", 6000, 340.0, 400.0),)))
-    assert hidden.verdict.endswith("Worst surge amplitude 340 N with an error bar of 400 N at 6000 rpm, not resolved.")  # fmt: skip
+    assert hidden.verdict.endswith("Worst surge amplitude 340 N (not resolved) at 6000 rpm.")  # fmt: skip
     assert "urge not resolved" in replace(hidden, command="compare-springs").verdict
 
 

@@ -13,6 +13,7 @@ from valvetrain.parameters.summary import number
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
 from valvetrain.solution.definition import shown
 from valvetrain.solution.quantity import same_speed
+from valvetrain.solution.uncertainty import NOT_RESOLVED
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -155,10 +156,8 @@ class ErrorBars:
     @classmethod
     def of(cls, study: Study) -> ErrorBars:
         """Error bars of the quantities of this study."""
-        from valvetrain.runs.stored_error_bars import fresh_uncertainty
-
         rows: dict[str, list[Uncertainty]] = {}
-        for row in fresh_uncertainty(study):
+        for row in study.error_bars.rows:
             rows.setdefault(row.quantity, []).append(row)
         return cls(rows)
 
@@ -179,21 +178,17 @@ class ErrorBars:
         ):
             return label
         for held in self.rows.get(row.name, ()):
-            # stored bars without a label are those of the rod
-            own = held.label or "finite-element"
-            if own == (column.label or "finite-element") and same_speed(
-                held.engine_speed, column.engine_speed
-            ):
+            if held.label == column.label and same_speed(held.engine_speed, column.engine_speed):
                 bar = float(shown(row.name, held.numerical)[0])
                 last = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
                 near = math.isclose(
                     value, float(shown(row.name, held.value)[0]), rel_tol=1e-3, abs_tol=bar
                 )
-                return (
-                    f"{label}{self.between}±{self.between}{number(bar, BAR_DIGITS)}"
-                    if near and bar >= max(last / 2, MIN_BAR, self.least * abs(value))
-                    else label
-                )
+                if not near or bar < max(last / 2, MIN_BAR, self.least * abs(value)):
+                    return label
+                if not held.resolved:
+                    return f"{label} ({NOT_RESOLVED})"
+                return f"{label}{self.between}±{self.between}{number(bar, BAR_DIGITS)}"
         return label
 
 

@@ -189,6 +189,7 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
     from valvetrain.report.text import speed_text
     from valvetrain.runs.error_bars import grouped
     from valvetrain.solution.definition import label_of
+    from valvetrain.solution.uncertainty import NOT_RESOLVED
 
     console.print(study.record.title or study.record.name)
     meshes = ", ".join(map(str, study.elements_per_coil))
@@ -205,7 +206,7 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
         "unit",
         "order",
         "contact stiffness",
-        "contact damping",
+        "damping",
     )
     for (speed, label), group in grouped(study.rows).items():
         rows = []
@@ -214,14 +215,14 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
             order = "–" if row.trusted_order is None else f"{row.trusted_order:.1f}"
             ranges = [
                 " to ".join(dict.fromkeys(shown_text(name, value, 4)[0] for value in values))
-                for values in (row.contact_stiffness, row.contact_damping)
+                for values in (row.contact_stiffness, row.damping)
             ]
             value, word = shown_text(name, row.value)
             rows.append(
                 (
                     label_of(name),
                     value,
-                    shown_text(name, row.numerical, 2)[0],
+                    shown_text(name, row.numerical, 2)[0] if row.resolved else NOT_RESOLVED,
                     word,
                     order,
                     *ranges,

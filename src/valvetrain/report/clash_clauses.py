@@ -72,8 +72,7 @@ def resting_text(run: Solution) -> str:
 
 def _hardest_text(runs: Runs, run: Solution, hardest: Event) -> str:
     found = Worst("surge_clash_peak_force", hardest.size, run)
-    known = runs.bar(found) <= hardest.size
-    size = runs.text(found) if known else f"not resolved ({runs.text(found)})"
+    size = runs.text(found)
     why = " under surge" if hardest.details.get("cause") == STRIKES else ""
     pair = clash_pair(hardest)
     return f"hardest {size} between coils {pair}{why} at {peak_angle(hardest):.0f} cam deg"

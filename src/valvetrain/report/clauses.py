@@ -11,7 +11,7 @@ from valvetrain.report.text import number, rpm, unit_text
 from valvetrain.solution.definition import NESTED, shown
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
-from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.solution.uncertainty import NOT_RESOLVED, Uncertainty
 from valvetrain.units.reader import reader_factor, reader_unit
 
 #: How the names of the stresses by EN 13906-1 begin, but for their spring.
@@ -114,7 +114,7 @@ class Runs:
             for one, count in ((found.value, digits), (bar, 2))
         )
         if bar > abs(found.value):
-            return f"{value} with an error bar of {size}"
+            return f"{value} ({NOT_RESOLVED})"
         return f"{value.removesuffix(f' {unit}') if unit else value} ± {size}"
 
     def bounded(self, found: Worst) -> str:
@@ -166,7 +166,7 @@ class Runs:
             if (
                 row.quantity == found.name
                 and run is not None
-                and (row.label or "finite-element") == (run.label or "finite-element")
+                and row.label == run.label
                 and same_speed(row.engine_speed, run.engine_speed)
                 and row.numerical > above * abs(found.value)
                 and found.value

@@ -13,7 +13,6 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.quantities.limits import passed_limits
 from valvetrain.report.text import rpm
-from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
 from valvetrain.solution.definition import definition_of
@@ -86,14 +85,7 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
 
 def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
     """A number with its error bar and its range over the contact constants."""
-    unit = unit_of(row.quantity)
-    ranges = {
-        name: {"least": measured(values[0], unit), "largest": measured(values[1], unit)}
-        for name, values in (
-            ("contact_stiffness", row.contact_stiffness),
-            ("contact_damping", row.contact_damping),
-        )
-    }
+    unit, found = unit_of(row.quantity), row.range
     label = {"label": row.label} if row.label else {}
     return {
         "quantity": row.quantity,
@@ -101,10 +93,18 @@ def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
         "engine_speed": engine_speed_object(row.engine_speed),
         "value": measured(row.value, unit),
         "numerical_uncertainty": measured(row.numerical, unit),
+        "resolved": row.resolved,
         "observed_order": measured(row.observed_order, "1"),
         "extrapolated": measured(row.extrapolated, unit),
         "step_part": measured(row.step_part, unit),
-        **ranges,
+        "range": None
+        if found is None
+        else {
+            "low": measured(found.low, unit),
+            "high": measured(found.high, unit),
+            "by": list(found.by),
+        },
+        "rests_on_contact_constants": row.rests_on_contact_constants,
     }
 
 
@@ -190,7 +190,15 @@ def study_json(study: Study) -> dict[str, Any]:
             {name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")}
             for one in study.findings
         ],
-        "uncertainties": [uncertainty_object(row) for row in fresh_uncertainty(study)],
+        "uncertainties": [uncertainty_object(row) for row in study.error_bars.rows],
+        "without_error_bars": [
+            {
+                "label": one.label,
+                "engine_speed": engine_speed_object(one.engine_speed),
+                "code": one.reason,
+            }
+            for one in study.error_bars.missing
+        ],
         "notes": list(study.all_notes),
         "cite": list(
             dict.fromkeys(

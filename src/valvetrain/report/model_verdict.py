@@ -10,7 +10,7 @@ from valvetrain.report.text import speed_text, unit_text
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.fidelity import FidelityMap
-from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.solution.uncertainty import NOT_RESOLVED, Uncertainty
 
 #: Error bars up to this share of a value count as small.
 SMALL = 0.01
@@ -53,14 +53,18 @@ def refine_verdict(study: UncertaintyStudy) -> str:
     peak = next((row for row in rows if row.quantity == "peak_spring_force"), rows[0])
     largest = max(rows, key=_size)
     small = sum(_size(row) <= SMALL for row in rows)
-    parts = [first, f"{label_of(peak.quantity)}{_at(peak)} {_value(peak)} ± {share(_size(peak))}"]
+    parts = [first, f"{label_of(peak.quantity)}{_at(peak)} {_value(peak)} {_bar(peak)}"]
     if largest is not peak:
         parts.append(
-            f"largest error bar ± {share(_size(largest))} in {label_of(largest.quantity)}{_at(largest)}"
+            f"largest error bar {_bar(largest)} in {label_of(largest.quantity)}{_at(largest)}"
         )
     if len(rows) > 1:
         parts.append(f"{small} of {len(rows)} numbers within {share(SMALL)}")
     return sentence(parts)
+
+
+def _bar(row: Uncertainty) -> str:
+    return f"± {share(_size(row))}" if row.resolved else NOT_RESOLVED
 
 
 def _size(row: Uncertainty) -> float:

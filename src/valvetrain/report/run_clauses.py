@@ -34,7 +34,6 @@ from valvetrain.report.contact_lost import (
     worst_loss,
 )
 from valvetrain.runs.notes import on_assumed_ramp, rings
-from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT
 from valvetrain.solution.definition import NESTED, label_of
 from valvetrain.solution.later import is_computed
@@ -69,7 +68,7 @@ MAX_LABELS = 2
 
 def judged_runs(study: Study) -> Runs:
     """The runs of a study whose numbers count, with the error bars that are known."""
-    bars = fresh_uncertainty(study) if is_computed(study, "error_bars") else ()
+    bars = study.error_bars.rows if is_computed(study, "error_bars") else ()
     return Runs(tuple(run for run in study.solutions if is_judged(run)), study.still, bars)
 
 

@@ -42,12 +42,11 @@ from valvetrain.solution.definition import label_of
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import NOT_RESOLVED
 from valvetrain.system.contract import TRAIN
 
 #: Share of the peak spring force up to which a surge is none, but what a massless spring leaves.
 NO_SURGE = 1e-4
-#: What is said of a surge below its error bar.
-UNRESOLVED = ", not resolved"
 #: Engine speeds that are named one by one.
 MAX_NAMED = 3
 
@@ -149,7 +148,7 @@ def _surge(study: Study, label: str, runs: Runs) -> list[str]:
         f"worst surge amplitude {_surge_at(runs, surge)}",
         range_in_use(study),
     )
-    if text.endswith(UNRESOLVED):
+    if NOT_RESOLVED in text:
         return [text]
     if surge.run.engine_speed > limit:
         used = surge_in_use(study, runs)
@@ -171,15 +170,9 @@ def surge_in_use(study: Study, runs: Runs) -> Surge | None:
 
 def _surge_at(runs: Runs, surge: Surge) -> str:
     """``124 N at 6444 rpm (order 9)``."""
-    size, known = surge_text(runs, surge)
+    size = runs.text(Worst("surge_amplitude_force", surge.amplitude, surge.run))
     order = f" (order {surge.order})" if surge.order else ""
-    return f"{size} at {_speed(surge.run)}{order}{'' if known else UNRESOLVED}"
-
-
-def surge_text(runs: Runs, surge: Surge) -> tuple[str, bool]:
-    """A surge amplitude with its error bar, and whether it is above that."""
-    found = Worst("surge_amplitude_force", surge.amplitude, surge.run)
-    return runs.text(found), runs.bar(found) <= surge.amplitude
+    return f"{size} at {_speed(surge.run)}{order}"
 
 
 def worst_label(study: Study) -> str:

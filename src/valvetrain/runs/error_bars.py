@@ -5,25 +5,24 @@ constants.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.stopping import PointsStopped, Stopped
 from valvetrain.runs.workers import map_points
+from valvetrain.solution.critical import DAMPING_FACTORS
 from valvetrain.solution.display import verdict_first
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.uncertainty import MIN_ORDER, Range, Uncertainty
 
-#: Factors on the coil contact stiffness (7e9 to 5e10 Pa for 2e10) and damping time (0 to 2 us for 1
-#: us) of a spring.
-STIFFNESS_FACTORS, DAMPING_FACTORS = (0.35, 2.5), (0.0, 2.0)
-#: Factors on contact stiffness and damping of a train: contacts of engine parts are known to a
-#: factor of two.
-CONTACT_FACTORS = (0.5, 2.0)
+#: Factors on the stiffness of contacts, of coils and of the parts of a train: nobody knows it better. Those on
+#: damping are the ones of critical speeds.
+STIFFNESS_FACTORS = (0.5, 2.0)
 Numbers = Mapping[str, float]
 #: Headline numbers of a spring under prescribed motion, those it has; the forces in the table of a source study follow them.
 SPRING_HEADLINES = (
@@ -167,6 +166,38 @@ def two_grids(
     return GridConvergence((value, value, finer), None, False, finer, finest * ratio**order, finest)
 
 
+def grid_bar(
+    value: float, grids: Sequence[tuple[float, float]], order: float, of_model: bool = False
+) -> GridConvergence:
+    """Uncertainty of ``value`` from (fineness, value) of further ``grids``, one at least; its own has fineness one.
+
+    Of three grids the order that they show counts, up to ``order``, and their spread at least; where they show none,
+    three times their spread over that of their sizes. Of two ``order`` is assumed. ``of_model``: the grids are those of
+    another model, which ``value`` is judged by.
+    """
+    every = sorted(grids if of_model else [*grids, (1.0, value)])
+    levels, values = [level for level, _ in every], [one for _, one in every]
+    observed = None
+    if len(every) == 3:
+        coarse, middle, fine = every
+        observed = observed_order(
+            (coarse[1], middle[1], fine[1]), (1 / coarse[0], 1 / middle[0], 1 / fine[0])
+        )
+    spread = max(value, *values) - min(value, *values)
+    trusted = observed is not None and observed >= MIN_ORDER
+    if len(every) == 3 and not trusted:
+        limit = values[-1]
+        size = max(DOUBTFUL / (levels[-1] / levels[0] - 1), TRUSTED) * spread
+    else:
+        limit = values[-1]
+        if len(every) > 1:
+            used = order if observed is None else min(observed, order)
+            limit += (values[-1] - values[-2]) / ((levels[-1] / levels[-2]) ** used - 1)
+        size = (TRUSTED if trusted else DOUBTFUL) * abs(value - limit)
+    size = max(size, spread) if len(every) == 3 else size
+    return GridConvergence((values[0], value, values[-1]), observed, trusted, limit, size, size)
+
+
 def convergence(
     value: float, finer: Sequence[float | None], fineness: Sequence[float]
 ) -> GridConvergence | None:
@@ -186,16 +217,31 @@ def convergence(
 
 
 def contact_ranges(value: float, of: Callable[[str], float | None]) -> tuple[Range, Range]:
-    """Least and largest value over the variants of contact stiffness and of contact damping,
-    ``value`` included.
-    """
+    """Least and largest value over the variants of contact stiffness and of damping, ``value`` included."""
 
     def span(constant: str) -> Range:
-        others = (of(f"contact {constant} {n}") for n in (1, 2))
+        others = (of(f"{constant} {n}") for n in (1, 2))
         values = [value, *(other for other in others if other is not None)]
         return min(values), max(values)
 
-    return span("stiffness"), span("damping")
+    return span("contact stiffness"), span("damping")
+
+
+def stiffened(spring: InstalledSpring, factor: float) -> InstalledSpring:
+    """A spring whose coils are ``factor`` times as stiff where they touch."""
+    contact = replace(spring.contact, stiffness=factor * spring.contact.stiffness)
+    return replace(spring, contact=contact)
+
+
+def damped(spring: InstalledSpring, factor: float) -> InstalledSpring:
+    """A spring whose wire and whose coil contacts are damped ``factor`` times as much."""
+    damping, contact = spring.damping, spring.contact
+    wire = damping.replace(
+        mass_damping=factor * damping.mass_damping,
+        stiffness_damping=factor * damping.stiffness_damping,
+    )
+    coils = replace(contact, damping_time=factor * contact.damping_time)
+    return replace(spring, damping=wire, contact=coils)
 
 
 class RefinementStopped(Stopped):

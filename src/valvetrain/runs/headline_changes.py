@@ -114,7 +114,7 @@ def _bars(answer: Mapping[str, Any]) -> dict[tuple[str, str], float]:
     bars = {}
     for row in _rows(answer, "uncertainties"):
         speed, bar = (_value(row.get(key)) for key in ("engine_speed", "numerical_uncertainty"))
-        run = f"{row.get('label') or 'finite-element'} at {speed:g} rpm"
+        run = f"{row.get('label')} at {speed:g} rpm"
         if math.isfinite(bar):
             bars[str(row.get("quantity")), run] = bar
     for row in _rows(answer, "critical_speeds"):

@@ -1,5 +1,5 @@
-"""Error bars of the runs of any case: each run twice more, its springs and its step divided more
-finely and more coarsely; springs reduced from their rods are compared with those rods, too.
+"""Error bars of the runs of any case: each run on a finer and a coarser grid too, whose series shows its order;
+springs reduced from their rods are judged by runs of those rods.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.clash import next_to_largest
 from valvetrain.quantities.train_events import marginal_duration
 from valvetrain.runs.at_rest import AtRest
-from valvetrain.runs.error_bars import DOUBTFUL, SPRING_HEADLINES, two_grids
+from valvetrain.runs.error_bars import SPRING_HEADLINES, grid_bar
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
@@ -32,24 +32,21 @@ from valvetrain.runs.workers import map_points
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.later import Later
 from valvetrain.solution.result import Solution
-from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
+from valvetrain.solution.uncertainty import TOO_HARD, ErrorBars, NoErrorBar, Uncertainty
 from valvetrain.springs.modal_uniform import oscillating_modes
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem, Rest
 
-#: Divisions of the springs of the two further runs over that of the case, or their inverse: two, since one pair may agree
-#: by chance. Finite elements, whose cost grows with the square, take the inverse of both where those can run.
-RATIO, NEAR_RATIO = 1.5, 1.25
-#: Springs of fewer parts than this surge at other frequencies altogether: a further run takes this many.
+#: Fineness of further grids over that of the case, or its inverse, and of those of a time step alone.
+RATIO, STEPS = 1.5, (1.5, 2.25)
+#: Parts times time steps up to which a further run is finer: some ten seconds of one core. A count, so that a
+#: case gives the same numbers on every machine. Above it two coarser runs serve, the second ``1 / NEAR_RATIO``.
+BOUND, NEAR_RATIO = 4e8, 1.25
+#: Springs of fewer parts than this surge at other frequencies altogether: further runs take this many, and more.
 FEW, MANY = 20, 60
-#: Factor on the larger of two bars, where a bar of one pair has Roache's three.
-SAFETY = 2.0
-#: Order assumed of a rod, whose refinement shows it, and of chains and modes, of which few parts are far
-#: from the limit, as is what clashing coils of a rod make: they meet node by node.
+#: Order assumed of a rod and of a time step, and of chains and modes, of which few parts are far from the limit, as
+#: is what clashing coils make: they meet node by node.
 ROD_ORDER, OTHER_ORDER = 2.0, 1.0
-#: That of a reduced rod, whose shapes change with its division: its numbers show none (as far from those of 1.5
-#: times fewer elements as from those of 1.5 times more, at the median), so the difference itself is taken.
-NO_ORDER = 0.0
 OF_CLASHES = ("clash", "peak_spring", "peak_retainer", "below_", "peak_shear")
 #: Numbers that the largest clash gives, by the detail of its event.
 ONE_CLASH = {"largest_clash_impulse": "impulse", "largest_clash_energy": "energy"}
@@ -59,6 +56,11 @@ OF_LOFT = ("lift_loss_displacement", "loft_gap", "peak_valve_lift")
 #: modes of which no more oscillate.
 BY_STEP = ("wave-rod", "wave-rod-clash")
 ROD, MODES, REDUCED, SOLID = "finite-element", "modal-uniform", "reduced-rod", "solid"
+RODS = (ROD, REDUCED)
+#: Cam revolutions of springs alone.
+REVOLUTIONS = 2
+#: Share of the peak force, and of the least one in the largest surge, that a reduced rod may be off its rod.
+PEAK_TOO_FAR, MINIMUM_TOO_FAR = 0.01, 0.02
 #: Numbers that differ by a constant from one whose scatter is known, or hold the same peak.
 SAME_SCATTER = {
     "lift_loss_displacement": "peak_valve_lift",
@@ -86,25 +88,24 @@ CHAIN_OF_WIRE = {
 
 
 class _Further(NamedTuple):
-    """The run of a member with its springs divided otherwise, its division over the own one, its
-    step under the own one (None: as the springs require), and whether it ends a revolution sooner.
+    """A member on another grid: its run, how fine it is over the own one (of a rod that judges its reduced rod: over
+    that rod), its step under the own one (None: as the springs require), and whether it ends a revolution sooner.
     """
 
     ready: PreparedRun
-    ratio: float
-    order: float
-    steps: float | None
+    fineness: float
+    steps: float | None = None
     sooner: bool = False
 
 
 class _Point(NamedTuple):
-    """A further run: label, engine speed (rad/s), its place among those of the label, time step (s),
-    cam revolutions (None: as the plan has them).
+    """A further run: label, engine speed (rad/s), the factor of its grid, time step (s), cam revolutions (None: as
+    the plan has them).
     """
 
     label: str
     engine_speed: float
-    place: int
+    factor: float
     time_step: float | None
     cycles: int | None
 
@@ -119,138 +120,153 @@ def own_error_bars(
 ) -> ErrorBars:
     """Error bars of the completed ``solutions`` of a problem that ran by ``plan``.
 
-    The bar is the larger of those of two pairs of grids, twice the difference to the limit of the
-    assumed order, or Roache's three times that of one pair; scatter of a motion that does not
-    repeat is added. ``at_rest``: the springs at rest as computed for the solutions. Raises
-    :class:`PointsStopped` when it is stopped.
+    Scatter of a motion that does not repeat is added. ``at_rest``: the springs at rest as computed for the
+    solutions. Raises :class:`PointsStopped` when it is stopped.
     """
-    further: dict[str, list[_Further]] = {}
-    rest = at_rest.value.springs
-    undivided: list[str] = []
-    reduced = [member for member in problem.members if member.model.word == REDUCED]
-    from_rods: Mapping[tuple[str, float], Mapping[str, float]] = {}
-    far: tuple[str, ...] = ()
-    if reduced:
-        from valvetrain.runs.against_rod import (
-            differences_from_rods,
-        )  # loads the rod, which few runs need
-
-        from_rods, far = differences_from_rods(problem, reduced, solutions, rest, workers)
-    for member in problem.members:
-        found = _further(problem, member, rest)
-        if not found:
-            undivided.append(member.model.word)
-        else:
-            further[member.label] = found
-    runs = [
-        run for run in solutions if run.status.completed and run.label in further and run.quantities
-    ]
-    points = [
-        _point(problem, run, place, way)
+    runs = [run for run in solutions if run.status.completed and run.quantities]
+    numbers = further_numbers(problem, runs, plan, at_rest.value.springs, workers, tell)
+    rows = tuple(row for run in runs for row in _rows(problem, run, numbers.get(_key(run), ())))
+    barred = {(row.label, row.engine_speed) for row in rows}
+    missing = tuple(
+        NoErrorBar(*_key(run), "not-repeated" if _key(run) in numbers else "no-division")
         for run in runs
-        for place, way in enumerate(further[run.label])
+        if _key(run) not in barred
+    )
+    return ErrorBars(rows, tuple(_sentences(runs, rows, numbers, missing)), missing)
+
+
+def _key(run: Solution) -> tuple[str, float]:
+    return run.label, run.engine_speed
+
+
+def further_numbers(
+    problem: Problem,
+    runs: Sequence[Solution],
+    plan: Plan,
+    rest: Rest,
+    workers: int,
+    tell: Callable[[int, int], None] | None = None,
+) -> dict[tuple[str, float], list[tuple[float, Mapping[str, float]]]]:
+    """Fineness and numbers (SI) of the further runs of each of ``runs``, by label and engine speed (rad/s)."""
+    members = {member.label: member for member in problem.members}
+    grids = {_key(run): _factors(members[run.label], run) for run in runs}
+    ways: dict[tuple[str, float], _Further] = {}
+    for label, factor in dict.fromkeys(
+        (label, factor) for (label, _), factors in grids.items() for factor in factors
+    ):
+        if (way := _way(problem, members[label], rest, factor)) is not None:
+            ways[label, factor] = way
+    points = [
+        _point(problem, run, factor, ways[run.label, factor])
+        for run in runs
+        for factor in grids[_key(run)]
+        if (run.label, factor) in ways
     ]
     again = map_points(
         _run_again,
-        (problem, further, replace(plan, whole=False, later=False)),
+        (problem, ways, replace(plan, whole=False, later=False)),
         points,
         workers,
         processes=bool(problem.members and problem.members[0].gear),
         tell=tell,
         lost=lambda point: {},
     )
-    numbers: dict[tuple[str, float], list[tuple[_Further, Mapping[str, float]]]] = {}
-    for point, found_again in zip(points, again, strict=True):
-        way = further[point.label][point.place]
-        numbers.setdefault((point.label, point.engine_speed), []).append((way, found_again))
-    rows = tuple(
-        row
-        for run in runs
-        for key in [(run.label, run.engine_speed)]
-        for row in _rows(run, numbers[key], from_rods.get(key, {}))
+    found: dict[tuple[str, float], list[tuple[float, Mapping[str, float]]]] = {}
+    for point, numbers in zip(points, again, strict=True):
+        fineness = ways[point.label, point.factor].fineness
+        found.setdefault((point.label, point.engine_speed), []).append((fineness, numbers))
+    return found
+
+
+def _factors(member: Member, run: Solution) -> tuple[float, ...]:
+    """Fineness of the further grids of a run over its own."""
+    word, parts = member.model.word, _parts(member, member.springs)
+    if word == SOLID:  # one coarser mesh: a finer one takes longer than the run
+        return (1 / RATIO,)
+    if word in BY_STEP or not parts:
+        return STEPS if word in BY_STEP or member.gear is not None else ()
+    if word not in RODS and min(parts) < FEW:
+        return tuple(factor * MANY / min(parts) for factor in (1.0, RATIO))
+    finer = _steps(run) * sum(parts) * RATIO**2 <= BOUND
+    grids = (RATIO if finer else 1 / NEAR_RATIO, 1 / RATIO)
+    return (1.0, *grids) if word == REDUCED else grids
+
+
+def _steps(run: Solution) -> float:
+    """Time steps of a run."""
+    step, cycles = (
+        run.statistics.get(name) for name in ("time_step_duration", "steady_cycles_count")
     )
-    barred = {(row.label, row.engine_speed) for row in rows}
-    without = [
-        f"{run.label} at {run.engine_speed * 30 / math.pi:.6g} rpm"
-        for run in solutions
-        if run.label in further and (run.label, run.engine_speed) not in barred
-    ]
-    ways = [way for several in further.values() for way in several]
-    return ErrorBars(rows, (*_sentences(rows, ways, undivided, without), *far))
+    if not isinstance(step, (int, float)) or not step > 0:
+        return 0.0
+    turns = float(cycles) if isinstance(cycles, (int, float)) else REVOLUTIONS
+    return turns * 4 * math.pi / run.engine_speed / float(step)
 
 
-def _point(problem: Problem, run: Solution, place: int, way: _Further) -> _Point:
+def _point(problem: Problem, run: Solution, factor: float, way: _Further) -> _Point:
     """A further run with a time step that its springs carry."""
     own, cycles = run.statistics.get("time_step_duration"), None
     settled = run.statistics.get("steady_cycles_count")
     if way.sooner and problem.kind == TRAIN and isinstance(settled, float) and settled > 1:
         cycles = round(settled) - 1
     never_repeats = run.statistics.get("motion_period_count", 1.0) != 1
-    if never_repeats and isinstance(settled, float) and run.model not in (ROD, SOLID):
+    if never_repeats and isinstance(settled, float) and run.model not in (*RODS, SOLID):
         # another revolution of a motion that does not repeat is as good as any
         cycles = min(LONG_SEARCH, round(settled))
     if way.steps is None or not isinstance(own, (int, float)) or way.ready.system is None:
-        return _Point(run.label, run.engine_speed, place, None, cycles)
+        return _Point(run.label, run.engine_speed, factor, None, cycles)
     limits = [
         STEP_FRACTION * float(spring.stable_time_step())
         for spring in way.ready.system.springs
         if hasattr(spring, "stable_time_step") and run.model not in BY_STEP
     ]
     step = min(float(own) / way.steps, *limits, math.inf)
-    return _Point(run.label, run.engine_speed, place, step, cycles)
+    return _Point(run.label, run.engine_speed, factor, step, cycles)
 
 
-def _further(problem: Problem, member: Member, rest: Rest) -> list[_Further]:
-    """A member with its springs divided otherwise, prepared; empty where nothing divides them."""
-    rod = member.model.word in (ROD, REDUCED)
-    parts = min(_parts(member, member.springs), default=FEW)
-    if rod:
-        order = ROD_ORDER if member.model.word == ROD else NO_ORDER
-        ways = [_way(problem, member, rest, (1 / RATIO, RATIO), None, order)]
-        # a rod is not compared from cycle to cycle: one revolution less shows what it still remembers
-        ways += [_way(problem, member, rest, (1 / NEAR_RATIO,), None, order, sooner=True)]
-    elif member.model.word == SOLID:  # one coarser mesh: a finer one takes longer than the run
-        ways = [_way(problem, member, rest, (1 / RATIO,), None, ROD_ORDER)]
-    elif member.model.word in BY_STEP:
-        ways = [_way(problem, member, rest, (one,), one) for one in (RATIO, NEAR_RATIO)]
-    else:
-        finer = MANY / parts if parts < FEW else NEAR_RATIO
-        ways = [_way(problem, member, rest, (finer,), RATIO if parts < FEW else NEAR_RATIO)]
-        ways += [_way(problem, member, rest, (1 / RATIO,), 1.0)]
-    return [way for way in ways if way is not None]
-
-
-def _way(
-    problem: Problem,
-    member: Member,
-    rest: Rest,
-    factors: Sequence[float],
-    steps: float | None,
-    order: float = OTHER_ORDER,
-    sooner: bool = False,
-) -> _Further | None:
-    """The first of ``factors`` on the division of the springs that can run; None: none can."""
+def _way(problem: Problem, member: Member, rest: Rest, factor: float) -> _Further | None:
+    """A member ``factor`` times as finely divided; None where that changes nothing or cannot run."""
     _, frequencies = statics_of(member, rest)  # numbers are defined by those of the case's own
-    for factor in factors:
-        try:
-            springs = tuple(_finer(member, spring, factor) for spring in member.springs)
-            divisions = zip(_parts(member, springs), _parts(member, member.springs), strict=True)
-            ratios = [new / old for new, old in divisions if new != old]
-            if member.model.word in (*BY_STEP, MODES) and max(ratios, default=0.0) < 1.0:
-                ratios = [factor]
-            if not ratios:
-                continue
-            ratio = min(ratios, key=lambda one: abs(math.log(one)))  # whole numbers leave less
-            pairs = zip(member.springs, springs, strict=True)
-            at_rest = {other: rest[own] for own, other in pairs if own in rest}
-            other = replace(member, springs=springs)
-            ready = prepare(problem, other, at_rest, problem.record.study)
-        except FAILURES:
-            continue
-        if not ready.refusal:
-            frame = replace(ready.frame, surge_frequencies=frequencies)
-            return _Further(replace(ready, frame=frame), ratio, order, steps, sooner)
-    return None
+    own, word, other = _parts(member, member.springs), member.model.word, member
+    if word == REDUCED:
+        other = _as_rod(member)
+    by_step = word in BY_STEP or not own
+    try:
+        springs = tuple(_finer(other, spring, factor) for spring in other.springs)
+        ratios = [
+            new / old for new, old in zip(_parts(other, springs), own, strict=True) if new != old
+        ]
+        if by_step or (word == MODES and max(ratios, default=0.0) < 1.0):
+            ratios = [factor]
+        if not ratios and word != REDUCED:
+            return None
+        pairs = zip(member.springs, springs, strict=True)
+        at_rest = {new: rest[old] for old, new in pairs if old in rest}
+        ready = prepare(problem, replace(other, springs=springs), at_rest, problem.record.study)
+    except FAILURES:
+        return None
+    if ready.refusal:
+        return None
+    # of whole numbers the least change
+    fineness = min(ratios, key=lambda one: abs(math.log(one)), default=1.0)
+    rod = word in (*RODS, SOLID)
+    steps = None if rod else max(factor, 1.0) if by_step or min(own) >= FEW else RATIO
+    # a rod is not compared from cycle to cycle: one revolution less shows what it still remembers
+    sooner = word in RODS and fineness < 1
+    frame = replace(ready.frame, surge_frequencies=frequencies)
+    return _Further(replace(ready, frame=frame), fineness, steps, sooner)
+
+
+def _as_rod(member: Member) -> Member:
+    """The rods that the springs of a member are reduced from."""
+    from valvetrain.springs.finite_element import SPEC  # loads the rod, which few runs need
+
+    options = member.model.read_options
+    springs = tuple(
+        spring.with_options(ROD, **options(spring.options_of(REDUCED)).model_dump())
+        for spring in member.springs
+    )
+    return replace(member, model=SPEC, springs=springs)
 
 
 def _finer(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
@@ -278,11 +294,11 @@ def _parts(member: Member, springs: Sequence[InstalledSpring]) -> list[float]:
 
 
 def _run_again(
-    shared: tuple[Problem, Mapping[str, Sequence[_Further]], Plan], point: _Point
+    shared: tuple[Problem, Mapping[tuple[str, float], _Further], Plan], point: _Point
 ) -> Mapping[str, float]:
     """Numbers of a further run; none of one that failed."""
     problem, further, plan = shared
-    ready, step = further[point.label][point.place].ready, point.time_step
+    ready, step = further[point.label, point.factor].ready, point.time_step
     # the stress of the wire is found from all of the motion, and is a number of springs alone
     keep: Keep = "all" if plan.keep == "all" and problem.kind != TRAIN else "ends"
     plan = replace(plan, keep=keep, cycles_to_settle=point.cycles or plan.cycles_to_settle)
@@ -300,61 +316,43 @@ def _run_again(
 
 
 def _rows(
-    run: Solution,
-    further: Sequence[tuple[_Further, Mapping[str, float]]],
-    from_rods: Mapping[str, float],
+    problem: Problem, run: Solution, further: Sequence[tuple[float, Mapping[str, float]]]
 ) -> Iterable[Uncertainty]:
-    """Error bars of a run from its further runs, with the differences ``from_rods`` that are known;
-    none where these had no further parts to take.
-    """
+    """Error bars of a run from its ``further`` runs; none where these had no further parts to take."""
+    (springs,) = (one.springs for one in problem.members if one.label == run.label)
     known = [
-        (way, numbers)
-        for way, numbers in further
+        (fineness, numbers)
+        for fineness, numbers in further
         if any(name in numbers and numbers[name] != run.quantities.get(name) for name in NAMES)
     ]
     clashes = run.quantities.get("clash_count", 0.0) > 0
     touching = _may_leave_the_cam(run, known)
-    chain_of_wire = run.model == "multi-mass" and any(
-        spring.wire is not None for way, _ in known for spring in way.ready.member.springs
-    )
+    chain_of_wire = run.model == "multi-mass" and any(spring.wire is not None for spring in springs)
     for name in NAMES:
         value = run.quantities.get(name, math.nan)
-        pairs = [(way, numbers[name]) for way, numbers in known if name in numbers]
-        pairs = [(way, again) for way, again in pairs if math.isfinite(again)]
-        if not pairs or not math.isfinite(value) or 0 < abs(value) < ROUNDING:
+        grids = [(fineness, numbers.get(name, math.nan)) for fineness, numbers in known]
+        grids = [(fineness, again) for fineness, again in grids if math.isfinite(again)]
+        if not grids or not math.isfinite(value) or 0 < abs(value) < ROUNDING:
             continue
-        of_clash = clashes and any(one in name for one in OF_CLASHES)
-        order = OTHER_ORDER if of_clash else ROD_ORDER
-        doubtful = of_clash or len(pairs) < 2 or (touching and name in OF_LOFT)
-        safety = DOUBTFUL if doubtful else SAFETY
-        bar = max(_bar(value, again, way, min(way.order, order), safety) for way, again in pairs)
+        order = ROD_ORDER if run.model in (*RODS, SOLID) else OTHER_ORDER
+        if (clashes and any(one in name for one in OF_CLASHES)) or (touching and name in OF_LOFT):
+            order = OTHER_ORDER
+        found = grid_bar(value, grids, order, of_model=run.model == REDUCED)
+        bar = found.uncertainty
         bar += run.quantities.get(f"cycle_scatter_{SAME_SCATTER.get(name, name)}", 0.0)
-        bar += abs(from_rods.get(name, 0.0))
         if name == "loss_of_contact_duration":
             bar += marginal_duration(run.events)
         if name in ONE_CLASH:
             bar += next_to_largest(run.events, ONE_CLASH[name])
         if chain_of_wire:
             bar += CHAIN_OF_WIRE.get(name, 0.0) * run.quantities.get("surge_amplitude_force", 0.0)
-        finest, best = max((way.ratio, again) for way, again in pairs)
         same = (value, value)
         yield Uncertainty(
-            name,
-            run.engine_speed,
-            value,
-            bar,
-            None,
-            best if finest > 1 else value,
-            0.0,
-            same,
-            same,
-            run.label,
-        )
+            name, run.engine_speed, value, bar, found.observed_order, found.extrapolated, 0.0, same, same, run.label,
+        )  # fmt: skip
 
 
-def _may_leave_the_cam(
-    run: Solution, known: Sequence[tuple[_Further, Mapping[str, float]]]
-) -> bool:
+def _may_leave_the_cam(run: Solution, known: Sequence[tuple[float, Mapping[str, float]]]) -> bool:
     """Whether one of the runs keeps contact with its cam, and one does so only as far as its surge goes: the next may leave it."""
     name, surge = "minimum_cam_contact_force", run.quantities.get("surge_amplitude_force", 0.0)
     found = (run.quantities, *(numbers for _, numbers in known))
@@ -362,23 +360,17 @@ def _may_leave_the_cam(
     return bool(forces) and min(forces) <= surge and max(forces) > 0.0
 
 
-def _bar(value: float, again: float, way: _Further, order: float, safety: float) -> float:
-    """Bar of ``value`` by one further run, finer or coarser."""
-    if order == NO_ORDER:
-        return DOUBTFUL * abs(value - again)
-    if way.ratio > 1:
-        return two_grids(value, again, way.ratio, order, safety).uncertainty
-    return two_grids(again, value, 1 / way.ratio, order, safety).finest_index
-
-
 def _sentences(
+    runs: Sequence[Solution],
     rows: Sequence[Uncertainty],
-    further: Sequence[_Further],
-    undivided: Sequence[str],
-    without: Sequence[str],
+    numbers: Mapping[tuple[str, float], Sequence[tuple[float, Mapping[str, float]]]],
+    missing: Sequence[NoErrorBar],
 ) -> Iterable[str]:
-    ways = sorted({one.ratio for one in further}, reverse=True)
-    none = f"none by {', '.join(dict.fromkeys(undivided))}"
+    undivided = dict.fromkeys(one.label for one in missing if one.reason == "no-division")
+    none = f"none by {', '.join(undivided)}"
+    ways = sorted(
+        {fineness for found in numbers.values() for fineness, _ in found if fineness != 1}
+    )
     if rows and ways:
         large = sorted(
             (row for row in rows if row.numerical > LARGE * abs(row.value) and row.value),
@@ -387,18 +379,51 @@ def _sentences(
         names = list(dict.fromkeys(label_of(row.quantity).lower() for row in large))
         more = f", {len(names) - 1} more" if len(names) > 1 else ""
         over = f"; over {100 * LARGE:.0f} %: {names[0]}{more}" if names else ""
-        divided_by = [f"{max(one, 1 / one):.3g}" for one in ways]
-        if any(one > 1 for one in ways):
-            sides = ["finer" if one > 1 else "coarser" for one in ways]
-            pairs = zip(divided_by, sides, strict=True)
-            how = " and ".join(f"{number} times {side}" for number, side in pairs)
-        else:
-            how = f"{' and '.join(divided_by)} times coarser"
-        if any(one.ready.member.model.word == SOLID for one in further):
+        sides = (
+            ("finer", [one for one in ways if one > 1]),
+            ("coarser", [1 / one for one in ways if one < 1]),
+        )
+        how = " and ".join(
+            f"{' to '.join(dict.fromkeys(f'{end:.3g}' for end in (min(sizes), max(sizes))))} times {side}"
+            for side, sizes in sides
+            if sizes
+        )
+        if any(run.model == SOLID for run in runs):
             how += " (of solid along the wire alone, not in the section)"
         yield f"± from runs {how} (all: --json){over}{f'; {none}' if undivided else ''}."
     elif undivided and not rows:
         yield f"No error bars: {none}, whose spring has no division."
+    without = [
+        f"{one.label} at {one.engine_speed * 30 / math.pi:.6g} rpm"
+        for one in missing
+        if one.reason != "no-division"
+    ]
     if without:
         more = f" and {len(without) - 3} more" if len(without) > 3 else ""
         yield f"No error bar of {', '.join(without[:3])}{more}: that run or its repeat did not settle."
+    far = [
+        f"{run.engine_speed * 30 / math.pi:.6g} rpm ({share})"
+        for run in runs
+        if run.model == REDUCED and (share := _off_its_rod(run, numbers.get(_key(run), ())))
+    ]
+    if far:
+        yield f"{TOO_HARD} for {REDUCED} at {', '.join(far)}: take finite-element there."
+
+
+def _off_its_rod(run: Solution, further: Sequence[tuple[float, Mapping[str, float]]]) -> str:
+    """How far the peak, or the least force, of a reduced rod is from its rod's, where that is too far."""
+    rod = next((numbers for fineness, numbers in further if fineness == 1), {})
+    ends = "peak_spring_force", "minimum_spring_force"
+    if any(name not in rod for name in ends):
+        return ""
+    apart = [abs(run.quantities[name] - rod[name]) for name in ends]
+    shares = (
+        apart[0] / abs(rod[ends[0]]),
+        apart[1] / max(rod["peak_spring_force"] - rod[ends[1]], 1e-12),
+    )
+    limits = (("peak", PEAK_TOO_FAR), ("minimum", MINIMUM_TOO_FAR))
+    return ", ".join(
+        f"{word} {100 * share:.2g} %"
+        for share, (word, limit) in zip(shares, limits, strict=True)
+        if share > limit
+    )

@@ -18,7 +18,6 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.statics import modal_quantities
 from valvetrain.runs.cost import FEWER_REFINED, Limits, limits_of, refuse_cost
 from valvetrain.runs.error_bars import (
-    DAMPING_FACTORS,
     OWN,
     SPRING_HEADLINES,
     STIFFNESS_FACTORS,
@@ -28,6 +27,8 @@ from valvetrain.runs.error_bars import (
     UncertaintyStudy,
     contact_ranges,
     convergence,
+    damped,
+    stiffened,
 )
 from valvetrain.runs.notes import checked_speeds
 from valvetrain.runs.prepared import (
@@ -42,8 +43,10 @@ from valvetrain.runs.prepared import (
 from valvetrain.runs.refine_trains import refine_trains
 from valvetrain.runs.request_cost import refine_cost
 from valvetrain.runs.statics import MODES
+from valvetrain.runs.stored_error_bars import ROD
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
+from valvetrain.solution.critical import DAMPING_FACTORS
 from valvetrain.solution.definition import pattern_of, tables
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
@@ -313,16 +316,6 @@ def _variants(base: PreparedRun) -> dict[str, tuple[InstalledSpring, ...]]:
             for spring, count in zip(springs, counts, strict=True)
         )
 
-    def contacts(stiffness: float, damping: float) -> tuple[InstalledSpring, ...]:
-        found = []
-        for spring in springs:
-            own = spring.contact
-            contact = replace(
-                own, stiffness=stiffness * own.stiffness, damping_time=damping * own.damping_time
-            )
-            found.append(replace(spring, contact=contact))
-        return tuple(found)
-
     variants = {f"mesh {n}": refined(REFINEMENTS[n - 1]) for n in (2, 3)}
     variants["half step"] = tuple(
         spring.with_options(
@@ -331,9 +324,9 @@ def _variants(base: PreparedRun) -> dict[str, tuple[InstalledSpring, ...]]:
         for spring, rod in pairs
     )
     for n, factor in enumerate(STIFFNESS_FACTORS, start=1):
-        variants[f"contact stiffness {n}"] = contacts(factor, 1.0)
+        variants[f"contact stiffness {n}"] = tuple(stiffened(spring, factor) for spring in springs)
     for n, factor in enumerate(DAMPING_FACTORS, start=1):
-        variants[f"contact damping {n}"] = contacts(1.0, factor)
+        variants[f"damping {n}"] = tuple(damped(spring, factor) for spring in springs)
     return variants
 
 
@@ -384,5 +377,8 @@ def _rows(
             numerical = mesh.uncertainty + step
             order, limit = mesh.observed_order, mesh.extrapolated
             ranges = contact_ranges(value, of)
-            rows.append(Uncertainty(name, speed, value, numerical, order, limit, step, *ranges))
+            label = "" if speed is None else ROD
+            rows.append(
+                Uncertainty(name, speed, value, numerical, order, limit, step, *ranges, label)
+            )
     return rows

@@ -15,13 +15,15 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.runs.error_bars import (
-    CONTACT_FACTORS,
     OWN,
+    STIFFNESS_FACTORS,
     Numbers,
     Stages,
     UncertaintyStudy,
     contact_ranges,
     convergence,
+    damped,
+    stiffened,
 )
 from valvetrain.runs.notes import checked_speeds
 from valvetrain.runs.prepared import (
@@ -34,9 +36,10 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.train_runs import member_statics
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress
+from valvetrain.solution.critical import DAMPING_FACTORS
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
-from valvetrain.solution.uncertainty import Uncertainty
+from valvetrain.solution.uncertainty import CONSTANTS, Uncertainty
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
 
@@ -130,8 +133,8 @@ def refine_trains(
         tuple(rows),
         values,
         tuple(failures),
-        CONTACT_FACTORS,
-        CONTACT_FACTORS,
+        STIFFNESS_FACTORS,
+        DAMPING_FACTORS,
         len(jobs),
         len(found),
     )
@@ -177,19 +180,23 @@ def _problems(case: Case, problem: Problem) -> dict[str, tuple[Problem | Case, f
     for n, factor in enumerate(SPRINGS, start=2):
         found[f"springs {n}"] = problem, factor
     own = dict(case.train.contacts)
-    for constant in ("stiffness", "damping"):
-        for n, factor in enumerate(CONTACT_FACTORS, start=1):
+    for constant, factors in zip(CONSTANTS, (STIFFNESS_FACTORS, DAMPING_FACTORS), strict=True):
+        change = stiffened if constant == CONSTANTS[0] else damped
+        for n, factor in enumerate(factors, start=1):
             contacts = {name: _with(contact, constant, factor) for name, contact in own.items()}
-            if contacts != own:
-                changed = case.replace(train=case.train.replace(contacts=contacts))
-                found[f"contact {constant} {n}"] = changed, 1.0
+            springs = {
+                name: tuple(change(one, factor) for one in group)
+                for name, group in case.train.springs.items()
+            }
+            changed = case.train.replace(contacts=contacts, springs=springs)
+            found[f"{constant} {n}"] = case.replace(train=changed), 1.0
     return found
 
 
 def _with(contact: ContactParameters, constant: str, factor: float) -> ContactParameters:
     """A contact with another stiffness, or with another damping, which its restitution may replace."""
     values: Mapping[str, Any] = contact.values
-    name = "contact_stiffness" if constant == "stiffness" else "damping"
+    name = "contact_stiffness" if constant == CONSTANTS[0] else "damping"
     if name in values:
         return contact.replace(**{name: factor * values[name]})
     if constant == "damping" and 0 < values.get("restitution", 0.0) < 1:

@@ -52,9 +52,9 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.stopping import PointsStopped, StudyStopped, noted
 from valvetrain.runs.stored_error_bars import (
-    has_stored_bars,
     load_uncertainty,
     spread_sentences,
+    stored_rows,
     uncertainty_sentences,
 )
 from valvetrain.runs.train_runs import (
@@ -81,7 +81,7 @@ from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import INTERRUPTED, Study
-from valvetrain.solution.uncertainty import ErrorBars
+from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 from valvetrain.sources.contract import against_source, published_by
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
@@ -342,16 +342,19 @@ def run_problem(
         study = replaced(study, **named) if later and not stopped else whole_study.value
     if stopped:
         raise StudyStopped(study)
-    barred = solutions
-    if any(has_stored_bars(problem.record, run) for run in solutions):
-        barred = tuple(run for run in solutions if run.model == SOLID)
-        if not barred:
-            return study
+    stored = stored_rows(problem.record, solutions)
+    rows = tuple(row for group in stored.values() for row in group)
+    if stored:
+        statics = (one for one in load_uncertainty(problem.record) if one.engine_speed is None)
+        rows = (*statics, *rows)
+    barred = tuple(run for run in solutions if (run.label, run.engine_speed) not in stored)
+    if not barred:
+        return replaced(study, error_bars=ErrorBars(rows))
     known = at_rest or Later(_rest_of_trains, ready)
     labels = {run.label for run in barred}
     members = problem.only(lambda member: member.label in labels)
     bars = Later(own_error_bars, replace(problem, members=members), barred, plan, known, count)
-    study = replaced(study, error_bars=bars)
+    study = replaced(study, error_bars=bars.then(partial(_behind, rows)))
     if error_bars and progress is not None:
         progress(0.99, "error bars")
     if error_bars:
@@ -360,6 +363,11 @@ def run_problem(
         except PointsStopped:
             raise StudyStopped(replaced(study, error_bars=ErrorBars())) from None
     return study
+
+
+def _behind(rows: tuple[Uncertainty, ...], computed: ErrorBars) -> ErrorBars:
+    """Computed error bars behind stored ``rows``."""
+    return computed._replace(rows=(*rows, *computed.rows))
 
 
 def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:

@@ -27,11 +27,14 @@ from valvetrain.quantities.statics import (
 from valvetrain.quantities.stress import EQUIVALENT, SHEAR
 from valvetrain.runs.buckling import find_buckling, find_leaning, path_status
 from valvetrain.runs.prepared import largest_lift
+from valvetrain.runs.stored_error_bars import belongs, load_uncertainty
 from valvetrain.runs.workers import Progress
+from valvetrain.solution.later import replaced
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.static import RestPoint, SpringAtRest, StaticCurve, StaticStress
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import static_section_loads, wire_points
@@ -153,7 +156,7 @@ def static_study(
         ", ".join(dict.fromkeys(one.model for one in found)),
         citations=record.citations,
     )
-    return Study(
+    study = Study(
         record,
         command,
         (),
@@ -162,6 +165,9 @@ def static_study(
         provenance=origin,
         wall_time=time.perf_counter() - begun,
     )
+    statics = (row for row in load_uncertainty(record) if row.engine_speed is None)
+    bars = ErrorBars(tuple(row for row in statics if belongs(row, study.quantities)))
+    return replaced(study, error_bars=bars)
 
 
 def _travel(spring: InstalledSpring, lift: float, train: bool) -> dict[str, float]:

@@ -11,8 +11,9 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from valvetrain.parameters.loading import library_names
-from valvetrain.runs.error_bars import grouped
+from valvetrain.runs.error_bars import STIFFNESS_FACTORS, grouped
 from valvetrain.solution.definition import shown
+from valvetrain.solution.later import LaterMapping
 from valvetrain.solution.provenance import CaseRecord, PublishedValue
 from valvetrain.solution.quantity import Quantity, same_speed, unit_of
 from valvetrain.solution.uncertainty import Uncertainty
@@ -20,9 +21,10 @@ from valvetrain.solution.uncertainty import Uncertainty
 if TYPE_CHECKING:
     from valvetrain.runs.error_bars import UncertaintyStudy
     from valvetrain.solution.result import Solution
-    from valvetrain.solution.study import Study
 
 RPM = math.pi / 30
+#: The model whose bars are stored of a spring under prescribed motion.
+ROD = "finite-element"
 #: Heading of the rows without engine speed, and what separates engine speed and variant in the
 #: headings of a train.
 _STATICS, _OF = "statics", ", of "
@@ -57,13 +59,26 @@ def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
     return rows_of(_library_file(record, "uncertainty"))
 
 
-def has_stored_bars(record: CaseRecord, run: Solution) -> bool:
-    """Whether error bars of a run of this label at this engine speed ship with the case."""
-    return any(
-        (row.label or "finite-element") == run.label
-        and same_speed(row.engine_speed, run.engine_speed)
-        for row in load_uncertainty(record)
-    )
+def stored_rows(
+    record: CaseRecord, solutions: Sequence[Solution]
+) -> dict[tuple[str, float], tuple[Uncertainty, ...]]:
+    """Stored rows by label and engine speed (rad/s) of those ``solutions`` that reproduce every one of theirs.
+
+    Of a run that computes numbers when they are first read, only those at hand are compared.
+    """
+    rows, found = load_uncertainty(record), {}
+    for run in solutions:
+        numbers = run.quantities
+        at_hand = numbers.known if isinstance(numbers, LaterMapping) else numbers
+        own = tuple(
+            row
+            for row in rows
+            if row.label == run.label and same_speed(row.engine_speed, run.engine_speed)
+        )
+        known = [(row, at_hand[row.quantity]) for row in own if row.quantity in at_hand]
+        if known and all(_is_same(row, value) for row, value in known):
+            found[run.label, run.engine_speed] = own
+    return found
 
 
 def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]:
@@ -115,33 +130,17 @@ def uncertainty_text(study: UncertaintyStudy) -> str:
 
 def belongs(row: Uncertainty, quantities: Mapping[Quantity, float]) -> bool:
     """Whether ``quantities`` hold the number of a stored row, the same within its own uncertainty."""
-    labels = (row.label,) if row.label else ("", "finite-element")
-    for key, value in quantities.items():
-        if (
-            key.name == row.quantity
-            and key.label in labels
-            and same_speed(key.engine_speed, row.engine_speed)
-        ):
-            return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
-    return False
+    return any(
+        _is_same(row, value)
+        for key, value in quantities.items()
+        if key.name == row.quantity
+        and (row.engine_speed is None or key.label == row.label)
+        and same_speed(key.engine_speed, row.engine_speed)
+    )
 
 
-def fresh_uncertainty(study: Study) -> tuple[Uncertainty, ...]:
-    """Error bars of the runs, and stored rows of others whose numbers the study computed; none of a
-    study over speeds, nor where only the statics of its runs agree.
-    """
-    if study.over_speed:
-        return ()
-    own = study.error_bars.rows
-    barred = {row.label for row in own}
-    rows = load_uncertainty(study.record)
-    if barred & {row.label or "finite-element" for row in rows}:
-        return own
-    found = study.quantities if rows else {}
-    fresh = tuple(row for row in rows if belongs(row, found))
-    if study.solutions and all(row.engine_speed is None for row in fresh):
-        return own
-    return (*fresh, *own)
+def _is_same(row: Uncertainty, value: float) -> bool:
+    return abs(value - row.value) <= max(SAME * abs(row.value), row.numerical)
 
 
 def rows_that_hold(
@@ -183,7 +182,7 @@ def sentences_of(
         if speed is None or round(speed / RPM) not in run:
             continue
         found = {row.quantity: row for row in group}
-        if label:
+        if label != ROD:
             sentences.append(
                 f"{_rpm(speed)}, {label}, with numerical uncertainty: {_bars(found, TRAIN_LABELS)}.{_coarse_springs(found)}"
             )
@@ -219,11 +218,11 @@ def _coarse_springs(rows: Mapping[str, Uncertainty]) -> str:
 
 
 def _clash_sentence(speed: float, rows: Mapping[str, Uncertainty], meshes: str) -> str:
-    raw = rows["main_clash_peak_force"].contact_stiffness
+    raw, (soft, stiff) = rows["main_clash_peak_force"].contact_stiffness, STIFFNESS_FACTORS
     filtered = rows["main_clash_below_10_khz_peak_force"].contact_stiffness
     return (
         f"{_rpm(speed)}, main clash of coils 1 and 2, numerical uncertainty from {meshes} elements per coil: "
-        f"{_bars(rows, CLASH_LABELS)}. Contact stiffness from 0.35 to 2.5 times the case's moves the height from "
+        f"{_bars(rows, CLASH_LABELS)}. Contact stiffness from {soft:g} to {stiff:g} times the case's moves the height from "
         f"{filtered[0]:.4g} to {filtered[1]:.4g} N below 10 kHz and from {raw[0]:.4g} to {raw[1]:.4g} N raw."
     )
 
@@ -248,7 +247,7 @@ def _numbers(row: Uncertainty) -> tuple[float, ...]:
         row.extrapolated,
         row.step_part,
         *row.contact_stiffness,
-        *row.contact_damping,
+        *row.damping,
     )
 
 

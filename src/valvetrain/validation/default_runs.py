@@ -23,7 +23,6 @@ from valvetrain.runs.own_error_bars import NAMES, SAME_SCATTER
 from valvetrain.runs.prepared import Plan, integrate_from, prepare, provenance_of, with_quantities
 from valvetrain.runs.refine_trains import divided
 from valvetrain.runs.run import run_problem
-from valvetrain.runs.stored_error_bars import fresh_uncertainty
 from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.modal_uniform import oscillating_modes
@@ -154,7 +153,7 @@ def compare(subject: Subject, models: Sequence[str] = MODELS) -> Iterator[Compar
         study = run_problem(problem, speeds, workers=1, error_bars=True)
         bars = {
             (round(row.engine_speed / RPM), row.quantity): row.numerical
-            for row in fresh_uncertainty(study)
+            for row in study.error_bars.rows
             if row.engine_speed is not None
         }
         for default in study.solutions:

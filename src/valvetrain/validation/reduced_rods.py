@@ -18,14 +18,6 @@ from valvetrain.integrate.contract import Cycles
 from valvetrain.integrate.run import run as integrate
 from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.loading import parse_case
-from valvetrain.runs.against_rod import (
-    MINIMUM_TOO_FAR,
-    PEAK_TOO_FAR,
-    TOO_FAR,
-    RodDifference,
-    difference_from_rods,
-    rod_difference,
-)
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import wire_points
 from valvetrain.springs.finite_element_statics import equilibrium_at
@@ -33,6 +25,14 @@ from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.springs.stress import LOADS, wire_stress
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import PrescribedSpring
+from valvetrain.validation.against_rod import (
+    MINIMUM_TOO_FAR,
+    PEAK_TOO_FAR,
+    TOO_FAR,
+    RodDifference,
+    difference_from_rods,
+    rod_difference,
+)
 from valvetrain.validation.row import Row, book_case
 
 TOPIC, CASE = "reduced rods", "gu2021-beehive-blind"

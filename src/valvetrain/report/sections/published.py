@@ -28,19 +28,18 @@ from valvetrain.report.table import Table, comparison_grid, table
 from valvetrain.report.text import in_unit, number, rpm, speed_text, unit_text
 from valvetrain.report.verdict import verdict_of
 from valvetrain.runs.error_bars import (
-    CONTACT_FACTORS,
-    DAMPING_FACTORS,
     STIFFNESS_FACTORS,
     UncertaintyStudy,
     grouped,
 )
-from valvetrain.runs.stored_error_bars import fresh_uncertainty, load_uncertainty, meshes_of
+from valvetrain.runs.stored_error_bars import ROD, load_uncertainty, meshes_of
 from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.critical import DAMPING_FACTORS
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.study import Study
-from valvetrain.solution.uncertainty import Range, Uncertainty
+from valvetrain.solution.uncertainty import CONSTANTS, NOT_RESOLVED, Range, Uncertainty
 
 #: Ends of the ratio axis; values beyond are drawn at the end as a triangle, its number on hover.
 AXIS = (0.5, 1.5)
@@ -97,7 +96,7 @@ def ratio_chart(study: Study) -> Chart | None:
     unsure = {
         (row.quantity, round(row.engine_speed or 0.0, 3)): row
         for row in load_uncertainty(study.record)
-        if not row.label
+        if row.label == ROD
     }
     allowed = [
         None if row.tolerance is None else row.tolerance / abs(row.published) for row, _ in known
@@ -234,7 +233,7 @@ def uncertainty_blocks(study: Study) -> tuple[Block, ...]:
     """Nothing for a case that was changed, one of one's own, or numbers that another version or
     other engine speeds gave.
     """
-    rows, fresh = load_uncertainty(study.record), fresh_uncertainty(study)
+    rows, fresh = load_uncertainty(study.record), study.error_bars.rows
     if not fresh:
         return ()
     left = f"{len(rows) - len(fresh)} stored rows are left out: this run computes other values or other speeds."
@@ -289,19 +288,9 @@ def uncertainty_grid(rows: Sequence[Uncertainty]) -> Grid:
             else f"Engine speed {speed_text(speed)}{f', {label}' if label else ''}"
         )
         lines += [((Cell(caption),), ()), *((_cells(row), ()) for row in group)]
-    stiffness, damping = (
-        (CONTACT_FACTORS,) * 2
-        if any(row.label for row in rows)
-        else (STIFFNESS_FACTORS, DAMPING_FACTORS)
-    )
-    ranges = tuple(
-        f"contact {word} × {least:g} to {most:g}"
-        for word, (least, most) in (("stiffness", stiffness), ("damping", damping))
-    )
-    varied = any(
-        low < high for row in rows for low, high in (row.contact_stiffness, row.contact_damping)
-    )
-    if not varied:  # of one further run: neither constants nor orders
+    factors = zip(CONSTANTS, (STIFFNESS_FACTORS, DAMPING_FACTORS), strict=True)
+    ranges = tuple(f"{word} × {least:g} to {most:g}" for word, (least, most) in factors)
+    if all(row.range is None for row in rows):  # of one further run: neither constants nor orders
         shown_columns = (0, 1, 2, 3, 4)
         lines = [
             (cells if len(cells) == 1 else tuple(cells[n] for n in shown_columns), more)
@@ -323,13 +312,14 @@ def firmness(rows: Sequence[Uncertainty]) -> str:
     if not loose:
         return f"{firm}."
     named = [
-        f"{label_of(row.quantity)}{_whose(row)} {_per_cent(share[row])} %" for row in loose[:3]
+        f"{label_of(row.quantity)}{_whose(row)} {_per_cent(share[row]) if row.resolved else NOT_RESOLVED}"
+        for row in loose[:3]
     ]
     return f"{firm}; the least firm: {', '.join(named)}."
 
 
 def _per_cent(share: float) -> str:
-    return f"{100 * share:.0f}" if share >= 0.1 else f"{100 * share:.2g}"
+    return f"{100 * share:.0f} %" if share >= 0.1 else f"{100 * share:.2g} %"
 
 
 def _whose(row: Uncertainty) -> str:
@@ -349,8 +339,8 @@ def uncertainty_table(rows: Sequence[Uncertainty]) -> Table:
         "extrapolated": [row.extrapolated for row in rows], "part of the step": [row.step_part for row in rows],
         "least over contact stiffness": [row.contact_stiffness[0] for row in rows],
         "largest over contact stiffness": [row.contact_stiffness[1] for row in rows],
-        "least over contact damping": [row.contact_damping[0] for row in rows],
-        "largest over contact damping": [row.contact_damping[1] for row in rows],
+        "least over damping": [row.damping[0] for row in rows],
+        "largest over damping": [row.damping[1] for row in rows],
     }  # fmt: skip
     speeds = [float("nan") if row.engine_speed is None else rpm(row.engine_speed) for row in rows]
     units = [Quantity(row.quantity).unit for row in rows]
@@ -420,9 +410,8 @@ def uncertainty_page(study: UncertaintyStudy) -> Page:
 def _cells(row: Uncertainty) -> tuple[Cell, ...]:
     unit = Quantity(row.quantity).unit
     label, factor = SHOWN_UNITS.get(unit, (unit, 1.0))
-    share = (
-        "" if unit == "rad" or row.value == 0 else f"{100 * row.numerical / abs(row.value):.2g} %"
-    )
+    bare = unit == "rad" or row.value == 0 or not row.resolved
+    share = "" if bare else f"{100 * row.numerical / abs(row.value):.2g} %"
     order = "–" if row.trusted_order is None else f"{row.trusted_order:.1f}"
 
     def between(values: Range) -> str:
@@ -432,11 +421,11 @@ def _cells(row: Uncertainty) -> tuple[Cell, ...]:
     return (
         Cell(label_of(row.quantity), hint=row.quantity),
         Cell(number(row.value * factor, 5), "number"),
-        Cell(number(row.numerical * factor, 2), "number"),
+        Cell(number(row.numerical * factor, 2) if row.resolved else NOT_RESOLVED, "number"),
         Cell(share, "number quiet"),
         Cell(label, "quiet"),
         Cell(order, "number quiet"),
         Cell(number(row.extrapolated * factor, 5), "number"),
         Cell(between(row.contact_stiffness), "number"),
-        Cell(between(row.contact_damping), "number"),
+        Cell(between(row.damping), "number"),
     )

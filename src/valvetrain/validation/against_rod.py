@@ -1,10 +1,9 @@
 """Springs reduced from their rods, compared with those rods: both under the motion of the retainer that a run
-found, over two revolutions. The error bar of such a run, at the cost of the rod alone.
+found, over two revolutions.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -19,20 +18,14 @@ from valvetrain.integrate.run import run as integrate
 from valvetrain.integrate.train_channels import position_name
 from valvetrain.quantities.clash import clash_events, clash_numbers
 from valvetrain.quantities.signal import fine_series, low_pass
-from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
-from valvetrain.runs.workers import map_points
 from valvetrain.solution.result import Solution
-from valvetrain.solution.uncertainty import TOO_HARD
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.reduced_rod import ReducedRod
-from valvetrain.system.contract import TRAIN, System
+from valvetrain.system.contract import System
 from valvetrain.system.prescribed import PrescribedSpring
-from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_system import TrainSystem
 
 Array = NDArray[np.float64]
-#: Kind of the springs whose rod is at hand.
-REDUCED = "reduced-rod"
 #: Shares of the seat force below ``CUTOFF`` (Hz) from which a run says that its rod is to be taken: rms of
 #: the difference over rms, peak over peak, minimum over the force as installed.
 TOO_FAR, PEAK_TOO_FAR, MINIMUM_TOO_FAR, CUTOFF = 0.03, 0.01, 0.02, 20e3
@@ -170,53 +163,3 @@ def _last_revolution(
         for name in names
     }
     return _LastRevolution(grid, forces[0], forces[1], joined)
-
-
-def differences_from_rods(
-    problem: Problem,
-    members: Sequence[Member],
-    solutions: Sequence[Solution],
-    rest: Rest,
-    workers: int,
-) -> tuple[Mapping[tuple[str, float], Mapping[str, float]], tuple[str, ...]]:
-    """Differences (SI) of the numbers of ``members``, reduced rods, from their rods by label and engine
-    speed (rad/s) of their runs, and sentences on them.
-    """
-    labels = {member.label for member in members}
-    runs = [
-        run for run in solutions if run.label in labels and run.status.completed and run.quantities
-    ]
-    if problem.kind == TRAIN:  # the motion of its retainer is known of runs with channels alone
-        runs = [run for run in runs if len(run.time)]
-    if not runs:
-        return {}, ()
-    ready = {member.label: prepare(problem, member, rest, "") for member in members}
-    found = map_points(
-        _rod_difference, (ready, runs), range(len(runs)), workers, lost=lambda _: None
-    )
-    known = [(run, one) for run, one in zip(runs, found, strict=True) if one is not None]
-    if not known:
-        return {}, ()
-    said = [
-        f"± of {REDUCED} holds the difference from its rod ({100 * max(one.rms for _, one in known):.2g} % "
-        "of the seat force below 20 kHz)."
-    ]
-    far = [
-        f"{run.engine_speed * 30 / math.pi:.6g} rpm ({one.too_far})"
-        for run, one in known
-        if one.too_far
-    ]
-    if far:
-        said.append(f"{TOO_HARD} for {REDUCED} at {', '.join(far)}: take finite-element there.")
-    return {(run.label, run.engine_speed): one.differences for run, one in known}, tuple(said)
-
-
-def _rod_difference(
-    shared: tuple[Mapping[str, PreparedRun], Sequence[Solution]], place: int
-) -> RodDifference | None:
-    ready, runs = shared
-    system = ready[runs[place].label].system
-    try:
-        return None if system is None else rod_difference(system, runs[place])
-    except FAILURES:
-        return None
