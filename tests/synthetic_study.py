@@ -12,7 +12,13 @@ import xarray
 from synthetic_spring import ENGINE_SPEED, bump
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.comparison import Comparison, Finding
-from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
+from valvetrain.solution.critical import (
+    CriticalSpeed,
+    CriticalSpeeds,
+    Crossing,
+    RangeMember,
+    SpeedBracket,
+)
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.provenance import CaseRecord, CaseValue, Provenance, PublishedValue
 from valvetrain.solution.result import Solution
@@ -454,8 +460,12 @@ def critical_speeds() -> CriticalSpeeds:
                 (),
                 23,
                 700.4,
-                SpeedBracket(700.1, 700.4),
-                SpeedBracket(680.0, 720.0),
+                (
+                    RangeMember("mesh", "×1.5", 700.1),
+                    RangeMember("model", "multi-mass", 680.0),
+                    RangeMember("damping", "×1.5", 720.0),
+                ),
+                (),
                 "sharp",
             ),
             CriticalSpeed("stock", "bounce", 1e-4, *searched),

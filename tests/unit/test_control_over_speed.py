@@ -20,7 +20,13 @@ from valvetrain.report.key_figures import key_figures
 from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.runs.critical_search import Search, SpeedSample
 from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed
-from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
+from valvetrain.solution.critical import (
+    CriticalSpeed,
+    CriticalSpeeds,
+    Crossing,
+    RangeMember,
+    SpeedBracket,
+)
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -144,11 +150,19 @@ def test_one_speed_is_printed_once():
 
 def test_a_range_says_what_it_is_over_and_is_rounded_outwards():
     """It was "with other damping or division", 8106 where the table had 8105."""
-    ranges = {"numerical": bracket(6999.6, 7000.2), "damping": bracket(6400.4, 7000.2)}
-    said = sweep(lost("contact-loss", 7000, **ranges)).verdict
-    assert said.startswith("Controlled to 7000 rpm (6400 to 7001 over step, mesh and damping), where contact is lost")  # fmt: skip
-    never = sweep(lost("contact-loss", 7000, damping=SpeedBracket(6400 * RPM, math.inf))).verdict
-    assert "(6400 to above 8000 over step, mesh and damping)" in never and "never" not in never
+    members = RangeMember("model", "own", 6400.4 * RPM), RangeMember("mesh", "×1.5", 7000.2 * RPM)
+    said = sweep(lost("contact-loss", 7000, members=members)).verdict
+    assert "(6400 to 7001: model, mesh)" in said
+    members = RangeMember("damping", "×0.6", 6400 * RPM), RangeMember("model", "own", math.inf)
+    never = sweep(lost("contact-loss", 7000, members=members)).verdict
+    assert "(6400 to above 8000: damping, model)" in never and "never" not in never
+
+
+def test_speeds_of_which_nothing_is_known_are_said_beside_control():
+    """Ends that would pull between the speeds of a sweep left "controlled up to 8000 rpm" alone."""
+    never = CriticalSpeed(LABEL, "contact-loss", 0.0, 4000 * RPM, 8000 * RPM, 10 * RPM)
+    said = sweep(replace(never, pulled=(bracket(6340, 6450),))).verdict
+    assert "6340 to 6450" in said and "6340" not in sweep(never).verdict
 
 
 def test_ends_that_would_lift_are_said_where_they_do():

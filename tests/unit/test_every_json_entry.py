@@ -264,8 +264,10 @@ def test_critical_speeds_are_told_bracket_by_bracket():
         "resolution": known(10, "rpm"),
     }
     unknown = {
-        "numerical": None,
-        "damping": None,
+        "range": None,
+        "range_causes": [],
+        "members": [],
+        "pulled": [],
         "onset": "",
         "cause": "",
         "spring_force_loss": known(0, "N"),
@@ -283,7 +285,15 @@ def test_critical_speeds_are_told_bracket_by_bracket():
         "runs_count": known(31, "1"),
     }
     assert floats["engine_speed"] == known(700.4 * 30 / np.pi, "rpm")
-    assert floats["damping"] == bracket(680, 720) and floats["onset"] == "sharp"
+    assert floats["range"] == bracket(680, 720) and floats["onset"] == "sharp"
+    assert floats["range_causes"] == ["model", "damping"]
+    assert floats["members"][0] == {
+        "cause": "mesh",
+        "change": "×1.5",
+        "engine_speed": known(700.1 * 30 / np.pi, "rpm"),
+        "lost_from_the_first": False,
+        "pulled": [],
+    }
     assert floats["begins"] == {
         "from_rest": bracket(700, 701),
         "rising": bracket(720, 721),

@@ -39,7 +39,7 @@ RPM = np.pi / 30
 NAMES = ("finite-element rod", "modal model with varied stiffness")
 
 #: The form of a critical speed with its ranges and its kind.
-FLOAT = "6688 (6685–6689 over step and mesh, 6493–6876 over damping ×0.6 to ×1.5)"
+FLOAT = "6688 (6493 to 6876: model, damping)"
 
 
 def four(value: float | None) -> str:

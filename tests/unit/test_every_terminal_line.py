@@ -155,7 +155,7 @@ def test_a_sweep_says_the_brackets_of_critical_speeds_and_what_was_not_searched(
         [
             "Float speed",
             "rpm",
-            "6688 (6685–6689 over step and mesh, 6493–6876 over damping ×0.6 to ×1.5)",
+            "6688 (6493 to 6876: model, damping)",
             "not computed",
         ],
         ["until", "rpm", "8000 or more"],

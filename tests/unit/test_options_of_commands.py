@@ -143,10 +143,11 @@ def test_nested_springs_of_a_card_add_up(answer):
 
 
 def test_brackets_of_critical_speeds_are_no_wider_than_the_resolution(answer):
-    words = ("--spring", "massless", "--spring-set", "nested", "--resolution", "500 rpm")
-    text = answer("sweep", "vaz-ohc", "--engine-speed", "4000:5000:1000 rpm", *words)
-    brackets = re.findall(r"(\d+)–(\d+) over step and mesh", text)
-    assert brackets and all(0 <= int(high) - int(low) <= 500 for low, high in brackets)
+    words = ("--spring", "massless", "--spring-set", "nested", "--resolution", "500 rpm", "--json")
+    found = answer("sweep", "vaz-ohc", "--engine-speed", "4000:5000:1000 rpm", *words)
+    begins = [row["begins"]["from_rest"] for row in json.loads(found)["critical_speeds"] if row["begins"]]  # fmt: skip
+    widths = [one["upper"]["value"] - one["lower"]["value"] for one in begins]
+    assert widths and all(0 <= width <= 500.001 for width in widths)
 
 
 def test_a_run_up_covers_the_speeds_that_were_given(answer):

@@ -12,7 +12,13 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.report.sweep_chart import regime_chart
-from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
+from valvetrain.solution.critical import (
+    CriticalSpeed,
+    CriticalSpeeds,
+    Crossing,
+    RangeMember,
+    SpeedBracket,
+)
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.study import Study
 
@@ -72,7 +78,7 @@ def test_a_sweep_says_how_far_control_reaches_beside_the_red_line(red_line, at, 
 def test_a_range_that_reaches_below_the_red_line_is_named():
     """Contract: control to 6598 with a range from 6450 on is no margin above a red line of 6500."""
     found = row(6598)
-    wide = replace(found, numerical=SpeedBracket(6450 * RPM, 6620 * RPM))
+    wide = replace(found, members=(RangeMember("model", "own", 6450 * RPM),))
     assert (
         "98 rpm above the red line of 6500, which its range reaches below"
         in sweep(6500, wide).verdict

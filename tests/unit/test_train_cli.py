@@ -127,9 +127,10 @@ def test_sweep_tells_where_contact_is_lost(folder):
     assert all(run["quantities"]["seating_velocity"]["unit"] == "m/s" for run in data["runs"])
     assert (target / "run.json").is_file() and (target / "report.html").is_file()
     printed = call(*words, "--output", str(target), "--no-report", "--workers", "1").stdout
-    assert re.search(
-        r"Contact-loss speed +rpm +7\d\d\d \(7\d\d\d–7\d\d\d over step and mesh, 7\d\d\d", printed
-    )
+    assert {"step", "damping", "model"} <= {one["cause"] for one in row["members"]}
+    lower = row["range"]["lower"]
+    assert lower is None or lower["value"] <= speed * 1.0000001
+    assert re.search(r"Contact-loss speed +rpm +7\d\d\d \(", printed)
 
 
 def test_run_prints_a_table_for_people(folder):

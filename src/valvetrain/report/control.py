@@ -5,7 +5,6 @@ and the short ranges of lost contact below it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from valvetrain.quantities.loss_cause import leading_loss
@@ -14,7 +13,7 @@ from valvetrain.report.contact_lost import losses_while_open, time_lost
 from valvetrain.report.run_clauses import cause_phrase, cause_text
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
-from valvetrain.solution.critical import FLOAT_LIFT, NARROW, CriticalSpeed, SpeedBracket
+from valvetrain.solution.critical import FLOAT_LIFT, NARROW, PULLED, CriticalSpeed, SpeedBracket
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -24,7 +23,7 @@ LOST = {
     "float": ("the valve floats", "floats"),
     "bounce": ("the valve bounces", "bounces"),
 }
-#: Share of a critical speed that its range over step, mesh and damping is named from.
+#: Share of a critical speed that its range is named from.
 WIDE = 0.05
 #: Short ranges below the loss that stays; where control comes and goes more often it ends at the first.
 MAX_ISLANDS = 2
@@ -149,12 +148,16 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
     apart, apart_cause = _apart(control, runs)
     reached = last if not control.losses else max(control.limit, first)
     margin = red_line_margin(reached, study.record.red_line)
+    pulled = [span_text(one) for one in every[0].pulled]
+    silent = (
+        [f"{PULLED} at {joined(pulled)} rpm, where nothing is known of control"] if pulled else []
+    )
     if not control.losses:
         reach = f"controlled up to {rpm(last):.6g} rpm, the highest speed searched{margin}"
-        return [f"{reach}{apart}{_least_force(runs)}"]
+        return [f"{reach}{apart}{_least_force(runs)}", *silent]
     lost = control.losses[0]
     row, whole = lost.row, not control.islands or lost.row is not control.contact
-    line, span = study.record.red_line, row.printed
+    line, span = study.record.red_line, row.span
     if (
         line is not None
         and whole
@@ -181,7 +184,7 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
         low, high = (f"{rpm(one):.0f}" for one in both)
         branches = f"from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it"
         also.insert(0, branches)
-    return [f"{begun}{apart}", *([f"{joined(others)}{unit}"] if others else []), *also]
+    return [f"{begun}{apart}", *([f"{joined(others)}{unit}"] if others else []), *also, *silent]
 
 
 def _first_angle(lost: Loss, runs: Runs) -> str:
@@ -243,22 +246,11 @@ def span_text(one: SpeedBracket) -> str:
 
 def _over(row: CriticalSpeed) -> str:
     """The range of a critical speed where it is wide, rounded outwards, empty elsewhere."""
-    span = row.printed
+    span = row.span
     wide = WIDE * row.engine_speed
     if span is None or not span.upper_engine_speed - span.lower_engine_speed > wide:
         return ""
-    low, high = span.lower_engine_speed, span.upper_engine_speed
-    start = _outward(low, math.floor) if low > 0 else f"below {rpm(row.first_engine_speed):.6g}"
-    end = (
-        _outward(high, math.ceil)
-        if math.isfinite(high)
-        else f"above {rpm(row.last_engine_speed):.6g}"
-    )
-    return f" ({start} to {end} over step, mesh and damping)"
-
-
-def _outward(speed: float, rounded: Callable[[float], int]) -> str:
-    return f"{rounded(round(rpm(speed), 3))}"
+    return f" ({row.range_text})"
 
 
 def _loses(one: Loss, runs: Runs, first: str) -> str:

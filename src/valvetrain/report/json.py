@@ -292,8 +292,21 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
         "searched": bracket(SpeedBracket(one.first_engine_speed, one.last_engine_speed)),
         "resolution": engine_speed_object(one.resolution),
         "engine_speed": engine_speed_object(one.engine_speed) if one.found else None,
-        "numerical": reach(one.numerical),
-        "damping": reach(one.damping),
+        "range": reach(one.span),
+        "range_causes": list(one.causes),
+        "members": [
+            {
+                "cause": each.cause,
+                "change": each.change,
+                "engine_speed": engine_speed_object(each.engine_speed)
+                if 0 < each.engine_speed < math.inf
+                else None,
+                "lost_from_the_first": each.engine_speed <= 0,
+                "pulled": [bracket(every) for every in each.pulled],
+            }
+            for each in one.members
+        ],
+        "pulled": [bracket(each) for each in one.pulled],
         "onset": one.onset,
         "cause": one.cause,
         "spring_force_loss": measured(one.spring_force_loss, "N"),

@@ -22,11 +22,12 @@ from valvetrain.system.contract import TRAIN
 NOT_COMPUTED = "not computed"
 #: How the ranges of critical speeds came about and what the words for an onset mean.
 RANGES_NOTE = (
-    "Each speed is found inside its bracket to 0.01 rpm and again with half the time step, with 1.5 times the masses, elements or modes of the "
-    "springs (the mesh), and with the damping of the springs times 0.6 and 1.5, which is known to no better than a factor of two: the "
-    "ranges hold all that was found. Just touching zero: the force reaches zero so flatly that a tenth of it more or less moves the speed by "
-    "more than 7.5 %, which the range over step and mesh holds too. Motion does not repeat: it differs from revolution to revolution, the "
-    "range reaches from where it keeps control to where it loses it every time."
+    "Each speed is found inside its bracket to 0.01 rpm and again with another spring model, with half the time step, with 1.5 times the "
+    "masses, elements or modes of the springs (the mesh), and with the damping of the springs times 0.6 and 1.5, which is known to no better "
+    "than a factor of two: the range holds all of these speeds and names what its ends come from. Just touching zero: the force reaches zero "
+    "so flatly that a tenth of it more or less moves the speed by more than 7.5 %. Motion does not repeat: it differs from revolution to "
+    "revolution, the range reaches from where it keeps control to where it loses it every time. A run in which the ends of the spring would "
+    "pull gives no critical speed."
 )
 #: What the rows below a critical speed mean.
 CRITICAL_LEGEND = (

@@ -184,8 +184,8 @@ def _regimes(study: Study, label: str, several: bool) -> Panel:
         x = np.array([value for low, high in spans for value in (low, high, math.nan)])
         y = np.where(np.isnan(x), np.nan, float(level))
         layers += [Line(x, y, name, colour, 7.0, in_legend=False)] if spans else []
-        if row is not None and row.found and row.printed is not None:
-            low, high = rpm(row.printed.lower_engine_speed), rpm(row.printed.upper_engine_speed)
+        if row is not None and row.found and row.span is not None:
+            low, high = rpm(row.span.lower_engine_speed), rpm(row.span.upper_engine_speed)
             ends = np.array([max(low, first), min(high, last)])
             name = f"{name}, range"
             layers.append(Line(ends, np.full(2, float(level)), name, colour, 2.0, in_legend=False))

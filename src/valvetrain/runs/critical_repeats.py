@@ -1,23 +1,30 @@
-"""Critical speeds as numbers: the speed inside its bracket, repeated with finer numerics and other
-damping.
+"""Critical speeds as numbers: the speed inside its bracket, repeated with another model, other damping and
+finer numerics.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from scipy.optimize import brentq
 
 from valvetrain.integrate.train_leapfrog import SAMPLES
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.runs.critical_search import Search, SpeedSample
+from valvetrain.runs.critical_search import Limit, Search, SpeedSample, pulled_ranges
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
 from valvetrain.runs.refine_trains import divided
 from valvetrain.runs.train_runs import member_statics
-from valvetrain.solution.critical import DAMPING_FACTORS, RPM, CriticalSpeed, SpeedBracket
+from valvetrain.solution.critical import (
+    DAMPING_FACTORS,
+    RPM,
+    CriticalSpeed,
+    RangeMember,
+    SpeedBracket,
+)
+from valvetrain.springs.spec import spring_model
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
 
@@ -35,6 +42,8 @@ FIRST_STRIDE, MAX_STRIDE, SCATTER_STRIDE, SCATTER_GROWTH = 0.0025, 0.01, 0.005, 
 MAX_SCATTERED, MAX_DIPS = 5, 8
 #: Dips, the deepest, that are always looked at; others as far as this multiple of the largest loss at one before.
 MIN_DIPS, MARGIN = 2, 3.0
+#: Share of a speed below the onset of a changed train in which it is searched for a lower one.
+LOOK_BELOW = 0.1
 #: An onset is a graze where the margin changed by :data:`SMALL` of its value at standstill moves it up or
 #: down by more than :data:`GRAZE` of the speed: half as far again as inertia, which grows with the
 #: square of speed, would.
@@ -47,11 +56,12 @@ Measure = Callable[[float], float]
 
 @dataclass(frozen=True, eq=False)
 class Variant:
-    """A train whose critical speeds are repeated: its ``group`` (``numerical`` or ``damping``) and
-    its time step over the default one.
+    """A train whose critical speeds are repeated: ``cause`` and ``change`` as in
+    :class:`valvetrain.solution.critical.RangeMember`, and its time step over the default one.
     """
 
-    group: str
+    cause: str
+    change: str
     ready: PreparedRun
     step: float = 1.0
 
@@ -67,6 +77,21 @@ class Variant:
         return self.step * own * (1 + 1e-9)
 
 
+@dataclass(frozen=True, eq=False)
+class Repeat:
+    """The runs of one changed train, each once: ``run`` makes that at an engine speed (rad/s) from those before."""
+
+    cause: str
+    change: str
+    run: Callable[[float, Mapping[float, SpeedSample]], SpeedSample]
+    samples: dict[float, SpeedSample] = field(default_factory=dict)
+
+    def __call__(self, engine_speed: float) -> SpeedSample:
+        if engine_speed not in self.samples:
+            self.samples[engine_speed] = self.run(engine_speed, self.samples)
+        return self.samples[engine_speed]
+
+
 def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
     """The trains of the repeats, without those that cannot run; none for springs whose runs take
     minutes.
@@ -75,22 +100,28 @@ def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
     if one.system.has_large_springs:
         return ()
     member = one.member
-    found = [Variant("numerical", one, STEP)]
+    found = [Variant("step", _times(STEP), one, STEP)]
     finer = tuple(divided(member, spring, DIVISION) for spring in member.springs)
-    changed = [("numerical", finer)]
+    changed = [("mesh", _times(DIVISION), replace(member, springs=finer))]
     for factor in DAMPING_FACTORS:
-        changed.append(("damping", tuple(_damped(spring, factor) for spring in member.springs)))
-    for group, springs in changed:
-        if springs == member.springs:
+        damped = tuple(_damped(spring, factor) for spring in member.springs)
+        changed.append(("damping", _times(factor), replace(member, springs=damped)))
+    for word in member.model.beside:
+        changed.append(("model", word, replace(member, model=spring_model(word), instead="")))
+    for cause, change, other in changed:
+        if (other.springs, other.model) == (member.springs, member.model) or other.refusal:
             continue
-        other = replace(member, springs=springs)
         try:
             ready = prepare(problem, other, member_statics(problem, other), problem.record.study)
         except FAILURES:
             continue
         if ready.system is not None:
-            found.append(Variant(group, ready))
+            found.append(Variant(cause, change, ready))
     return tuple(found)
+
+
+def _times(factor: float) -> str:
+    return f"×{factor:g}"
 
 
 def _damped(spring: InstalledSpring, factor: float) -> InstalledSpring:
@@ -120,7 +151,7 @@ def root(measure: Measure, bracket: SpeedBracket, width: float) -> float | None:
 
 
 def dips(kind: str, samples: Mapping[float, SpeedSample], nominal: float) -> tuple[float, ...]:
-    """Sampled speeds at which the measure of a kind is less than at both neighbours, rising: the
+    """Sampled speeds at which the measure of a kind is less than at both neighbours, or at the first of equals, rising: the
     :data:`MAX_DIPS` least of them below the nominal speed and the :data:`MAX_DIPS` next above it.
     """
     speeds = sorted(samples)
@@ -128,7 +159,7 @@ def dips(kind: str, samples: Mapping[float, SpeedSample], nominal: float) -> tup
     low = [
         here
         for below, here, above in zip(speeds, speeds[1:], speeds[2:], strict=False)
-        if values[below] > values[here] < values[above]
+        if values[below] > values[here] <= values[above]
     ]
     below = sorted((one for one in low if one < nominal), key=values.__getitem__)[:MAX_DIPS]
     return (*sorted(below), *[one for one in low if one > nominal][:MAX_DIPS])
@@ -217,23 +248,25 @@ def repeated(
     row: CriticalSpeed,
     search: Search,
     precise: SampleAt,
-    repeats: Sequence[tuple[str, SampleAt]],
+    repeats: Sequence[Repeat],
     whole: float,
+    limits: tuple[Limit, ...],
 ) -> CriticalSpeed:
-    """The result of a search with its nominal speed, its numerical error, its range over damping
-    and what kind of onset it is.
+    """The result of a search with its nominal speed, the members of its range and what kind of onset it is.
 
-    ``precise``: runs to :data:`NOMINAL_TOLERANCE`; ``repeats``: group and runs of every variant;
-    ``whole``: the margin (SI) of the train at standstill, whatever speeds are searched.
+    ``precise``: runs to :data:`NOMINAL_TOLERANCE`; ``repeats``: the runs of every variant;
+    ``whole``: the margin (SI) of the train at standstill, whatever speeds are searched; ``limits``: how each kind is
+    searched.
     """
     if row.found and row.begins is None:
         return row  # control is lost already at the first speed
     ends, kind = (row.first_engine_speed, row.last_engine_speed), row.kind
-    nominal, steady = math.inf, True
+    nominal, steady, pulled = math.inf, True, False
     if row.begins is not None:
         bracket = row.begins.from_rest
         sides = bracket.lower_engine_speed, bracket.upper_engine_speed
-        steady = all(search.known(one).repeats for one in sides)
+        pulled = search.pulled_in(bracket)
+        steady = not pulled and all(search.known(one).repeats for one in sides)
         inside = (
             root(lambda one: precise(one).measure(kind), bracket, NOMINAL_WIDTH) if steady else None
         )
@@ -244,33 +277,78 @@ def repeated(
         return row
     begin = min(nominal, ends[1])
     low = dips(kind, search.samples, begin)
-
     at = {one: search.samples[one].measure(kind) for one in low}
-
-    def onset_of(sample: SampleAt) -> float:
-        def measure(engine_speed: float) -> float:
-            return sample(engine_speed).measure(kind)
-
-        found = change(begin, measure, ends, at)
-        # where motion does not repeat, what is inside the bracket says nothing of the next revolution
-        return onset_in(found, measure) if steady else found.upper_engine_speed
-
-    moved = _moved(kind, begin, search, ends, at, SMALL * whole) if steady else []
-    graze = any(abs(one - nominal) > GRAZE * begin for one in moved)
-    if not steady:
-        scatter = scattered(kind, begin, search.sample, ends)
-        moved = [scatter.lower_engine_speed, scatter.upper_engine_speed]
-    values = {"numerical": [nominal, *(moved if graze or not steady else [])], "damping": [nominal]}
-    for group, sample in repeats:
+    moved: list[tuple[str, str, float]] = []
+    onset = "sharp"
+    if pulled:
+        moved = [("ends", "", bracket.lower_engine_speed)]
+    elif not steady:
+        onset, scatter = "non-repeating", scattered(kind, begin, search.sample, ends)
+        for end in (scatter.lower_engine_speed, scatter.upper_engine_speed):
+            moved.append(("revolution", "", end))
+    else:
+        both = _moved(kind, begin, search, ends, at, SMALL * whole)
+        if any(abs(one - nominal) > GRAZE * begin for one in both):
+            onset = "graze"
+            moved = [("force", sign, one) for sign, one in zip("−+", both, strict=True)]
+    members = [RangeMember(*one) for one in moved]
+    for sample in repeats:
         # where motion does not repeat, finer numerics give another revolution, not a better one
-        if steady or group == "damping":
-            values[group].append(onset_of(sample))
-    ranges = {group: SpeedBracket(min(some), max(some)) for group, some in values.items()}
-    if all(one.lower_engine_speed == math.inf for one in ranges.values()):
+        if steady or sample.cause not in ("step", "mesh"):
+            speed = _onset_of(row, sample, begin, at, limits, steady)
+            until = min(speed, ends[1])
+            pulls = pulled_ranges(sample.samples, until)
+            members.append(RangeMember(sample.cause, sample.change, speed, pulls))
+    if min(nominal, *(one.engine_speed for one in members)) == math.inf and not any(
+        one.pulled for one in members
+    ):
         return row  # never lost, by every repeat
-    damped = ranges["damping"] if len(values["damping"]) > len(DAMPING_FACTORS) else None
-    onset = "non-repeating" if not steady else "graze" if graze else "sharp"
-    return replace(row, numerical=ranges["numerical"], damping=damped, onset=onset)
+    return replace(row, members=tuple(members), onset=onset)
+
+
+def _onset_of(
+    row: CriticalSpeed,
+    sample: Repeat,
+    begin: float,
+    at: Mapping[float, float],
+    limits: tuple[Limit, ...],
+    steady: bool,
+) -> float:
+    """The lowest onset of a changed train that is found from the nominal one (``begin``, rad/s) and by a search
+    of what lies below.
+    """
+    ends = row.first_engine_speed, row.last_engine_speed
+
+    def measure(engine_speed: float) -> float:
+        return sample(engine_speed).measure(row.kind)
+
+    bracket = change(begin, measure, ends, at)
+    while True:
+        # where motion does not repeat, what is inside the bracket says nothing of the next revolution
+        onset = onset_in(bracket, measure) if steady else bracket.upper_engine_speed
+        kept = min(bracket.lower_engine_speed, ends[1])
+        if kept <= ends[0]:
+            return onset
+        lost = [one for one in sample.samples if one < kept and sample.samples[one].lost(row.kind)]
+        first = min(lost, default=None) or _lost_below(row, sample, kept, limits)
+        if first is None:
+            return onset
+        bracket = change(first, measure, ends, {})
+
+
+def _lost_below(
+    row: CriticalSpeed, sample: Repeat, kept: float, limits: tuple[Limit, ...]
+) -> float | None:
+    """The lowest speed (rad/s) at which a changed train loses control over :data:`LOOK_BELOW` below one that it
+    keeps, by a search of its own; None where it never does.
+    """
+    low = max(row.first_engine_speed, (1 - LOOK_BELOW) * kept)
+    known = {one: sample.samples[one] for one in sample.samples if low <= one <= kept}
+    below = Search(
+        lambda one, orbit: sample(one), {low: sample(low)} | known, limits, row.resolution
+    )
+    found = below.onset(row.kind)
+    return found.upper_engine_speed if isinstance(found, SpeedBracket) else found
 
 
 def _moved(
@@ -288,7 +366,8 @@ def _moved(
     for more in (-small, small):
 
         def measure(engine_speed: float, more: float = more) -> float:
-            return search.sample(engine_speed).measure(kind) + more
+            one = search.sample(engine_speed)
+            return one.measure(kind) + (0.0 if kind in one.unknown else more)
 
         sampled = tuple(search.samples)
         found.append((change(nominal, measure, ends, low, sampled), measure))

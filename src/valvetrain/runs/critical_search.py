@@ -18,6 +18,8 @@ NEAR, FACTOR = 0.1, 2.0
 #: Largest step between speeds with continued motion, and distance from a bracket at which
 #: continuation starts, in resolutions.
 STRIDE, AWAY = 4.0, 3.0
+#: Measure (SI) of a run that says nothing: no loss, and next to one.
+NO_MARGIN = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +28,8 @@ class SpeedSample:
     ``locations`` of the loss, and the ``orbit`` on which the run ended (None where it cannot be
     continued). ``measures``: the margin of a kind continued below zero, where it ends there;
     ``repeats``: whether the motion repeats every cycle. ``cam_force``: the least one (N) while open, NaN where
-    there is none. ``unknown``: kinds of which a run that ended early says nothing.
+    there is none. ``unknown``: kinds of which the run says nothing: it ended early, or ends of its springs would
+    pull (``pulls``), which they cannot, so that it neither keeps nor loses control.
     """
 
     margins: Mapping[str, float]
@@ -36,14 +39,16 @@ class SpeedSample:
     repeats: bool = True
     cam_force: float = math.nan
     unknown: frozenset[str] = frozenset()
+    pulls: bool = False
 
     def measure(self, kind: str) -> float:
-        """What passes zero where control is lost, with a sign on either side."""
-        return self.measures.get(kind, self.margins[kind])
+        """What passes zero where control is lost, with a sign on either side; of an unknown one hardly positive."""
+        value = self.measures.get(kind, self.margins[kind])
+        return value if kind not in self.unknown or value > 0 else NO_MARGIN
 
     def lost(self, kind: str) -> bool:
-        """Whether control is lost."""
-        return not self.margins[kind] > 0
+        """Whether control is known to be lost."""
+        return kind not in self.unknown and not self.margins[kind] > 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,9 +116,18 @@ class Search:
         return self._samples[engine_speed].lost(kind)
 
     def _regained(self, kind: str, engine_speed: float) -> bool:
-        """Whether control is known to be maintained: a run that ended early ends no range of loss."""
+        """Whether control is known to be maintained: a run that says nothing ends no range of loss."""
         one = self._samples[engine_speed]
         return not one.lost(kind) and kind not in one.unknown
+
+    def pulled(self, until: float = math.inf) -> tuple[SpeedBracket, ...]:
+        """Ranges of sampled speeds below ``until`` in which ends of springs would pull."""
+        return pulled_ranges(self._samples, until)
+
+    def pulled_in(self, bracket: SpeedBracket) -> bool:
+        """Whether ends of springs would pull at a sampled speed of a bracket."""
+        low, high = bracket.lower_engine_speed, bracket.upper_engine_speed
+        return any(self._samples[one].pulls for one in self._speeds if low <= one <= high)
 
     def onset(self, kind: str) -> SpeedBracket | float | None:
         """Bracket of the lowest onset; the first speed where control is lost there already; None
@@ -128,7 +142,12 @@ class Search:
                 return None if first is None else self._speeds[0]
             low, high = self._speeds[first - 1 : first + 1]
             if not self._passes(kind, low, high):
-                return SpeedBracket(low, high)
+                return SpeedBracket(self._last_kept(kind, high), high)
+
+    def _last_kept(self, kind: str, engine_speed: float) -> float:
+        """The next sampled speed below that is known to keep control, or the lowest of all."""
+        below = self._speeds[: bisect_left(self._speeds, engine_speed)]
+        return next((one for one in reversed(below) if self._regained(kind, one)), below[0])
 
     def passed(self, kind: str) -> tuple[SpeedBracket, ...]:
         """Short ranges, by their lowest and highest sampled speed, in which the last revolution of a motion
@@ -239,10 +258,12 @@ class Search:
             self._resolution / (1 + 1e-9),
         )
         first, here = self.sample(begin), begin
-        side, orbit = first.lost(kind), first.orbit
+        side, orbit = first.lost(kind), None if kind in first.unknown else first.orbit
         while orbit is not None:
             there = min(here + step, last) if sign > 0 else max(here - step, last)
             found = self._from(there, orbit)
+            if kind in found.unknown:
+                return None
             if found.lost(kind) == side:
                 if there == last:
                     return None
@@ -269,12 +290,15 @@ class Search:
         motion that does not repeat, in a range that would not be passed.
         """
         limit, ends = self._limits[kind], (self._samples[low], self._samples[high])
-        if high - low <= NARROW * low and not all(one.repeats for one in ends):
+        narrow = high - low <= NARROW * low
+        if narrow and (
+            not all(one.repeats for one in ends) or all(kind in one.unknown for one in ends)
+        ):
             return False
         margins = [one.margins[kind] for one in ends]
         size = limit.size
         if size is None:
-            size = max(one.margins[kind] for one in self._samples.values() if not one.lost(kind))
+            size = max(one.measure(kind) for one in self._samples.values() if not one.lost(kind))
         if limit.sign and min(margins) >= size and not any(one.lost(limit.sign) for one in ends):
             return limit.within and self._may_hide(limit.sign, low, high)
         steepness = max(
@@ -303,4 +327,21 @@ class Search:
 
     def _jumps(self, kind: str, low: SpeedSample, high: SpeedSample) -> bool:
         """Whether the margin between two neighbours says nothing of its slope elsewhere."""
-        return low.lost(kind) != high.lost(kind) or not (low.repeats and high.repeats)
+        unknown = kind in low.unknown | high.unknown
+        return unknown or low.lost(kind) != high.lost(kind) or not (low.repeats and high.repeats)
+
+
+def pulled_ranges(
+    samples: Mapping[float, SpeedSample], until: float = math.inf
+) -> tuple[SpeedBracket, ...]:
+    """Ranges of neighbouring sampled speeds below ``until`` in which ends of springs would pull."""
+    found: list[SpeedBracket] = []
+    before = False
+    for speed in sorted(one for one in samples if one < until):
+        now = samples[speed].pulls
+        if now and before:
+            found[-1] = replace(found[-1], upper_engine_speed=speed)
+        elif now:
+            found.append(SpeedBracket(speed, speed))
+        before = now
+    return tuple(found)

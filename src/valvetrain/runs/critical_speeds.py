@@ -12,11 +12,12 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Periodic
+from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.train_events import drive_forces
 from valvetrain.runs.critical_causes import with_cause
 from valvetrain.runs.critical_repeats import (
     NOMINAL_TOLERANCE,
-    SampleAt,
+    Repeat,
     Variant,
     repeated,
     variants_of,
@@ -137,8 +138,9 @@ def sample_of(
     repeats = solution.status.completed and solution.statistics.get("motion_period_count") == 1
     force = float(solution.quantities.get("minimum_cam_contact_force", math.nan))
     ended = whole and "bounce_height" not in solution.quantities  # before the valve closed
-    unknown = frozenset({bounces} if ended else ())
-    return SpeedSample(margins, locations, orbit, measures, repeats, force, unknown)
+    pulls = any(event.kind == PULL for event in solution.events)
+    unknown = frozenset(KINDS if pulls else {bounces} if ended else ())
+    return SpeedSample(margins, locations, orbit, measures, repeats, force, unknown, pulls)
 
 
 def missing_force(ready: PreparedRun, solution: Solution) -> float:
@@ -211,7 +213,7 @@ def _search(
     def run(
         engine_speed: float,
         orbit: Any = None,
-        variant: Variant = Variant("nominal", one),
+        variant: Variant = Variant("", "", one),
         periodic: Periodic = until,
     ) -> SpeedSample:
         step = variant.time_step(engine_speed, plan.samples)
@@ -221,28 +223,29 @@ def _search(
 
     search = Search(run, samples, options.limits, options.resolution)
 
-    def repeating(periodic: Periodic, variant: Variant | None = None) -> SampleAt:
+    def repeating(periodic: Periodic, chosen: Variant | None = None) -> Repeat:
         """Runs, each once, from the motion of the nearest one before, or of one of the search."""
-        own, chosen = dict[float, SpeedSample](), variant or Variant("nominal", one)
-        # a numerical repeat shall not begin, and end at once, on the motion that it judges
-        pools = (own, search.samples) if variant is None or variant.group == "damping" else (own,)
+        variant = chosen or Variant("", "", one)
+        # a repeat of other steps, meshes or models shall not begin, and end at once, on the motion that it judges
+        near = (search.samples,) if variant.cause in ("", "damping") else ()
 
-        def at(engine_speed: float) -> SpeedSample:
-            if engine_speed not in own:
-                start = next(filter(None, (_nearest(pool, engine_speed) for pool in pools)), None)
-                own[engine_speed] = run(engine_speed, start, chosen, periodic)
-            return own[engine_speed]
+        def at(engine_speed: float, known: Mapping[float, SpeedSample]) -> SpeedSample:
+            pools = (known, *near)
+            start = next(filter(None, (_nearest(pool, engine_speed) for pool in pools)), None)
+            return run(engine_speed, start, variant, periodic)
 
-        return at
+        return Repeat(variant.cause, variant.change, at)
 
     precise = repeating(replace(until, tolerance=NOMINAL_TOLERANCE))
     # ranges are of uncertain inputs: whether each of their orbits attracts is not tested
     variants = variants_of(problem, one) if options.ranges else ()
-    repeats = [(each.group, repeating(replace(until, probed=False), each)) for each in variants]
+    repeats = [repeating(replace(until, probed=False), each) for each in variants]
     ends = min(samples), max(samples)
     rows = [critical_speed(search, kind, one.member.label, *ends, options) for kind in KINDS]
     whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
-    rows = [repeated(row, search, precise, repeats, whole[row.kind]) for row in rows]
+    rows = [
+        repeated(row, search, precise, repeats, whole[row.kind], options.limits) for row in rows
+    ]
     runs = sorted(search.samples.items())
     curve = tuple((at, run.cam_force) for at, run in runs if math.isfinite(run.cam_force))
     rows = [replace(row, curve=curve if row.kind == "contact-loss" else ()) for row in rows]
@@ -340,14 +343,15 @@ def critical_speed(
     onset = search.onset(kind)
     none = replace(none, passed=search.passed(kind))
     if onset is None:
-        return replace(none, runs_count=search.runs_count - before)
+        pulled, count = search.pulled(), search.runs_count - before
+        return replace(none, pulled=pulled, runs_count=count)
     from_speed = onset if isinstance(onset, float) else onset.upper_engine_speed
     end = search.end(kind, from_speed)
     begins = None
     if isinstance(onset, SpeedBracket):
         sides = (onset.lower_engine_speed, onset.upper_engine_speed)
         # a motion that does not repeat has no branch that a rising or falling speed could follow
-        steady = all(search.known(one).repeats for one in sides)
+        steady = all(search.known(one).repeats for one in sides) and not search.pulled_in(onset)
         begins = search.crossing(kind, onset) if steady else Crossing(onset)
     ends = None if end is None else Crossing(end)
     again = _narrowed(search, kind, from_speed)
@@ -359,6 +363,7 @@ def critical_speed(
         ends=ends,
         again=again,
         runs_count=search.runs_count - before,
+        pulled=search.pulled(from_speed),
     )
 
 

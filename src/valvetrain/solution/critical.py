@@ -1,5 +1,5 @@
-"""Critical engine speeds, at which a train loses control of its valve: value, numerical error,
-range over damping and kind of onset, with the brackets between two runs.
+"""Critical engine speeds, at which a train loses control of its valve: value, range over model, damping,
+step and mesh, and kind of onset, with the brackets between two runs.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from valvetrain.solution.saveable import Saveable
 
@@ -30,10 +30,12 @@ DAMPING_FACTORS = (0.6, 1.5)
 MAX_AGAIN = 3
 #: Width of a range of lost control, over its speed, up to which it is a short one: an engine passes it at once.
 NARROW = 0.02
-#: What the range ``numerical`` is over.
-OVER_NUMERICS = "over step and mesh"
 #: Kind of onset -> what the text says of it; nothing of a sharp one.
 ONSETS = {"graze": "just touching zero", "non-repeating": "motion does not repeat"}
+#: Cause of a range -> what the text says of it, where that is another word.
+CAUSES = {"force": "a tenth of the force", "ends": "ends that would pull"}
+#: What is said of speeds at which a model of fixed ends has pulled, which says nothing of control there.
+PULLED = "ends of the spring would pull"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +88,23 @@ class Crossing:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class RangeMember:
+    """The critical speed of a train in which one thing is changed.
+
+    ``cause``: what is changed (``model``, ``damping``, ``step``, ``mesh``), or what leaves the speed of the same train
+    open: ``force`` (a tenth of it, of an onset that just touches zero), ``revolution`` (motion that does not repeat),
+    ``ends`` (they would pull below the speed). ``change``: to what, such as ``multi-mass`` or ``×0.6``.
+    ``engine_speed`` (rad/s): 0 where control is lost from the first speed searched on, infinite where it is maintained
+    up to the last. ``pulled``: as in :class:`CriticalSpeed`.
+    """
+
+    cause: str
+    change: str
+    engine_speed: float
+    pulled: tuple[SpeedBracket, ...] = ()
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class CriticalSpeed:
     """Result of the search for one kind of loss of control; speeds in rad/s of the crank.
@@ -98,15 +117,12 @@ class CriticalSpeed:
     ``last_engine_speed``. ``again``: further ranges above it, by their lowest and highest sampled
     speed. ``runs_count``: runs of the search in addition to those of the sweep.
 
-    ``nominal_engine_speed``: the onset itself, inside the bracket; infinite for never.
-    ``numerical``: range of the onset with 1.5 times the division of the springs and with half the
-    time step; ``damping``: with the damping of the springs times 0.6 and 1.5. Both hold the nominal
-    speed, end at 0 where control is lost from ``first_engine_speed`` on and at infinity where it is
-    maintained up to ``last_engine_speed``, and are None where they were not computed. ``onset``: ``sharp``;
-    ``graze`` where a tenth of the largest margin more or less moves it by more than 7.5 % of
-    the speed, for a force that just reaches zero (``numerical`` then holds that range too);
-    ``non-repeating`` where the motion does not repeat from cycle to cycle (``numerical`` then
-    reaches from the motion below that repeats and keeps control to that above that loses it).
+    ``nominal_engine_speed``: the onset itself, inside the bracket; infinite for never. ``members``: the same search with
+    one thing changed each; none where nothing was repeated. ``onset``: ``sharp``; ``graze`` where a tenth of the largest
+    margin more or less moves it by more than 7.5 % of the speed, for a force that just reaches zero;
+    ``non-repeating`` where the motion does not repeat from cycle to cycle.
+    ``pulled``: ranges below the onset, by their lowest and highest sampled speed, in which the ends of the spring would
+    pull in a model that cannot lift them: such a run gives no critical speed.
     ``cause``: why control is lost there, as the events of a run have it, with what surge takes off the
     ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not requested.
     ``cam_angle`` (rad), of a loss of contact: where the force of that contact first comes to zero; NaN where unknown.
@@ -128,8 +144,8 @@ class CriticalSpeed:
     again: tuple[SpeedBracket, ...] = ()
     runs_count: int = 0
     nominal_engine_speed: float = math.nan
-    numerical: SpeedBracket | None = None
-    damping: SpeedBracket | None = None
+    members: tuple[RangeMember, ...] = ()
+    pulled: tuple[SpeedBracket, ...] = ()
     onset: str = ""
     cause: str = ""
     spring_force_loss: float = 0.0
@@ -161,7 +177,7 @@ class CriticalSpeed:
         short = ", ".join(map(str, self.passed[:MAX_AGAIN]))
         single = [f"single revolutions {short}"] if short else []
         if not self.found:
-            return "".join(single)
+            return ", ".join(single)
         end = f"{self.last_engine_speed / RPM:.6g} or more"
         parts = [f"until {end if self.ends is None else self.ends.from_rest}"]
         if self.again:
@@ -174,21 +190,57 @@ class CriticalSpeed:
         return f"{self.label}, {self.kind}: {'; '.join(filter(None, (self.text, self.later_text)))}"
 
     @property
-    def printed(self) -> SpeedBracket | None:
-        """The numerical error and the range over damping together; None where neither is known."""
-        parts = [one for one in (self.numerical, self.damping) if one is not None]
-        if not parts:
+    def span(self) -> SpeedBracket | None:
+        """The one range of the onset: this search and its members; None where nothing was repeated."""
+        speeds = [one.engine_speed for one in self.members]
+        if not speeds:
             return None
-        return SpeedBracket(
-            min(one.lower_engine_speed for one in parts),
-            max(one.upper_engine_speed for one in parts),
+        own = self.engine_speed if self.found else math.inf
+        return SpeedBracket(min(own, *speeds), max(own, *speeds))
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """What the ends of the range come from, the lower one first."""
+        span = self.span
+        if span is None:
+            return ()
+        own = self.engine_speed if self.found else math.inf
+        ends = (span.lower_engine_speed, span.upper_engine_speed)
+        named = (
+            next(one.cause for one in self.members if one.engine_speed == end)
+            for end in ends
+            if end != own
         )
+        return tuple(dict.fromkeys(named))
+
+    @property
+    def range_text(self) -> str:
+        """The range in rpm, rounded outwards, with its causes: ``6600 to 6810: model, damping``; empty for none."""
+        span = self.span
+        if span is None or not self.causes:
+            return ""
+        ends = _range_text(span, self.first_engine_speed, self.last_engine_speed)
+        return f"{ends}: {', '.join(CAUSES.get(one, one) for one in self.causes)}"
+
+    @property
+    def pulled_text(self) -> str:
+        """Where the ends of the spring would pull, by this search and by members, in rpm; empty for nowhere."""
+        ranges = sorted(
+            (*self.pulled, *(each for one in self.members for each in one.pulled)),
+            key=lambda one: one.lower_engine_speed,
+        )
+        joined: list[SpeedBracket] = []
+        for one in ranges:
+            if joined and one.lower_engine_speed <= joined[-1].upper_engine_speed:
+                top = max(joined[-1].upper_engine_speed, one.upper_engine_speed)
+                one = SpeedBracket(joined.pop().lower_engine_speed, top)
+            joined.append(one)
+        return f"{PULLED} at {', '.join(map(str, joined))}" if joined else ""
 
     @property
     def text(self) -> str:
-        """The result in rpm as terminal, page and Python print it: ``7302 (7301–7304 over step and mesh,
-        7240–7371 over damping ×0.6 to ×1.5)``, ``below 7000, at the cam``, ``none up to 9000``;
-        ``(nominal)`` where nothing was repeated.
+        """The result in rpm as terminal, page and Python print it: ``6729 (6600 to 6810: model, damping)``,
+        ``below 7000, at the cam``, ``none up to 9000``; ``(nominal)`` where nothing was repeated.
         """
         if not self.found:
             speed = f"none up to {self.last_engine_speed / RPM:.6g}"
@@ -198,28 +250,20 @@ class CriticalSpeed:
             speed = f"{self.nominal_engine_speed / RPM:.0f}"
         else:
             speed = str(self.begins.from_rest)
-        low, high = self.first_engine_speed, self.last_engine_speed
-        over = "over damping " + " to ".join(f"×{factor:g}" for factor in DAMPING_FACTORS)
-        ranges = [
-            f"{_range_text(one, low, high)} {name}"
-            for one, name in ((self.numerical, OVER_NUMERICS), (self.damping, over))
-            if one is not None
-        ]
-        if ranges:
-            speed += f" ({', '.join(ranges)})"
-        elif math.isfinite(self.nominal_engine_speed):
+        if over := self.range_text:
+            speed += f" ({over})"
+        elif math.isfinite(self.nominal_engine_speed) and not self.members:
             speed += " (nominal)"
         place = f"at the {self.place}" if self.found and self.kind == "contact-loss" else ""
-        return ", ".join(filter(None, (speed, ONSETS.get(self.onset), place)))
+        return ", ".join(filter(None, (speed, ONSETS.get(self.onset), place, self.pulled_text)))
 
 
 def _range_text(one: SpeedBracket, first: float, last: float) -> str:
     """A range in rpm, rounded outwards."""
     low, high = one.lower_engine_speed, one.upper_engine_speed
-    if math.isinf(low):
-        return f"above {last / RPM:.6g}"
-    below = f"below {first / RPM:.6g}" if low <= 0 else f"{math.floor(round(low / RPM, 3))}"
-    return f"{below} or more" if math.isinf(high) else f"{below}–{math.ceil(round(high / RPM, 3))}"
+    begin = f"below {first / RPM:.6g}" if low <= 0 else f"{math.floor(round(low / RPM, 3))}"
+    end = f"{math.ceil(round(high / RPM, 3))}" if math.isfinite(high) else f"above {last / RPM:.6g}"
+    return f"{begin} to {end}"
 
 
 setattr(CriticalSpeed, "words", CriticalSpeed.text)  # noqa: B010  the former name
@@ -297,12 +341,10 @@ class CriticalSpeeds(Saveable):
             "first_engine_speed",
             "last_engine_speed",
         )
-        ranges = {
-            f"{name}_{end}": [
-                float(getattr(getattr(one, name) or missing, end)) for one in self.rows
-            ]
-            for name in ("numerical", "damping")
+        ranges: dict[str, list[Any]] = {
+            f"range_{end}": [float(getattr(one.span or missing, end)) for one in self.rows]
             for end in ("lower_engine_speed", "upper_engine_speed")
         }
+        ranges["range_causes"] = [", ".join(one.causes) for one in self.rows]
         own = {name: [getattr(one, name) for one in self.rows] for name in plain}
         return frame(own | ranges | brackets)

@@ -326,6 +326,7 @@ SPEC = SpringModelSpec(
     _make,
     needs_mass=False,
     processor_time=0.05,
+    beside=("wave-rod",),
     damped=False,
     knows="rate or static curve k(x), share of its mass on the valve",
     leaves_out="surge, clash",

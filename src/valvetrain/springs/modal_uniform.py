@@ -292,6 +292,7 @@ SPEC = SpringModelSpec(
     _make,
     shows=("sections",),
     processor_time=0.2,
+    beside=("wave-rod",),
     knows="surge modes of a uniform spring of equal rate, mass and first frequency",
     leaves_out="clash, change of rate",
     citation="gu2021",

@@ -386,6 +386,7 @@ SPEC = SpringModelSpec(
     shows=("sections",),
     needs_rest=True,
     processor_time=0.2,
+    beside=("wave-rod",),
     knows="surge modes, k(x) as published",
     leaves_out="clash",
     citation="gu2021",

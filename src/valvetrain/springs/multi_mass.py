@@ -440,6 +440,7 @@ SPEC = SpringModelSpec(
     _make,
     shows=("sections", "clash"),
     processor_time=0.5,
+    beside=("wave-rod-clash",),
     knows="chain along the wire, clash between all coils from the real gaps",
     leaves_out="lateral and torsional motion",
     citation="vasilyev2016",

@@ -453,6 +453,7 @@ SPEC = SpringModelSpec(
     shows=("sections", "clash", "stress"),
     wire_only="a reduced rod is made from the wire; use modal-uniform or wave-rod",
     processor_time=0.6,
+    beside=("multi-mass",),
     knows="the wire of the rod over lift in some forty coordinates, all its contact points",
     leaves_out="accuracy in hard clash, walls of a guide met in motion, ends that lift",
 )

@@ -37,7 +37,8 @@ class SpringModelSpec:
     ``shows``: what beyond
     the end forces (``sections``, ``clash``, ``stress``). ``damped``: whether the damping of the
     spring has an effect.
-    ``processor_time``: seconds of one core per simulated second, for estimates.
+    ``processor_time``: seconds of one core per simulated second, for estimates. ``beside``: models whose critical
+    speeds the range of this one holds too.
     """
 
     word: str
@@ -57,6 +58,7 @@ class SpringModelSpec:
     no_statics: str = ""
     damped: bool = True
     processor_time: float = 0.5
+    beside: tuple[str, ...] = ()
     citation: str = ""
 
     def why_not(self, spring: InstalledSpring) -> str:

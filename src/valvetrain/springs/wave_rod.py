@@ -211,6 +211,7 @@ SPEC = SpringModelSpec(
     _make,
     shows=("sections",),
     processor_time=0.5,
+    beside=("modal-uniform",),
     knows="the wave equation; a step travels undistorted",
     leaves_out="clash, change of rate while surging",
     citation="vasilyev2016",

@@ -223,6 +223,7 @@ SPEC = SpringModelSpec(
     _make,
     shows=("sections", "clash"),
     processor_time=1.0,
+    beside=("multi-mass",),
     knows="the wave equation with contact of neighbouring turns from the installed gaps",
     leaves_out="change of rate while surging",
     wire_only="a rod with clash needs the coil gaps of its wire, so use wave-rod",
