@@ -556,7 +556,7 @@ def regimes(study: Study) -> tuple:
         x = np.array([value for low, high in spans for value in (low, high, gap)])
         bars[name] = (x, np.where(np.isnan(x), gap, height[name]))
     low, high = (
-        min(max(getattr(rows["float"].printed, end) * 30 / np.pi, first), last)
+        min(max(getattr(rows["float"].span, end) * 30 / np.pi, first), last)
         for end in ("lower_engine_speed", "upper_engine_speed")
     )
     bars["float, range"] = (np.array([low, high]), np.full(2, 1.0))
