@@ -79,7 +79,7 @@ object from the names above to such numbers.
 | `status` | `code` (`completed`, `not-converged`, `diverged`, `out-of-range`, `coil-bind`, `solid`, `buckled`, `refused`, `interrupted`, `worker-lost`); `message` where there is one; unless completed also `time`, `where`, `remedy` |
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
 | `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
-| `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `reading`, `published`, `computed`, `difference`, `tolerance`, `verdict`, `source` |
+| `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `reading`, `published`, `computed`, `difference`, `tolerance`, `blind` (by the case that was not fitted to it), `verdict`, `source`, `samples` (where the source stored samples: `low`, `high`, `share_at_or_above` the published value, number of `phases`) |
 | `findings`, `notes` | findings of the source next to what was computed; sentences on what must be known of the numbers |
 | `cite` | references behind the results |
 | `created_at`, `command_line`, `versions`, `choices` | of a saved run: when, by what, with which packages; engine speeds, models and sets that were run |

@@ -190,3 +190,20 @@ def test_fine_channels_hold_what_comes_up_to_the_next_sample(run):
         np.testing.assert_array_equal(fine[-1], np.full(count, series[-1]))
         np.testing.assert_array_equal(found[name].values, getattr(stroke, name))
         np.testing.assert_array_equal(ends[f"{name}_fine"].values, fine)
+
+
+def test_the_finest_record_agrees_with_the_coarser_ones_where_both_have_a_value(run):
+    """It begins at each sample, misses no top of any step by more than what a step changes, and passes
+    through the fine record at its places.
+    """
+    _, _, found, _ = run
+    finest, fine = found["seat_force_finest"].values, found["seat_force_fine"].values
+    scale = np.ptp(finest)
+    np.testing.assert_allclose(finest[:, 0], found["seat_force"].values, atol=1e-9 * scale)
+    places = np.arange(finest.shape[1]) / finest.shape[1]
+    for row, expected in zip(finest[:-1], fine[:-1], strict=True):
+        there = np.interp(np.arange(fine.shape[1]) / fine.shape[1], places, row)
+        np.testing.assert_allclose(there, expected, atol=0.02 * scale)
+    tops = found["seat_force_highest"].values
+    assert np.all(finest[:-1].max(axis=1) <= tops[:-1] * (1 + 1e-12))
+    assert np.max(tops[:-1] - finest[:-1].max(axis=1)) < 0.02 * scale

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from synthetic_spring import EVENT, bump, run
+from valvetrain.quantities.compare import compare
 from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.solution.provenance import PublishedValue
+from valvetrain.solution.quantity import Quantity
 from valvetrain.sources.gu2021_reading import SAMPLE, half_height, sampled
-from valvetrain.sources.gu2021_stages import stage_quantities
+from valvetrain.sources.gu2021_stages import over_phases, stage_quantities
 
 FOOT, HEIGHT, PLACE, SUBSTEPS = 300.0, 1000.0, 254.6, 20
 SPEED = 8000 * np.pi / 30
@@ -72,3 +75,55 @@ def test_a_spike_at_the_edge_of_the_record_keeps_what_is_there():
     angle = np.linspace(0, 1, 1001)
     width, area = half_height(angle, np.maximum(0.0, 1 - angle / 0.1), 0, 0.5)
     assert (width, area) == (pytest.approx(0.05, rel=0.02), pytest.approx(0.05, rel=0.02))
+
+
+TALL, WIDE = 2000.0, 500.0
+
+
+def bimodal():
+    """Two turns with a tall pulse that half of all half-degree samples miss and a lower one that none
+    does, recorded at ten places to a sample and, finer, at fifty.
+    """
+    angle = np.arange(2 * 720) / 2
+
+    def force(places):
+        at = (angle[:, None] + np.arange(places) / places / 2) % 360
+        tall = TALL * np.maximum(0.0, 1 - np.abs(at - 248.1) / 0.125)
+        return FOOT + 400 * bump(at, 180, 100) + tall + WIDE * bump(at, 253.7, 3)
+
+    extra = {
+        "seat_force_fine": (("subsample",), "N", "seat force between the samples"),
+        "seat_force_finest": (("fine_subsample",), "N", "the same at fifty places"),
+    }
+    values = {"seat_force": force(1)[:, 0], "seat_force_fine": force(10), "seat_force_finest": force(50)}  # fmt: skip
+    return reported_cycle(run(values, engine_speed=SPEED, extra=extra))
+
+
+@pytest.mark.parametrize("level", [900.0, 1300.0, 1800.0])
+def test_a_comparison_with_samples_has_their_range_and_the_share_at_or_above_it(level):
+    """Closed form: a triangle of half width w reaches a share 2 w (1 - rise / height) / 0.5 of all
+    phases; in the others the lower pulse is read.
+    """
+    read = over_phases(bimodal(), "seat_force", np.radians(10), EVENT)
+    published = [
+        PublishedValue("stage_3_peak_force", level, "N", engine_speed=SPEED, model="m"),
+        PublishedValue("preload", 300.0, "N", model="m"),
+    ]
+    computed = {Quantity("stage_3_peak_force", SPEED, "m"): 800.0, Quantity("preload"): 300.0}
+    by_phase = {Quantity(name, SPEED, "m"): values for name, values in read.items()}
+    spike, rest = compare(published, computed, None, (), by_phase)
+    assert rest.samples is None and spike.samples is not None
+    assert spike.samples.phases >= 50
+    # the worst sample of the lower pulse is a quarter of a degree off its top
+    lowest = FOOT + WIDE * np.cos(np.pi * 0.25 / 3) ** 2
+    assert spike.samples.low == pytest.approx(lowest, rel=1e-3)
+    assert spike.samples.high == pytest.approx(FOOT + TALL, rel=0.05)
+    reach = 0.5 * (1 - (level - FOOT) / TALL)
+    assert spike.samples.share == pytest.approx(reach, abs=1.5 / spike.samples.phases)
+
+
+def test_the_angle_of_a_spike_is_that_of_a_collision_and_not_between_two():
+    found = stage_quantities(bimodal(), np.radians(10), EVENT)
+    places = np.degrees(over_phases(bimodal(), "seat_force", 0.2, EVENT)["stage_3_peak_cam_angle"])
+    assert np.ptp(places) > 5
+    assert np.min(np.abs(places - np.degrees(found["stage_3_peak_cam_angle"]))) < 1e-9

@@ -201,11 +201,13 @@ def test_a_study_is_told_entry_by_entry():
             "computed": known(805, "N"),
             "difference": known(15, "N"),
             "tolerance": known(24, "N"),
+            "blind": None,
             "verdict": "within tolerance",
             "source": "table 3",
             "used_for": "",
             "doubt": "",
             "reading": "",
+            "samples": None,
         },
         {
             "quantity": "coil_1_2_installed_gap",
@@ -217,11 +219,13 @@ def test_a_study_is_told_entry_by_entry():
             "computed": known(1.5e-3, "m"),
             "difference": known(-0.5e-3, "m"),
             "tolerance": None,
+            "blind": None,
             "verdict": "misses by -25.0 %, tolerance 3.0 %",
             "source": "",
             "used_for": "the pitch",
             "doubt": "",
             "reading": "",
+            "samples": None,
         },
     ]
     assert told.pop("critical_speeds") == []

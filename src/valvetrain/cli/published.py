@@ -112,12 +112,15 @@ def difference_text(row: Comparison) -> str:
 
 def short_verdict(row: Comparison) -> str:
     """The verdict without the difference."""
-    first, _, rest = row.verdict.partition(",")
+    verdict, _, spread = row.verdict.partition("; ")
+    first, _, rest = verdict.partition(",")
     if first.startswith("differs"):
-        return "–"
+        return spread or "–"
     if first.startswith("misses"):
-        return f"misses{' (' + rest.replace('tolerance', '').strip() + ')' if rest else ''}"
-    return first.partition(":")[0]
+        short = f"misses{' (' + rest.replace('tolerance', '').strip() + ')' if rest else ''}"
+    else:
+        short = first.partition(":")[0]
+    return f"{short}; {spread}" if spread else short
 
 
 def tally(rows: Sequence[Comparison], role: str) -> str:

@@ -246,6 +246,7 @@ def integrate_in_time(
     extremes,
     bins,
     pressed,
+    finest,
     begin,
     end,
     carried,
@@ -255,7 +256,7 @@ def integrate_in_time(
     takes running values from one call to the next; all zero at first.
 
     ``clock`` = (steps per dense record, dense records per sample, first sample stored, steps per
-    record of coil pairs); ``stretches``
+    record of coil pairs, steps per value of ``finest``); ``stretches``
     (STRETCHES, 2) is working space. Fills ``snapshots`` (samples stored, 13, nv + 1) with positions,
     frames, velocities and spins,
     ``contacts`` (samples, 3, groups, nv) with mean force, peak force and loss since the last
@@ -265,7 +266,7 @@ def integrate_in_time(
     sample up to the next, its step, the least and its step, and the same of the retainer force,
     ``pressed`` (records from the first
     sample stored, 2, pairs) with force and stored energy of the contact points of each pair, vertex i
-    in pair ``bins[i]``. Returns (steps
+    in pair ``bins[i]``, ``finest`` with seat forces from the first sample stored. Returns (steps
     done, largest vertex speed); a run that diverged stops early.
     """
     vertices, per_sample, dt = np.uint64(integers[VERTICES]), clock[0] * clock[1], numbers[DT]
@@ -308,6 +309,8 @@ def integrate_in_time(
         later = n - per_sample * clock[2]
         if later >= 0 and later % clock[3] == 0:
             take_pairs(b, integers, stretches, count, bins, pressed[later // clock[3]])
+        if later >= 0 and later % clock[4] == 0:
+            finest[later // clock[4]] = seat
         stored = row - clock[2]
         if sample and stored >= 0:
             take_snapshot(b, integers, snapshots[stored], 0.5)

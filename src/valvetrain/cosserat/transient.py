@@ -25,6 +25,8 @@ DENSE_INTERVAL = 4e-6
 CONTACT_INTERVAL = 2e-6
 #: Most force records that are stored, however slow the revolution; slower ones are further apart.
 MAX_DENSE = 2**20
+#: Even places between two samples at which the seat force is stored too: a spike lasts a few of them.
+FINEST = 50
 #: Steps whose motion is computed at a time.
 BLOCK = 2**20
 
@@ -43,7 +45,8 @@ class RodTransient:
     frame);
     ``contact_force`` and ``contact_peak`` (ns, groups, nv) mean and peak since the last sample;
     ``contact_loss`` (ns,);
-    ``dense_*`` (nd,); ``extremes`` (ns, 8) of all steps up to the next sample: largest seat force,
+    ``dense_*`` (nd,); ``finest_seat_force`` (ns - 1, :data:`FINEST`) from each sample on;
+    ``extremes`` (ns, 8) of all steps up to the next sample: largest seat force,
     its time, least, its time, and the
     same of the retainer force; ``pair_force`` (N) and ``pair_energy`` (J, stored in the contact)
     (nc, pairs) at ``pair_time`` (nc,).
@@ -66,6 +69,7 @@ class RodTransient:
     dense_time: Array
     dense_retainer_force: Array
     dense_seat_force: Array
+    finest_seat_force: Array
     extremes: Array
     pair_time: Array
     pair_force: Array
@@ -117,7 +121,10 @@ def simulate(
     bins = np.full(mesh.vertices, -1, dtype=np.int64) if pair_of is None else pair_of
     pairs, recorded = int(bins.max()) + 1, (samples - discard) * dense * sub
     spacing = contact_spacing(CONTACT_INTERVAL, step, recorded, 2 * pairs)
-    clock, stretches = np.array([sub, dense, discard, spacing]), np.zeros((STRETCHES, 2))
+    most = max(1, dense * sub // (2 * FINEST))
+    apart = next(n for n in range(most, 0, -1) if dense * sub % n == 0)
+    finest = np.full(recorded // apart + 1, np.nan)
+    clock, stretches = np.array([sub, dense, discard, spacing, apart]), np.zeros((STRETCHES, 2))
     pressed = np.zeros((recorded // spacing + 1, 2, pairs))
     block, carried = max(1, BLOCK // (dense * sub)) * dense * sub, np.zeros(6)
     for begin in range(0, steps + 1, block):
@@ -137,6 +144,7 @@ def simulate(
             extremes,
             bins,
             pressed,
+            finest,
             begin,
             end,
             carried,
@@ -155,6 +163,7 @@ def simulate(
     time = sample_interval * np.arange(samples + 1.0)
     pressed = pressed[: (reached - discard) * dense * sub // spacing + 1]
     extremes[:, 1::2] *= step
+    at = np.arange((reached - discard) * FINEST) * (dense * sub / FINEST / apart)
     vertices = snapshots[stored, :, : mesh.vertices]
     return RodTransient(
         time=time[keep],
@@ -173,6 +182,7 @@ def simulate(
         dense_time=step * sub * np.arange(float(len(records)))[dense_keep],
         dense_retainer_force=records[dense_keep, 0],
         dense_seat_force=records[dense_keep, 1],
+        finest_seat_force=np.interp(at, np.arange(len(finest)), finest).reshape(-1, FINEST),
         extremes=extremes[keep],
         pair_force=pressed[:, 0],
         pair_energy=pressed[:, 1],

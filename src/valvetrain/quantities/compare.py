@@ -6,8 +6,9 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.comparison import Comparison, SampleRange
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity, same_speed, unit_of
 
@@ -22,6 +23,7 @@ def compare(
     quantities: Mapping[Quantity, float],
     counterparts: Mapping[str, str] | None,
     counted: Sequence[str] = (),
+    by_phase: Mapping[Quantity, NDArray[np.float64]] = {},
 ) -> tuple[Comparison, ...]:
     """One row per published value, in their order.
 
@@ -30,6 +32,7 @@ def compare(
     case that re-runs no study (None) what produced it is the label itself. ``counted``: words of
     angles that are counted through a cycle, such as ``clash`` for ``clash_3_cam_angle``; an extra
     one early on would shift the count of all that follow, so they meet one to one in their order.
+    ``by_phase``: what the source could have read of a quantity, one value for each phase of its samples.
     """
     rows, listed = [], tuple(published)
     runs: dict[tuple[str, float | None], dict[str, float]] = {}
@@ -55,6 +58,23 @@ def compare(
             and "interval" not in value.quantity
         ):
             difference = _turn_difference(difference)
+        read = next(
+            (
+                found
+                for key, found in by_phase.items()
+                if key.name == value.quantity
+                and key.label == label
+                and same_speed(key.engine_speed, value.engine_speed)
+            ),
+            None,
+        )
+        samples = (
+            None
+            if read is None
+            else SampleRange(
+                float(read.min()), float(read.max()), float(np.mean(read >= value.value)), len(read)
+            )
+        )
         rows.append(
             Comparison(
                 quantity=value.quantity,
@@ -67,11 +87,12 @@ def compare(
                 difference=difference,
                 role=value.role,
                 tolerance=value.tolerance,
-                verdict=verdict(value, difference),
+                verdict=verdict(value, difference) + _over_phases(value, samples),
                 source=value.source,
                 used_for=value.used_for,
                 doubt=value.doubt,
                 reading=value.reading,
+                samples=samples,
             )
         )
     return tuple(rows)
@@ -189,6 +210,22 @@ def verdict(value: PublishedValue, difference: float | None) -> str:
     if abs(difference) <= value.tolerance * (1 + 1e-12):
         return "within tolerance"
     return f"misses by {_size(value, difference, signed=True)}, tolerance {_size(value, value.tolerance)}"
+
+
+def _over_phases(value: PublishedValue, samples: SampleRange | None) -> str:
+    """The range over the phases of samples, where these decide more than a hundredth of a value or a degree."""
+    if samples is None:
+        return ""
+    turned = unit_of(value.quantity) == "rad"
+    if samples.high - samples.low <= (np.radians(1.0) if turned else abs(value.value) / 100):
+        return ""
+    from valvetrain.units import to_unit
+
+    low, high = (float(to_unit(end, value.unit)) for end in (samples.low, samples.high))
+    return (
+        f"; {low:.4g} to {high:.4g} {value.unit} over {samples.phases} phases of samples, "
+        f"{samples.share:.0%} at or above"
+    )
 
 
 def _size(value: PublishedValue, difference: float, signed: bool = False) -> str:

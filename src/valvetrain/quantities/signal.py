@@ -88,11 +88,15 @@ def _filtered_substeps(solution: Solution, cutoff_frequency: float, channel: str
     return np.append(filtered.max(axis=1), filtered[-1, -1])
 
 
-def fine_series(solution: Solution, channel: str = "seat_force") -> tuple[Array, Array, Array]:
-    """Time (s), cam angle (rad, unwrapped) and values of a channel at the finest stored sampling."""
-    if not solution.has(f"{channel}_fine"):
+def fine_series(
+    solution: Solution, channel: str = "seat_force", record: str = "fine"
+) -> tuple[Array, Array, Array]:
+    """Time (s), cam angle (rad, unwrapped) and values of a channel between its samples, from its
+    ``record`` "fine" or "finest"; the samples themselves where the run has none.
+    """
+    if not solution.has(f"{channel}_{record}"):
         return solution.time, solution.cam_angle, solution.channel(channel)
-    fine = solution.channel(f"{channel}_fine")[:-1]
+    fine = solution.channel(f"{channel}_{record}")[:-1]
     share = np.arange(fine.shape[1]) / fine.shape[1]
     time, angle = (
         values[:-1, None] + np.diff(values)[:, None] * share

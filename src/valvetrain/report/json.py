@@ -64,7 +64,8 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
     """Computed and published value of one comparison."""
     unit = unit_of(row.quantity)
     values = {
-        name: getattr(row, name) for name in ("published", "computed", "difference", "tolerance")
+        name: getattr(row, name)
+        for name in ("published", "computed", "difference", "tolerance", "blind")
     }
     return {
         "quantity": row.quantity,
@@ -80,6 +81,14 @@ def comparison_object(row: Comparison) -> dict[str, Any]:
         "used_for": row.used_for,
         "doubt": row.doubt,
         "reading": row.reading,
+        "samples": None
+        if row.samples is None
+        else {
+            "low": measured(row.samples.low, unit),
+            "high": measured(row.samples.high, unit),
+            "share_at_or_above": row.samples.share,
+            "phases": row.samples.phases,
+        },
     }
 
 

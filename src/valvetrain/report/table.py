@@ -139,6 +139,7 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
         ("given", "", text_cells([shown(row.published, row.unit) for row in rows])),
         ("computed by", "", text_cells([row.model for row in rows])),
         ("computed", "", text_cells([shown(row.computed, row.unit) for row in rows])),
+        ("blind", "", text_cells([shown(row.blind, row.unit) for row in rows])),
         ("difference", "", text_cells([shown(row.difference, row.unit) for row in rows])),
         ("unit", "", text_cells([row.unit for row in rows])),
         ("relative difference", "", text_cells([row.relative_difference for row in rows])),
@@ -148,6 +149,20 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
         ("source", "", text_cells([row.source for row in rows])),
         ("used for", "", text_cells([row.used_for for row in rows])),
         ("reading", "", text_cells([row.reading for row in rows])),
+        *(
+            (
+                f"{end} over phases",
+                "",
+                text_cells(
+                    [row.samples and shown(getattr(row.samples, end), row.unit) for row in rows]
+                ),
+            )
+            for end in ("low", "high")
+        ),
+        *(
+            (name, "", text_cells([row.samples and getattr(row.samples, end) for row in rows]))
+            for name, end in (("share at or above", "share"), ("phases", "phases"))
+        ),
     )
 
 
@@ -182,14 +197,18 @@ def _cells(row: Comparison) -> tuple[Cell, ...]:
         Cell(sign, "tag", caption),
         Cell(_in(row.published, row.unit), "number", row.reading),
         Cell(theme.model_label(row.model) if row.model else "", "quiet", row.model),
-        Cell(_in(row.computed, row.unit), "number"),
+        Cell(
+            _in(row.computed, row.unit),
+            "number",
+            "" if row.blind is None else f"not fitted to it: {_in(row.blind, row.unit)}",
+        ),
         Cell(difference, "number"),
         Cell(share, "number quiet"),
         Cell(unit_text(row.unit), "quiet"),
         Cell(row.role, "quiet", row.used_for),
         Cell(
             "no tolerance stated"
-            if row.verdict.startswith("differs")
+            if row.verdict.startswith("differs") and row.samples is None
             else row.verdict.replace(" -", " −"),
             tone(row),
             row.source,

@@ -56,6 +56,7 @@ from valvetrain.runs.stored_error_bars import (
     spread_sentences,
     stored_rows,
     uncertainty_sentences,
+    with_blind,
 )
 from valvetrain.runs.train_runs import (
     STOPPED,
@@ -462,7 +463,7 @@ def next_to_published(study: Study, problem: Problem) -> Study:
     compared = against_source(study)
     rows = tuple(
         row
-        for row in compared.comparisons
+        for row in with_blind(compared.comparisons, study.record)
         if row.engine_speed is None or any(same_speed(row.engine_speed, s) for s in ran)
     )
     notes = compared.notes

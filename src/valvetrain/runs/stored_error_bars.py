@@ -7,11 +7,13 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from valvetrain.parameters.loading import library_names
 from valvetrain.runs.error_bars import STIFFNESS_FACTORS, grouped
+from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import shown
 from valvetrain.solution.later import LaterMapping
 from valvetrain.solution.provenance import CaseRecord, PublishedValue
@@ -258,6 +260,21 @@ def _rpm(engine_speed: float) -> str:
 def _with_unit(value: float, name: str, digits: int = 4) -> str:
     number, unit = shown(name, value)
     return f"{float(f'{number:.{digits}g}'):g} {unit}"
+
+
+def with_blind(rows: Sequence[Comparison], record: CaseRecord) -> tuple[Comparison, ...]:
+    """Comparisons of a fitted case with the numbers of the case that was not fitted to them, where
+    these ship next to it.
+    """
+    content = _library_file(record, "blind")
+
+    def head(row: Comparison) -> str:
+        return f"{_STATICS if row.engine_speed is None else _rpm(row.engine_speed)}, {row.origin}"
+
+    return tuple(
+        replace(row, blind=content[head(row)].get(row.quantity)) if head(row) in content else row
+        for row in rows
+    )
 
 
 class Spread(NamedTuple):

@@ -251,6 +251,11 @@ SPRING_CHANNELS: dict[str, tuple[str | None, str, str]] = {
 #: Channels between the samples, on the steps of the integrator.
 FINE: dict[str, tuple[tuple[str, ...], str, str]] = {
     "seat_force_fine": (("subsample",), "N", "seat force at even substeps after each sample"),
+    "seat_force_finest": (
+        ("fine_subsample",),
+        "N",
+        "seat force at fifty even places up to the next sample",
+    ),
     "retainer_force_fine": (
         ("subsample",),
         "N",

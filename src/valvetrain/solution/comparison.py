@@ -8,6 +8,18 @@ from valvetrain.solution.display import Shown
 
 
 @dataclass(frozen=True, slots=True)
+class SampleRange:
+    r"""What a source that stored samples could have read: the ``low``\ est and ``high``\ est value (SI)
+    over ``phases`` phases of its samples, and the ``share`` of phases at or above the published value.
+    """
+
+    low: float
+    high: float
+    share: float
+    phases: int
+
+
+@dataclass(frozen=True, slots=True)
 class Comparison(Shown):
     """A row of the table computed / published / difference.
 
@@ -15,7 +27,9 @@ class Comparison(Shown):
     ``difference`` and ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity;
     ``tolerance`` None when source and task give none. ``origin`` of the published value (FE, AN,
     EX), its ``role`` (calibration, check or prediction), what it was ``used_for``, a ``doubt``:
-    why it cannot be right, and the ``reading``: how its source read it.
+    why it cannot be right, and the ``reading``: how its source read it. ``samples``: the range of
+    what the source could have read, whose median is ``computed``; None where it stored no samples.
+    ``blind``: what the case computes that was not fitted to the value, where it ships.
 
     >>> row = Comparison("preload", None, "massless", "FE", "N", 289.0, 288.9, -0.1, "check", 2.0, "agrees")
     >>> row.verdict
@@ -37,6 +51,8 @@ class Comparison(Shown):
     used_for: str = ""
     doubt: str = ""
     reading: str = ""
+    samples: SampleRange | None = None
+    blind: float | None = None
 
     def __repr__(self) -> str:
         computed = "not computed" if self.computed is None else f"computed {self.computed:.5g}"

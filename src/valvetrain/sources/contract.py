@@ -12,7 +12,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.compare import compare
-from valvetrain.quantities.cycle import Frame
+from valvetrain.quantities.cycle import Array, Frame
 from valvetrain.quantities.signal import Window
 from valvetrain.solution.comparison import Finding
 from valvetrain.solution.provenance import PublishedValue
@@ -50,7 +50,8 @@ class SourceStudy:
     """One published study; ``key``: its citation key and its name in the registry.
 
     ``quantities``: numbers of a run by the names of the study. ``study_quantities``: numbers of
-    several runs, or of none, by name and engine speed of its published values. ``findings``:
+    several runs, or of none, by name and engine speed of its published values. ``by_phase``: numbers of
+    the runs once for each phase of the samples that it stored. ``findings``:
     published findings compared with the computed results; ``notes``: contradictions within it.
     ``counterparts``: what produced a published value -> label of the run to compare with.
     ``origins``: the same -> mark. ``counted``: names of its angles that are numbered through a
@@ -64,6 +65,7 @@ class SourceStudy:
     key: str
     quantities: Callable[[Solution, Frame], dict[str, float]] = lambda solution, frame: {}
     study_quantities: Callable[[Study], dict[Quantity, float]] = lambda study: {}
+    by_phase: Callable[[Study], dict[Quantity, Array]] = lambda study: {}
     findings: Callable[[Study], tuple[Finding, ...]] = lambda study: ()
     notes: Callable[[Study], tuple[str, ...]] = lambda study: ()
     counterparts: Mapping[str, str] = field(default_factory=dict)
@@ -124,7 +126,9 @@ def against_source(study: Study) -> Study:
     return replace(
         study,
         still=still,
-        comparisons=compare(record.published, quantities, counterparts, source.counted),
+        comparisons=compare(
+            record.published, quantities, counterparts, source.counted, source.by_phase(study)
+        ),
         findings=(*study.findings, *source.findings(study)),
         notes=(*study.notes, *source.notes(study)),
     )

@@ -18,11 +18,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from valvetrain.parameters.summary import percent
-from valvetrain.quantities.cycle import Frame, reported_cycle
+from valvetrain.quantities.cycle import Array, Frame, reported_cycle
 from valvetrain.quantities.signal import WINDOWS
 from valvetrain.solution.comparison import Finding
 from valvetrain.solution.provenance import PublishedValue
-from valvetrain.solution.quantity import same_speed
+from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.sources.contract import Origin, SourceStudy
@@ -34,7 +34,7 @@ from valvetrain.sources.gu2021_coils import (
     separation_angle,
     velocity_quantities,
 )
-from valvetrain.sources.gu2021_stages import RATTLE, rattle, stage_quantities
+from valvetrain.sources.gu2021_stages import RATTLE, over_phases, rattle, stage_quantities
 
 SOLID, MODAL, TEST = "solid finite elements", "analytical modal", "engine head test"
 COUNTERPARTS = {SOLID: "finite-element", TEST: "finite-element", MODAL: "modal-varied"}
@@ -74,6 +74,21 @@ def quantities(solution: Solution, frame: Frame) -> dict[str, float]:
         found |= acceleration_quantities(cycle, separation, coils) | collision_quantities(
             cycle, separation, surge_frequency, event, found.get("stage_3_peak_cam_angle")
         )
+    return found
+
+
+def by_phase(study: Study) -> dict[Quantity, Array]:
+    """Forces and angles of the stages of each finite-element run, once for each phase of the samples
+    that the study stored.
+    """
+    event, found = study.lift_event, dict[Quantity, Array]()
+    for run in study.runs("finite-element"):
+        if event is None or len(run.time) < 3 or not run.has("seat_force"):
+            continue
+        cycle = reported_cycle(run)
+        separation = separation_angle(cycle, study.quantities.get(Quantity("mode_1_frequency")))
+        for name, values in over_phases(cycle, "seat_force", separation, event).items():
+            found[Quantity(name, run.engine_speed, run.label)] = values
     return found
 
 
@@ -279,6 +294,7 @@ def _violence_note(study: Study) -> str:
 SPEC = SourceStudy(
     "gu2021",
     quantities,
+    by_phase=by_phase,
     findings=findings,
     notes=notes,
     counterparts=COUNTERPARTS,

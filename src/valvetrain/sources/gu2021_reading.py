@@ -2,8 +2,8 @@
 
 Its solver stored a value every 0.5 cam degrees (table 2: 72 steps of ten substeps a revolution), and
 what it prints are values of that list. A spike of some microseconds falls between such samples or on
-one of them, by luck of their phase. So a computed force known more finely is read at samples of
-0.5 degrees at every phase, and what is reported is the median over the phases, with the range.
+one of them, by luck of their phase. So a computed force is read at samples of 0.5 degrees at fifty
+phases; a comparison gives the range over them, and a single number is their median.
 Nothing that the study prints is said to be filtered, so nothing is filtered here.
 """
 
@@ -18,8 +18,8 @@ from valvetrain.quantities.signal import fine_series
 
 #: Cam angle (rad) between the values that the source stored.
 SAMPLE = np.radians(0.5)
-#: Most phases at which the samples are laid; substeps beyond are passed over.
-PHASES = 24
+#: Most phases at which the samples are laid; fewer where the run's record is coarser.
+PHASES = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,18 +32,14 @@ class Sampled:
     cam_angle: Array
     force: Array
 
-    def over_phases(self, numbers: list[dict[str, float]]) -> dict[str, float]:
-        """The median over the phases of each number that every phase has."""
-        common = [name for name in numbers[0] if all(name in one for one in numbers)]
-        return {name: float(np.median([one[name] for one in numbers])) for name in common}
-
 
 def sampled(cycle: Cycle, channel: str = "seat_force") -> Sampled:
     """The force of one cam revolution every :data:`SAMPLE`, at every phase that the run's record allows.
 
     A run whose record is not finer than the samples of the source has one phase: its own samples.
     """
-    _, angle, values = fine_series(cycle.solution, channel)
+    record = "finest" if cycle.solution.has(f"{channel}_finest") else "fine"
+    _, angle, values = fine_series(cycle.solution, channel, record)
     turn = cycle.solution.cam_angle[cycle.samples][0] - cycle.cam_angle[0]
     angle = angle - turn
     inside = (angle >= cycle.cam_angle[0] - 1e-9) & (angle <= cycle.cam_angle[-1] + 1e-9)

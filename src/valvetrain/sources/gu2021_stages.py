@@ -83,6 +83,29 @@ def _as_the_source_read(
     """Forces and angles of the stages in the median over phases of the source's samples, and the
     range of the Stage III spike.
     """
+    by_phase = over_phases(cycle, channel, separation, event)
+    # an angle between two collisions would be that of neither
+    found = {
+        name: float(np.quantile(values, 0.5, method="nearest" if "angle" in name else "linear"))
+        for name, values in by_phase.items()
+    }
+    if "stage_1_force_range" in found:
+        ends = (found["stage_1_maximum_force"], found["stage_1_minimum_force"])
+        found["stage_1_force_range"] = ends[0] - ends[1]
+    if "stage_3_peak_force" in found:
+        spikes = by_phase["stage_3_peak_force"]
+        found["stage_3_least_sampled_peak_force"] = float(np.min(spikes))
+        found["stage_3_largest_sampled_peak_force"] = float(np.max(spikes))
+        found |= _spike_shape(cycle, sampled(cycle, channel), separation, event)
+    return found
+
+
+def over_phases(
+    cycle: Cycle, channel: str, separation: float, event: LiftEvent
+) -> dict[str, Array]:
+    """Forces and angles of the stages once for each phase of the source's samples, of those that
+    every phase has; empty where the run's record is no finer than the samples.
+    """
     read = sampled(cycle, channel)
     if len(read.force) < 2:
         return {}
@@ -98,16 +121,8 @@ def _as_the_source_read(
         if covers_stage(cycle, event, 3):
             one |= stage_3(seen, force, separation, event)
         numbers.append(one)
-    found = read.over_phases(numbers)
-    if "stage_1_force_range" in found:
-        ends = (found["stage_1_maximum_force"], found["stage_1_minimum_force"])
-        found["stage_1_force_range"] = ends[0] - ends[1]
-    spikes = [one["stage_3_peak_force"] for one in numbers if "stage_3_peak_force" in one]
-    if spikes:
-        found["stage_3_least_sampled_peak_force"] = min(spikes)
-        found["stage_3_largest_sampled_peak_force"] = max(spikes)
-        found |= _spike_shape(cycle, read, separation, event)
-    return found
+    common = [name for name in numbers[0] if all(name in one for one in numbers)]
+    return {name: np.array([one[name] for one in numbers]) for name in common}
 
 
 def _spike_shape(

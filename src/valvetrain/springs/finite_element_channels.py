@@ -145,6 +145,8 @@ def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool)
     ):
         padded = np.concatenate([series, np.repeat(series[-1:], dense - 1)])
         values[name] = padded[: len(run.time) * dense].reshape(len(run.time), dense)
+    last = np.full((1, run.finest_seat_force.shape[1]), run.seat_force[-1])
+    values["seat_force_finest"] = np.concatenate([run.finest_seat_force, last])
     for column, name in enumerate(
         f"{end}_force_{kind}" for end in ("seat", "retainer") for kind in EXTREMES
     ):

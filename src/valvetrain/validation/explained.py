@@ -90,7 +90,7 @@ BANDS: dict[str, dict[str, tuple[float, float]]] = {
         "stage 2 valley force, 8000 rpm (solid finite elements)": (747.0, 779.0),
         "stage 2 second peak force, 8000 rpm (solid finite elements)": (828.0, 862.0),
         "stage 2 end force, 8000 rpm (solid finite elements)": (206.0, 215.0),
-        "stage 3 peak force, 8000 rpm (solid finite elements)": (669.0, 697.0),
+        "stage 3 peak force, 8000 rpm (solid finite elements)": (692.0, 720.0),
         "node 2 stage 1 displacement range, 8000 rpm (solid finite elements)": (0.104, 0.116),
         "node 2 stage 1 velocity range, 8000 rpm (solid finite elements)": (811.0, 880.0),
         "node 2 maximum displacement, 8000 rpm (solid finite elements)": (0.238, 0.264),
@@ -99,7 +99,7 @@ BANDS: dict[str, dict[str, tuple[float, float]]] = {
         "stage 2 first peak force, 8000 rpm (engine head test)": (774.0, 807.0),
         "stage 2 valley force, 8000 rpm (engine head test)": (747.0, 779.0),
         "stage 2 second peak force, 8000 rpm (engine head test)": (828.0, 862.0),
-        "stage 3 peak force, 8000 rpm (engine head test)": (669.0, 697.0),
+        "stage 3 peak force, 8000 rpm (engine head test)": (692.0, 720.0),
     },
     _PHASE: {
         "node 2 stage 3 minimum velocity cam angle, 5600 rpm (solid finite elements)": (
