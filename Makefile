@@ -9,7 +9,7 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-fast test-processor test-development test-docs test-browser test-long validate bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
+.PHONY: help run test test-fast test-processor test-development test-docs test-browser test-long validate validate-all bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
@@ -21,6 +21,7 @@ help:
 	@echo "make test-docs the programs and commands of README, documentation and examples"
 	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
 	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
+	@echo "make validate-all  the long checks over every template and library case (half an hour)"
 	@echo "make docs      the documentation site in build/docs, gallery run, any warning a failure"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
@@ -55,6 +56,9 @@ test-fast: environment-test
 validate: environment-test parts
 	$(BIN)/python -m valvetrain.validation --page docs/validation.md
 	$(PYTEST) $(wildcard tests/published tests/limits tests/order) $(ARGS)
+
+validate-all: environment-test parts
+	VALVETRAIN_LONG=1 VALVETRAIN_ALL=1 nice $(PYTEST) --dist load -m long tests/contracts/test_one_way_to_a_case.py $(ARGS)
 
 docs: environment-test
 	$(ONE_THREAD) $(BIN)/python -m sphinx -b html -n -W --keep-going -q -d build/doctrees docs build/docs

@@ -13,6 +13,7 @@ from valvetrain.api.parts import Lift, Spring, Train, as_table, lift_table, one_
 from valvetrain.api.points import Output, experiment_of_points, is_object
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case as Parameters
+from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED, with_values
 from valvetrain.units import numbers_of, renamed, si_speeds
@@ -131,10 +132,8 @@ class Case:
         >>> sorted(vt.Case("job-t").set({"operation.cycles": 3}).diff(vt.Case("job-t")))
         ['operation.cycles']
         """
-        from valvetrain.explore.case_paths import file_key
-
         made = {
-            file_key(path): REMOVED if value is None else as_table(value, tuple(path.split(".")))
+            path: REMOVED if value is None else as_table(value, tuple(path.split(".")))
             for path, value in (changes or {}).items()
         }
         new = object.__new__(Case)
@@ -493,14 +492,7 @@ def _tree_of(source: Source | Case | None) -> tuple[dict[str, Any], str, Path]:
     if isinstance(source, str) and ("\n" in source or "=" in source):
         return parse_toml(source, "TOML text"), "", Path()
     if isinstance(source, Parameters):
-        case, folder = source, Path()
-        tree = parse_toml(case.text, case.name) if case.text else {}
-        if not tree or case_of_tree(tree, case.name, folder, case.name, None, case.text) != case:
-            raise InputError(
-                f"case '{case.name}' was put together or changed in Python and has no file; make it with vt.Case and its set",
-                "vt.Case",
-            )
-        return tree, case.name, folder
+        return copy.deepcopy(tables_of(source).tree), source.name, Path()
     if not isinstance(source, (str, os.PathLike)):
         raise InputError(
             f"{clipped(repr(source))} is no case; give a name of the library, a path, TOML text or a dict of tables",

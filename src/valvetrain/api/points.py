@@ -73,7 +73,9 @@ class StudyPoint:
         from valvetrain.explore.space import ENGINE_SPEED
         from valvetrain.runs.api import simulate
 
-        speed = values.pop(ENGINE_SPEED, self.engine_speed)
+        speed = self.engine_speed
+        if ENGINE_SPEED in values:  # read before, with its unit
+            speed = f"{values.pop(ENGINE_SPEED)!r} rad/s"
         plain: dict[str, Any] = {}
         tables: dict[str, Any] = {}
         for key, value in values.items():

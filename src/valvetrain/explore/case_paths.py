@@ -1,115 +1,36 @@
 """Key paths into a case: the case with varied quantities changed, checked as its file would be, and
 the values under its keys.
-
-Keys of a case file (``spring.wire_diameter``) and key paths of :meth:`Case.replace`
-(``springs.0.wire.wire_diameter``) name the same value, of any case.
 """
 
 from __future__ import annotations
 
-import copy
 import re
-import tomllib
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import lru_cache
-from pathlib import Path
+from dataclasses import replace
+from functools import partial
 from typing import Any
-
-from pydantic import ValidationError
-from pydantic_core import PydanticCustomError
 
 from valvetrain.errors import InputError
 from valvetrain.explore.space import ENGINE_SPEED, Varied
-from valvetrain.parameters.annotations import split_notes
-from valvetrain.parameters.case import Case, Note
-from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.curves import (
-    Constant,
-    FunctionCurve,
-    PiecewiseLinear,
-    Table,
-    WeightedSum,
-    add_curves,
-)
-from valvetrain.parameters.schema_case import CaseModel
-from valvetrain.parameters.schema_types import first_problem
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.case_changes import changed_case, tables_of
+from valvetrain.parameters.overrides import file_key
+from valvetrain.parameters.schema_types import DOUBTED
 from valvetrain.units import (
     DIMENSIONS,
     PlainInteger,
     PlainNumber,
     dimension_of,
+    doubt,
     parse_quantities,
 )
 
 #: Keys of a curve over the coils that hold its values; the first that is there is meant.
 CURVE_KEYS = ("values", "clearances", "level")
+#: Tables of a case whose values may be varied.
+MOVING = ("spring", "lift_law", "operation", "train", "rubbing", "points")
 _UNIT = re.compile(r"[^\d\s.,+\-eE][^,]*\Z")
-
-
-_IN_OBJECT = re.compile(
-    r"(?:springs\.0|(?P<train>train\.springs\.[^.]+\.\d+))(?:\.(?:wire|card))?\."
-)
-_IN_FILE = re.compile(r"(?:spring|train\.springs\.(?P<set>[^.]+)\.(?P<index>\d+))\.(?P<rest>.+)")
-
-
-def file_key(key: str) -> str:
-    """A key as case files have it.
-
-    >>> file_key("springs.0.wire.wire_diameter"), file_key("train.springs.nested.1.wire.pitch")
-    ('spring.wire_diameter', 'train.springs.nested.1.pitch')
-    """
-    found = _IN_OBJECT.match(key)
-    return key if found is None else f"{found['train'] or 'spring'}.{key[found.end() :]}"
-
-
-def object_key(case: Case, key: str) -> str:
-    """A key as :meth:`Case.replace` has it.
-
-    >>> import valvetrain as vt
-    >>> object_key(vt.load_case("job-t"), "spring.wire_diameter")
-    'springs.0.wire.wire_diameter'
-    """
-    found = _IN_FILE.fullmatch(key)
-    if found is None:
-        return key
-    name, index = found["set"], int(found["index"] or 0)
-    springs = (
-        case.springs if name is None else case.train.springs.get(name, ()) if case.train else ()
-    )
-    if index >= len(springs):
-        return key
-    head = "springs.0" if name is None else f"train.springs.{name}.{index}"
-    first, spring = found["rest"].partition(".")[0], springs[index]
-    if first in spring.__dataclass_fields__:
-        return f"{head}.{found['rest']}"
-    return f"{head}.{'card' if spring.wire is None else 'wire'}.{found['rest']}"
-
-
-def set_in_tree(tree: dict[str, Any], varied: Varied, value: float) -> None:
-    """Set, multiply or shift the ``varied`` quantity of a case file's bare ``tree`` in place;
-    ``value`` in SI.
-
-    Raises :class:`InputError` for a key that leads nowhere, a factor or an offset on what is no
-    number, and an offset of another unit.
-    """
-    *heads, last = file_key(varied.key).split(".")
-    holder: Any = tree
-    for head in heads:
-        if isinstance(holder, dict) and head not in holder and varied.operation == "value":
-            holder[head] = {}
-        holder = _unpacked(holder, head, varied)
-    if varied.operation == "value" and isinstance(holder, dict):
-        holder[last] = as_written(value, varied.si_unit)
-        return
-    before = _unpacked(holder, last, varied)
-    after = (
-        as_written(value, varied.si_unit)
-        if varied.operation == "value"
-        else _changed(before, varied, value)
-    )
-    holder[int(last) if isinstance(holder, list) else last] = after
 
 
 def as_written(value: float, unit: str) -> Any:
@@ -120,37 +41,6 @@ def as_written(value: float, unit: str) -> Any:
         return f"{float(value)!r} {unit}"
     whole = float(value).is_integer() and abs(value) < 2**53
     return PlainInteger(value) if whole else PlainNumber(value)
-
-
-def _unpacked(holder: Any, key: str, varied: Varied) -> Any:
-    """The part of ``holder`` under ``key``; numbers written as one text become a list where a place
-    in it is requested.
-    """
-    if isinstance(holder, dict):
-        if key not in holder:
-            raise InputError(
-                f"the case has no '{key[:60]}' there; {nearest(key, tuple(holder))}", varied.key
-            )
-        found = holder[key]
-        if (
-            isinstance(found, str)
-            and "," in found
-            and varied.key.rpartition(".")[2].isdecimal()
-            and key == varied.key.split(".")[-2]
-        ):
-            values, unit = numbers_of(found, varied)
-            holder[key] = found = [as_written(one, unit) for one in values]
-        return found
-    if isinstance(holder, list):
-        if not key.isdecimal() or int(key) >= len(holder):
-            raise InputError(
-                f"'{key[:20]}' is no place in a list of {len(holder)}; name one by its number from 0",
-                varied.key,
-            )
-        return holder[int(key)]
-    raise InputError(
-        f"'{key[:60]}' is below a plain value, which has no parts; vary that value", varied.key
-    )
 
 
 def _changed(before: Any, varied: Varied, value: float) -> Any:
@@ -208,172 +98,52 @@ def numbers_of(text: str, varied: Varied) -> tuple[tuple[float, ...], str]:
     return parse_quantities(text, dimension, varied.key), DIMENSIONS[dimension].si_unit
 
 
-_CURVES = (Constant, PiecewiseLinear, Table, FunctionCurve, WeightedSum)
-
-
-@dataclass(frozen=True, eq=False)
-class _Template:
-    """A case file read, without its published values: ``bare`` tree, notes, and the ``warnings`` that
-    reading gives.
-    """
-
-    bare: dict[str, Any]
-    notes: dict[str, Note]
-    warnings: tuple[str, ...] = ()
-
-
 def vary(case: Case, values: Mapping[Varied, float]) -> Case:
     """The case with the varied quantities at ``values`` (SI), as its file with those values would
     give it.
 
-    A case that a program made or changed, so that its text no longer describes it, is changed part
-    by part. Raises :class:`InputError`, one sentence, for a key that is not there and for a case
-    that cannot exist.
+    Raises :class:`InputError`, one sentence, for a key that is not there, for a case that cannot exist
+    and for one that a program changed part by part.
 
     >>> import valvetrain as vt
     >>> thinner = vary(vt.load_case("gu2021-beehive"), {Varied("spring.wire_diameter", "mm"): 3.7e-3})
     >>> thinner == vt.load_case("gu2021-beehive", {"spring.wire_diameter": "0.0037 m"})
-    False
-    >>> thinner.springs == vt.load_case("gu2021-beehive", {"spring.wire_diameter": "0.0037 m"}).springs
     True
     """
     own = {varied: float(value) for varied, value in values.items() if varied.key != ENGINE_SPEED}
     if not own:
         return case
-    remarks = "".join(
-        f"# changed: {varied.name} = {value!r} {varied.si_unit}".rstrip() + "\n"
-        for varied, value in own.items()
-    )
-    names = tuple(dict.fromkeys((*case.changed, *(varied.name for varied in own))))
-    template = _template(case)
+    changes: dict[str, Any] = {}
+    for varied, value in own.items():
+        key = file_key(varied.key)
+        if key.partition(".")[0] not in MOVING:
+            raise InputError(
+                f"is no quantity that moves anything; vary one of {', '.join(MOVING[:-1])} or {MOVING[-1]}",
+                varied.key,
+            )
+        if key in changes:
+            raise InputError("is varied twice; give it once", varied.key)
+        name = DOUBTED.get(key.rpartition(".")[2], "")
+        if name and varied.operation == "value" and varied.distribution.dimension is None:
+            doubt(value, name, f"{value:.6g} {varied.si_unit}", True, varied.key)
+        changes[key] = (
+            as_written(value, varied.si_unit)
+            if varied.operation == "value"
+            else partial(_changed, varied=varied, value=value)
+        )
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        changed = _changed_case(case, own) if template is None else _from_tree(case, template, own)
+        changed = changed_case(case, changes)
     where = ", ".join(
         f"{one.shown_name} = {one.shown(value):.5g} {one.unit}".rstrip()
         for one, value in own.items()
     )
     for one in caught:
         text = str(one.message)
-        of_case = template is not None and text in template.warnings
+        of_case = text in tables_of(case).warnings
         warnings.warn(text if of_case else f"at {where}: {text}", one.category, stacklevel=2)
-    return replace(
-        changed, published=case.published, notes=case.notes, text=case.text + remarks, changed=names
-    )
-
-
-def _from_tree(case: Case, template: _Template, values: Mapping[Varied, float]) -> Case:
-    tree = copy.deepcopy(template.bare)
-    for varied, value in values.items():
-        if file_key(varied.key).partition(".")[0] not in (
-            "spring",
-            "lift_law",
-            "operation",
-            "train",
-            "rubbing",
-            "points",
-        ):
-            raise InputError(
-                "is no quantity that moves anything; vary one of spring, lift_law, operation, train, rubbing or points",
-                varied.key,
-            )
-        set_in_tree(tree, varied, value)
-    return _read(case, tree, template.notes)
-
-
-def _read(case: Case, tree: dict[str, Any], notes: dict[str, Note]) -> Case:
-    try:
-        return CaseModel.model_validate(tree).build(
-            case.name, Path(), notes, case.text, case.changed
-        )
-    except ValidationError as error:
-        path, reason = first_problem(error)
-        raise InputError(reason, ".".join(map(str, path))) from None
-    except PydanticCustomError as error:
-        context = error.context or {}
-        raise InputError(
-            str(context.get("reason", error)), ".".join(map(str, context.get("path", ())))
-        ) from None
-    except ArithmeticError as error:
-        raise InputError(
-            f"the numbers of the case are too large or too small to compute with ({error}); check them"
-        ) from error
-
-
-@lru_cache(maxsize=16)
-def _template(case: Case) -> _Template | None:
-    """The case's text read once; None where the text does not describe the case."""
-    try:
-        bare, notes, bad = split_notes(tomllib.loads(case.text))
-        bare.pop("published", None)
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            again = None if bad else _read(case, bare, notes)
-    except (ValueError, InputError):
-        return None
-    if again is None or replace(again, published=case.published, name=case.name) != case:
-        return None
-    return _Template(bare, notes, tuple(str(one.message) for one in caught))
-
-
-def _changed_case(case: Case, values: Mapping[Varied, float]) -> Case:
-    """A case changed by key paths of its parts."""
-    changes: dict[str, Any] = {}
-    for varied, value in values.items():
-        key = object_key(case, varied.key)
-        if varied.operation != "value":
-            before = case.replace(changes) if changes else case
-            changes[key] = _moved_vary(part_of(before, key), varied, value)
-        else:
-            changes[key] = value
-    return case.replace(changes)
-
-
-def part_of(item: Any, path: str) -> Any:
-    """The part of a case under a key path of :meth:`Case.replace`. Raises :class:`InputError` where
-    there is none.
-    """
-    for key in path.split("."):
-        found = item.get(key) if isinstance(item, Mapping) else None
-        if isinstance(item, tuple) and key.isdecimal() and int(key) < len(item):
-            found = item[int(key)]
-        elif found is None:
-            values = getattr(item, "values", None)
-            found = getattr(item, key, values.get(key) if isinstance(values, Mapping) else None)
-        if found is None:
-            raise InputError(
-                f"the case has no '{key[:60]}' there; its text does not describe it, so keys are those of Case.replace",
-                path,
-            )
-        item = found
-    return item
-
-
-def _moved_vary(before: Any, varied: Varied, value: float) -> Any:
-    """A number, a row of numbers or a curve multiplied by or shifted by ``value``."""
-    if isinstance(before, bool):
-        raise InputError(
-            f"is no number, so it has no {varied.operation}; vary its value", varied.key
-        )
-    if isinstance(before, (int, float)):
-        return before * value if varied.operation == "factor" else before + value
-    if isinstance(before, tuple):
-        return tuple(_moved_vary(one, varied, value) for one in before)
-    if isinstance(before, _CURVES):
-        if varied.operation == "factor":
-            return add_curves(Constant(0.0), before, value)
-        return add_curves(before, Constant(value))
-    raise InputError(
-        f"is no number and no curve, so it has no {varied.operation}; vary its value", varied.key
-    )
-
-
-def tree_of(case: Case) -> dict[str, Any] | None:
-    """The bare tree of the case's text, not to be changed; None where the text does not
-    describe the case.
-    """
-    template = _template(case)
-    return None if template is None else template.bare
+    names = (one.name for one in own)
+    return replace(changed, changed=tuple(dict.fromkeys((*case.changed, *names))))
 
 
 def nominal(case: Case, varied: Varied) -> float:
@@ -394,9 +164,6 @@ def nominal(case: Case, varied: Varied) -> float:
         return numbers_of(found, varied)[0][0]
     if isinstance(found, (int, float)) and not isinstance(found, bool):
         return float(found)
-    level = getattr(found, "level", None)
-    if isinstance(level, float):
-        return level
     raise InputError(
         "has several numbers in the case; vary it as = 'factor' or 'offset', or name one of its parts",
         varied.key,
@@ -404,8 +171,7 @@ def nominal(case: Case, varied: Varied) -> float:
 
 
 def unit_in_case(case: Case, key: str) -> str:
-    """Unit in which the value of ``key`` is written in the case; empty for a plain number and where
-    the case has no text.
+    """Unit in which the value of ``key`` is written in the case; empty for a plain number.
 
     >>> import valvetrain as vt
     >>> unit_in_case(vt.load_case("gu2021-beehive"), "spring.precompression")
@@ -431,10 +197,7 @@ def _entry(case: Case, key: str) -> tuple[Any, int | None]:
     """The value under ``key``, and the index in it where it is a text of several numbers of which
     one is meant.
     """
-    tree = tree_of(case)
-    if tree is None:
-        return part_of(case, object_key(case, key)), None
-    found: Any = tree
+    found: Any = tables_of(case).bare
     for part in file_key(key).split("."):
         if isinstance(found, dict) and part in found:
             found = found[part]

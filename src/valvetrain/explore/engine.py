@@ -24,6 +24,7 @@ from valvetrain.explore.outputs import Outcome, Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.store import Store, versions_digest
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.identity import content, function_text
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost
@@ -66,6 +67,8 @@ class Evaluation:
                 "an experiment evaluates a case or a function; give one of the two", "case"
             )
         if case is not None:
+            if any(one.key != ENGINE_SPEED for one in space):
+                tables_of(case)  # refuses a case whose values cannot be varied
             space = with_case_units(case, space)
         speed_is_varied = any(one.key == ENGINE_SPEED for one in space)
         for name, value in (

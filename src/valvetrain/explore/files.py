@@ -353,6 +353,7 @@ def varied_of_table(one: VaryModel, case: Case) -> Varied:
             if one.shape == "uniform"
             else Normal(middle, reach / SIGMAS, low, high)
         )
+    distribution = replace(distribution, dimension=bare.dimension)
     if one.source and isinstance(distribution, Prior):
         distribution = replace(distribution, source=one.source)
     varied = Varied(one.key, unit, one.varied, distribution, one.label)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.explore.case_paths import set_in_tree, tree_of, vary
+from valvetrain.explore.case_paths import vary
 from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.searchers import quiet_optuna, shares_of
@@ -23,6 +23,7 @@ from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, front_of
 from valvetrain.explore.valley import Step, Valley
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.atomic import write_bytes
 from valvetrain.solution.critical import RPM
@@ -329,18 +330,14 @@ def case_text(found: Optimum, design: Design) -> str:
     """A case file with the values of a design, ready to run by the speeds, spring set and spring model of
     the search; without the published values of the case, which are not this design's.
 
-    Raises :class:`InputError` where the text of the case does not describe it.
+    Raises :class:`InputError` for a design of a function.
     """
     case = found.plan.case
-    bare = None if case is None else tree_of(case)
-    if case is None or bare is None:
+    if case is None:
         raise InputError(
-            f"the text of case '{found.plan.case_name}' does not describe it, so no file of the design can be written"
+            f"'{found.plan.case_name}' is a function, so no file of the design can be written"
         )
-    tree = copy.deepcopy(bare)
-    if design.trial is not found.case:
-        for varied, value in zip(found.plan.varied, design.trial.values, strict=True):
-            set_in_tree(tree, varied, float(value))
+    tree = copy.deepcopy(tables_of(found.case_of(design)).bare)
     for key in ("study", "published"):
         tree.pop(key, None)
     _as_searched(tree, found.plan)

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvetrain.explore.case_paths import file_key, tree_of
 from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Optimum
 from valvetrain.explore.space import Varied
 from valvetrain.explore.trial import Trial
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.overrides import file_key
 from valvetrain.parameters.schema_pair import LOADS
 from valvetrain.quantities.statics import card_quantities
 from valvetrain.solution.definition import NESTED, shown
@@ -53,9 +54,9 @@ def spring_of(case: Case | None, key: str) -> str:
     'inner spring'
     """
     heads = file_key(key).split(".")
-    tree = None if case is None else tree_of(case)
-    if tree is None:
+    if case is None:
         return ""
+    tree = tables_of(case).bare
     entries, rest = tree.get("spring"), heads[1:]
     if heads[:2] == ["train", "springs"]:
         entries, rest = tree["train"]["springs"].get("".join(heads[2:3])), heads[3:]

@@ -28,6 +28,11 @@ def split_notes(tree: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Note
     return clean, notes, bad
 
 
+def is_note(value: Any) -> bool:
+    """Whether a value of a case file is one with a note: ``{ value = "4 mm", status = "measured" }``."""
+    return isinstance(value, dict) and "value" in value and set(value) <= _VALUE_KEYS
+
+
 def _walk(value: Any, path: str, notes: dict[str, Note], bad: dict[str, str]) -> Any:
     if path in _OWN_MEANING:
         return value
@@ -41,7 +46,7 @@ def _walk(value: Any, path: str, notes: dict[str, Note], bad: dict[str, str]) ->
             notes[path] = _note(note)
         except InputError as error:
             bad[path] = error.reason
-    if "value" in value and set(value) <= _VALUE_KEYS:
+    if is_note(value):
         return _walk(value["value"], path, notes, bad)
     return {
         key: _walk(item, f"{path}.{key}", notes, bad)

@@ -24,7 +24,7 @@ from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.provenance import CaseRecord, CaseValue, PublishedValue
-from valvetrain.units import keep_si, si_speeds
+from valvetrain.units import believed, keep_si, si_speeds
 
 
 def point_problem(
@@ -100,6 +100,12 @@ class Operation:
                 self, "engine_speeds", si_speeds(self.engine_speeds, where="engine_speeds")
             )
         keep_si(self, "the operation", output_step="cam_angle", red_line="engine_speed")
+
+    def replace(self, **changes: Any) -> Operation:
+        """A copy with fields changed; what stays was read before and is not doubted again."""
+        own = Operation(**changes)
+        with believed():
+            return replace(self, **{name: getattr(own, name) for name in changes})
 
     @property
     def cam_speeds(self) -> tuple[float, ...]:

@@ -18,7 +18,7 @@ from pydantic_core import PydanticCustomError
 from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.bounded_file import bounded_bytes
-from valvetrain.parameters.case import Case, CaseSummary
+from valvetrain.parameters.case import Case, CaseSummary, PublishedValue
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.overrides import with_values
 from valvetrain.parameters.schema_case import CaseModel
@@ -200,9 +200,10 @@ def case_of_tree(
     where: str = "case",
     changes: Mapping[str, Any] | None = None,
     text: str = "",
+    published: tuple[PublishedValue, ...] | None = None,
 ) -> Case:
     """The case of a ``tree`` of tables as its file would hold them; ``text`` is that file, written
-    from the tree where there is none.
+    from the tree where there is none. ``published``: values that were read of it before.
     """
     try:
         if changes:
@@ -212,9 +213,13 @@ def case_of_tree(
         for note_path, reason in bad.items():
             raise _located(text, tuple(note_path.split(".")), reason, where)
         refuse_moved(bare)
+        if published is not None:
+            bare.pop("published", None)
         with believed():  # the tables have doubted what was written
             model = CaseModel.model_validate(bare)
             case = model.build(name, folder, notes, text, tuple(changes or ()))
+            if published is not None:
+                case = replace(case, published=published)
         # A lift law from a file is written out, so that the text alone gives the case again.
         from_file = case.lift_law is not None and "file" in bare["lift_law"]
         return (
@@ -387,8 +392,8 @@ def _refuse_long_integers(item: Any, path: str, where: str) -> None:
 def _located(text: str, path: tuple[str | int, ...], reason: str, where: str) -> InputError:
     line = find_line(text, path)
     place = where if line is None else f"{where}, line {line}"
-    key = ".".join(str(part) for part in path)
-    return InputError(_one_line(reason, 400), f"{place}, {_one_line(key, 80)}" if key else place)
+    key = _one_line(".".join(str(part) for part in path), 80)
+    return InputError(_one_line(reason, 400), ", ".join(filter(None, (place, key))))
 
 
 def _one_line(text: str, limit: int) -> str:

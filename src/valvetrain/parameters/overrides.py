@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import copy
 import math
+import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.annotations import is_note, split_notes
+from valvetrain.parameters.changes import nearest
 from valvetrain.units.text import clipped
 
 #: Marks a value that is removed from the case.
@@ -50,26 +53,48 @@ def _read_value(text: str) -> Any:
     return tree["value"] if set(tree) == {"value"} else text
 
 
+_IN_OBJECT = re.compile(
+    r"(?:springs\.0|(?P<train>train\.springs\.[^.]+\.\d+))(?:\.(?:wire|card))?\."
+)
+
+
+def file_key(key: str) -> str:
+    """A key as case files have it.
+
+    >>> file_key("springs.0.wire.wire_diameter"), file_key("train.springs.nested.1.wire.pitch")
+    ('spring.wire_diameter', 'train.springs.nested.1.pitch')
+    """
+    found = _IN_OBJECT.match(key)
+    return key if found is None else f"{found['train'] or 'spring'}.{key[found.end() :]}"
+
+
 def with_values(tree: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """A copy of a case file's ``tree`` with the dotted paths in ``changes`` set; a changed value
-    loses its note on status and source.
-
-    Raises :class:`InputError` for a path that leads through a plain value or past the end of a
-    list.
+    loses its note on status and source. Errors as :func:`set_value`.
     """
     changed: dict[str, Any] = copy.deepcopy(dict(tree))
     for path, value in changes.items():
-        _set(changed, path, value)
+        set_value(changed, path, value, _SOURCE)
     return changed
 
 
-def _set(tree: dict[str, Any], path: str, value: Any) -> None:
-    *heads, last = path.split(".")
+def set_value(tree: dict[str, Any], path: str, value: Any, source: str = "") -> None:
+    """Set the ``value`` at a dotted path of a case file's ``tree`` in place, noted with its ``source``;
+    :data:`REMOVED` removes it, a function makes the value of the bare one that is there.
+
+    Raises :class:`InputError` for a path that leads through a plain value, past the end of a list, or,
+    for a function, to nothing.
+    """
+    heads = file_key(path).split(".")
+    last = heads.pop()
+    published = "published" in heads  # what is published has notes of its own, of another form
     table: Any = tree
     for depth, head in enumerate(heads):
-        key: Any = _place(table, head, path) if isinstance(table, list) else head
+        key = _key(table, head, path, made=not callable(value))
         if isinstance(table, dict):
-            table.setdefault(head, {})
+            table.setdefault(key, {})
+        if not published and is_note(table[key]):
+            table[key] = table[key]["value"]
         if depth == len(heads) - 1 and last.isdecimal() and (several := _several(table[key])):
             table[key] = several
         table = table[key]
@@ -79,37 +104,42 @@ def _set(tree: dict[str, Any], path: str, value: Any) -> None:
                 f"'{place}' is the plain value {str(table)[:40]!r}, which has no '{last}'; set it as a whole",
                 path,
             )
-    key = _place(table, last, path) if isinstance(table, list) else last
+    key = _key(table, last, path, made=not callable(value))
     if value is REMOVED:
         if isinstance(table, dict) and key not in table:
             raise InputError(
                 "is not in the case, so it cannot be removed; check the key path", path
             )
         del table[key]
-    else:
-        # What is published has notes of its own, of another form.
-        table[key] = value if "published" in heads else {"value": value, "source": _SOURCE}
+        return
+    if callable(value):
+        value = value(split_notes({"": table[key]})[0][""])
+    table[key] = value if published or not source else {"value": value, "source": source}
+
+
+def _key(table: Any, key: str, path: str, made: bool) -> Any:
+    """A key of a table, or place in a list; ``made``: whether a table that lacks it gets it."""
+    if isinstance(table, list):
+        if not key.isdecimal() or int(key) >= len(table):
+            raise InputError(
+                f"'{key[:20]}' is no place in a list of {len(table)}; name one by its number from 0, such as '0.{key[:20]}'",
+                path,
+            )
+        return int(key)
+    if not made and key not in table:
+        raise InputError(f"the case has no '{key[:60]}' there; {nearest(key, tuple(table))}", path)
+    return key
 
 
 def _several(found: Any) -> list[Any]:
     """Numbers that a file holds as one text (``"0, 1.5 mm"``), one by one; empty for any other value."""
-    text = found.get("value") if isinstance(found, dict) else found
-    if not isinstance(text, str) or "," not in text:
+    if not isinstance(found, str) or "," not in found:
         return []
-    unit = text.rpartition(",")[2].lstrip(" +-0123456789.eE").strip()
-    numbers = [part.strip().removesuffix(unit).strip() for part in text.split(",")]
+    unit = found.rpartition(",")[2].lstrip(" +-0123456789.eE").strip()
+    numbers = [part.strip().removesuffix(unit).strip() for part in found.split(",")]
     try:
         return [
             f"{one} {unit}" if unit else float(one) for one in numbers if math.isfinite(float(one))
         ]
     except ValueError:
         return []
-
-
-def _place(table: list[Any], key: str, path: str) -> int:
-    if not key.isdecimal() or int(key) >= len(table):
-        raise InputError(
-            f"'{key}' is no place in a list of {len(table)}; name one by its number from 0, such as '0.{key}'",
-            path,
-        )
-    return int(key)

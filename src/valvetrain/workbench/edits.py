@@ -9,7 +9,7 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_toml
-from valvetrain.parameters.overrides import REMOVED, read_assignment, with_values
+from valvetrain.parameters.overrides import read_assignment, set_value, with_values
 from valvetrain.units.text import clipped
 
 _PLAIN_FILE = re.compile(r"[^\W_][\w.+ -]*")
@@ -29,36 +29,9 @@ def with_value(text: str, key: str, text_value: str) -> str:
 
 
 def with_change(text: str, path: str, value: Any) -> str:
-    """As :func:`with_value`, with the value as the file holds it; :data:`REMOVED` removes the key."""
+    """As :func:`with_value`, with the value as :func:`set_value` takes it."""
     document = opened(text)
-    table: Any = document
-    *heads, last = path.split(".")
-    for depth, head in enumerate(heads):
-        if isinstance(table, list):
-            table = table[_place(table, head, path)]
-            continue
-        if head not in table:
-            if value is REMOVED:
-                raise InputError(
-                    "is not in the case, so it cannot be removed; check the key path", path
-                )
-            table[head] = {}
-        table = table[head]
-        if not isinstance(table, (dict, list)):
-            place = ".".join(heads[: depth + 1])
-            raise InputError(
-                f"'{place}' is the plain value {str(table)[:40]!r}, which has no '{last}'; set it as a whole",
-                path,
-            )
-    where: Any = _place(table, last, path) if isinstance(table, list) else last
-    if value is REMOVED:
-        if isinstance(table, dict) and where not in table:
-            raise InputError(
-                "is not in the case, so it cannot be removed; check the key path", path
-            )
-        del table[where]
-    else:
-        table[where] = value
+    set_value(document, path, value)
     return saved(document)
 
 
@@ -129,12 +102,3 @@ def saved(document: Any) -> str:
     import tomlkit
 
     return tomlkit.dumps(document)
-
-
-def _place(table: list[Any], key: str, path: str) -> int:
-    if not key.isdecimal() or int(key) >= len(table):
-        raise InputError(
-            f"'{key}' is no place in a list of {len(table)}; name one by its number from 0, such as '0.{key}'",
-            path,
-        )
-    return int(key)
