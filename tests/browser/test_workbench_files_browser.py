@@ -18,6 +18,7 @@ from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.workbench import form
 from valvetrain.workbench.workspace import Workspace
 from workbench_browser_parts import Bench, nothing_serious, open_case, opened, shown, watched
+from workbench_parts import kept
 
 pytestmark = pytest.mark.chromium
 
@@ -230,3 +231,20 @@ def test_what_was_typed_in_a_table_goes_with_the_table(bench):
         {"spring.0.mass": True},
     ]
     assert found["again"] == "9 g" and found["waits"] == "" and found["still"] == "train.gas"
+
+
+#: A report of somebody else, which would run a script wherever it is shown.
+STRANGE = """<section id="answers"><script>document.title = "taken"</script>
+<img src="/none" onerror="document.title = 'taken'"><svg onload="document.title = 'taken'"></svg></section>
+<footer>"""
+
+
+def test_the_report_of_a_stranger_runs_nothing(bench):
+    """Opened at ``/part`` its scripts ran with all that a page may do; the browser says so here."""
+    run = kept(Workspace(bench.folder), TRAIN, report_html=STRANGE)
+    page = bench.page()
+    for place in ("part", "rest", "run"):
+        page.goto(f"{bench.url}/{place}/{run}", wait_until="load")
+        page.wait_for_timeout(500)
+        assert page.title() != "taken", place
+    page.context.close()

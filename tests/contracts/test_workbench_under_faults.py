@@ -20,6 +20,7 @@ from urllib.parse import quote
 import pytest
 
 from server_parts import Server, disk, filled, may_mount, served
+from valvetrain.parameters.loading import LIBRARY
 from valvetrain.workbench.job_process import write_inputs
 from valvetrain.workbench.jobs import JobRequest
 from valvetrain.workbench.requests import request_json
@@ -302,14 +303,20 @@ def test_no_archive_is_written_through_a_link(room, server):
     assert server.get(f"/download/{run_id}/data")[0] == 200
 
 
-def test_400_cases_are_listed_in_a_second(room, server):
-    folders = [case_in(room / "bench", f"case-{place}") for place in range(400)]
-    before = server.spent
-    server.seconds()
-    assert server.spent - before < 1.0
-    assert server.get("/", PAGE)[2].count("/case/case-") >= 400
-    for folder in folders:
-        shutil.rmtree(folder)
+def test_a_damaged_database_is_named_on_the_page(room, server):
+    """Every page failed, and each look of an open page wrote a traceback."""
+    queue(room / "bench", "20260101-000000-00000008")
+    path, before = room / "bench" / "workbench.sqlite", len(server.told)
+    content = path.read_bytes()
+    path.write_bytes(b"x" * len(content))
+    try:
+        for page in ("/", "/case/small", "/job/small") * 10:
+            assert "workbench.sqlite" in server.get(page, PAGE)[2]
+        assert server.get("/runs", PAGE)[0] == 200
+        assert "Traceback" not in server.told and len(server.told) - before < 2000
+    finally:
+        path.write_bytes(content)
+    wait_for(lambda: job(server).get("state") == "finished")
 
 
 def test_a_workspace_that_becomes_read_only_is_shown_and_ended_well(room, server):
@@ -335,17 +342,22 @@ def test_a_workspace_that_becomes_read_only_is_shown_and_ended_well(room, server
         subprocess.run(["umount", "-l", bench], check=True)
 
 
-def test_the_token_is_nobody_elses(tmp_path):
-    """Not in the list of processes, not in the address of one who is known; the right one is taken
-    after any number of wrong ones."""
-    token = "a-token-of-this-test"
+def test_the_token_is_nobody_elses_and_400_cases_are_listed_in_a_second(tmp_path):
+    """It is not in the list of processes nor in the address of one who is known, and the right one
+    is taken after any number of wrong ones."""
+    token, large = "a-token-of-this-test", (LIBRARY / "gu2021-beehive.toml").read_bytes()
+    for place in range(400):
+        case_in(tmp_path / "bench", f"case-{place}", large)
     with served(tmp_path / "bench", variables={"VALVETRAIN_TOKEN": token}) as server:
         words = Path(f"/proc/{server.process.pid}/cmdline").read_bytes()
         assert token.encode() not in words and server.get("/")[0] == 401
         assert [server.get(f"/?token=wrong-{n}")[0] for n in range(25)][-1] == 429
         status, heads, _ = server.get(f"/?token={token}")
         assert status == 303
-        cookie = heads["set-cookie"].partition(";")[0]
-        assert server.get("/", {"cookie": cookie})[0] == 200
-        status, heads, _ = server.get(f"/runs?token={token}&a=1", {"cookie": cookie})
+        cookie = {"cookie": heads["set-cookie"].partition(";")[0]}
+        status, heads, _ = server.get(f"/runs?token={token}&a=1", cookie)
         assert status == 303 and heads["location"] == "/runs?a=1"
+        assert server.get("/", cookie)[0] == 200
+        before = server.spent
+        assert server.get("/", cookie)[2].count("/case/case-") >= 400
+        assert server.spent - before < 1.0

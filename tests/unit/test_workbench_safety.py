@@ -484,3 +484,6 @@ def test_the_pages_are_served_behind_the_guard_with_its_settings(monkeypatch):
         "reload": False,
     }
     assert uvicorn_options(settings).items() <= asked.items()
+    for token, shown in (("", True), (TOKEN, False)):
+        pages.start("workspace", "jobs", ServeSettings(token=token, open_page=True))
+        assert asked["show"] is shown, "the command of the browser is read by every user"

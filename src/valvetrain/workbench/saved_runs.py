@@ -369,7 +369,7 @@ def keep_test(run: Run, name: str, content: bytes) -> SavedTest:
 
 def remove_test(run: Run, name: str) -> None:
     """Remove a test that was laid over a run. Raises :class:`InputError` where there is none."""
-    with _turn:
+    with _turn, writing("the workspace"):
         saved_test(run, name).path.unlink(missing_ok=True)
         with suppress(OSError):  # where others are left
             (run.folder / TESTS).rmdir()

@@ -78,7 +78,7 @@ def _in_turn(
 
     @wraps(method)
     def waiting(self: Workspace, /, *given: _Given.args, **named: _Given.kwargs) -> _Result:
-        with self.turn:
+        with self.turn, writing("the workspace"):
             return method(self, *given, **named)
 
     return waiting
@@ -337,8 +337,7 @@ class Workspace:
             [one.name for one in self.side_files(case)],
             lambda toml: self.parse(case, toml),
         )
-        with writing("this case", case):
-            laws.keep(text, made)
+        laws.keep(text, made)
         self._write(case, made)
 
     @_in_turn
@@ -348,8 +347,7 @@ class Workspace:
         """
         path, ours = self._file(case), self._free(name)
         folder = self.cases_folder / ours
-        with writing("this case", case):
-            path.parent.rename(folder)
+        path.parent.rename(folder)
         self._write(ours, with_name((folder / CASE_FILE).read_text("utf-8"), ours))
         with self.store.connected() as base:
             base.execute("UPDATE cases SET name = ? WHERE name = ?", (ours, case))
@@ -366,8 +364,7 @@ class Workspace:
             ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name)
         )
         if (path.parent / STORE).is_file() and not (path.parent / STORE).is_symlink():
-            with writing("what the copy stores of its lift laws", ours):
-                write_bytes(self.case_folder(ours) / STORE, (path.parent / STORE).read_bytes())
+            write_bytes(self.case_folder(ours) / STORE, (path.parent / STORE).read_bytes())
         return ours
 
     @_in_turn
@@ -409,8 +406,7 @@ class Workspace:
             others = {one: held for one, held in self.files(case).items() if one in named}
             with side_by_side(self.jobs_folder, {**others, name: content}) as folder:
                 parse_case(text, case, folder, case)
-        with writing("this file", name):
-            write_bytes(inside(self._file(case).parent, name), content)
+        write_bytes(inside(self._file(case).parent, name), content)
 
     @_in_turn
     def detach(self, case: CaseId, name: str) -> None:
@@ -503,8 +499,7 @@ class Workspace:
         return ours
 
     def _write(self, case: CaseId, text: str) -> None:
-        with writing("this case", case):
-            write_text(self._file(case), text)
+        write_text(self._file(case), text)
 
     def _put(self, ours: CaseId, text: str, origin: str, sides: Mapping[str, bytes]) -> CaseId:
         refuse_foreign_files(text)

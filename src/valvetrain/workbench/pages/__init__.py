@@ -63,6 +63,7 @@ def start(
         await _until_listening(settings.host, settings.port)
         listening()
         await assets.warm()
+        await asyncio.to_thread(workspace.cases)
 
     app.on_startup(tell_once)
     app.on_shutdown(desk.close)

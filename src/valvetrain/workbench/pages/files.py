@@ -23,6 +23,7 @@ from valvetrain.workbench.pages.html import test_part
 from valvetrain.workbench.pages.pictures import FAULTS
 from valvetrain.workbench.saved_runs import Run, SavedTest, keep_test, read_test
 from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES
+from valvetrain.workbench.store import writing
 
 #: Comparisons with a test that are cached while the server runs.
 MAX_OVERLAYS = 20
@@ -78,6 +79,7 @@ class Overlays:
 def register(app: FastAPI, desk: Desk) -> None:
     """Add the addresses of parts, downloads and uploads."""
     overlays = Overlays()
+    app.add_exception_handler(ValvetrainError, _missing)
 
     @app.get("/part/{case}/{stamp}")
     def part(case: str, stamp: str) -> Response:
@@ -94,27 +96,18 @@ def register(app: FastAPI, desk: Desk) -> None:
 
     @app.get("/download/{case}/{stamp}/{kind}")
     def download(case: str, stamp: str, kind: str) -> Response:
-        try:
-            path = desk.workspace.download(f"{case}/{stamp}", kind)  # type: ignore[arg-type]
-        except ValvetrainError as error:
-            return _missing(error)
+        path = desk.workspace.download(f"{case}/{stamp}", kind)  # type: ignore[arg-type]
         name = path.name if path.suffix == ".zip" else f"{case}-{stamp}-{path.name}"
         return FileResponse(path, filename=name)
 
     @app.get("/download-case/{case}")
     def download_case(case: str) -> Response:
-        try:
-            path = desk.workspace.case_folder(case) / CASE_FILE
-        except ValvetrainError as error:
-            return _missing(error)
+        path = desk.workspace.case_folder(case) / CASE_FILE
         return FileResponse(path, filename=f"{case}.toml", media_type="application/toml")
 
     @app.get("/case-file/{case}/{name}")
     def case_file(case: str, name: str) -> Response:
-        try:
-            path = desk.workspace.side_file(case, name)
-        except ValvetrainError as error:
-            return _missing(error)
+        path = desk.workspace.side_file(case, name)
         return FileResponse(path, filename=name, media_type="application/octet-stream")
 
     @app.get("/part-compare")
@@ -140,7 +133,8 @@ def register(app: FastAPI, desk: Desk) -> None:
     @app.post("/upload/case")
     async def upload_case(request: Request) -> Response:
         try:
-            name, content, sides = await _sent_case(request)
+            with writing("what was sent", "upload"):
+                name, content, sides = await _sent_case(request)
         except ValvetrainError as error:
             return _refused(error)
         return await _answered(
@@ -156,7 +150,8 @@ def _attached(desk: Desk, case: str, name: str, content: bytes) -> str:
 async def _answered(take: Callable[[], dict[str, str]]) -> Response:
     """What was taken in, or the sentence why it was not; it is read in a thread."""
     try:
-        return JSONResponse(await asyncio.to_thread(take))
+        with writing("what was sent", "upload"):
+            return JSONResponse(await asyncio.to_thread(take))
     except ValvetrainError as error:
         return _refused(error)
 
@@ -165,7 +160,7 @@ def _refused(error: ValvetrainError) -> Response:
     return JSONResponse({"refusal": str(error)})
 
 
-def _missing(error: ValvetrainError) -> Response:
+def _missing(_: Request, error: Exception) -> Response:
     return PlainTextResponse(str(error), 404)
 
 
@@ -200,10 +195,8 @@ def _part(make: Callable[[], str]) -> Response:
     """A part of a page, or the sentence why there is none."""
     try:  # a page takes in plain text, too, which runs nothing where it is opened as a page
         return PlainTextResponse(make(), headers={"Cache-Control": "no-store"})
-    except ValvetrainError as error:
-        return _missing(error)
+    except ValvetrainError:
+        raise
     except FAULTS as error:
-        reason = f"{type(error).__name__}: {error}"
-        return _missing(
-            InputError(f"a file of this run is damaged ({clipped(reason, 120)}); repeat it")
-        )
+        reason = clipped(f"{type(error).__name__}: {error}", 120)
+        raise InputError(f"a file of this run is damaged ({reason}); repeat it") from error

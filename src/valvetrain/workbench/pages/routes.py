@@ -9,9 +9,10 @@ from html import escape
 from nicegui import app, ui
 
 from valvetrain.errors import ValvetrainError
+from valvetrain.units.text import clipped
 from valvetrain.workbench.pages import files, pictures
 from valvetrain.workbench.pages import frame as assets
-from valvetrain.workbench.pages.case_page import case_page
+from valvetrain.workbench.pages.case_page import case_page, missing_page
 from valvetrain.workbench.pages.compare_page import compare_page
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Upload, link, tag
@@ -126,6 +127,10 @@ def register(desk: Desk) -> None:
     assets.register(app)
     files.register(app, desk)
     pictures.register(app, desk)
+
+    @app.on_page_exception
+    def _fault(error: Exception) -> None:
+        missing_page("This page cannot be shown", clipped(f"{type(error).__name__}: {error}", 300))
 
     @ui.page("/")
     def _home() -> None:

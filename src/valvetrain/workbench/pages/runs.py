@@ -51,7 +51,7 @@ def sets_of(run: Run) -> str:
     """Spring sets that were chosen, in words; empty where none were."""
     choices = run.answer.get("choices")
     named = choices.get("spring_sets") if isinstance(choices, Mapping) else None
-    return ", ".join(map(str, named)) if isinstance(named, list) else ""
+    return ", ".join(clipped(str(one)) for one in named) if isinstance(named, list) else ""
 
 
 def name_of(run: Run) -> str:
