@@ -113,11 +113,10 @@ def over_phases(
     for angle, force in zip(read.cam_angle, read.force, strict=True):
         one: dict[str, float] = {}
         seen = replace(cycle, cam_angle=angle)
-        for stage, reading in ((1, stage_1), (2, stage_2)):
+        # how many maxima Stage I has may differ from phase to phase, so only its range is read
+        for stage, reading in ((1, range_of_stage_1), (2, stage_2)):
             if covers_stage(cycle, event, stage):
                 one |= reading(seen, force, event)
-        # how many maxima Stage I has may differ from phase to phase, so their numbers say nothing
-        one = {name: value for name, value in one.items() if "stage_1_peak_" not in name}
         if covers_stage(cycle, event, 3):
             one |= stage_3(seen, force, separation, event)
         numbers.append(one)
@@ -136,15 +135,21 @@ def _spike_shape(
     return {"stage_3_peak_duration": width / turning, "stage_3_peak_impulse": area / turning}
 
 
-def stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
-    """Range of the force in Stage I and the angles of the peaks that exceed its surroundings."""
+def range_of_stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
+    """Least and largest force of Stage I and their difference."""
     inside = in_stage(cycle, event, 1)
     low, high = float(np.min(force[inside])), float(np.max(force[inside]))
-    found = {
+    return {
         "stage_1_minimum_force": low,
         "stage_1_maximum_force": high,
         "stage_1_force_range": high - low,
     }
+
+
+def stage_1(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
+    """Range of the force in Stage I and the angles of the peaks that exceed its surroundings."""
+    found = range_of_stage_1(cycle, force, event)
+    low, high = found["stage_1_minimum_force"], found["stage_1_maximum_force"]
     # The cycle is periodic: seen twice, a peak next to 0 degrees has a left side as well.
     count = len(force)
     twice = np.concatenate((force, force)) if cycle.whole else force

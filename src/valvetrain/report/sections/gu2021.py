@@ -127,7 +127,10 @@ def height_blocks(study: Study) -> tuple[Block, ...]:
     if any("more than" in one for one in sentences):
         sentences.append(CONTACT)
     headers = ("engine speed", "force on the seat (N)", "source", *(theme.model_label(one) for one in _MODELS), "rod to solid")  # fmt: skip
-    caption = "Source: FE solid finite elements, AN modal model, EX head test; its values and ours without a band are read every half degree."
+    caption = (
+        "Source: FE solid finite elements, AN modal model, EX head test; its values and ours without a band are read every half degree, ours in "
+        "the median over the phases of such samples."
+    )
     return (*(text(one.strip()) for one in sentences), Grid(headers, tuple(rows), (), caption))
 
 
