@@ -8,8 +8,10 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import call, sentence
+from valvetrain.explore import optimise
 from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimum_file import OptimumText
+from valvetrain.parameters.templates import template_text
 
 FILE = """
 case = "gu2021-beehive-blind"
@@ -210,3 +212,62 @@ def test_a_folder_with_a_zero_byte_in_its_name_is_refused(command):
     """No shell can say it, a program that calls the command can."""
     result = call(command, "job-c", "--output=\0")
     assert result.exit_code == 2 and "holds a zero byte" in sentence(result)
+
+
+DESIGN = {"train.springs.card.0.preload": vt.Uniform("200 N", "260 N")}
+
+
+@pytest.mark.parametrize(
+    ("name", "bounds"),
+    [
+        ("peak_shear_stress", {}),  # a card has no wire
+        ("clash_count", {}),  # a model without mass has no coils
+        ("card_rate", {"clash_energy": {"at_most": "1 mJ"}}),
+        ("outer_card_rate", {}),  # one spring is no pair
+    ],
+)
+def test_a_number_that_no_run_gives_is_refused_before_the_first_design(name, bounds, monkeypatch):
+    designs = []
+    own = optimise._Search._round
+    monkeypatch.setattr(
+        optimise._Search,
+        "_round",
+        lambda *given, **options: designs.append(1) or own(*given, **options),
+    )
+    case = vt.Case(template_text("direct", cards=True))
+    with pytest.raises(vt.InputError):
+        case.optimise(
+            DESIGN,
+            {name: "minimise"},
+            bounds,
+            engine_speeds="3000 rpm",
+            models="massless",
+            search={"trials": 24},
+            workers=1,
+        )
+    assert not designs
+
+
+def test_what_is_varied_may_be_the_objective_and_a_bound():
+    """Rate of a card: loads at two heights, so that the least open load with it is known."""
+    case = vt.Case(template_text("direct", cards=True))
+    key, other = "train.springs.card.0.open_load", "train.springs.card.0.preload"
+    varied = {key: vt.Uniform("500 N", "600 N"), other: vt.Uniform("200 N", "260 N")}
+    bounds = {"card_rate": {"at_least": "35 N/mm"}, other: {"at_least": "230 N"}}
+    found = case.optimise(varied, {key: "minimise"}, bounds, search={"trials": 40}, workers=1)
+    assert found.best is not None
+    assert float(found.best.trial.objectives[0]) == pytest.approx(230.0 + 35e3 * 9e-3, rel=2e-3)
+    assert float(found.best.trial.objectives[0]) == found.best.trial.values[0]
+    assert float(found.case.objectives[0]) == 560.0 and found.case.state == "feasible"
+
+
+def test_the_total_of_a_pair_may_be_the_objective():
+    case = vt.Case(template_text("direct", cards=True))
+    keys = [f"train.springs.dual.{place}.open_load" for place in (0, 1)]
+    varied = {keys[0]: vt.Uniform("300 N", "350 N"), keys[1]: vt.Uniform("180 N", "220 N")}
+    found = case.optimise(
+        varied, {"pair_card_open_force": "minimise"}, {"outer_card_rate": {"at_least": "18 N/mm"}},
+        spring_set="dual", search={"trials": 40}, workers=1,
+    )  # fmt: skip
+    assert float(found.case.objectives[0]) == pytest.approx(540.0, rel=1e-12)
+    assert float(found.best.trial.objectives[0]) == pytest.approx(150 + 18e3 * 9e-3 + 180, rel=2e-3)

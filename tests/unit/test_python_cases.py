@@ -16,6 +16,8 @@ from hypothesis import strategies as st
 
 import valvetrain as vt
 from unit.cli_parts import call
+from valvetrain.api.trace import labelled
+from valvetrain.units import dimension_of
 
 UNITS = pint.UnitRegistry()
 WIRE = {
@@ -225,6 +227,66 @@ def test_a_trace_tells_an_unknown():
     ):
         with pytest.raises(vt.InputError, match=words):
             case.identify(unknown, wrong, scatter=scatter, **options)
+
+
+def as_pairs(trace):
+    return {
+        trace.name: list(
+            zip(trace["cam_angle"].values.tolist(), trace.values.tolist(), strict=True)
+        )
+    }
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        lambda trace: {trace.name: trace.rename("own")},
+        lambda trace: trace.to_series(),
+        lambda trace: trace.to_dataframe()[[trace.name]],
+        lambda trace: trace.to_dataframe()[[trace.name]].reset_index(),
+        lambda trace: {trace.name: trace.to_dataframe()[[trace.name]].reset_index()},
+        as_pairs,
+        lambda trace: {trace.name: np.array(as_pairs(trace)[trace.name])},
+        lambda trace: {
+            trace.name: [
+                (f"{float(np.degrees(angle))!r} deg", f"{force / 4.4482216152605!r} lbf")
+                for angle, force in as_pairs(trace)[trace.name]
+            ]
+        },
+    ],
+)
+def test_a_trace_in_any_form_is_the_same_trace(form):
+    trace = vt.Case("job-t").run("4000 rpm", model="massless")["seat_force"]
+    read = labelled(form(trace))
+    assert read.name == "seat_force" and dimension_of(read.attrs.get("units", "N")) == "force"
+    assert np.allclose(read.values, trace.values, rtol=1e-12)
+    assert np.allclose(read["cam_angle"].values, trace["cam_angle"].values, rtol=1e-12)
+
+
+def test_a_table_of_a_trace_tells_an_unknown():
+    case, options = vt.Case("job-t"), {"engine_speeds": "4000 rpm", "models": "massless"}
+    true = case.set({"spring.precompression": "7.3 mm"}).run("4000 rpm", model="massless")
+    table = true["seat_force"].to_dataframe()[["seat_force"]]
+    unknown = {"spring.precompression": ("6 mm", "8 mm")}
+    found = case.identify(unknown, table, search=vt.explore.Search(draws=10), **options)
+    assert found.best["spring.precompression"] == pytest.approx(7.3e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "measured",
+    [
+        3.0,
+        "seat_force",
+        [(0.0, 400.0), (0.1, 410.0)],  # of no channel
+        {"seat_force": 400.0},
+        {"seat_force": (400.0, 1.0, 2.0)},
+        {"peak_spring_force": (800.0, 5.0), "seat_force": [(0.0, 400.0), (0.1, 410.0)]},
+        np.zeros((3, 4)),
+    ],
+)
+def test_what_is_no_measurement_is_refused_with_what_is(measured):
+    with pytest.raises(vt.InputError, match=r"(?s)DataArray.*DataFrame"):
+        vt.Case("job-t").identify({"spring.precompression": ("6 mm", "8 mm")}, measured)
 
 
 def test_a_trace_in_other_units_is_the_same_trace():

@@ -15,13 +15,11 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case as Parameters
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
-from valvetrain.parameters.overrides import REMOVED, with_values
+from valvetrain.parameters.overrides import REMOVED, file_key, with_values
 from valvetrain.units import numbers_of, renamed, si_speeds
 from valvetrain.units.text import clipped
 
 if TYPE_CHECKING:
-    import xarray
-
     from valvetrain.explore.experiment import Experiment
     from valvetrain.explore.identified import Identified
     from valvetrain.explore.optimum import Optimum
@@ -339,8 +337,8 @@ class Case:
         Parameters
         ----------
         varied : as for :meth:`study`
-        objective : quantity -> ``"minimise"`` or ``"maximise"``
-        constraints : quantity -> ``{"at_most": "800 MPa"}``, ``at_least`` or both
+        objective : quantity, or key among the varied ones, -> ``"minimise"`` or ``"maximise"``
+        constraints : likewise -> ``{"at_most": "800 MPa"}``, ``at_least`` or both
         engine_speeds, models, spring_set : as for :meth:`study`
         search : as in an optimisation file (docs/optimisation.md), such as ``{"trials": 60}``
         options : as for :meth:`study`
@@ -350,9 +348,9 @@ class Case:
         InputError : as :meth:`study`; MissingExtraError without the extra ``studies``
         """
         limits = constraints or {}
-        experiment = self._experiment(
-            varied, list(dict.fromkeys([*objective, *limits])), engine_speeds, models, spring_set
-        )
+        keys = {file_key(key) for key in varied}  # their values need no run
+        names = [one for one in dict.fromkeys([*objective, *limits]) if file_key(one) not in keys]
+        experiment = self._experiment(varied, names, engine_speeds, models, spring_set)
         return experiment.optimise(
             [{"quantity": name, "direction": way} for name, way in objective.items()],
             [{"quantity": name, **bound} for name, bound in limits.items()],
@@ -364,7 +362,7 @@ class Case:
     def identify(
         self,
         unknowns: Mapping[str, Any],
-        measured: Mapping[str, tuple[Any, Any]] | xarray.DataArray,
+        measured: Any,
         *,
         scatter: Any = None,
         engine_speeds: Any = None,
@@ -377,8 +375,10 @@ class Case:
         Parameters
         ----------
         unknowns : key path -> (least, largest) or a distribution
-        measured : quantity -> (value, standard deviation), SI or text with units; or a trace, an
-            xarray.DataArray along ``cam_angle`` (rad) whose name is a channel (``run["seat_force"]``)
+        measured : quantity -> (value, standard deviation), SI or text with units; or a trace over
+            ``cam_angle`` (rad): an xarray.DataArray or pandas.Series whose name is a channel
+            (``run["seat_force"]``), a pandas.DataFrame with the columns ``cam_angle`` and ``seat_force``,
+            or ``{"seat_force": [(cam angle, force), ...]}``
         scatter : standard deviation of a trace; a hundredth of its span without
         engine_speeds, models, spring_set : as for :meth:`study`
         options : ``search`` (:class:`valvetrain.explore.Search`) and those of :meth:`study`
@@ -387,6 +387,7 @@ class Case:
         ------
         InputError : as :meth:`study`; no start that can be computed, with the reason
         """
+        from valvetrain.api.trace import ACCEPTED, identify_by_trace, is_trace
         from valvetrain.explore.posterior import Datum
         from valvetrain.explore.space import Uniform
         from valvetrain.solution.definition import definition_of
@@ -395,14 +396,16 @@ class Case:
             key: Uniform(*item) if isinstance(item, tuple) else item
             for key, item in unknowns.items()
         }
-        if not isinstance(measured, Mapping):
-            from valvetrain.api.trace import identify_by_trace
-
+        if is_trace(measured):
             chosen = {"engine_speed": engine_speeds, "model": models, "spring_set": spring_set}
             ways = {name: one for name, one in chosen.items() if one}
             return identify_by_trace(self, priors, measured, scatter, ways, **options)
         data = []
         for name, pair in measured.items():
+            if not isinstance(pair, (list, tuple)) or len(pair) != 2:
+                raise InputError(
+                    f"{name} has no value with its standard deviation; {ACCEPTED}", "measured"
+                )
             (value, scatter), _ = numbers_of(*pair, dimension=definition_of(name).dimension or None)
             data.append(Datum(name, value, scatter))
         return self._experiment(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.units import Given, dimension_of, numbers_of, unit_factor
+from valvetrain.units import DIMENSIONS, Given, dimension_of, numbers_of, unit_factor
 
 if TYPE_CHECKING:
     import xarray
@@ -25,15 +25,81 @@ TURN = 2 * np.pi
 MAX_SAMPLES = 180
 
 
-def channel_of(measured: Any) -> str:
-    """The channel that a measured trace is of. Raises :class:`InputError` for what is no trace."""
-    name = getattr(measured, "name", None)
-    if not name or "cam_angle" not in getattr(measured, "coords", ()) or measured.ndim != 1:
-        raise InputError(
-            "a measured trace is an xarray.DataArray along cam_angle (rad) whose name is a channel, such as run['seat_force']",
-            "measured",
-        )
-    return str(name)
+#: What identifications accept as measured.
+ACCEPTED = (
+    "give {quantity: (value, standard deviation)}, or a trace over the cam angle (rad): an xarray.DataArray along "
+    "cam_angle or a pandas.Series over it whose name is a channel, such as run['seat_force'], a pandas.DataFrame "
+    "with the columns cam_angle and seat_force, or {'seat_force': [(cam angle, force), ...]}"
+)
+
+
+def is_trace(measured: Any) -> bool:
+    """Whether what was measured is no number for each quantity, ``{quantity: (value, scatter)}``."""
+    if not isinstance(measured, Mapping):
+        return True
+    return any(
+        _is_row(item) or hasattr(item, "to_xarray") or hasattr(item, "dims")
+        for item in measured.values()
+    )
+
+
+def labelled(measured: Any) -> xarray.DataArray:
+    """A measured trace as an array along ``cam_angle`` whose name is its channel, of any of the forms of
+    :data:`ACCEPTED`. Raises :class:`InputError` for what is none.
+    """
+    import xarray
+
+    name = ""
+    if isinstance(measured, Mapping) and len(measured) == 1:
+        ((name, measured),) = measured.items()
+    if hasattr(measured, "columns") or (
+        hasattr(measured, "index") and hasattr(measured, "to_frame")
+    ):
+        measured = _of_table(measured)
+    elif _is_row(measured):
+        measured = _of_pairs(measured, name)
+    if not isinstance(measured, xarray.DataArray):
+        raise InputError(f"{type(measured).__name__} is no trace; {ACCEPTED}", "measured")
+    found = measured.rename(name) if name else measured
+    if not found.name or "cam_angle" not in found.coords or found.ndim != 1 or not found.size:
+        raise InputError(f"the trace has no name or no cam angle; {ACCEPTED}", "measured")
+    return found
+
+
+def _is_row(item: Any) -> bool:
+    """Whether these are pairs of numbers, one behind the other."""
+    if isinstance(item, np.ndarray):
+        return item.ndim == 2 and item.shape[1] == 2
+    return (
+        isinstance(item, (list, tuple))
+        and bool(item)
+        and all(isinstance(one, (list, tuple, np.ndarray)) and len(one) == 2 for one in item)
+    )
+
+
+def _of_pairs(pairs: Any, name: str) -> xarray.DataArray:
+    import xarray
+
+    angles, _ = numbers_of(*(one for one, _ in pairs), dimension="angle")
+    values, dimension = numbers_of(*(one for _, one in pairs))
+    units = {} if dimension is None else {"units": DIMENSIONS[dimension].si_unit}
+    return xarray.DataArray(list(values), {"cam_angle": list(angles)}, "cam_angle", name, units)
+
+
+def _of_table(table: Any) -> xarray.DataArray | None:
+    """The one column of a table of pandas over its cam angle, with the units in their ``attrs``."""
+    import xarray
+
+    frame = table if hasattr(table, "columns") else table.to_frame()
+    if "cam_angle" not in frame.columns:
+        frame = frame.reset_index()
+    columns = [one for one in frame.columns if one != "cam_angle"]
+    if "cam_angle" not in frame.columns or len(columns) != 1:
+        return None
+    angle, value = frame["cam_angle"], frame[columns[0]]
+    units = getattr(table, "attrs", {}) | value.attrs
+    angles = xarray.DataArray(angle.to_numpy(), dims="cam_angle", attrs=angle.attrs)
+    return xarray.DataArray(value.to_numpy(), {"cam_angle": angles}, "cam_angle", columns[0], units)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +182,7 @@ class Trace:
 def identify_by_trace(
     case: Any,
     priors: Mapping[str, Prior],
-    measured: xarray.DataArray,
+    measured: Any,
     scatter: Given | None,
     ways: Mapping[str, Any],
     **options: Any,
@@ -124,13 +190,14 @@ def identify_by_trace(
     """Values of a case at the keys of ``priors`` with which its channel comes closest to a measured
     one; ``ways``: engine speed, model and spring set of the runs.
 
-    Raises :class:`InputError` for what :meth:`Trace.of` and a run of the case refuse.
+    Raises :class:`InputError` for what :func:`labelled`, :meth:`Trace.of` and a run of the case refuse.
     """
     from valvetrain.explore.engine import with_case_units
     from valvetrain.explore.identify import identify
     from valvetrain.explore.space import Space
 
-    channel, keys = channel_of(measured), list(priors)
+    measured = labelled(measured)
+    channel, keys = str(measured.name), list(priors)
     with_case_units(case.parameters, Space(priors))  # refuses units that do not fit
     own = case.run(outputs=[channel], **ways)  # what a run refuses is refused here
     trace = Trace.of(measured, scatter, own.unit(channel))

@@ -36,6 +36,7 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.statics import reach_of, spring_statics, statics_by_model
 from valvetrain.runs.train_runs import prepare_trains, rigid_numbers, train_point
+from valvetrain.solution.definition import ADDED, NESTED, PAIR
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
@@ -195,7 +196,12 @@ def _still(
             )
             own |= reported
         found |= {name + key: value for key, value in own.items()}
-    return found
+    outer, inner = ([f"{one}_{key}" for key in ADDED] for one in NESTED)
+    return found | {
+        f"{PAIR}_{key}": found[one] + found[other]
+        for key, one, other in zip(ADDED, outer, inner, strict=True)
+        if one in found and other in found
+    }
 
 
 def _by_model(problem: Problem, spring: InstalledSpring, word: str, lift: float) -> SpringAtRest:

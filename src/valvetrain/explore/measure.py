@@ -11,7 +11,8 @@ import numpy as np
 
 from valvetrain.explore.engine import Engine, Evaluation, PointJob
 from valvetrain.explore.outputs import LimitSearch, Outcome, Run, has_pair
-from valvetrain.solution.definition import NESTED, definition_of, not_given, shown
+from valvetrain.explore.space import Varied
+from valvetrain.solution.definition import definition_of, not_given, of_pair, shown
 from valvetrain.solution.status import Status
 
 #: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
@@ -118,6 +119,10 @@ def _rise(
 #: Where a number comes from: springs at rest, runs at the speeds of the file, runs of a search for
 #: a limit speed.
 REST, RUNS, LIMIT = "rest", "runs", "limit"
+#: The value of what is varied, which needs no point.
+VARIED = "varied"
+#: Status of a design whose points lack a number that was requested.
+INCOMPLETE = "incomplete"
 #: A requested point: its source, and the run.
 Ask = tuple[str, Run]
 Answers = Generator[list[Ask], list[Outcome], "Measured"]
@@ -128,7 +133,7 @@ _RPM = np.pi / 30
 @dataclass(frozen=True)
 class Measure:
     """One number of a design: ``quantity`` over ``runs``, the ``over`` (worst, mean) of several, or
-    a limit speed where ``limit`` is given.
+    a limit speed where ``limit`` is given, or the value of what is ``varied``.
 
     ``largest_is_worst`` gives which of several is the worst. ``label``: plain words. ``bounds``: of
     the limit speed of each run, where they
@@ -143,6 +148,7 @@ class Measure:
     over: str = "worst"
     limit: LimitSearch | None = None
     bounds: tuple[float, ...] = ()
+    varied: Varied | None = None
 
     def limit_of(self, place: int) -> LimitSearch:
         """The search for the limit speed of the run at ``place``."""
@@ -152,15 +158,21 @@ class Measure:
     @property
     def si_unit(self) -> str:
         """SI unit of its values."""
+        if self.varied is not None:
+            return self.varied.si_unit or "1"
         return "rad/s" if self.limit is not None else definition_of(self.quantity).si_unit
 
     @property
     def unit(self) -> str:
         """Unit in which tables show it."""
+        if self.varied is not None:
+            return self.varied.unit
         return "rpm" if self.limit is not None else definition_of(self.quantity).unit_word
 
     def shown(self, value: float) -> float:
         """A value (SI) in the unit of tables."""
+        if self.varied is not None:
+            return self.varied.shown(value)
         return value / _RPM if self.limit is not None else float(shown(self.quantity, value)[0])
 
     def of(self, values: Sequence[float]) -> float:
@@ -240,8 +252,7 @@ def measuring(measures: Sequence[Measure], stop: object = None, pair: bool = Fal
         lacking = [one for one in here if not np.isfinite(values[one])]
         if lacking:
             name = lacking[0].quantity
-            of_pair = [f"{one}_{name}" for one in NESTED] if pair else ()
-            return Measured(values, {}, not_given(name, of_pair), "incomplete")
+            return Measured(values, {}, not_given(name, of_pair(name) if pair else ()), INCOMPLETE)
     if callable(stop) and stop(values):
         return Measured(values, {})
     limits: dict[Measure, tuple[LimitFound, ...]] = {}
@@ -273,7 +284,7 @@ def _limit(
         if first and not found[0].status.completed:
             return LimitFound(BELOW, 0.0, requested[0]), found[0]
         if first and one.quantity not in found[0].values:
-            missing = Status("incomplete", not_given(one.quantity, found[0].values))
+            missing = Status(INCOMPLETE, not_given(one.quantity, found[0].values))
             return LimitFound(BELOW, 0.0, requested[0]), Outcome(missing)
         first = False
         reported = [

@@ -5,7 +5,7 @@ evaluations of its points.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,6 +16,7 @@ from valvetrain.explore.measure import (
     LIMIT,
     REST,
     RUNS,
+    VARIED,
     Constraint,
     Measure,
     Objective,
@@ -36,8 +37,9 @@ from valvetrain.explore.outputs import (
     refuse_limit_name,
     share_of_case,
 )
-from valvetrain.explore.space import ENGINE_SPEED, Space
+from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.overrides import file_key
 from valvetrain.quantities.request import is_at_rest
 from valvetrain.registry import find
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
@@ -166,7 +168,7 @@ def read_optimum(text: OptimumText) -> OptimumPlan:
         )
     objectives = tuple(
         Objective(
-            _measure(text, ("objective", place), one, case, one.direction == "minimise"),
+            _measure(text, ("objective", place), one, case, varied, one.direction == "minimise"),
             one.direction == "maximise",
         )
         for place, one in enumerate(model.objective)
@@ -175,7 +177,7 @@ def read_optimum(text: OptimumText) -> OptimumPlan:
         raise text.located(("objective",), "the same objective is there twice; give it once")
     constraints = tuple(
         itertools.chain.from_iterable(
-            _constraints(text, ("constraint", place), one, case)
+            _constraints(text, ("constraint", place), one, case, varied)
             for place, one in enumerate(model.constraint)
         )
     )
@@ -260,11 +262,24 @@ def _limit(text: OptimumText, path: tuple[str | int, ...], table: LimitSpeedMode
     return found
 
 
+def varied_of(name: str, space: Iterable[Varied]) -> Varied | None:
+    """The varied quantity that a key of the case, or a shown name, means."""
+    return next(
+        (
+            one
+            for one in space
+            if name in (one.name, one.label) or file_key(name) == file_key(one.key)
+        ),
+        None,
+    )
+
+
 def _measure(
     text: OptimumText,
     path: tuple[str | int, ...],
     one: MeasureModel,
     case: Case | None,
+    space: Space,
     largest_is_worst: bool,
 ) -> Measure:
     if bool(one.quantity) == (one.limit_speed is not None):
@@ -274,6 +289,10 @@ def _measure(
             + ("both a quantity and a limit_speed" if one.quantity else "nothing")
             + "; give one of the two",
         )
+    varied = varied_of(one.quantity, space) if one.quantity else None
+    if varied is not None:
+        label = one.label or varied.shown_name
+        return Measure(VARIED, varied.name, (), label, largest_is_worst, varied=varied)
     model = text.model
     if case is None:
         if one.limit_speed is not None:
@@ -346,7 +365,11 @@ def _measure(
 
 
 def _constraints(
-    text: OptimumText, path: tuple[str | int, ...], one: ConstraintModel, case: Case | None
+    text: OptimumText,
+    path: tuple[str | int, ...],
+    one: ConstraintModel,
+    case: Case | None,
+    space: Space,
 ) -> list[Constraint]:
     """One constraint for each bound of a table."""
     bounds: Sequence[tuple[str, Any, bool]] = [
@@ -361,7 +384,7 @@ def _constraints(
         )
     made = []
     for key, raw, upper in bounds:
-        measure = _measure(text, path, one, case, upper)
+        measure = _measure(text, path, one, case, space, upper)
         share = share_of_case(raw)
         if share is not None:
             made.append(Constraint(measure, upper, float("nan"), share))
@@ -369,6 +392,8 @@ def _constraints(
         dimension = (
             "angular speed"
             if measure.limit is not None
+            else (measure.varied.dimension or "ratio")
+            if measure.varied is not None
             else definition_of(measure.quantity).dimension or "ratio"
         )
         bound = text.guarded(
@@ -398,12 +423,13 @@ def plan_of_experiment(
     text = OptimumText.of_tables(tables, "optimise")
     model = text.model.model_copy(update={"engine_speeds": outputs.engine_speeds})
     text.model = model
-    for one in experiment.space:
+    space = experiment.space
+    for one in space:
         if one.distribution.kind not in ("uniform", "log-uniform", "values"):
             raise InputError("a search goes between low and high or through values", one.name)
     objectives = tuple(
         Objective(
-            _measure(text, ("objective", index), one, case, one.direction == "minimise"),
+            _measure(text, ("objective", index), one, case, space, one.direction == "minimise"),
             one.direction == "maximise",
         )
         for index, one in enumerate(model.objective)
@@ -411,9 +437,9 @@ def plan_of_experiment(
     constraints = tuple(
         made
         for index, one in enumerate(model.constraint)
-        for made in _constraints(text, ("constraint", index), one, case)
+        for made in _constraints(text, ("constraint", index), one, case, space)
     )
     _refuse_method(text, len(objectives))
-    plan = OptimumPlan("", "", case, experiment.space, objectives, constraints, model.search, {})
+    plan = OptimumPlan("", "", case, space, objectives, constraints, model.search, {})
     plan = replace(plan, plans=_plans(plan, outputs.rest_model, outputs.function))
     return replace(plan, title=f"{plan.case_name}: {objectives[0].measure.label}")

@@ -18,6 +18,7 @@ from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.executors import LocalExecutor
 from valvetrain.explore.measure import (
     CLOSER,
+    INCOMPLETE,
     LIMIT,
     Measure,
     Measured,
@@ -33,6 +34,7 @@ from valvetrain.explore.searchers import local_search, searcher_of, shares_of, v
 from valvetrain.explore.space import Space
 from valvetrain.explore.study import seconds_of
 from valvetrain.explore.trial import CASE_SEED, Array, Trial, best_of
+from valvetrain.explore.unavailable import refuse_outputs
 from valvetrain.explore.valley import valley_of
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
@@ -119,6 +121,9 @@ def run_search(
     Raises :class:`InputError` for a request beyond ``limits``, and :class:`SearchInterrupted` with
     what was finished when it is stopped.
     """
+    for one in (plan, *(made.plan for made in plan.confirmations)):
+        for source in one.plans.values():
+            refuse_outputs(source)
     refuse_cost(estimate_search(plan, workers).cost, limits, fewer=FEWER)
     for seed in _seeds(plan):
         searcher_of(
@@ -214,7 +219,15 @@ class _Search:
             raise InputError(
                 f"the case itself cannot be computed, and a bound is a share of its numbers: {measured.failure}"
             )
-        return Trial(0, CASE_SEED, self._nominal(), measured, plan.of_case(measured.values))
+        if measured.code == INCOMPLETE:
+            raise InputError(f"{measured.failure}; no design can be judged without it")
+        values = self._nominal()
+        still = {
+            one.measure: float(values[tuple(plan.varied).index(one.measure.varied)])
+            for one in plan.constraints
+            if one.measure.varied is not None
+        }
+        return Trial(0, CASE_SEED, values, measured, plan.of_case({**measured.values, **still}))
 
     def _nominal(self) -> Array:
         """Values of the case (d,), nan where it has none; of a function the middle of the space."""

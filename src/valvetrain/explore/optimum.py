@@ -355,10 +355,8 @@ def _as_searched(tree: dict[str, Any], plan: OptimumPlan) -> None:
         tree["operation"]["engine_speeds"] = (
             ", ".join(f"{speed / RPM:.9g}" for speed in speeds) + " rpm"
         )
-    for key, names in zip(
-        ("spring_model", "spring_set"), list(zip(*runs, strict=True))[1:], strict=True
-    ):
-        chosen = set(names)
+    for place, key in enumerate(("spring_model", "spring_set"), start=1):
+        chosen = {run[place] for run in runs}
         if "train" in tree and len(chosen) == 1 and "" not in chosen:
             tree["train"][key] = chosen.pop()
 

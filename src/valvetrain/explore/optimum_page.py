@@ -300,6 +300,8 @@ def _requested(found: Optimum) -> tuple[Block, ...]:
 
 def _where(one: Measure) -> str:
     """Speeds, models and sets of a measure in words."""
+    if one.varied is not None:
+        return "its own value"
     models = dict.fromkeys(word for run in one.runs for word in (run[1], run[2]) if word)
     if one.limit is not None:
         first, last = (

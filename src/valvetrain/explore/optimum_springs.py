@@ -17,7 +17,7 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.overrides import file_key
 from valvetrain.parameters.schema_pair import LOADS
 from valvetrain.quantities.statics import card_quantities
-from valvetrain.solution.definition import NESTED, shown
+from valvetrain.solution.definition import NESTED, PAIR, shown
 from valvetrain.units import si
 
 #: Values of the card of a best design in addition to the varied ones: quantity -> name, and its unit next to
@@ -84,7 +84,7 @@ def as_of_card(found: Optimum, measure: Measure) -> Measure | OfCard:
     other measure as it is.
     """
     spring, _, bare = measure.quantity.partition("_")
-    bare = bare if spring in NESTED else measure.quantity
+    bare = bare if spring in (*NESTED, PAIR) else measure.quantity
     if measure.limit is not None or bare not in CARD:
         return measure
     of = f" of the {spring} spring" if spring in NESTED and spring not in measure.label else ""

@@ -16,7 +16,7 @@ from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
 from valvetrain.registry import find
-from valvetrain.solution.definition import NESTED, definition_of, label_of, not_given
+from valvetrain.solution.definition import definition_of, label_of, not_given, of_pair
 from valvetrain.solution.display import frame
 from valvetrain.solution.saveable import Reported
 from valvetrain.solution.status import Status
@@ -159,9 +159,7 @@ class StudyTable(Reported):
             if not np.isfinite(self.column(name)[self.completed]).any()
         ]
         pair = self.plan.case is not None and has_pair(self.plan.case, self.plan.runs)
-        texts = [
-            not_given(name, [f"{one}_{name}" for one in NESTED] if pair else ()) for name in gone
-        ]
+        texts = [not_given(name, of_pair(name) if pair else ()) for name in gone]
         return tuple(f"{text[0].upper()}{text[1:]}." for text in texts)
 
     def row_label(self, row: int) -> str:

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.explore.measure import BELOW, Measured
+from valvetrain.explore.measure import BELOW, Measure, Measured
 from valvetrain.explore.objective import OptimumPlan
 
 Array = NDArray[np.float64]
@@ -42,16 +42,18 @@ class Trial:
     @cached_property
     def objectives(self) -> Array:
         """Objectives (m,) in SI, nan where they were not computed."""
-        return np.array(
-            [self.measured.values.get(one.measure, np.nan) for one in self.plan.objectives]
-        )
+        return np.array([self._number(one.measure) for one in self.plan.objectives])
 
     @cached_property
     def constraints(self) -> Array:
         """Values (c,) in SI of what is bounded."""
-        return np.array(
-            [self.measured.values.get(one.measure, np.nan) for one in self.plan.constraints]
-        )
+        return np.array([self._number(one.measure) for one in self.plan.constraints])
+
+    def _number(self, measure: Measure) -> float:
+        """The number (SI) of a measure, nan where it was not computed."""
+        if measure.varied is None:
+            return self.measured.values.get(measure, np.nan)
+        return float(self.values[tuple(self.plan.varied).index(measure.varied)])
 
     @cached_property
     def missed(self) -> Array:

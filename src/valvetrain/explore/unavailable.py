@@ -12,7 +12,7 @@ from valvetrain.explore.outputs import Run
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.registry import OWN, find, names
 from valvetrain.runs.request_cost import RunRequest, planned
-from valvetrain.solution.definition import NESTED, definition_of, label_of, not_given
+from valvetrain.solution.definition import NESTED, definition_of, label_of, not_given, of_pair
 
 #: What a spring model shows -> beginnings of the names of quantities that need it.
 NEEDS = {
@@ -84,5 +84,5 @@ def _reason(name: str, model: str, springs: Sequence[InstalledSpring]) -> str:
         able = ", ".join(one for one in names("springs") if need in find("springs", one).shows)
         return f"{text} by {model}, which has no {WHAT[need]}; choose {able}, or leave it out"
     if need == "stress" and own == name and len(springs) > 1:
-        return not_given(name, [f"{spring}_{name}" for spring in NESTED])
+        return not_given(name, of_pair(name))
     return ""

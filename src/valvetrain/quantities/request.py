@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from valvetrain.solution.definition import NESTED, PAIR
+
 #: Quantities that follow from forces at the ends, lift and clashes alone, without channels of the
 #: wire or its static states.
 LIGHT = frozenset((
@@ -79,4 +81,4 @@ def is_at_rest(name: str) -> bool:
 def _bare(name: str) -> str:
     """A name without that of the spring of a nested pair in front."""
     first, _, rest = name.partition("_")
-    return rest if first in ("outer", "inner") else name
+    return rest if first in (*NESTED, PAIR) else name

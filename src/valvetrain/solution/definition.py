@@ -53,6 +53,11 @@ _SI_TEXTS = {"": "1", "1/s": "Hz", "m/s^2": "m/s2", "N*m": "N m", "N*s": "N s"}
 #: Springs of a nested pair, whose quantities carry the spring's name in front:
 #: ``outer_coil_bind_clearance``.
 NESTED = ("outer", "inner")
+#: Both springs of a pair together, and what is added up of them: ``pair_card_preload``.
+PAIR = "pair"
+ADDED = (
+    "preload", "installed_rate", "card_preload", "card_rate", "card_open_force", "card_mass", "wire_mass",
+)  # fmt: skip
 
 
 def si_unit_text(dimension: str) -> str:
@@ -218,6 +223,14 @@ def _definition(name: str) -> QuantityRow:
                 definition=one.definition.format(**parts),
             )
     first, _, rest = name.partition("_")
+    if first == PAIR and rest in ADDED:
+        whole = _definition(rest)
+        return replace(
+            whole,
+            name=name,
+            label=f"{whole.label}, both springs",
+            definition=f"{whole.definition} Of both springs of a pair together.",
+        )
     if first in NESTED and (whole := _definition(rest)).definition:
         return replace(
             whole,
@@ -246,6 +259,15 @@ def no_quantity(name: str) -> str:
     return f"'{name[:60]}' is no quantity; {hint}"
 
 
+def of_pair(name: str) -> tuple[str, ...]:
+    """Names of a quantity for each spring of a pair and, where it adds up, for both together.
+
+    >>> of_pair("card_rate"), of_pair("free_length")
+    (('outer_card_rate', 'inner_card_rate', 'pair_card_rate'), ('outer_free_length', 'inner_free_length'))
+    """
+    return tuple(f"{one}_{name}" for one in (*NESTED, *((PAIR,) if name in ADDED else ())))
+
+
 def not_given(name: str, given: Iterable[str] = ()) -> str:
     """Message on a quantity that no completed run gave, with the names nearest to it: those of a pair's
     springs where they are among ``given``.
@@ -257,8 +279,8 @@ def not_given(name: str, given: Iterable[str] = ()) -> str:
     """
     lead = f"no run gave the {label_of(name)} ({name})"
     known = set(given)
-    if of_pair := tuple(one for one in (f"{spring}_{name}" for spring in NESTED) if one in known):
-        return f"{lead}; of a pair: {_either(of_pair)}"
+    if named := tuple(one for one in of_pair(name) if one in known):
+        return f"{lead}; of a pair: {_either(named)}"
     near = near_names(name)
     return lead + (f"; similar: {_either(near)}" if near else "")
 
