@@ -23,7 +23,8 @@ name, engine speed (rad/s of the crank; none for what belongs to no run) and lab
 All values are SI inside and in JSON; tables show the unit given here. Angles are cam angles, engine speed is crank speed. Forces are
 compressive positive and taken over the reported cycle. Motion along the spring is positive from seat to retainer; coil numbers count
 from 1 at the seat. In a name, `{n}` and other single letters represent a number, longer words in braces for a place, a link or a spring.
-Quantities of one spring of a nested pair carry its name in front: `outer_coil_bind_clearance`.
+Quantities of one spring of a nested pair carry its name in front: `outer_coil_bind_clearance`;
+loads, rates and masses of both together: `pair_card_preload`.
 
 A name that is in no table has the dimension of its last word (`_force`, `_cam_angle`, `_displacement`, ...). A package adds a
 table of its own by the entry-point group `valvetrain.quantities`.

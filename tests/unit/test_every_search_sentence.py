@@ -31,7 +31,7 @@ VARIED = tuple(Varied(words, "mm") for words in ("wire", "coil", "pitch"))
 def trial(*objectives: float, **changes: object) -> SimpleNamespace:
     told = {
         "number": 7, "objectives": objectives, "feasible": True, "failure": "", "missed": (), "seed": 1, "values": (4e-3, 22e-3, 7e-3),
-        "measured": SimpleNamespace(limits={}), "penalties": (0.02, 0.135), "constraints": (0.4, 0.5), "plan": None,
+        "measured": SimpleNamespace(limits={}), "floating": None, "penalties": (0.02, 0.135), "constraints": (0.4, 0.5), "plan": None,
     }  # fmt: skip
     return SimpleNamespace(**told | changes)
 

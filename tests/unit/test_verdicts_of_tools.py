@@ -109,7 +109,7 @@ def test_a_card_is_met_or_the_sentence_says_what_is_missed(found, left, sentence
 
 
 def test_a_search_that_found_nothing_says_what_comes_nearest():
-    trial = SimpleNamespace(number=5, penalties=[0.0, 0.12])
+    trial = SimpleNamespace(number=5, penalties=[0.0, 0.12], floating=None)
     found = SimpleNamespace(
         best=None, finished=False, trials=range(9), missed_by_least=(trial, "preload at least 40 N")
     )

@@ -137,7 +137,8 @@ class Measure:
 
     ``largest_is_worst`` gives which of several is the worst. ``label``: plain words. ``bounds``: of
     the limit speed of each run, where they
-    are shares of what the case has; else that of ``limit`` holds for all.
+    are shares of what the case has; else that of ``limit`` holds for all. ``optional``: a run need not
+    give it.
     """
 
     source: str
@@ -149,11 +150,20 @@ class Measure:
     limit: LimitSearch | None = None
     bounds: tuple[float, ...] = ()
     varied: Varied | None = None
+    optional: bool = False
 
     def limit_of(self, place: int) -> LimitSearch:
         """The search for the limit speed of the run at ``place``."""
         assert self.limit is not None
         return replace(self.limit, bound=self.bounds[place]) if self.bounds else self.limit
+
+    @property
+    def is_contact_force(self) -> bool:
+        """Whether it is a least force of a contact, which is zero however much the contact is lost."""
+        name = self.quantity
+        return (
+            name.startswith("minimum_") and name.endswith("_contact_force") and self.limit is None
+        )
 
     @property
     def si_unit(self) -> str:
@@ -249,7 +259,7 @@ def measuring(measures: Sequence[Measure], stop: object = None, pair: bool = Fal
                 return Measured(
                     values, {}, _at(run, outcome.status.sentence()), outcome.status.code
                 )
-        lacking = [one for one in here if not np.isfinite(values[one])]
+        lacking = [one for one in here if not np.isfinite(values[one]) and not one.optional]
         if lacking:
             name = lacking[0].quantity
             return Measured(values, {}, not_given(name, of_pair(name) if pair else ()), INCOMPLETE)

@@ -45,6 +45,9 @@ from valvetrain.registry import find
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.units import parse_quantity, si_speeds
 
+#: Quantities that rank designs that lose contact, and whether the largest is the worst.
+LOSSES = {"loss_of_contact_duration": True, "loft_gap": True, "minimum_spring_margin_force": False}
+
 
 @dataclass(frozen=True, eq=False)
 class Confirmation:
@@ -84,7 +87,20 @@ class OptimumPlan:
     def measures(self) -> tuple[Measure, ...]:
         """Every measure once, objectives first."""
         every = [one.measure for one in self.objectives] + [one.measure for one in self.constraints]
-        return tuple(dict.fromkeys(every))
+        return tuple(dict.fromkeys([*every, *self.losses]))
+
+    @property
+    def losses(self) -> tuple[Measure, ...]:
+        """How much contact is lost, the shortest loss first, for designs whose least contact force is zero
+        alike; empty where no such force is an objective or bound.
+        """
+        bounded = [one.measure for one in self.constraints]
+        every = [one.measure for one in self.objectives] + bounded
+        runs = next((one.runs for one in every if one.is_contact_force), ())
+        return tuple(
+            Measure(RUNS, name, runs, name, more, optional=True)
+            for name, more in (LOSSES if runs and self.case is not None else {}).items()
+        )
 
     @property
     def begins(self) -> dict[Measure, tuple[Measure, ...]]:
@@ -263,15 +279,9 @@ def _limit(text: OptimumText, path: tuple[str | int, ...], table: LimitSpeedMode
 
 
 def varied_of(name: str, space: Iterable[Varied]) -> Varied | None:
-    """The varied quantity that a key of the case, or a shown name, means."""
-    return next(
-        (
-            one
-            for one in space
-            if name in (one.name, one.label) or file_key(name) == file_key(one.key)
-        ),
-        None,
-    )
+    """The varied quantity that a key of the case means; None for any other name."""
+    key = file_key(name)
+    return next((one for one in space if name == one.name or key == file_key(one.key)), None)
 
 
 def _measure(

@@ -20,6 +20,7 @@ from valvetrain.explore.measure import (
     CLOSER,
     INCOMPLETE,
     LIMIT,
+    LimitFound,
     Measure,
     Measured,
     Stop,
@@ -29,6 +30,7 @@ from valvetrain.explore.measure import (
 from valvetrain.explore.objective import OptimumPlan, read_optimum
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, chosen_designs, steps_of
 from valvetrain.explore.optimum_file import OptimumText, read_optimum_file
+from valvetrain.explore.outputs import Outputs, limit_search
 from valvetrain.explore.samplers import latin_hypercube
 from valvetrain.explore.searchers import local_search, searcher_of, shares_of, values_of
 from valvetrain.explore.space import Space
@@ -192,6 +194,7 @@ class _Search:
                 designs[:1] = [replace(one, confirmed=confirmed) for one in designs[:1]]
                 return replace(
                     made,
+                    contact_loss=self._contact_loss(points, made),
                     designs=tuple(designs),
                     computed=points.computed,
                     seconds=time.perf_counter() - self.begun,
@@ -280,7 +283,7 @@ class _Search:
         starts = [one for one in own if shares_of(self.plan, one.values) is not None]
         if not starts:
             return
-        best = best_of(starts) or min(starts, key=lambda one: (one.total_missed, one.number))
+        best = best_of(starts) or min(starts, key=lambda one: one.rank)
         begin = shares_of(self.plan, best.values)
         assert begin is not None
         free = [
@@ -364,6 +367,27 @@ class _Search:
             else None
         )
         return replace(one, steps=steps, valley=valley)
+
+    def _contact_loss(self, points: Engine, made: Optimum) -> LimitFound | None:
+        """The speed at which the nearest design loses contact, where no design retains it."""
+        nearest = made.missed_by_least
+        force = None if made.designs or nearest is None else nearest[0].floating
+        if force is None or nearest is None:
+            return None
+        plan, trial = self.plan, nearest[0]
+        run = max(force.runs, key=lambda one: one[0] or 0.0)
+        speeds = [share * (run[0] or 0.0) for share in np.linspace(0.4, 1.0, 7).tolist()]
+        limit = limit_search(
+            force.quantity, f"{str(speeds)[1:-1]} rad/s", at_least="1e-9 N", resolution="25 rpm"
+        )
+        one = Measure(LIMIT, limit.quantity, ((None, *run[1:]),), "", limit=limit)
+        own = self.case is trial
+        space = Space(()) if own else plan.varied
+        study = Evaluation(plan.case, space, Outputs((limit.quantity,)), one.runs)
+        points.include(study)
+        values = () if own else tuple(trial.values.tolist())
+        (found,) = measure_designs(points, [({LIMIT: study}, values)], [one])
+        return found.limits[one][0] if one in found.limits else None
 
     def _confirm(
         self,

@@ -16,7 +16,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.measure import Measured
+from valvetrain.explore.measure import LimitFound, Measured
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.searchers import quiet_optuna, shares_of
 from valvetrain.explore.space import Values, Varied
@@ -71,7 +71,8 @@ class Optimum(Reported):
     ``best_by_seed``: objectives (m,) of the best trial of the search of each seed, for one
     objective; ``computed``: points that this call
     computed, the others were in its store; ``seconds``: wall time of this call; ``finished``:
-    whether it was not stopped before its end.
+    whether it was not stopped before its end; ``contact_loss``: where the nearest design loses contact,
+    if no design retains it.
 
     >>> import valvetrain as vt
     >>> found = vt.optimise('''
@@ -97,6 +98,7 @@ class Optimum(Reported):
     seconds: float = 0.0
     finished: bool = True
     seeds: tuple[int, ...] = ()
+    contact_loss: LimitFound | None = None
 
     @property
     def best(self) -> Design | None:
@@ -203,7 +205,7 @@ class Optimum(Reported):
         computed = [one for one in self.trials if not one.failure]
         if not computed:
             return None
-        nearest = min(computed, key=lambda one: (one.total_missed, one.number))
+        nearest = min(computed, key=lambda one: one.rank)
         place = int(np.argmax(nearest.penalties))
         return nearest, bound_label(self.plan, place)
 

@@ -268,11 +268,37 @@ def _nothing(found: Optimum) -> str:
         cause = found.case.failure or common  # a case that fails is the cause of the others
         return f"None of {len(found.trials)} trials could be computed: {cause}"
     trial, phrase = nearest
+    if trial.floating is not None:
+        return _lost(found, trial)
     worst = 100 * max(trial.penalties)
     size = f"{worst:.0f}" if worst >= 10 else f"{worst:.2g}"
     return (
         f"No trial meets every bound. Trial {trial.number} comes nearest; it misses '{phrase}' by {size} % of the bound: "
         "loosen that bound, or widen the ranges."
+    )
+
+
+def _lost(found: Optimum, trial: Trial) -> str:
+    """Which ranges hold no design that retains contact, the nearest one, and where it loses contact."""
+    varied = found.plan.varied
+    ends = [
+        [one.value_text(float(end)) for end in one.distribution.at([0.0, 1.0])] for one in varied
+    ]
+    ranges = ", ".join(
+        f"{one.shown_name} {' to '.join(both)}" for one, both in zip(varied, ends, strict=True)
+    )
+    values = ", ".join(
+        one.text(float(value)) for one, value in zip(varied, trial.values, strict=True)
+    )
+    speed = max(run[0] or 0.0 for run in found.plan.losses[0].runs)
+    loss = found.contact_loss
+    where = ""
+    if loss is not None:
+        below = "below " if loss.kind == BELOW else ""
+        where = f", from {below}{speed_text(loss.value)}"
+    return (
+        f"No design retains contact at {speed_text(speed)} ({ranges}). Trial {trial.number} comes nearest ({values}): "
+        f"it loses contact for {1e3 * trial.losses[0]:.3g} ms of a cycle{where}."
     )
 
 

@@ -57,11 +57,12 @@ class Trial:
 
     @cached_property
     def missed(self) -> Array:
-        """By how much (c + m,) each bound is missed, in shares of it, negative inside; then 0 for
+        """By how much (c + m,) each bound is missed, in shares of it, negative inside, and of a contact
+        force of zero by the share of the cycle without contact in addition; then 0 for
         each objective, more where a limit speed
         is below the lowest one searched."""
         bounds = [
-            one.missed(value)
+            one.missed(value) + (self.lost if one.measure.is_contact_force and value <= 0 else 0.0)
             for one, value in zip(self.plan.constraints, self.constraints, strict=True)
         ]
         begins = [
@@ -76,6 +77,39 @@ class Trial:
             for one in self.plan.objectives
         ]
         return np.array([*bounds, *begins])
+
+    @cached_property
+    def losses(self) -> tuple[float, ...]:
+        """Time without contact (s), loft (m) and negative rigid margin (N), 0 where they were not computed."""
+        values = ((one, self.measured.values.get(one, 0.0)) for one in self.plan.losses)
+        return tuple(
+            float(np.nan_to_num(value if one.largest_is_worst else -value)) for one, value in values
+        )
+
+    @property
+    def lost(self) -> float:
+        """Share of the cycle without contact, at the highest speed."""
+        speeds = [run[0] or 0.0 for one in self.plan.losses for run in one.runs]
+        return self.losses[0] * max(speeds) / (4 * np.pi) if speeds else 0.0
+
+    @property
+    def floating(self) -> Measure | None:
+        """The first contact force that a bound keeps above zero and that is zero; None where none is."""
+        pairs = zip(self.plan.constraints, self.constraints, self.missed, strict=False)
+        return next(
+            (
+                one.measure
+                for one, value, miss in pairs
+                if one.measure.is_contact_force and value <= 0 < miss
+            ),
+            None,
+        )
+
+    @property
+    def rank(self) -> tuple[float, ...]:
+        """Order of designs that miss a bound, the nearest first: by what is missed, then by the loss of
+        contact."""
+        return (self.total_missed, *self.losses[1:], self.number)
 
     @property
     def feasible(self) -> bool:
@@ -115,13 +149,13 @@ def beats(one: Trial, other: Trial) -> bool:
 
 
 def best_of(trials: list[Trial]) -> Trial | None:
-    """The feasible trial with the best first objective, the first of equals; None where there is
-    none.
+    """The feasible trial with the best first objective, of equals the one that loses contact least,
+    then the first; None where there is none.
     """
     feasible = [one for one in trials if one.feasible]
     return min(
         feasible,
-        key=lambda one: (one.plan.objectives[0].sign * one.objectives[0], one.number),
+        key=lambda one: (one.plan.objectives[0].sign * one.objectives[0], *one.losses, one.number),
         default=None,
     )
 
