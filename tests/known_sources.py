@@ -203,16 +203,14 @@ def main_clash() -> Known:
     last = slice(
         4 * 2880 * 601 // 360, 4 * 2880 * 659 // 360
     )  # 241 to 299 degrees of the second turn
-    filters = (signal.butter(4, 2 * cutoff * step, output="sos") for cutoff in (10e3, 20e3))
+    filters = (signal.butter(4, 2 * cutoff * step, output="sos") for cutoff in (5e3,))
     heights = [float(np.max(signal.sosfiltfilt(one, series)[last])) for one in filters]
     return found, {
         "main_clash_peak_force": 700.0,
         "main_clash_cam_angle": (250 * DEG, 2e-4),
         "main_clash_impulse": (held, 0.002 * held),
-        "main_clash_below_10_khz_peak_force": (heights[0], 0.5),
-        "main_clash_below_20_khz_peak_force": (heights[1], 0.5),
-        "stage_3_below_10_khz_peak_force": (heights[0], 0.5),
-        "stage_3_below_20_khz_peak_force": (heights[1], 0.5),
+        "main_clash_below_5_khz_peak_force": (heights[0], 0.5),
+        "stage_3_below_5_khz_peak_force": (heights[0], 0.5),
     }
 
 

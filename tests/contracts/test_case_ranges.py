@@ -107,6 +107,7 @@ BETWEEN = {
     "options.solid.brick_rings": (1, 16), "options.solid.mass_scaling": (0, 20),
     "options.solid.coil_friction": (0, 1), "options.solid.seat_friction": (0, 1),
     "options.solid.core": (1, 40), "options.solid.rings": (1, 40), "operation.output_step": (math.degrees(1e-4), math.degrees(0.5)),
+    "operation.force_bandwidth": (100.0, 50e3),
     "train.lever.ratio": (0.1, 10), "cam-card.rocker_ratio": (0.2, 5), "polydyne.ramp_blend": (0.01, 1), "ramped.ramp_blend": (0.01, 1),
     "cam-card.ramp_blend": (0.01, 1), "shaped.ramp_blend": (0.01, 0.99), "ramped.nose_acceleration": (None, 0),
     "train.cam.rotation": (-1, 1), "train.lever.drive_side": (-1, 1), "spline.degree": (5, 7), "table.degree": (5, 7),

@@ -47,6 +47,7 @@ IN_SI = {
     PER_SECOND: 25.0,
     "30 N/mm^2": 30e6,
     "2 deg": np.pi / 90,
+    "5 kHz": 5000.0,
     "2000 rpm": 2000 * np.pi / 30,
     "8 mm": 0.008,
     "12 mm": 0.012,
@@ -76,7 +77,7 @@ DAMPING = "25 N s/m"
 PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "CoilContact": (CoilContact, {"stiffness": "30 N/mm^2", "damping_time": SECOND}),
     "InstalledSpring": (lambda: InstalledSpring(wire=SPRING), {"precompression": LENGTH}),
-    "Operation": (Operation, {"output_step": "2 deg", "red_line": "2000 rpm"}),
+    "Operation": (Operation, {"output_step": "2 deg", "red_line": "2000 rpm", "force_bandwidth": "5 kHz"}),
     "Guide": (lambda: vt.parameters.Guide(bore=0.03, rod=0.012), {"bore": LENGTH, "rod": "8 mm", "stiffness": "30 N/mm^2"}),
     "Quantity": (lambda: vt.solution.Quantity("peak_seat_force"), {"engine_speed": "2000 rpm"}),
     "EquivalentSpring": (lambda: UNIFORM, {"rate": RATE, "preload": FORCE, "active_mass": MASS, "inactive_mass": MASS}),

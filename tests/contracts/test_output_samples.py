@@ -32,8 +32,8 @@ from valvetrain.system.prescribed import PrescribedSpring
 SAMPLES = (360, 720, 1440)
 #: Numbers that agree to 0.1 % whatever is kept, raw fronts of less than a microsecond among them.
 FORCES = (
-    "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "below_10_khz_peak_spring_force",
-    "below_20_khz_peak_spring_force", "main_clash_below_10_khz_peak_force", "main_clash_below_20_khz_peak_force", "main_clash_impulse",
+    "peak_spring_force", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force", "raw_peak_spring_force",
+    "raw_peak_retainer_force", "main_clash_below_5_khz_peak_force", "main_clash_impulse",
     "main_clash_cam_angle", "main_clash_peak_force", "dissipated_energy", "coil_bind_clearance",
 )  # fmt: skip
 CLASHES = (
@@ -46,7 +46,7 @@ CLASHES = (
 STRESSES = ("peak_shear_stress", "peak_equivalent_stress")
 #: Raw numbers that every step counts for: the same to rounding.
 ON_EVERY_STEP = (
-    "peak_spring_force", "peak_spring_force_cam_angle", "minimum_spring_force", "peak_retainer_force", "minimum_retainer_force",
+    "raw_peak_spring_force", "raw_peak_spring_force_cam_angle", "minimum_spring_force", "raw_peak_retainer_force", "minimum_retainer_force",
     "main_clash_peak_force",
 )  # fmt: skip
 

@@ -83,7 +83,7 @@ def test_the_guide_on_force_spikes_prints_what_the_study_of_gaps_gives():
         "clash_energy",
         "surge_clash_peak_force",
         "peak_clash_force",
-        "below_10_khz_peak_spring_force",
+        "peak_spring_force",
     )
     assert len(rows) == len(factors)
     for factor, printed in zip(factors, rows, strict=True):

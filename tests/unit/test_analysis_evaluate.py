@@ -34,26 +34,22 @@ def test_extremes_are_those_of_every_instant():
     made = clashing_run()
     found = evaluate(made).quantities
     fine = made.channel("seat_force_fine")[720:]
-    assert found["peak_spring_force"] == np.max(fine) >= np.max(made.channel("seat_force"))
+    assert found["raw_peak_spring_force"] == np.max(fine) >= np.max(made.channel("seat_force"))
+    assert found["peak_spring_force"] == pytest.approx(np.max(fine), rel=1e-3)
     assert found["peak_spring_force_cam_angle"] / DEG == pytest.approx(180, abs=0.3)
     assert found["minimum_spring_force"] == pytest.approx(300.0)
     assert "peak_retainer_force" not in found
 
 
 def test_filtered_peak_loses_what_the_filter_takes():
-    """200 waves of 10 kHz in a closed turn: half of them left at 10 kHz (6 dB down), all but 1 in
-    2**8 at 20 kHz.
-    """
+    """200 waves of 10 kHz in a closed turn: half of them left at 10 kHz (6 dB down)."""
     made = run(
         {"seat_force": lambda degrees: 300 + 100 * np.cos(200 * degrees * DEG)}, per_turn=4000, turns=1,
         engine_speed=2 * 2 * np.pi * 10e3 / 200, system="train",
     )  # fmt: skip
     found = evaluate(made).quantities
-    assert found["peak_spring_force"] == pytest.approx(400.0)
-    assert found["below_10_khz_peak_spring_force"] == pytest.approx(350.0)
-    assert found["below_20_khz_peak_spring_force"] == pytest.approx(
-        300 + 100 / (1 + (np.tan(np.pi / 20) / np.tan(np.pi / 10)) ** 8)
-    )
+    assert found["raw_peak_spring_force"] == pytest.approx(400.0)
+    assert found["peak_spring_force"] == pytest.approx(350.0)
 
 
 def test_clearance_to_coil_bind_is_the_least_of_the_springs():

@@ -152,7 +152,7 @@ def test_published_values_stand_behind_one_line(small):
     whole = call("run", "told.toml", "--published", *QUICK).stdout
     lines = (
         r"preload +FE +130 N .*within tolerance",
-        r"peak spring force +\S+ +1 N .*misses",
+        r"peak spring force.* 1 N .*misses",
         r"seating velocity.*not computed",
     )
     for line in lines:

@@ -531,7 +531,7 @@ def test_a_model_without_the_curve_is_left_out_and_said():
 
 
 def test_a_table_has_no_gauge():
-    with pytest.raises(InputError, match="those of a bandwidth"):
+    with pytest.raises(InputError, match="force_bandwidth"):
         compared(
             ValueTable((MeasuredValue("peak_spring_force", "N", np.array([1.0]), 1.0),)),
             sensor=Sensor(bandwidth="1 kHz"),

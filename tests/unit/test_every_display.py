@@ -159,7 +159,7 @@ def test_a_study_tells_what_it_holds():
         "7 coil clashes (44 mJ in all), hardest 345 N between coils 1–2 at 251 cam deg "
         "at 5600 rpm (finite-element); "
         "clear of coil bind by 1.25 mm at full lift (at rest); "
-        "peak spring force 811 N, minimum 288 N at 4200 rpm (finite-element); "
+        "peak spring force below 10 kHz 811 N, minimum 288 N at 4200 rpm (finite-element); "
         "models differ by 1.4 % in peak force at 5600 rpm."
     )
     assert (
@@ -175,7 +175,7 @@ def test_a_study_tells_what_it_holds():
     assert repr(bare) == "Study of own-spring (run): no runs"
     one = repr(replace(study, solutions=study.solutions[:1])).splitlines()
     assert one[:2] == [
-        "Clear of coil bind by 1.25 mm, no coil clash, peak spring force 811 N, minimum 288 N.",
+        "Clear of coil bind by 1.25 mm, no coil clash, peak spring force below 10 kHz 811 N, minimum 288 N.",
         "  Study of own-spring (compare): 1 run",
     ]
     published = made.published_study()
@@ -221,7 +221,7 @@ def test_a_run_tells_what_it_holds():
     told = repr(run).splitlines()
     assert (
         told[0] == "7 coil clashes (44 mJ in all), hardest 345 N between coils 1–2 "
-        "at 251 cam deg, clear of coil bind by 1.25 mm at full lift (at rest), peak spring force 811 N, minimum 288 N."
+        "at 251 cam deg, clear of coil bind by 1.25 mm at full lift (at rest), peak spring force below 10 kHz 811 N, minimum 288 N."
     )
     assert told[1] == "  Solution of own-spring, finite-element, 5600 rpm: completed"
     assert (

@@ -123,8 +123,9 @@ def test_what_a_failed_run_leaves_unknown_is_open_and_said():
         gone.reach("peak_spring_force", "massless").text == "to 2000, then open"
         and gone.cheapest("peak_spring_force") == gone.reference
     )
-    assert "gave no value, so nothing is said there of: peak spring force at 3000 rpm." in " ".join(
-        fidelity_notes(gone)
+    assert (
+        "gave no value, so nothing is said there of: peak spring force below 10 kHz at 3000 rpm."
+        in " ".join(fidelity_notes(gone))
     )
     *_, last = blocks(Study(CaseRecord("own"), fidelity=gone))[2].rows[0][0]
     assert (last.text, last.hint) == ("?", "no value of the reference: open")
@@ -167,13 +168,13 @@ def test_rows_stand_by_model_in_order_of_cost_and_notes_name_what_has_no_bar():
     (line,) = reach_rows(found)
     assert (
         line.cells == ("none", "all")
-        and line.label == "Peak spring force"
+        and line.label == "Peak spring force below 10 kHz"
         and line.cheapest == "multi-mass"
     )
     notes = " ".join(fidelity_notes(found))
     assert (
         "1000 to 3000 rpm" in notes
-        and "peak spring force 1000 N" in notes
+        and "peak spring force below 10 kHz 1000 N" in notes
         and "bar of their own: massless." in notes
     )
 
@@ -185,10 +186,14 @@ def test_the_page_shows_signed_differences_in_the_tone_of_their_verdict():
     )
     recommended, reaches, one_map, *_ = blocks(Study(CaseRecord("own"), fidelity=found))
     assert [cell.text for cell in recommended.rows[0][0]][:2] == [
-        "Peak spring force",
+        "Peak spring force below 10 kHz",
         "finite-element rod",
     ]
-    assert [cell.text for cell in reaches.rows[0][0]] == ["Peak spring force", "to 1000", "open"]
+    assert [cell.text for cell in reaches.rows[0][0]] == [
+        "Peak spring force below 10 kHz",
+        "to 1000",
+        "open",
+    ]
     assert [cell.text for cell in reaches.rows[1][0]][1:] == ["0.0042", "0.042"]
     assert one_map.headers == ("model", "1000", "2000", "3000")
     told = [[(cell.text, cell.tone) for cell in cells[1:]] for cells, _ in one_map.rows]

@@ -34,7 +34,7 @@ def rows(doubt: str):
 def test_a_number_in_doubt_is_told_apart():
     told = published_summary(rows("too slow for its own lift"))
     assert published_sentences(rows("too slow for its own lift")) == (
-        "Compared with the source: the published value of peak spring force differs by 10.0 %."
+        "Compared with the source: the published value of peak spring force below 10 kHz differs by 10.0 %."
     )
     assert re.search(
         r"peak lever rotation speed \+400.0 %, but the number is in doubt: too slow for its own lift$",

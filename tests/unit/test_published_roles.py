@@ -82,7 +82,7 @@ def test_every_value_left_out_is_counted():
 @pytest.mark.parametrize(
     ("rows", "told"),
     [
-        ((ROWS[0],), "peak spring force differs by 1.0 %."),
+        ((ROWS[0],), "peak spring force below 10 kHz differs by 1.0 %."),
         ((ROWS[5],), "Stage II peak, cam angle differs by 4 deg."),
     ],
 )
@@ -107,7 +107,7 @@ def test_a_calibrated_case_names_what_was_fitted_to_what():
     case = CaseRecord("own", published=FITTED, values=values)
     assert calibration_sentence(case) == (
         "calibrated: wire diameter, lower end and lift law were fitted to 3 of its 8 published values "
-        "(peak spring force, minimum spring force, Stage II peak, cam angle)"
+        "(peak spring force below 10 kHz, minimum spring force, Stage II peak, cam angle)"
     )
     many = replace(case, published=(*FITTED, published("preload", "calibration")))
     assert calibration_sentence(many).endswith(

@@ -125,7 +125,7 @@ def test_labels_of_templates_are_filled():
         label_of("outer_mean_peak_section_displacement") == "mean peak motion of the coils (outer)"
     )
     assert label_of("outer_coil_bind_clearance") == "clearance to coil bind, outer spring"
-    assert quantity_label("peak_spring_force") == "Peak spring force"
+    assert quantity_label("peak_spring_force") == "Peak spring force below 10 kHz"
 
 
 def test_values_are_shown_in_the_fields_units():

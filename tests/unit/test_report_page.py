@@ -166,7 +166,7 @@ def test_a_sweep_writes_its_series_and_orders_and_no_reduced_runs(tmp_path):
     }
     header, *rows = (tmp_path / "sweep-stock.csv").read_text().splitlines()
     assert (
-        "peak spring force [N]" in header
+        "peak spring force below 10 kHz [N]" in header
         and len(rows) == 12
         and rows[-1].split(",")[1] == "not-converged"
     )

@@ -438,7 +438,7 @@ def test_heights_of_solid_and_rod_stand_beside_the_source():
         numbers = {name: value * share for name, value in rod.quantities.items()}
         numbers |= {
             "stage_2_peak_force": 500.0 * share,
-            "below_10_khz_peak_spring_force": 500.0 * share,
+            "peak_spring_force": 500.0 * share,
         }
         who = replace(rod.provenance, model="solid", label="solid")
         return replace(rod, channels=channels, quantities=numbers, provenance=who)
@@ -460,7 +460,7 @@ def test_heights_of_solid_and_rod_stand_beside_the_source():
         assert ("decisions/0120" in said) == ("more than" in verdict)
     nothing = (0.0, 0.0)
     bar = Uncertainty(
-        "below_10_khz_peak_spring_force",
+        "peak_spring_force",
         SPEED,
         475.0,
         40.0,
@@ -543,7 +543,7 @@ def test_the_sentence_on_firmness_counts_and_names_what_is_loose():
     ]
     told = firmness([*loose, *firm])
     assert told.startswith(
-        "2 of 4 numbers that are not zero are firm to 1 %; the least firm: peak spring force (rod, "
+        "2 of 4 numbers that are not zero are firm to 1 %; the least firm: peak spring force below 10 kHz (rod, "
     )
     assert told.endswith(" rpm) 10 %, preload 2 %.")
     assert firmness(firm) == "2 of 2 numbers that are not zero are firm to 1 %."

@@ -388,7 +388,7 @@ def test_a_refinement_names_its_largest_bar():
     rows = (row("peak_spring_force", 800.0, 4.0), row("clash_energy", 1e-3, 1e-4))
     study = UncertaintyStudy(CaseRecord("own"), (12, 18), rows, {})
     assert refine_verdict(study) == (
-        "Peak spring force at 4000 rpm 800 N ± 0.5 %; largest error bar ± 10 % in clash energy at 4000 rpm; "
+        "Peak spring force below 10 kHz at 4000 rpm 800 N ± 0.5 %; largest error bar ± 10 % in clash energy at 4000 rpm; "
         "1 of 2 numbers within 1 %."
     )
 
@@ -692,7 +692,7 @@ def test_a_map_of_models_names_a_few_quantities_of_each():
     )
     found = FidelityMap("wave-rod", 0.05, rows, (("massless", 1e-3), ("wave-rod", 1.0)))
     assert fidelity_verdict(found) == (
-        "Within 5 % of wave-rod at every speed: massless (1000 times quicker) for 4 quantities, such as peak spring force and "
+        "Within 5 % of wave-rod at every speed: massless (1000 times quicker) for 4 quantities, such as peak spring force below 10 kHz and "
         "minimum spring force; no cheaper model for loft."
     )
     assert fidelity_chart(found).panels[0].y_label == "model less wave-rod (%)"

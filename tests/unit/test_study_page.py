@@ -68,8 +68,8 @@ def test_a_page_of_draws_has_scatter_map_and_main_effects():
     found = " / ".join(titles(made()))
     for words in (
         "How the outputs scatter",
-        "Peak spring force over both quantities",
-        "Peak spring force over what is varied",
+        "Peak spring force below 10 kHz over both quantities",
+        "Peak spring force below 10 kHz over what is varied",
     ):
         assert words in found
     assert "Peak valve lift over both" not in found  # it never changes
@@ -78,9 +78,12 @@ def test_a_page_of_draws_has_scatter_map_and_main_effects():
 def test_a_page_of_tolerances_has_the_shares_in_a_figure_and_a_table():
     table = made("tolerance", "saltelli")
     page = render(points_page(table))
-    assert "What makes the spread of the peak spring force, 6000 rpm, massless" in titles(table)
+    assert (
+        "What makes the spread of the peak spring force below 10 kHz, 6000 rpm, massless"
+        in titles(table)
+    )
     assert sentences(table)[0].startswith(
-        "What makes the spread of the peak spring force is installed <i>compression</i> ("
+        "What makes the spread of the peak spring force below 10 kHz is installed <i>compression</i> ("
     )
     assert sentences(table)[1] == "None of the varied quantities moves the peak valve lift."
     assert "with all it acts together with (%)" in page
@@ -113,7 +116,7 @@ def test_an_output_that_no_completed_point_has_is_named_with_those_near_it():
     table.values[:, 0] = np.nan
     (said,) = table.not_given
     assert said.startswith(
-        "No run gave the peak spring force (peak_spring_force); similar: "
+        "No run gave the peak spring force below 10 kHz (peak_spring_force); similar: "
     ) and said in sentences(table)
     assert said in points_json(table)["sentences"] and "(peak_spring_force)" in render(
         points_page(table)
@@ -172,7 +175,9 @@ def test_a_surrogate_of_a_smooth_function_predicts_each_point_from_the_others():
     assert mean == pytest.approx(table.values[:5, 0], abs=0.2) and np.all(deviation < 1)
     with pytest.raises(vt.InputError, match="takes 2 inputs"):
         one.predict([1.0])
-    assert any("Surrogate of the peak spring force" in title for title in titles(table))
+    assert any(
+        "Surrogate of the peak spring force below 10 kHz" in title for title in titles(table)
+    )
 
 
 def test_the_sentence_of_a_surrogate_is_of_its_ranges_and_its_picture_is_the_map():
@@ -185,12 +190,12 @@ def test_the_sentence_of_a_surrogate_is_of_its_ranges_and_its_picture_is_the_map
 
     table = made("surrogate", function=model)
     assert "draws" not in table.verdict and re.match(
-        r"The peak spring force is [\d.]+ to [\d.]+ N over the ranges and rises most with installed "
+        r"The peak spring force below 10 kHz is [\d.]+ to [\d.]+ N over the ranges and rises most with installed "
         r"<i>compression</i> \(8[2-4] % of its variance\); the surrogate errs by less than 0.1 % of its scatter\.$",
         table.verdict,
     )
     assert ", less than 0.1 % of their scatter." in table.surrogates[0].sentence
-    assert titles(table)[0].startswith("Peak spring force over both quantities")
+    assert titles(table)[0].startswith("Peak spring force below 10 kHz over both quantities")
     assert any(title.startswith("How the outputs scatter") for title in titles(table)[1:])
 
 
@@ -199,7 +204,7 @@ def test_the_colours_of_a_map_are_the_values_themselves():
     charts_of = [one for one in charts(points_page(made())) if "over both" in one.title]
     (heat,) = charts_of[0].panels[0].layers
     shown = made().values[:, 0]
-    assert heat.low == pytest.approx(shown.min()) and heat.name == "peak spring force"
+    assert heat.low == pytest.approx(shown.min()) and heat.name == "peak spring force below 10 kHz"
     assert heat.low <= heat.z.min() and heat.top <= shown.max() + 1e-9
     axis = figure(charts_of[0])["layout"]["coloraxis"]
     assert (axis["cmin"], axis["cmax"]) == (heat.low, heat.top)
@@ -367,7 +372,7 @@ def test_a_list_that_changes_one_quantity_at_a_time_is_drawn_as_change_from_its_
         (
             lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0]),
             "Best is compression 8 mm, lift factor × 1.1: minimum spring force 310 N against 290 N with "
-            "compression 7 mm, lift factor × 1; worse there: peak spring force 620 N against 580 N.",
+            "compression 7 mm, lift factor × 1; worse there: peak spring force below 10 kHz 620 N against 580 N.",
         ),
         (
             lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 290.0]),
@@ -376,7 +381,7 @@ def test_a_list_that_changes_one_quantity_at_a_time_is_drawn_as_change_from_its_
         (
             lambda: listed([7.0, 8.0, 9.0], [1.0, 1.1, 1.2], [290.0, 310.0, 320.0], failed=(2,)),
             "1 of 3 points failed; of the others: best is compression 8 mm, lift factor × 1.1: minimum spring force 310 N "
-            "against 290 N with compression 7 mm, lift factor × 1; worse there: peak spring force 620 N against 580 N.",
+            "against 290 N with compression 7 mm, lift factor × 1; worse there: peak spring force below 10 kHz 620 N against 580 N.",
         ),
         (
             lambda: listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0], failed=(0, 1)),
@@ -384,7 +389,7 @@ def test_a_list_that_changes_one_quantity_at_a_time_is_drawn_as_change_from_its_
         ),
         (
             lambda: made("tolerance", "saltelli"),
-            "The peak spring force is 803.6 to 839.5 N in nine of ten draws, median 821.9 N; "
+            "The peak spring force below 10 kHz is 803.6 to 839.5 N in nine of ten draws, median 821.9 N; "
             "installed <i>compression</i> makes 98 % of its variance.",
         ),
     ],

@@ -42,7 +42,7 @@ def scan(*shares: float, failures: tuple[str, ...] = ()) -> SimpleNamespace:
         (scan(0.05), "Not as drawn: preload (+5.0 %)."),
         (
             scan(0.03, 0.04, 0.05, 0.001, 0.0),
-            "2 of 6 quantities are as drawn within 0.1 %, but not peak spring force at 6000 rpm (−12.5 %), solid height (+5.0 %), "
+            "2 of 6 quantities are as drawn within 0.1 %, but not peak spring force below 10 kHz at 6000 rpm (−12.5 %), solid height (+5.0 %), "
             "installed rate (+4.0 %) and 1 more.",
         ),
         (scan(failures=("design: lost",)), "1 run did not complete; scan and design have nothing that can be compared."),

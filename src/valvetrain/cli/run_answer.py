@@ -420,6 +420,8 @@ def keep_run(
     that fail are named in ``gaps``.
     """
     from valvetrain.cli.outcome import plain
+    from valvetrain.parameters.case import Case
+    from valvetrain.runs.differences import DEFINITIONS, definitions
     from valvetrain.runs.run_folders import (
         finish_folder,
         link_latest,
@@ -470,6 +472,8 @@ def keep_run(
             **origin.dependencies,
         },
     }
+    if isinstance(request.case, Case):
+        answer |= {DEFINITIONS: definitions(request.case.operation.force_bandwidth)}
     saved = missing.part(
         f"file '{ANSWER}' could not be written", None, save_run, folder, inputs, answer
     )

@@ -300,7 +300,7 @@ def _read_request(
         known = read_shared(shared, own.unit)
     if sensor is not None and isinstance(own, ValueTable):
         raise InputError(
-            "a table holds named quantities; give those of a bandwidth, such as below_10_khz_peak_spring_force",
+            "a table holds named quantities; give the bandwidth of the load cell as [operation] force_bandwidth of the case",
             "sensor",
         )
     return _Request(own, speeds, notes, known, sensor, fitted, level)

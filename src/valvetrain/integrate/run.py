@@ -7,11 +7,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Integrator, Periodic, RunOptions, Until
 from valvetrain.registry import find
 from valvetrain.registry import names as registered_names
+from valvetrain.solution.channels import FINE
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import TRAIN, System
@@ -19,6 +21,9 @@ from valvetrain.system.prescribed import PrescribedSpring
 
 if TYPE_CHECKING:
     from valvetrain.integrate.contract import Orbit
+
+
+Array = NDArray[np.float64]
 
 
 def run(
@@ -103,6 +108,20 @@ def _origin(system: System, cam_speed: float) -> Provenance:
     )
 
 
+def _summed(parts: list[Array]) -> Array:
+    """Sum of records (sample, substep) of several springs on the finest substeps among them."""
+    most = max(part.shape[1] for part in parts)
+    if all(part.shape[1] == most for part in parts):
+        return np.asarray(np.sum(parts, axis=0))
+    rows = np.arange(len(parts[0]))
+    at = (rows[:, None] + np.arange(most) / most).ravel()
+    series = [
+        np.interp(at, (rows[:, None] + np.arange(n := part.shape[1]) / n).ravel(), part.ravel())
+        for part in parts
+    ]
+    return np.asarray(np.sum(series, axis=0)).reshape(len(rows), most)
+
+
 #: Channels of the motion, which is one for all springs, and those that add.
 SHARED = ("valve_lift", "retainer_velocity", "retainer_acceleration")
 
@@ -143,6 +162,15 @@ def joined(parts: tuple[Solution, ...], names: tuple[str, ...], provenance: Prov
             total = first[name][:count].copy()
             total.values = np.sum([one[name].values[:count] for one in labelled], axis=0)
             data[name] = total
+    data |= {
+        name: xarray.DataArray(
+            _summed([one[name].values[:count] for one in labelled]),
+            dims=("sample", "subsample"),
+            attrs=first[name].attrs,
+        )
+        for name in FINE
+        if name.endswith("_fine") and all(name in one for one in labelled)
+    }
     coords = {name: first[name][:count] for name in ("time", "cam_angle")}
     for one, spring in zip(labelled, names, strict=True):
         renamed: dict[str, str] = {

@@ -21,6 +21,7 @@ from valvetrain.integrate.train_channels import PREFIX as SCATTER
 from valvetrain.integrate.train_channels import position_name
 from valvetrain.integrate.train_leapfrog import SPEC as TRAIN_LEAPFROG
 from valvetrain.solution.channels import ChannelArrays, Variable, empty_channels
+from valvetrain.solution.force_peak import bandwidth_of, force_peak
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.springs.finite_element_model import RodModel
@@ -87,7 +88,7 @@ def _train_run(
     provenance: Provenance,
 ) -> Solution:
     """The train with its own springs, read where it ran before."""
-    key = _key(system, cam_speed, until, options)
+    key = _key(system, cam_speed, until, options, bandwidth_of(provenance))
     if (stored := read_run(key, provenance)) is not None:
         return stored
     ends = replace(options, keep="ends", time_step=None, start=None, watch=None)
@@ -97,7 +98,9 @@ def _train_run(
     return found
 
 
-def _key(system: DrivenSprings, cam_speed: float, until: Until, options: RunOptions) -> str:
+def _key(
+    system: DrivenSprings, cam_speed: float, until: Until, options: RunOptions, bandwidth: float
+) -> str:
     """Digest of all that the train's motion follows from; empty where a law of one's own takes part."""
     train = system.train
     rods = [spring for spring in train.springs if isinstance(spring, RodModel)]
@@ -106,7 +109,7 @@ def _key(system: DrivenSprings, cam_speed: float, until: Until, options: RunOpti
         return ""
     parts = [[getattr(rod, one.name) for one in fields(rod)] for rod in rods]
     numbers = (train.arrays, train.interaction_names, train.coordinate_names, train.crank)
-    how = (cam_speed, until, options.samples, options.window, options.nose)
+    how = (cam_speed, until, options.samples, options.window, options.nose, bandwidth)
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
         program = program_digest("integrate/*.py", "cosserat/*.py", "mechanism/*.py", "system/*.py")
         text = repr((parts, numbers, how, program))
@@ -145,10 +148,16 @@ def with_driven(train: Solution, alone: Solution, system: DrivenSprings) -> Solu
     statistics = {
         name: value
         for name, value in train.statistics.items()
-        if not (name.startswith(SCATTER) and name.endswith(("spring_force", "retainer_force")))
+        if not (
+            name.startswith((SCATTER, "raw_peak"))
+            and name.endswith(("spring_force", "retainer_force", "force_duration"))
+        )
     }
     difference = channels["retainer_force"].values - train.channel("retainer_force")
-    statistics |= {**alone.statistics, **_extremes(channels, system.spring_names)}
+    statistics |= {
+        **alone.statistics,
+        **_extremes(channels, system.spring_names, bandwidth_of(train.provenance)),
+    }
     statistics |= {
         DIFFERENCE: float(np.sqrt(np.mean(difference**2))),
         DRIVER: system.driver,
@@ -162,30 +171,37 @@ def with_driven(train: Solution, alone: Solution, system: DrivenSprings) -> Solu
     return Solution(channels, ordered, train.status, statistics, train.provenance)
 
 
-def _extremes(channels: ChannelArrays, names: tuple[str, ...]) -> Mapping[str, float]:
-    """Largest and least end forces (N), of one spring on every step, of a pair on the fine samples
-    of its sum.
+def _extremes(
+    channels: ChannelArrays, names: tuple[str, ...], bandwidth: float
+) -> Mapping[str, float]:
+    """Peak end forces (N) below the cut-off ``bandwidth`` (Hz) and raw, and the least; the last two of
+    one spring on every step, of a pair on the fine samples of its sum.
     """
     prefixes = [f"{name}_" for name in names] if len(names) > 1 else [""]
     angle, found = channels.coords["cam_angle"].values, dict[str, float]()
-    width = angle[1] - angle[0]
+    time = channels.coords["time"].values
+    width, interval = angle[1] - angle[0], time[1] - time[0]
     for end, word in (("seat", "spring"), ("retainer", "retainer")):
-        fine = sum(channels[f"{one}{end}_force_fine"].values for one in prefixes)
-        assert isinstance(fine, np.ndarray)
+        fine = channels[f"{end}_force_fine"].values
         angles = (angle[:, None] + width * np.arange(fine.shape[1]) / fine.shape[1]).ravel()
-        ends = {"peak": int(np.argmax(fine)), "minimum": int(np.argmin(fine))}
+        ends = {"raw_peak": int(np.argmax(fine)), "minimum": int(np.argmin(fine))}
         found |= {f"{kind}_{word}_force": float(fine.ravel()[at]) for kind, at in ends.items()}
-        if end == "seat":
-            found |= {
-                f"{kind}_spring_force_cam_angle": float(angles[at]) for kind, at in ends.items()
-            }
-        for one in prefixes:
-            own = {
-                "peak": float(np.max(channels[f"{one}{end}_force_highest"].values)),
-                "minimum": float(np.min(channels[f"{one}{end}_force_lowest"].values)),
-            }
-            if not one or end == "seat":
-                found |= {f"{one}{kind}_{word}_force": value for kind, value in own.items()}
+        if not prefixes[0]:
+            found[f"raw_peak_{word}_force"] = float(np.max(channels[f"{end}_force_highest"].values))
+            found[f"minimum_{word}_force"] = float(np.min(channels[f"{end}_force_lowest"].values))
+        place, spacing = ends["raw_peak"] / fine.size, float(interval / fine.shape[1])
+        raw = found[f"raw_peak_{word}_force"]
+        peak = force_peak(fine.ravel(), spacing, bandwidth, raw, place)
+        found |= peak.quantities(f"{word}_force")
+        if end == "retainer":
+            continue
+        found["peak_spring_force_cam_angle"] = TURN * peak.place
+        found |= {f"{kind}_spring_force_cam_angle": float(angles[at]) for kind, at in ends.items()}
+        for one in filter(None, prefixes):
+            own = channels[f"{one}seat_force_fine"].values
+            least = float(np.min(channels[f"{one}seat_force_lowest"].values))
+            mine = force_peak(own.ravel(), float(interval / own.shape[1]), bandwidth, 0.0, 0.0)
+            found |= {f"{one}peak_spring_force": mine.below, f"{one}minimum_spring_force": least}
     return found
 
 

@@ -12,8 +12,10 @@ from valvetrain.integrate.contract import RunOptions
 from valvetrain.integrate.train_run import CycleRecord, TrainRunner, TrainState
 from valvetrain.integrate.train_tuples import (
     HIGHEST,
+    HIGHEST_ANGLE,
     LOADS,
     LOWEST,
+    LOWEST_ANGLE,
     PEAK_ACCELERATION,
     PEAK_PLACE,
     PEAK_SPEED,
@@ -224,6 +226,18 @@ def train_statistics(
     }
 
 
+def peak_forces(record: CycleRecord) -> dict[str, float]:
+    """Peak forces (N) of all springs below the cut-off and raw, the duration of the raw ones, and the
+    least forces of every step.
+    """
+    found: dict[str, float] = {}
+    for load, word in (("seat", "spring_force"), ("retainer", "retainer_force")):
+        row = record.loads[LOADS.index(load)]
+        found |= {f"raw_peak_{word}": float(row[HIGHEST]), f"minimum_{word}": float(row[LOWEST])}
+        found |= record.force_peak(load).quantities(word)
+    return found
+
+
 def _every_step(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
     """Extremes of loads and bodies over all steps, and whether the log of contacts holds all
     openings and closings.
@@ -231,18 +245,16 @@ def _every_step(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
     mechanism, turn = system.mechanism, 2 * np.pi
     loads = dict(zip(LOADS, record.loads.tolist(), strict=True))
     found: dict[str, float] = {}
-    for row, word in (("seat", "spring"), ("retainer", "retainer")):
-        high, high_at, low, low_at = loads[row]
-        found |= {f"peak_{word}_force": high, f"minimum_{word}_force": low}
-        if row == "seat":
-            found |= {
-                f"peak_{word}_force_cam_angle": high_at % turn,
-                f"minimum_{word}_force_cam_angle": low_at % turn,
-            }
+    found |= peak_forces(record)
+    found |= {
+        "peak_spring_force_cam_angle": turn * record.force_peak("seat").place,
+        "raw_peak_spring_force_cam_angle": loads["seat"][HIGHEST_ANGLE] % turn,
+        "minimum_spring_force_cam_angle": loads["seat"][LOWEST_ANGLE] % turn,
+    }
     if len(system.springs) > 1:
         for name, side in zip(system.spring_names, ("first", "second"), strict=True):
             found |= {
-                f"{name}_peak_spring_force": loads[f"{side}_seat"][0],
+                f"{name}_peak_spring_force": record.force_peak(f"{side}_seat").below,
                 f"{name}_minimum_spring_force": loads[f"{side}_seat"][2],
             }
     found |= {"peak_cam_torque": loads["torque"][0], "minimum_cam_torque": loads["torque"][2]}
@@ -331,12 +343,9 @@ class Scatter:
 
 def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
     """Headline numbers (SI) of one cycle alone, as docs/quantities.md names them."""
-
-    retainer, seat = (record.loads[LOADS.index(side)].tolist() for side in ("retainer", "seat"))
-    found = {
-        "peak_spring_force": seat[HIGHEST], "minimum_spring_force": seat[LOWEST], "peak_retainer_force": retainer[HIGHEST],
-        "minimum_retainer_force": retainer[LOWEST], "cycle_work_energy": float(record.work[0]),
-    }  # fmt: skip
+    peaks = peak_forces(record)
+    found = {name: value for name, value in peaks.items() if not name.endswith("_duration")}
+    found["cycle_work_energy"] = float(record.work[0])
     valve = record.bodies[system.mechanism.index(system.mechanism.valve)]
     found |= {
         "peak_valve_lift": float(valve[PEAK_PLACE]),

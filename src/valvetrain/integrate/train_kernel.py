@@ -81,7 +81,7 @@ _SLOT = types.NamedTuple((_vector, _integers, _vector, _integer_matrix), Slot)
 _MOTION = types.NamedTuple(
     (_vector, _vector, _vector, _integers, _vector, _integers, _vector), Motion
 )
-_RECORDS = types.NamedUniTuple(_matrix, 12, Records)
+_RECORDS = types.NamedUniTuple(_matrix, 13, Records)
 _SIGNATURE = i8(SPRING_FUNCTION, SPRING_FUNCTION, _TRAIN, _SLOT, _SLOT, _MOTION, _RECORDS)
 
 
@@ -437,6 +437,9 @@ def _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scrat
                 laws, body, motion, scratch, records, whole and n == 0, cam_angle, kick, now
             )
             note_loads(power, cam_angle, cam_speed, clock, records.loads)
+            if whole:
+                for j in range(4):
+                    records.ends[n // counters[6], j] += clock[4 + j]
             if gas_coordinate >= 0:
                 totals[1] += kick * pressed * 0.5 * (old[gas_coordinate] + v[gas_coordinate])
             totals[3] += kick * pull * 0.5 * (old[retainer] + v[retainer])

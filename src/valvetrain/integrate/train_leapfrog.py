@@ -17,6 +17,7 @@ from valvetrain.integrate.run_up import run_up
 from valvetrain.integrate.train_channels import least_forces, train_channels, train_statistics
 from valvetrain.integrate.train_run import TURN, CycleRecord, TrainOptions, TrainRunner, runner
 from valvetrain.integrate.train_steady import TOLERANCE, SteadyTrain, steady_train
+from valvetrain.solution.force_peak import bandwidth_of
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -78,6 +79,7 @@ class TrainLeapfrog:
             record_contacts=options.coil_contacts and not isinstance(until, RunUp),
             window=options.window or (0.0, TURN),
             nose=options.nose or 0.0,
+            force_bandwidth=bandwidth_of(provenance),
         )
         if isinstance(until, RunUp):
             records = run_up(

@@ -15,6 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.clash import steps_between
 from valvetrain.integrate.train_tuples import (
     HIGHEST,
+    HIGHEST_ANGLE,
     LOADS,
     LOWEST,
     MIN_FORCE,
@@ -31,6 +32,7 @@ from valvetrain.integrate.train_tuples import (
     Slot,
 )
 from valvetrain.integrate.transitions import Transitions
+from valvetrain.solution.force_peak import FORCE_BANDWIDTH, ForcePeak, force_peak, steps_per_bin
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.contract import SpringModel, contact_watch_of
 from valvetrain.system.train_forces import highest_frequency, springs_time_step
@@ -71,6 +73,7 @@ class TrainOptions:
     ``record_contacts``: write down the contacts of their coils. ``window``: begin and end (cam rad)
     of the part of the cycle in which minimum forces are searched; it may pass the end of the turn.
     ``nose`` (cam rad): where the forces of the contacts are taken to the angle itself.
+    ``force_bandwidth`` (Hz): cut-off of the peaks of the springs' forces.
     """
 
     samples: int = 1440
@@ -82,6 +85,7 @@ class TrainOptions:
     record_contacts: bool = False
     window: tuple[float, float] = (0.0, TURN)
     nose: float = 0.0
+    force_bandwidth: float = FORCE_BANDWIDTH
 
 
 @dataclass(frozen=True)
@@ -128,7 +132,9 @@ class CycleRecord:
     and closings of every contact. ``work``: of cam, of constant and gas forces, dissipated, on
     springs (J). ``friction_loss`` (J): share of the contacts' friction in what was dissipated.
     ``pressed``: per spring the coil contacts at every ``pressed_interval`` (s), for its model's
-    watch; without rows where not recorded.
+    watch; without rows where not recorded. ``ends`` (bins, 4): end forces (N) by the first rows of
+    ``train_tuples.LOADS``, means of ``averaged`` steps every ``end_interval`` (s); ``force_bandwidth`` (Hz):
+    cut-off of their peaks.
     """
 
     cam_angle: Array
@@ -159,6 +165,20 @@ class CycleRecord:
     nose_forces: Array = field(default_factory=lambda: np.zeros(0))
     loads: Array = field(default_factory=lambda: np.zeros((0, 4)))
     bodies: Array = field(default_factory=lambda: np.zeros((0, 5)))
+    ends: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    end_interval: float = 0.0
+    averaged: int = 1
+    force_bandwidth: float = FORCE_BANDWIDTH
+
+    def force_peak(self, load: str) -> ForcePeak:
+        """Peak of an end force, a row of ``train_tuples.LOADS`` but for the torque, below the cut-off."""
+        row = LOADS.index(load)
+        values = self.ends[:, row] if row < 4 else self.ends[:, row - 4] + self.ends[:, row - 2]
+        turned = np.append(self.cam_angle, 2 * self.cam_angle[-1] - self.cam_angle[-2])
+        raw, at = self.loads[row, HIGHEST], self.loads[row, HIGHEST_ANGLE]
+        place = float(np.interp(at, turned, np.linspace(0.0, 1.0, len(turned))))
+        cutoff, interval = self.force_bandwidth, self.end_interval
+        return force_peak(values, interval, cutoff, float(raw), place, self.averaged)
 
     def touches_cam(self, system: TrainSystem) -> bool:
         """Whether the contact of the cam closed in this cycle; True for a train without one."""
@@ -242,6 +262,10 @@ class TrainRunner:
             extremes[:, NOSE_FORCE],
             records.loads,
             records.bodies,
+            records.ends / motion.counters[6],
+            self.time_step * int(motion.counters[6]),
+            int(motion.counters[6]),
+            self.options.force_bandwidth,
         )
         return end, record
 
@@ -305,7 +329,10 @@ class TrainRunner:
         )
         every = self.steps // self.options.samples
         counters = np.array(
-            [self.steps, every, 0, self.options.exchange, spacing, self.options.impact_steps],
+            [
+                *(self.steps, every, 0, self.options.exchange, spacing, self.options.impact_steps),
+                per_bin := steps_per_bin(self.steps, self.time_step),
+            ],
             dtype=np.int64,
         )
         addresses = np.array(
@@ -332,6 +359,7 @@ class TrainRunner:
             states[1],
             extremes,
             loads,
+            np.zeros((self.steps // per_bin if rows else 0, 4)),
             bodies,
             np.zeros((TRANSITIONS if rows else 0, 7)),
             *pressed,

@@ -66,9 +66,9 @@ class Motion(NamedTuple):
     train's own laws. ``clock`` (15,): cam angle, cam speed, cam acceleration, step, four spring end
     forces, displacement of a partitioned spring, begin and width (rad) of the window of least
     forces, the last part of a step and the one before it, least force (N) of an impact that is
-    resolved, cam angle (rad) of the nose. ``counters`` (6,): steps, record every, transitions
+    resolved, cam angle (rad) of the nose. ``counters`` (7,): steps, record every, transitions
     found, exchange interval (0: all advance together), steps per row of coil contacts, parts of the
-    rise of an impact (0: steps are never divided). ``totals`` (5,): work of the cam, of constant and
+    rise of an impact (0: steps are never divided), steps per row of ``ends``. ``totals`` (5,): work of the cam, of constant and
     gas forces, dissipated, work on the springs (J), and the share of contact friction in what was
     dissipated.
     """
@@ -90,7 +90,8 @@ class Records(NamedTuple):
     ``extremes`` (n, 7) over every step: peak force and its cam angle, peak penetration, least force
     in the window and its cam angle, largest force in the window, force at the nose. ``loads`` (7,
     4), ``bodies`` (N, 5) over every step: see their columns; speeds and accelerations of either
-    sign. ``transitions`` (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an
+    sign. ``ends`` (bins, 4): sums of the end
+    forces over the steps of a bin. ``transitions`` (:data:`TRANSITIONS`, 7): interaction, 1 for a closing and 0 for an
     opening, cam angle, rate of the penetration, largest gap of the open side and its cam angle,
     largest force of the closed side. ``pressed_a``, ``pressed_b`` (rows, entries): the coil
     contacts of each spring; no rows: they are not recorded. Without rows of ``loads`` nothing is
@@ -105,6 +106,7 @@ class Records(NamedTuple):
     spring_b: Array
     extremes: Array
     loads: Array
+    ends: Array
     bodies: Array
     transitions: Array
     pressed_a: Array

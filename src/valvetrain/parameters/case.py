@@ -23,6 +23,7 @@ from valvetrain.parameters.installed_spring import (
 from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
+from valvetrain.solution.force_peak import FORCE_BANDWIDTH
 from valvetrain.solution.provenance import CaseRecord, CaseValue, PublishedValue
 from valvetrain.units import believed, keep_si, si_speeds
 
@@ -84,14 +85,15 @@ class Note:
 class Operation:
     """What is run: ``engine_speeds`` (rad/s of the crank, twice the cam's), ``cycles`` (cam
     revolutions of a spring alone, the last is reported; None: until the motion repeats),
-    ``output_step`` (cam rad) between stored values and ``red_line`` (rad/s of the crank), the highest
-    speed in use.
+    ``output_step`` (cam rad) between stored values, ``red_line`` (rad/s of the crank), the highest
+    speed in use, and ``force_bandwidth`` (Hz), below which the peak of a spring's force is taken.
     """
 
     engine_speeds: tuple[float, ...] = ()
     cycles: int | None = None
     output_step: float = math.radians(0.5)
     red_line: float | None = None
+    force_bandwidth: float = FORCE_BANDWIDTH
 
     def __post_init__(self) -> None:
         # an empty row stays one: a case may leave its speeds to whoever runs it
@@ -99,7 +101,13 @@ class Operation:
             object.__setattr__(
                 self, "engine_speeds", si_speeds(self.engine_speeds, where="engine_speeds")
             )
-        keep_si(self, "the operation", output_step="cam_angle", red_line="engine_speed")
+        keep_si(
+            self,
+            "the operation",
+            output_step="cam_angle",
+            red_line="engine_speed",
+            force_bandwidth="frequency",
+        )
 
     def replace(self, **changes: Any) -> Operation:
         """A copy with fields changed; what stays was read before and is not doubted again."""

@@ -16,7 +16,7 @@ _TEXTS = (
     "name", "title", "description", "notes", "sources", "remarks", "published", "text", "changed",
 )  # fmt: skip
 #: Fields of its parts that change none where the case does not give them.
-_NO_NUMBER = ("permitted_seating_velocity", "face_diameter", "red_line")
+_NO_NUMBER = ("permitted_seating_velocity", "face_diameter", "red_line", "force_bandwidth")
 
 
 def content(item: Any, exact: bool = True) -> bytes:
@@ -45,7 +45,7 @@ def _parts(item: Any, exact: bool) -> Iterator[bytes]:
     elif is_dataclass(item) and not isinstance(item, type):
         yield type(item).__name__.encode()
         for one in fields(item):
-            unsaid = one.name in _NO_NUMBER and getattr(item, one.name) is None
+            unsaid = one.name in _NO_NUMBER and getattr(item, one.name) == one.default
             if one.compare and (exact or not (unsaid or one.name == "name")):
                 yield one.name.encode()
                 yield from _parts(getattr(item, one.name), exact)

@@ -180,6 +180,7 @@ _OPERATION = Operation()
 AngularSpeeds = Annotated[tuple[float, ...], quantities("angular speed")]
 CoilNumber = Annotated[float, quantity("ratio", low=0.0)]
 OutputStep = Annotated[float, quantity("angle", low=1e-4, high=0.5)]
+ForceBandwidth = Annotated[float, quantity("frequency", low=100.0, high=50e3)]
 
 
 class OperationModel(StrictModel):
@@ -197,6 +198,10 @@ class OperationModel(StrictModel):
     )
     output_step: OutputStep = Field(
         default=_OPERATION.output_step, description="cam angle between stored values"
+    )
+    force_bandwidth: ForceBandwidth = Field(
+        default=_OPERATION.force_bandwidth,
+        description="cut-off below which the peak of a spring's force is taken, such as that of a load cell",
     )
 
     def build(self) -> Operation:
@@ -222,7 +227,7 @@ class OperationModel(StrictModel):
             )
         if self.cycles is not None and not 1 <= self.cycles <= 10_000:
             raise problem("cycles must be a whole number from 1 to 10000", ("cycles",))
-        return Operation(speeds, self.cycles, self.output_step, self.red_line)
+        return Operation(speeds, self.cycles, self.output_step, self.red_line, self.force_bandwidth)
 
 
 class CaseModel(StrictModel):

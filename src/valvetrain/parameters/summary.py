@@ -24,6 +24,7 @@ _UNITS = {
     "youngs_modulus": "GPa", "shear_modulus": "GPa", "density": "kg/m^3", "mass_damping": "1/s", "stiffness_damping": "s",
     "maximum_lift": "mm", "ramp_lift": "mm", "ramp_start": "deg", "event_start": "deg", "nose": "deg", "lifts": "mm", "cam_angles": "deg",
     "rate": "N/mm", "preload": "N", "mass": "g", "open_load": "N", "open_lift": "mm", "solid_height": "mm", "cam_speeds": "rpm",
+    "force_bandwidth": "kHz",
     "lash": "mm", "base_radius": "mm", "width": "mm", "radius": "mm", "rod_length": "mm", "clearance": "mm", "offset": "mm",
     "pivot": "mm", "lower_end": "mm", "drive_arm": "mm", "valve_arm": "mm", "tip_radius": "mm", "full_damping_depth": "mm",
     "drive_angle": "deg", "valve_angle": "deg", "direction": "deg", "opening_direction": "deg", "tilt": "deg", "face_diameter": "mm",

@@ -5,15 +5,16 @@ balance of a run.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Cycle, Frame
-from valvetrain.quantities.signal import BANDWIDTHS, extreme_series, fine_filtered, fine_series
+from valvetrain.quantities.signal import extreme_series, fine_series
 from valvetrain.solution.definition import NESTED
+from valvetrain.solution.force_peak import ForcePeak, bandwidth_of, force_peak
 from valvetrain.solution.result import Solution
 
 #: Channel of an end force -> its part of a quantity's name.
@@ -49,27 +50,39 @@ def within_cycle(cycle: Cycle, cam_angle: Array) -> tuple[slice, float]:
 
 
 def force_quantities(cycle: Cycle) -> dict[str, float]:
-    """Maximum and minimum force at seat (with its angle) and retainer, and the maximum seat force
-    below 10 and 20 kHz.
+    """Peak force at seat and retainer below the cut-off of the run, and raw with its duration; minimum
+    force; of the seat with the cam angles.
     """
     found: dict[str, float] = {}
-    solution = cycle.solution
     for channel, word in END_FORCES.items():
-        if not solution.has(channel):
+        if not cycle.solution.has(channel):
             continue
-        for kind, side in (("peak", "highest"), ("minimum", "lowest")):
-            found[f"{kind}_{word}"], angle = extreme_of_cycle(cycle, channel, side)
-            if channel == "seat_force":
-                found[f"{kind}_{word}_cam_angle"] = angle
-    if solution.has("seat_force"):
-        mine, _ = within_cycle(cycle, fine_series(solution)[1])
-        for bandwidth in BANDWIDTHS:
-            filtered = fine_filtered(solution, bandwidth)
-            if filtered is not None:
-                found[f"below_{bandwidth / 1e3:.0f}_khz_peak_spring_force"] = float(
-                    np.max(filtered[mine])
-                )
+        raw, raw_angle = extreme_of_cycle(cycle, channel, "highest")
+        least, least_angle = extreme_of_cycle(cycle, channel, "lowest")
+        peak = peak_of_cycle(cycle, channel, raw, raw_angle)
+        found |= {f"raw_peak_{word}": raw, f"minimum_{word}": least} | peak.quantities(word)
+        if channel == "seat_force":
+            angles = {"peak": 2 * np.pi * peak.place, "raw_peak": raw_angle, "minimum": least_angle}
+            found |= {f"{kind}_{word}_cam_angle": angle for kind, angle in angles.items()}
     return found
+
+
+def peak_of_cycle(cycle: Cycle, channel: str, raw: float, raw_angle: float) -> ForcePeak:
+    """Peak of a force below the cut-off of the run; ``raw`` peak (N) at ``raw_angle`` (rad).
+
+    The cycle counts as closed: at its ends the filter then sees what it repeats, not a mirror of it.
+    """
+    time, angle, series = fine_series(cycle.solution, channel)
+    mine, begin = within_cycle(cycle, angle)
+    time, values = time[mine], series[mine]
+    interval = float(time[-1] - time[0]) / (len(time) - 1)
+    even = time[0] + interval * np.arange(len(time))
+    if np.max(np.abs(even - time)) > 1e-3 * interval:
+        values = np.interp(even, time, values)
+    start = float(angle[mine][0] - begin)
+    cutoff = bandwidth_of(cycle.solution.provenance)
+    found = force_peak(values, interval, cutoff, raw, (raw_angle - start) / (2 * np.pi))
+    return replace(found, place=(found.place + start / (2 * np.pi)) % 1.0)
 
 
 def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:

@@ -109,7 +109,7 @@ PARTS = (GUIDE_FRICTION,)
 FOUND = (
     _range("a speed of the motion", "retainer_velocity valve_velocity axial_velocity *_axial_velocity", -100.0, 100.0, "m/s", 1.0,
            "wire struck at v bears a shear stress of v √(2 G ρ), 3.5 GPa at 100 m/s"),
-    _range("a spring force", "peak_spring_force peak_retainer_force", -1e5, 1e5, "N", 1.0, "the largest valve springs carry some 10 kN"),
+    _range("a spring force", "raw_peak_spring_force raw_peak_retainer_force", -1e5, 1e5, "N", 1.0, "the largest valve springs carry some 10 kN"),
     _range("a contact force", "peak_*_contact_force", -1e6, 1e6, "N", 1.0, "more than any cam, tappet or seat can carry"),
     _range("the force on a guide", "guide_force", -1e5, 1e5, "N", 1.0, "a spring cannot press on its guide with more than it can carry"),
     _range("a shear stress", "peak_shear_stress nominal_peak_shear_stress uncorrected_peak_shear_stress", -1e10, 1e10, "GPa", 1e9,
@@ -193,7 +193,7 @@ def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
     """The first implausible number of a spring at rest as a sentence, and its compression (m)."""
     assert one.curve is not None
     curve, nominal = one.curve, one.stress_per_force
-    rows = [("peak_spring_force", curve.compression, curve.force)]
+    rows = [("raw_peak_spring_force", curve.compression, curve.force)]
     if nominal is not None:
         rows.append(("nominal_peak_shear_stress", curve.compression, nominal * curve.force))
     if one.stress is not None and one.stress.shear.size:
@@ -201,7 +201,7 @@ def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
     if curve.leaning is not None:
         rows.append(("guide_force", curve.compression[-1:], np.array([curve.leaning.force])))
     rows += [
-        ("peak_spring_force", np.array([point.compression]), np.array([point.force]))
+        ("raw_peak_spring_force", np.array([point.compression]), np.array([point.force]))
         for point in one.points
     ]
     for name, places, values in rows:

@@ -10,16 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.cycle import Cycle, is_closed
+from valvetrain.solution.force_peak import FILTER_ORDER
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
 
 Array = NDArray[np.float64]
-
-#: Bandwidths (Hz) in which spike heights are stated next to the raw value.
-BANDWIDTHS = (10e3, 20e3)
-#: Order of the Butterworth filter, run forward and backward: 6 dB down at the cutoff, no phase
-#: shift.
-FILTER_ORDER = 4
 
 
 def low_pass(time: Array, values: Array, cutoff_frequency: float, closed: bool = False) -> Array:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.train_channels import load_name
+from valvetrain.integrate.train_channels import load_name, peak_forces
 from valvetrain.integrate.train_run import CycleRecord
-from valvetrain.integrate.train_tuples import HIGHEST, LOADS, LOWEST, PEAK_PLACE
+from valvetrain.integrate.train_tuples import PEAK_PLACE
 from valvetrain.mechanism.rigid import RigidKinematics
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_value
@@ -38,6 +38,7 @@ COUNTED = (
     "cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy", "contact_friction_dissipated_energy",
     "steady_cycles_count", "steady_residual_ratio", "steady_tolerance_ratio", "motion_period_count", "time_step_duration",
     "steps_per_cycle_count", "minimum_spring_force", "minimum_retainer_force", "peak_spring_force_cam_angle",
+    "raw_peak_spring_force_cam_angle",
     "minimum_spring_force_cam_angle", "driver_difference_force",
     "peak_cam_torque", "minimum_cam_torque", "peak_valve_lift", "peak_valve_acceleration", "peak_lever_speed",
 )  # fmt: skip
@@ -52,7 +53,7 @@ def counted_quantities(solution: Solution) -> dict[str, float]:
     """Numbers that only the integrator could see: every step's peaks, work and losses, the way to
     the steady state.
     """
-    peak = re.compile("peak_.*_(force|moment)")
+    peak = re.compile("(raw_)?peak_.*_(force|moment)(_duration)?")
     counted = {
         name: value
         for name, value in solution.statistics.items()
@@ -224,7 +225,6 @@ def turn_quantities(
     mechanism = system.mechanism
     lift = record.q[:, mechanism.index(mechanism.valve)]
     rigid = mechanism.kinematics.valve_lift(record.cam_angle)
-    retainer, spring = (record.loads[LOADS.index(side)].tolist() for side in ("retainer", "seat"))
     largest = float(record.bodies[mechanism.index(mechanism.valve), PEAK_PLACE])
     values = {
         f"peak_{load_name(one)}": float(record.peak_forces[k])
@@ -234,11 +234,7 @@ def turn_quantities(
         f"minimum_{load_name(mechanism.interactions[k])}": float(record.least_forces[k])
         for k in mechanism.drive
     }
-    values |= {
-        "peak_spring_force": spring[HIGHEST],
-        "minimum_spring_force": spring[LOWEST],
-        "peak_retainer_force": retainer[HIGHEST],
-        "minimum_retainer_force": retainer[LOWEST],
+    values |= peak_forces(record) | {
         "peak_valve_lift": largest,
         "lift_loss_displacement": window.top - largest,
     }

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 #: run, facts of a spring at rest.
 _UNITS = {
     "impulse": "N s", "card_lift": "m", "coil_contact_stiffness": "N/m^2", "contact_stiffness": "N/m^2", "mass_damping": "1/s",
-    "stiffness_damping": "s", "time_step": "s", "coil_contact_damping_time": "s", "output_step": "rad", "largest_velocity": "m/s",
+    "stiffness_damping": "s", "time_step": "s", "coil_contact_damping_time": "s", "output_step": "rad",
+    "force_bandwidth": "Hz", "largest_velocity": "m/s",
 }  # fmt: skip
 
 

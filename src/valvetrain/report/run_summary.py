@@ -286,7 +286,7 @@ def result_rows(results: Sequence[ResultDifference]) -> list[tuple[str, ...]]:
     largest difference.
 
     >>> result_rows([ResultDifference("peak_spring_force", "massless", "N", 800.0, 840.0)])
-    [('peak spring force', 'massless', '800', '840', 'N', '+5.0 %')]
+    [('peak spring force below 10 kHz', 'massless', '800', '840', 'N', '+5.0 %')]
     """
     first = [name for names in topics().values() for name in names]
     place = {name: index for index, name in enumerate(first)}

@@ -14,8 +14,10 @@ from valvetrain.runs.saved_runs import SavedRun, check_inputs
 NO_RESULT = (
     "command", "command_line", "case", "title", "digest", "checksum", "changed", "created_at", "choices", "versions", "files", "folder",
     "page", "units", "cite", "kept_from_before", "known_before", "quantities", "quantities_by_label", "springs_at_rest", "comparisons",
-    "findings",
+    "findings", "definitions",
 )  # fmt: skip
+#: Entry of an answer with what its names mean where that has changed, and the name that it is about.
+DEFINITIONS, FORCE = "definitions", "peak_spring_force"
 #: Levels of an answer that are compared, more than twice those of any that is written.
 MAX_DEPTH = 24
 #: Fields that identify the items of a list.
@@ -65,14 +67,35 @@ def input_differences(one: SavedRun, other: SavedRun) -> tuple[tuple[str, Any, A
 def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference, ...]:
     """Every number that differs between the runs: those that both have first, by falling relative
     difference.
+
+    Raises :class:`InputError` where both have peak spring forces, but below different cut-offs.
     """
     first, second = dict(answer_numbers(one.answer)), dict(answer_numbers(other.answer))
+    forces = [any(name.endswith(FORCE) for name, _ in numbers) for numbers in (first, second)]
+    if all(forces) and _definition(one) != _definition(other):
+        raise InputError(
+            f"the peak spring force is {_definition(one)} in one run and {_definition(other)} in the other, so they are two quantities; "
+            "repeat one of them, with the [operation] force_bandwidth of the other"
+        )
     rows = []
     for key in dict.fromkeys((*first, *second)):
         (a, unit), (b, other_unit) = first.get(key, (None, "")), second.get(key, (None, ""))
         if a != b:
             rows.append(ResultDifference(*key, unit or other_unit, a, b))
     return tuple(sorted(rows, key=lambda row: (row.difference is None, -abs(row.relative or 0.0))))
+
+
+def definitions(force_bandwidth: float) -> dict[str, Any]:
+    """What an answer says of its peak spring forces: their cut-off (Hz)."""
+    return {FORCE: {"below": {"value": force_bandwidth, "unit": "Hz"}}}
+
+
+def _definition(run: SavedRun) -> str:
+    """What the peak spring force of a saved run is; before there was a cut-off, that of every instant."""
+    try:
+        return f"below {float(run.answer[DEFINITIONS][FORCE]['below']['value']) / 1e3:g} kHz"
+    except (KeyError, TypeError, ValueError):
+        return "that of every instant"
 
 
 def _inputs_of(run: SavedRun) -> dict[str, Any]:

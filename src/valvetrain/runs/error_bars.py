@@ -26,8 +26,8 @@ STIFFNESS_FACTORS = (0.5, 2.0)
 Numbers = Mapping[str, float]
 #: Headline numbers of a spring under prescribed motion, those it has; the forces in the table of a source study follow them.
 SPRING_HEADLINES = (
-    "peak_spring_force", "minimum_spring_force", "below_20_khz_peak_spring_force", "below_10_khz_peak_spring_force",
-    "main_clash_peak_force", "main_clash_below_20_khz_peak_force", "main_clash_below_10_khz_peak_force", "main_clash_cam_angle",
+    "peak_spring_force", "minimum_spring_force", "raw_peak_spring_force",
+    "main_clash_peak_force", "main_clash_below_5_khz_peak_force", "main_clash_cam_angle",
     "main_clash_impulse", "clash_energy", "largest_clash_impulse", "peak_clash_force", "surge_clash_peak_force", "peak_shear_stress",
     "outer_peak_shear_stress", "inner_peak_shear_stress",
 )  # fmt: skip

@@ -14,6 +14,7 @@ from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_im
 from valvetrain.quantities.statics import formula_compression
 from valvetrain.quantities.stress import most_force_of_wire
 from valvetrain.runs.prepared import FAILURES, largest_lift, law_lift, prepare
+from valvetrain.solution.force_peak import FORCE_BANDWIDTH
 from valvetrain.solution.later import replaced
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import TRAIN
@@ -22,7 +23,7 @@ from valvetrain.units import believed
 
 #: Tensile strength (Pa) above that of any wire of a valve spring.
 MAX_STRENGTH = 2.5e9
-#: A raw peak over that below 10 kHz from which a spike is reported with its band.
+#: A raw peak over that below 5 kHz from which a spike is reported with its band.
 SPIKE = 1.02
 #: How the note on a ramp begins that the cam card does not give.
 ASSUMED_RAMP = "Ramp of the cam assumed"
@@ -65,6 +66,16 @@ def ringing_note(members: Iterable[Member]) -> str:
         f"The case gives {springs} {' and '.join(names)} {NO_DAMPING}: give {its} "
         "damping, such as 'damping = { ratio = 0.016, ratio_frequency = \"600 Hz\" }' at the first surge frequency (0.016: the beehive of "
         "gu2021)."
+    )
+
+
+def cut_off_notes(problem: Problem) -> tuple[str, ...]:
+    """A sentence where the peaks of spring forces are below another cut-off than their label says."""
+    if problem.force_bandwidth == FORCE_BANDWIDTH:
+        return ()
+    cut_off = f"{problem.force_bandwidth / 1e3:g} kHz"
+    return (
+        f"Peak spring and retainer forces are those below {cut_off} here, wherever they are called below 10 kHz: the case sets force_bandwidth.",
     )
 
 
@@ -153,6 +164,7 @@ def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...
                 ringing_note((member,)),
                 *ramp_notes((member,)),
                 *undamped_notes((member,)),
+                *cut_off_notes(problem),
                 *chain_notes((member,)),
                 *buckling_notes(alone),
                 *unknown_solid_notes((member,)),
@@ -252,21 +264,19 @@ def _named(runs: Iterable[Solution]) -> str:
 def spike_notes(solutions: Iterable[Solution]) -> tuple[str, ...]:
     """The band of the clash spikes of solids, whose raw heights rest on mesh and contact constants."""
     heights = []
-    bands = tuple(f"main_clash_{band}peak_force" for band in ("", "below_20_khz_", "below_10_khz_"))
+    bands = tuple(f"main_clash_{band}peak_force" for band in ("", "below_5_khz_"))
     for run in solutions:
         if run.model != "solid":  # numbers of others may not be computed yet
             continue
-        raw, below_20, below_10 = (run.quantities.get(name, 0.0) for name in bands)
-        if raw > SPIKE * below_10 > 0:
+        raw, below_5 = (run.quantities.get(name, 0.0) for name in bands)
+        if raw > SPIKE * below_5 > 0:
             rpm = run.engine_speed * 30 / np.pi
-            heights.append(
-                f"at {rpm:.6g} rpm {raw:.0f} N raw, {below_20:.0f} N below 20 kHz, {below_10:.0f} N below 10 kHz"
-            )
+            heights.append(f"at {rpm:.6g} rpm {raw:.0f} N raw, {below_5:.0f} N below 5 kHz")
     if not heights:
         return ()
     return (
         f"Largest clash spike by the solid: {'; '.join(heights)}. The raw height of a clash spike rests on mesh, contact constants "
-        "and sampling; compare heights below 10 kHz.",
+        "and sampling; compare heights below 5 kHz.",
     )
 
 

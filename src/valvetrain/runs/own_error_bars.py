@@ -62,11 +62,7 @@ REVOLUTIONS = 2
 #: Share of the peak force, and of the least one in the largest surge, that a reduced rod may be off its rod.
 PEAK_TOO_FAR, MINIMUM_TOO_FAR = 0.01, 0.02
 #: Numbers that differ by a constant from one whose scatter is known, or hold the same peak.
-SAME_SCATTER = {
-    "lift_loss_displacement": "peak_valve_lift",
-    "below_20_khz_peak_spring_force": "peak_spring_force",
-    "below_10_khz_peak_spring_force": "peak_spring_force",
-}
+SAME_SCATTER = {"lift_loss_displacement": "peak_valve_lift"}
 #: Share of a value that its uncertainty may be without being named.
 LARGE = 0.05
 #: Numbers that get a bar where a run has them; counts jump.

@@ -28,6 +28,7 @@ from valvetrain.runs.coil_bind import ENDED, bound
 from valvetrain.runs.cost import Limits, duration_text
 from valvetrain.runs.stopping import noted
 from valvetrain.solution.channels import empty_channels
+from valvetrain.solution.force_peak import BANDWIDTH
 from valvetrain.solution.later import Later, LaterMapping
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
@@ -179,7 +180,7 @@ def provenance_of(
 ) -> Provenance:
     """Provenance of a run of ``member``, its options with their values (SI)."""
     first = member.springs[0] if member.springs else None
-    options: dict[str, Option] = {}
+    options: dict[str, Option] = {BANDWIDTH: problem.force_bandwidth}
     if first is not None:
         table = member.model.read_options(first.options_of(member.model.word))
         unused = table.wire_only if first.wire is None else table.card_only

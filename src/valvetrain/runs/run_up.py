@@ -36,8 +36,9 @@ from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
+from valvetrain.solution.force_peak import bandwidth_of
 from valvetrain.solution.partial_failures import reason
-from valvetrain.solution.provenance import collect_provenance
+from valvetrain.solution.provenance import Provenance, collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
@@ -225,7 +226,7 @@ def member_revolutions(
         status = Status("refused", one.refusal, remedy="choose another model")
         return (without_channels(status, origin),)
     try:
-        found = _revolutions(one, ramp)
+        found = _revolutions(one, ramp, origin)
     except FAILURES as error:
         status = Status("diverged", reason(error), remedy="look at its first speed alone")
         return (without_channels(status, origin),)
@@ -242,14 +243,18 @@ def member_revolutions(
     return tuple(solutions)
 
 
-def _revolutions(one: PreparedRun, ramp: Ramp) -> list[tuple[CycleRecord, dict[str, float], float]]:
+def _revolutions(
+    one: PreparedRun, ramp: Ramp, origin: Provenance
+) -> list[tuple[CycleRecord, dict[str, float], float]]:
     """Record, numbers and time (s) of every revolution; with a finer step where a contact becomes
     too stiff for the step.
     """
     assert isinstance(one.system, TrainSystem) and one.rest is not None
     first, last, cam_acceleration = ramp[0] / 2, ramp[1] / 2, (ramp[1] - ramp[0]) / 2 / ramp[2]
     window = OpenWindow.of(one.system.mechanism.kinematics)
-    options = TrainOptions(SAMPLES, window=(window.begin, window.end))
+    options = TrainOptions(
+        SAMPLES, window=(window.begin, window.end), force_bandwidth=bandwidth_of(origin)
+    )
     found: list[tuple[CycleRecord, dict[str, float], float]] = []
     for _ in range(FINER_STEPS + 1):
         steady = runner(one.system, first, options, rest=one.rest)

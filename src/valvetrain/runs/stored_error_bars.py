@@ -41,7 +41,7 @@ TRAIN_LABELS = (
     ("peak_seat_contact_force", "peak seat force"), ("seating_velocity", "seating velocity"),
 )  # fmt: skip
 CLASH_LABELS = (
-    ("main_clash_below_10_khz_peak_force", "height below 10 kHz"), ("main_clash_below_20_khz_peak_force", "below 20 kHz"),
+    ("main_clash_below_5_khz_peak_force", "height below 5 kHz"),
     ("main_clash_peak_force", "raw"), ("main_clash_cam_angle", "at"), ("main_clash_impulse", "impulse"),
 )  # fmt: skip
 #: Quantities in the sentence on the calibration spread, with their labels.
@@ -221,11 +221,11 @@ def _coarse_springs(rows: Mapping[str, Uncertainty]) -> str:
 
 def _clash_sentence(speed: float, rows: Mapping[str, Uncertainty], meshes: str) -> str:
     raw, (soft, stiff) = rows["main_clash_peak_force"].contact_stiffness, STIFFNESS_FACTORS
-    filtered = rows["main_clash_below_10_khz_peak_force"].contact_stiffness
+    filtered = rows["main_clash_below_5_khz_peak_force"].contact_stiffness
     return (
         f"{_rpm(speed)}, main clash of coils 1 and 2, numerical uncertainty from {meshes} elements per coil: "
         f"{_bars(rows, CLASH_LABELS)}. Contact stiffness from {soft:g} to {stiff:g} times the case's moves the height from "
-        f"{filtered[0]:.4g} to {filtered[1]:.4g} N below 10 kHz and from {raw[0]:.4g} to {raw[1]:.4g} N raw."
+        f"{filtered[0]:.4g} to {filtered[1]:.4g} N below 5 kHz and from {raw[0]:.4g} to {raw[1]:.4g} N raw."
     )
 
 

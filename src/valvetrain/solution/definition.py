@@ -310,7 +310,7 @@ def _either(names: tuple[str, ...]) -> str:
 
 
 def label_of(name: str) -> str:
-    """Label of ``name``: ``peak_spring_force`` -> ``peak spring force``."""
+    """Label of ``name``: ``minimum_spring_force`` -> ``minimum spring force``."""
     return definition_of(name).label
 
 

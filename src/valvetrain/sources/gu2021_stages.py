@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.quantities.clash import SPIKE_BANDWIDTH
 from valvetrain.quantities.cycle import Array, Cycle, reported_cycle
 from valvetrain.quantities.signal import (
-    BANDWIDTHS,
     WINDOWS,
     filtered_force,
     is_covered,
@@ -269,7 +269,7 @@ def rattle(solution: Solution, event: LiftEvent) -> tuple[float, float] | None:
 
 
 def _stage_3_in_bandwidths(cycle: Cycle, event: LiftEvent) -> dict[str, float]:
-    """Height (N) of the Stage III spike at the highest instant known and below 10 and 20 kHz, where
+    """Height (N) of the Stage III spike at the highest instant known and below 5 kHz, where
     the run's samples allow it.
     """
     found: dict[str, float] = {}
@@ -280,11 +280,8 @@ def _stage_3_in_bandwidths(cycle: Cycle, event: LiftEvent) -> dict[str, float]:
         found["stage_3_every_instant_peak_force"] = float(
             highest[spike_index(cycle, highest, event)]
         )
-    for cutoff in BANDWIDTHS:
-        force = filtered_force(cycle.solution, cutoff, seat_force_name(cycle))
-        if force is not None:
-            part = force[cycle.samples]
-            found[f"stage_3_below_{cutoff / 1e3:.0f}_khz_peak_force"] = float(
-                part[spike_index(cycle, part, event)]
-            )
+    force = filtered_force(cycle.solution, SPIKE_BANDWIDTH, seat_force_name(cycle))
+    if force is not None:
+        part = force[cycle.samples]
+        found["stage_3_below_5_khz_peak_force"] = float(part[spike_index(cycle, part, event)])
     return found

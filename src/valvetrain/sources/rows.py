@@ -48,8 +48,8 @@ _STAGES = (
     _row("stage_3_peak_impulse", "Stage III peak, impulse", "Integral over time of that spike's force above its foot."),
     _row("stage_3_every_instant_peak_force", "Stage III peak force, every instant",
          "The same spike at the highest instant of the whole record, for runs that keep every substep."),
-    _row("stage_3_below_{k}_khz_peak_force", "Stage III peak force below {k} kHz",
-         "Largest force in Stage III after a zero-phase low pass (6 dB down at {k} kHz), as an instrument of that bandwidth shows it."),
+    _row("stage_3_below_5_khz_peak_force", "Stage III peak force below 5 kHz",
+         "Largest force in Stage III after a zero-phase low pass (6 dB down at 5 kHz), as an instrument of that bandwidth shows it."),
     _row("stage_3_second_peak_cam_angle", "Stage III second spike, cam angle", "Cam angle of the second clash spike in Stage III."),
 )  # fmt: skip
 
@@ -95,7 +95,7 @@ _COLLISIONS = (
     _row("main_clash_peak_force", "main clash",
          "Height of the main clash of coils 1 and 2: first spike of the force after the event that reaches 60 % of the highest (found "
          "below 10 kHz), as computed; absent where no coil meets another."),
-    _row("main_clash_below_{k}_khz_peak_force", "main clash below {k} kHz", "Height of the main clash in a bandwidth of {k} kHz."),
+    _row("main_clash_below_5_khz_peak_force", "main clash below 5 kHz", "Height of the main clash in a bandwidth of 5 kHz."),
     _row("main_clash_cam_angle", "main clash, cam angle", "Cam angle of the top of the main clash below 10 kHz."),
     _row("main_clash_impulse", "main clash, impulse",
          "Integral of the force above the base circle's mean over 0.1 ms either side of the main clash."),

@@ -138,6 +138,7 @@ def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str])
         operation.engine_speeds,
         operation.cycles,
         operation.output_step,
+        operation.force_bandwidth,
         case.train.cycles if case.train is not None else None,
         case.lift_law is not None,
     )

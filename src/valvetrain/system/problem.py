@@ -123,6 +123,7 @@ class Member:
 class Problem:
     """All parts of a case, built once. ``engine_speeds`` in rad/s of the crank; ``cycles`` cam
     turns of prescribed motion, the last is reported; ``output_step`` (cam rad) between its samples;
+    ``force_bandwidth`` (Hz): cut-off of the peaks of the springs' forces;
     ``cycles_to_settle`` bounds the search for a train's periodic state; ``moves``: whether there is
     a lift law; ``built``: the spring models built so far, shared by members and states at rest.
 
@@ -139,6 +140,7 @@ class Problem:
     engine_speeds: tuple[float, ...]
     cycles: int | None
     output_step: float
+    force_bandwidth: float
     cycles_to_settle: int | None = None
     moves: bool = True
     built: BuiltModels = field(default_factory=dict, repr=False)

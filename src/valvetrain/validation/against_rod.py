@@ -18,6 +18,7 @@ from valvetrain.integrate.run import run as integrate
 from valvetrain.integrate.train_channels import position_name
 from valvetrain.quantities.clash import clash_events, clash_numbers
 from valvetrain.quantities.signal import fine_series, low_pass
+from valvetrain.solution.force_peak import FORCE_BANDWIDTH, bandwidth_of, filtered_cycle
 from valvetrain.solution.result import Solution
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.reduced_rod import ReducedRod
@@ -31,6 +32,8 @@ Array = NDArray[np.float64]
 TOO_FAR, PEAK_TOO_FAR, MINIMUM_TOO_FAR, CUTOFF = 0.03, 0.01, 0.02, 20e3
 #: Revolutions of both, the second compared.
 REVOLUTIONS = 2
+#: Spacing (s) of the end forces that are compared.
+STEP = 2e-6
 
 
 class RodDifference(NamedTuple):
@@ -79,14 +82,19 @@ def rod_difference(system: System, solution: Solution) -> RodDifference | None:
     reduced = [spring for spring in springs if isinstance(spring, ReducedRod)]
     if not reduced or len(reduced) < len(springs):
         return None
-    return difference_from_rods(reduced, _motion(system, solution), solution.engine_speed / 2)
+    bandwidth = bandwidth_of(solution.provenance)
+    motion = _motion(system, solution)
+    return difference_from_rods(reduced, motion, solution.engine_speed / 2, bandwidth)
 
 
 def difference_from_rods(
-    reduced: Sequence[ReducedRod], law: LiftLaw, cam_speed: float
+    reduced: Sequence[ReducedRod],
+    law: LiftLaw,
+    cam_speed: float,
+    bandwidth: float = FORCE_BANDWIDTH,
 ) -> RodDifference | None:
-    """Reduced rods and their rods, both driven by ``law`` at a cam speed (rad/s); None where a run
-    failed.
+    """Reduced rods and their rods, both driven by ``law`` at a cam speed (rad/s), peaks below
+    ``bandwidth`` (Hz); None where a run failed.
     """
     found = _last_revolution(reduced, law, cam_speed)
     expected = _last_revolution([spring.rod for spring in reduced], law, cam_speed)
@@ -97,13 +105,11 @@ def difference_from_rods(
         {
             f"{kind}_{end}_force": float(pick(force))
             for end, force in (("spring", one.seat_force), ("retainer", one.retainer_force))
-            for kind, pick in (("peak", np.max), ("minimum", np.min))
-        }
-        | {
-            f"below_{cutoff:g}_khz_peak_spring_force": float(
-                np.max(low_pass(one.time, one.seat_force, 1e3 * cutoff))
+            for kind, pick in (
+                ("raw_peak", np.max),
+                ("minimum", np.min),
+                ("peak", lambda force: filtered_cycle(force, STEP, bandwidth).max()),
             )
-            for cutoff in (10, 20)
         }
         | one.clashes
         for one in (found, expected)
@@ -144,7 +150,7 @@ def _last_revolution(
     springs: Sequence[SpringModel], law: LiftLaw, cam_speed: float
 ) -> _LastRevolution | None:
     """The last revolution of springs that are driven side by side; None of a run that failed."""
-    grid = np.arange(0.0, 2 * np.pi / cam_speed, 2e-6)
+    grid = np.arange(0.0, 2 * np.pi / cam_speed, STEP)
     forces, clashes = np.zeros((2, len(grid))), []
     for spring in springs:
         alone = PrescribedSpring((spring,), law)

@@ -66,9 +66,9 @@ def blocks(study: Study) -> tuple[Block, ...]:
 #: Row of the table -> quantity of the run, factor of its agreement, number whose error bar it has.
 HEIGHTS = {
     "peak of Stage II": ("stage_2_peak_force", None, ""),
-    "peak of Stage II below 10 kHz": ("", 0.01, "below_10_khz_peak_spring_force"),
+    "peak of Stage II below 10 kHz": ("", 0.01, "peak_spring_force"),
     "spike of Stage III": ("stage_3_peak_force", None, ""),
-    "spike of Stage III below 10 kHz": ("stage_3_below_10_khz_peak_force", 0.05, "main_clash_below_10_khz_peak_force"),
+    "spike of Stage III below 5 kHz": ("stage_3_below_5_khz_peak_force", 0.05, "main_clash_below_5_khz_peak_force"),
 }  # fmt: skip
 #: Difference of solid and rod, measured on the calibrated spring of decision 0120.
 CONTACT = (
