@@ -623,7 +623,7 @@ def test_uncertainties_stand_in_their_own_columns():
             "805",
             "801 to 822",
             "790 to 834",
-        ],  # fmt: skip
+        ],
         ["main clash, cam angle", "250", "0.5", "", "deg", "–", "251", "248 to 252", "249 to 253"],
         ["Engine speed 4200 rpm"],
         ["main clash, impulse", "35", "0.7", "2 %", "mN s", "1.3", "36", "33 to 37", "32 to 38"],
