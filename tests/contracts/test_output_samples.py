@@ -269,7 +269,8 @@ def test_no_headline_number_of_a_train_depends_on_the_samples_kept(case, label, 
     """Whatever stands at the head of a report, or gets an error bar; a number that is added there
     is tested here from then on.
     """
-    problem = build(load_case(case, changes))
+    sets = "as printed" if "as printed" in label else ()
+    problem = build(load_case(case, changes), spring_set=sets)
     member = next(one for one in problem.members if one.label == label)
     ready, speed = prepare(problem, member, {}, ""), problem.engine_speeds[-1]
     step = runner(ready.system, speed / 2, TrainOptions(2880), rest=ready.rest).time_step * (

@@ -26,7 +26,7 @@ FIRM = (
 
 @cache
 def prepared(case: str, label: str):
-    problem = build(load_case(case))
+    problem = build(load_case(case), spring_set="as printed" if "as printed" in label else ())
     member = next(one for one in problem.members if one.label == label)
     return prepare(problem, member, {}, problem.record.study), problem.engine_speeds[0]
 

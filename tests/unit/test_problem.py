@@ -53,7 +53,7 @@ def test_every_shipped_case_builds_and_its_members_answer_as_systems(name):
 def test_members_are_the_variants_of_a_train_or_each_set_by_each_model():
     case = load_case("tdi-pushrod")
     assert [member.label for member in build(case).members] == [
-        variant.label for variant in case.train.variants
+        variant.label for variant in case.train.variants if not variant.replica
     ]
     asked = build(
         case,

@@ -228,6 +228,30 @@ def test_differences_of_inputs_and_results(tmp_path):
     assert not input_differences(one, one) and not result_differences(one, one)
 
 
+def test_numbers_of_the_computation_are_no_difference_and_other_speeds_are_refused(tmp_path):
+    """Steps per cycle, time step and cycles until settled stood among the results; 4000 was compared with 8000 rpm."""
+
+    def run(force: float, steps: float, speed: float = 4000.0) -> SavedRun:
+        quantities = {
+            "peak_spring_force": {"value": force, "unit": "N"},
+            "steps_per_cycle_count": {"value": steps, "unit": "1"},
+            "time_step_duration": {"value": steps, "unit": "s"},
+            "steady_cycles_count": {"value": steps, "unit": "1"},
+        }
+        row = {"label": "own", "engine_speed": {"value": speed}, "quantities": quantities}
+        row["statistics"] = {"steps": {"value": steps, "unit": "1"}}
+        search = {"label": "own", "kind": "float", "runs_count": {"value": steps, "unit": "1"}}
+        found = {"choices": {"engine_speeds": [speed]}, "runs": [row], "critical_speeds": [search]}
+        return SavedRun(tmp_path, found)
+
+    rows = result_differences(run(900.0, 1000.0), run(990.0, 3000.0))
+    assert [row.quantity for row in rows] == ["peak_spring_force"]
+    assert not result_differences(run(900.0, 1000.0), run(900.0, 3000.0))
+    with pytest.raises(InputError) as refused:
+        result_differences(run(900.0, 1000.0), run(990.0, 1000.0, 8000.0))
+    assert "4000" in str(refused.value) and "8000" in str(refused.value)
+
+
 def identified(rate: float, computed: float, **more: object) -> dict[str, object]:
     found = {
         "quantities": {"rate": {"best": rate, "low": rate - 300.0}},

@@ -134,7 +134,9 @@ def test_sweep_tells_where_contact_is_lost(folder):
 
 
 def test_run_prints_a_table_for_people(folder):
-    words = ("run", "tdi-pushrod", "--no-report", "--workers", "1", "--output", str(folder / "run"))
+    words = (
+        "run", "tdi-pushrod", "--spring-set", "as printed", "--no-report", "--workers", "1", "--output", str(folder / "run"),
+    )  # fmt: skip
     printed = call(*words).stdout
     told = " ".join(printed.split())
     assert all(

@@ -5,6 +5,7 @@ where not.
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -31,7 +32,9 @@ def one_variant(label: str):
     case = load_case("tdi-pushrod")
     return case.replace(
         train=case.train.replace(
-            variants=tuple(one for one in case.train.variants if one.label == label)
+            variants=tuple(
+                replace(one, replica=None) for one in case.train.variants if one.label == label
+            )
         )
     )
 
@@ -91,7 +94,7 @@ def test_file_of_a_train_says_what_the_study_says(study):
     )
 
 
-@pytest.mark.parametrize(("name", "variants"), [("tdi-pushrod", 8), ("vaz-ohc", 8)])
+@pytest.mark.parametrize(("name", "variants"), [("tdi-pushrod", 4), ("vaz-ohc", 8)])
 def test_shipped_files_belong_to_their_case(name, variants):
     case = load_case(name)
     rows = stored_error_bars.load_uncertainty(case.record())
@@ -121,7 +124,8 @@ def test_runs_tell_the_bars_of_their_numbers_and_no_others():
     )
     assert "peak seat force 96" in stock and "±" in stock
     console = Console(width=100, file=StringIO())
-    show_study(console, own, Path("out"), None)
+    # four columns side by side leave no room for bars; the eight of every run are rows
+    show_study(console, run_study(case, spring_sets=("as printed",), workers=1), Path("out"), None)
     table = console.file.getvalue()
     row = next(
         one for one in told if one["quantity"] == "peak_spring_force" and one["label"] == "stock"

@@ -16,7 +16,9 @@ _TEXTS = (
     "name", "title", "description", "notes", "sources", "remarks", "published", "text", "changed",
 )  # fmt: skip
 #: Fields of its parts that change none where the case does not give them.
-_NO_NUMBER = ("permitted_seating_velocity", "face_diameter", "red_line", "force_bandwidth")
+_NO_NUMBER = (
+    "permitted_seating_velocity", "face_diameter", "red_line", "force_bandwidth", "replica",
+)  # fmt: skip
 
 
 def content(item: Any, exact: bool = True) -> bytes:

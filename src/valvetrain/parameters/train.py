@@ -5,7 +5,7 @@ the origin.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -308,7 +308,8 @@ class TrainVariant:
 
     ``spring_set`` and ``spring_model``: words, empty for the train's own. ``lash`` (m),
     ``valve_damping`` (N s/m, a damper on the valve), ``without_preload``: springs at rest with the
-    valve closed, as one source computed them. ``note`` is printed next to the results.
+    valve closed, as one source computed them. ``replica``: the name of what a source does and physics does not; such a
+    run is made where the name is given as a spring set. ``note`` is printed next to the results.
     """
 
     label: str
@@ -317,6 +318,7 @@ class TrainVariant:
     lash: float | None = None
     valve_damping: float | None = None
     without_preload: bool = False
+    replica: str | None = None
     note: str = ""
 
     def apply(self, train: TrainParameters) -> TrainParameters:
@@ -434,6 +436,34 @@ class TrainParameters:
     def _of(self, spring_set: str) -> tuple[InstalledSpring, ...]:
         chosen = spring_set or self.spring_set or next(iter(self.springs), "")
         return tuple(self.springs.get(chosen, ()))
+
+    def requested(
+        self, spring_sets: Sequence[str] = (), models: Sequence[str] = ()
+    ) -> tuple[TrainVariant, ...]:
+        """The runs of a request: the physical variants of the case, or ``spring_sets`` by ``models``; and the replicas
+        whose name stands among the sets. Empty labels are those of whole sets.
+        """
+        replicas = [one for one in self.variants if one.replica and one.replica in spring_sets]
+        names = {one.replica for one in replicas} - set(self.springs)
+        sets = [name for name in spring_sets if name not in names]
+        if sets or (models and not replicas):
+            made = [
+                TrainVariant("", name, word)
+                for name in sets or (self.spring_set,)
+                for word in models or ("",)
+            ]
+        else:
+            made = [] if models else [one for one in self.variants if not one.replica]
+        repeated = [
+            replace(
+                one,
+                label=f"{one.label}, {word}" if word else one.label,
+                spring_model=word or one.spring_model,
+            )
+            for one in replicas
+            for word in models or ("",)
+        ]
+        return (*made, *repeated) or (TrainVariant(self.model_of(), self.spring_set),)
 
     @property
     def swept_sets(self) -> tuple[str, ...]:

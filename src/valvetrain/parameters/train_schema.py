@@ -283,6 +283,10 @@ class VariantModel(StrictModel):
     without_preload: bool = Field(
         default=False, description="springs at rest with the valve closed"
     )
+    replica: Name | None = Field(
+        default=None,
+        description="name of what a source does and physics does not; the run is made where the name is given as a spring set",
+    )
     note: Prose = Field(default="", description="printed next to the results")
 
     def build(self) -> TrainVariant:

@@ -257,10 +257,10 @@ RUNS: tuple[QuantityRow, ...] = (
         "Energy that the damping of the springs turns to heat over the reported cycle: that of the wire, and of coils in contact "
         "and rubbing springs where the model has it.", shown_unit="J", topic=SURGE, uses=("sweep", "curve", "study")),
     spring("energy_imbalance_ratio", "energy imbalance",
-        "Largest difference of work done and energy stored or dissipated, over the span of the work done.", sense=LESS),
+        "Largest difference of work done and energy stored or dissipated, over the span of the work done.", sense=LESS, physical=False),
     spring("dissipated_energy", "energy dissipated", "Energy turned to heat over the run.", shown_unit="J"),
-    both("time_step_duration", "time step", "Step of the time integration.", shown_unit="us"),
-    both("steps_per_cycle_count", "steps per cycle", "Steps of the time integration per cam revolution."),
+    both("time_step_duration", "time step", "Step of the time integration.", shown_unit="us", physical=False),
+    both("steps_per_cycle_count", "steps per cycle", "Steps of the time integration per cam revolution.", physical=False),
 )  # fmt: skip
 
 #: Of one steady cycle of a train. "Open" means that the rigid lift is above a tenth of its maximum.
@@ -330,7 +330,7 @@ TRAINS: tuple[QuantityRow, ...] = (
         sense=LESS),
     train("contact_friction_dissipated_energy", "energy lost to friction in the contacts",
         "Share of friction in the contacts in the energy lost in contacts, links and guides.", shown_unit="J"),
-    train("steady_cycles_count", "cycles until settled", "Cycles run to the steady state."),
+    train("steady_cycles_count", "cycles until settled", "Cycles run to the steady state.", physical=False),
     train("steady_residual_ratio", "last change per cycle", "Relative change of the state over the last cycle.", sense=LESS),
     train("steady_tolerance_ratio", "change accepted as settled", "Relative change per cycle that counts as settled."),
     train("motion_period_count", "cycles per repetition", "Period of the motion in cycles; 0 where none was found."),

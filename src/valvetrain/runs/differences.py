@@ -9,6 +9,7 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_toml, read_text
 from valvetrain.runs.saved_runs import SavedRun, check_inputs
+from valvetrain.solution.definition import definition_of, is_defined
 
 #: Entries of an answer that describe the request, or repeat other numbers.
 NO_RESULT = (
@@ -18,6 +19,8 @@ NO_RESULT = (
 )  # fmt: skip
 #: Entry of an answer with what its names mean where that has changed, and the name that it is about.
 DEFINITIONS, FORCE = "definitions", "peak_spring_force"
+#: Entries of an answer, at any level, that are of the computation and not of the valvetrain.
+NUMERICS = ("runs_count", "resolution", "statistics", "options", "uncertainties")
 #: Levels of an answer that are compared, more than twice those of any that is written.
 MAX_DEPTH = 24
 #: Fields that identify the items of a list.
@@ -65,11 +68,20 @@ def input_differences(one: SavedRun, other: SavedRun) -> tuple[tuple[str, Any, A
 
 
 def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference, ...]:
-    """Every number that differs between the runs: those that both have first, by falling relative
+    """Every physical number that differs between the runs: those that both have first, by falling relative
     difference.
 
-    Raises :class:`InputError` where both have peak spring forces, but below different cut-offs.
+    Raises :class:`InputError` where the engine speeds of the runs are different, or where both have peak spring
+    forces, but below different cut-offs.
     """
+    of_a, of_b = (_speeds_of(run) for run in (one, other))
+    if of_a and of_b and of_a != of_b:
+        texts = [
+            ", ".join(some[:4]) + (" and more" if len(some) > 4 else "") for some in (of_a, of_b)
+        ]
+        raise InputError(
+            f"run A is of {texts[0]} rpm and run B of {texts[1]} rpm; compare runs at the same engine speeds"
+        )
     first, second = dict(answer_numbers(one.answer)), dict(answer_numbers(other.answer))
     forces = [any(name.endswith(FORCE) for name, _ in numbers) for numbers in (first, second)]
     if all(forces) and _definition(one) != _definition(other):
@@ -96,6 +108,14 @@ def _definition(run: SavedRun) -> str:
         return f"below {float(run.answer[DEFINITIONS][FORCE]['below']['value']) / 1e3:g} kHz"
     except (KeyError, TypeError, ValueError):
         return "that of every instant"
+
+
+def _speeds_of(run: SavedRun) -> tuple[str, ...]:
+    """Crank speeds (rpm) of a run, of a run-up its first and last with their unit; none where it has none."""
+    ends = [run.choices.get(f"{name}_engine_speed") for name in ("first", "last")]
+    if all(ends):
+        return tuple(map(str, ends))
+    return tuple(f"{speed:g}" for speed in sorted({round(one, 3) for one in run.engine_speeds}))
 
 
 def _inputs_of(run: SavedRun) -> dict[str, Any]:
@@ -163,7 +183,8 @@ def _others(
             yield (path[-1], ", ".join(path[:-1])), (float(item["value"]), item["unit"])
             item = {key: value for key, value in item.items() if key not in ("value", "unit")}
         for key, value in item.items():
-            yield from _others(value, (*path, str(key)))
+            if key not in NUMERICS:
+                yield from _others(value, (*path, str(key)))
     elif isinstance(item, list):
         for name, value in zip(_names_of(item), item, strict=True):
             yield from _others(value, (*path, name))
@@ -201,5 +222,7 @@ def _quantities(
     values: Mapping[str, Any], run: str
 ) -> Iterator[tuple[tuple[str, str], tuple[float, str]]]:
     for name, item in values.items():
+        if is_defined(name) and not definition_of(name).physical:
+            continue
         if isinstance(item, Mapping) and isinstance(item.get("value"), (int, float)):
             yield (name, run), (float(item["value"]), str(item.get("unit", "")))

@@ -119,15 +119,12 @@ def planned(request: Request) -> list[tuple[tuple[str, ...], Sequence[InstalledS
     train, sets = case.train, case.train.springs
     if request.command == "sweep" and not request.spring_sets:
         return [(models or (train.model_of(name),), sets[name]) for name in train.swept_sets]
-    if models or request.spring_sets or not train.variants:
-        chosen = request.spring_sets or (train.spring_set or next(iter(sets), ""),)
-        return [(models or (train.model_of(name),), sets.get(name, ())) for name in chosen]
     return [
         (
             (one.spring_model or train.model_of(one.spring_set),),
             sets.get(one.spring_set or train.spring_set, ()),
         )
-        for one in train.variants
+        for one in train.requested(request.spring_sets, models)
     ]
 
 

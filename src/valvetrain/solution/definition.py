@@ -80,7 +80,7 @@ class QuantityRow:
     the table of all quantities alone; ``uses``: where else it is shown; ``answered_as``: names for
     topic and uses where they are not ``name`` alone. ``compute`` (a quantity of another package): SI
     value of a :class:`~valvetrain.solution.result.Solution`, None where it has none. ``remark``: what
-    tables and axes put behind the label.
+    tables and axes put behind the label. ``physical``: whether it is of the valvetrain; else of the computation.
     """
 
     name: str
@@ -95,6 +95,7 @@ class QuantityRow:
     answered_as: tuple[str, ...] = ()
     compute: Callable[[Any], float | None] | None = None
     remark: str = ""
+    physical: bool = True
 
     @property
     def si_unit(self) -> str:
@@ -127,6 +128,7 @@ def row(
     answered_as: tuple[str, ...] = (),
     compute: Callable[[Any], float | None] | None = None,
     remark: str = "",
+    physical: bool = True,
 ) -> QuantityRow:
     """A :class:`QuantityRow` whose dimension and shown unit follow from the last part of ``name``
     where they are left out. Raises :class:`InputError` for an unknown use.
@@ -138,7 +140,7 @@ def row(
     default = _by_last_word(name)
     return QuantityRow(
         name, dimension or default[0], default[1] if shown_unit is None else shown_unit, label, definition, sense, systems, topic, uses,
-        answered_as, compute, remark,
+        answered_as, compute, remark, physical,
     )  # fmt: skip
 
 

@@ -21,7 +21,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, binding_lift
 from valvetrain.parameters.loading import AnyCase, case_of, parse_case
 from valvetrain.parameters.toml_text import find_line
-from valvetrain.parameters.train import CrankParameters, TrainParameters, TrainVariant
+from valvetrain.parameters.train import CrankParameters, TrainParameters
 from valvetrain.registry import plain_name
 from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.own_spring import model_names
@@ -187,22 +187,7 @@ def _train_members(
 ) -> tuple[Member, ...]:
     if case.lift_law is None:
         raise InputError(f"case '{case.name}' holds no lift law; add a [lift_law] table")
-    if specs or sets:
-        variants: tuple[TrainVariant, ...] = tuple(
-            TrainVariant(
-                f"{chosen}, {plain_name(word or train.model_of(chosen))}"
-                if len(sets) > 1
-                else plain_name(word)
-                if specs
-                else chosen,
-                chosen,
-                word,
-            )
-            for chosen in sets or (train.spring_set,)
-            for word in [spec.word for spec in specs] or [""]
-        )
-    else:
-        variants = train.variants or (TrainVariant(train.model_of(), train.spring_set),)
+    variants = train.requested(sets, [spec.word for spec in specs])
     if train.crank is not None and train.crank.top_dead_centre is None:
         train = train.replace(crank=_placed_crank(train.crank, law))
     gears: dict[TrainParameters, Gear] = {}
@@ -224,7 +209,9 @@ def _train_members(
         if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift, chosen):
             raise InputError(f"case '{case.name}': {sentence}")
         model = spring_model(own.model_of(chosen), "train.spring_model")
-        label = _free_label(variant.label, [member.label for member in members])
+        name = plain_name(variant.spring_model or train.model_of(chosen))
+        of_set = f"{variant.spring_set}, {name}" if len(sets) > 1 else name if specs else chosen
+        label = _free_label(variant.label or of_set, [member.label for member in members])
         members.append(
             Member(
                 label,
