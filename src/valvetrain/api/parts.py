@@ -214,8 +214,9 @@ class Spring:
 
         return static_curve(self.parameters, largest_compression, **options)
 
-    def frequencies(self, model: Any = "finite-element", count: int = 12) -> np.ndarray:
-        """Surge frequencies (Hz) as installed, both ends fixed, by a spring ``model``.
+    def frequencies(self, model: Any = "", count: int = 12) -> np.ndarray:
+        """Surge frequencies (Hz) as installed, both ends fixed, by a spring ``model``; by default by
+        finite elements of a wire, of a card by the card.
 
         Those of finite elements that are clearly surge, ascending, ``count`` at most: higher ones
         couple with sway and twist, so the series ends (:meth:`modes` names every mode).
@@ -276,22 +277,23 @@ class Spring:
         return spring_modes(built, int(count))
 
     def _built(self, model: Any) -> SpringModel:
+        from valvetrain.runs.statics import default_model
         from valvetrain.springs.own_spring import model_name
         from valvetrain.springs.spec import spring_model
 
-        spec = spring_model(model_name(model, "model"), "model")
+        spec = spring_model(model_name(model or default_model(self.parameters), "model"), "model")
         if reason := spec.why_not(self.parameters):
             raise InputError(reason, "model")
         return spec.build(self.parameters, None)
 
-    def run(
-        self, engine_speed: Any, lift_law: Lift, model: Any = "finite-element", **options: Any
-    ) -> Solution:
-        """The spring under a lift of its retainer, by one spring ``model``; ``lift_law`` and options as
-        for :class:`valvetrain.Case` and its ``run``.
+    def run(self, engine_speed: Any, lift_law: Lift, model: Any = "", **options: Any) -> Solution:
+        """The spring under a lift of its retainer, by one spring ``model`` (default: as for
+        :meth:`frequencies`); ``lift_law`` and options as for :class:`valvetrain.Case` and its ``run``.
         """
         from valvetrain.parameters.loading import case_of_tree
+        from valvetrain.runs.statics import default_model
 
+        model = model or default_model(self.parameters)
         tree = {"spring": self.table, "lift_law": lift_table(lift_law)}
         return one_run(
             case_of_tree(tree, "spring", where="vt.Spring"), engine_speed, model, **options

@@ -22,7 +22,7 @@ from valvetrain.runs.outputs import RequestedOutputs
 from valvetrain.runs.prepared import largest_lift
 from valvetrain.runs.request_cost import RunRequest, request_cost, spring_cost
 from valvetrain.runs.run import run_study, sweep_study
-from valvetrain.runs.statics import STEPS, curve_by_model
+from valvetrain.runs.statics import STEPS, curve_by_model, default_model
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
 from valvetrain.solution.critical import CriticalSpeeds
@@ -344,7 +344,7 @@ def static_curve(
     spring: SpringDefinition | InstalledSpring | AnyCase,
     largest_compression: Given | None = None,
     *,
-    spring_model: Any = "finite-element",
+    spring_model: Any = "",
     steps: int = STEPS,
     limit: str = "",
     implausible: bool = False,
@@ -358,8 +358,8 @@ def static_curve(
     largest_compression : end of the curve (m, "8 mm" or a pint quantity); by default a little
         beyond the largest lift of the case, or 80 %
         of the way to coil bind where there is no lift
-    spring_model : the spring model, as for :func:`simulate`; one that knows the installed state only (a card) holds
-        from there on
+    spring_model : the spring model, as for :func:`simulate`; by default finite elements of a wire. The
+        curve of a card is the card's
     steps : even steps of the curve
     limit, implausible : as for :func:`simulate`
 
@@ -381,7 +381,6 @@ def static_curve(
     >>> round(curve.force_at("4 mm")), round(curve.force_at("8 mm"))
     (149, 313)
     """
-    spring_model = model_name(spring_model, "spring_model")
     installed, lift = (
         InstalledSpring(wire=spring) if isinstance(spring, SpringDefinition) else spring,
         0.0,
@@ -394,6 +393,7 @@ def static_curve(
                 f"case '{problem.record.name}' holds {len(problem.springs)} springs ({names}); give one, such as case.springs[0]"
             )
         installed, lift = problem.springs[0], largest_lift(problem)
+    spring_model = model_name(spring_model or default_model(installed), "spring_model")
     spec_of_model(spring_model, "spring_model")
     if not (isinstance(steps, (int, np.integer)) and steps >= 1):
         raise InputError(

@@ -133,7 +133,7 @@ def static_study(
             model = problem.model_of(name, spring, rod_result)
             one = (
                 _by_rod(model, end, steps, modes, attached_mass)
-                if name == WIRE
+                if isinstance(model, FiniteElementRod) and spring.wire is not None
                 else statics_by_model(spring, name, model, np.linspace(0.0, end, steps + 1), modes)
             )
             one = replace(one, points=requested_points(spring, model, one, heights, loads))
@@ -313,8 +313,8 @@ def statics_by_model(
     """Static curve over ``compressions`` (m from the free state) and axial frequencies of a spring
     by any ``model``.
 
-    A model of the installed state and those above it gives its curve from there on. Raises
-    :class:`InputError` for compressions at which the coils are solid.
+    A model of the installed state and those above it gives its curve from there on; the curve of a
+    card is the card's by every model. Raises :class:`InputError` for compressions at which the coils are solid.
     """
     if spring.wire is not None and spring.contact.stiffness > 0:
         spring.wire.refuse_solid(float(np.max(compressions)))
@@ -322,7 +322,7 @@ def statics_by_model(
     if isinstance(model, ReducedRod):  # at rest it is its rod
         found_by_rod = statics_by_model(spring, name, model.rod, compressions, modes)
         return replace(found_by_rod, model=name)
-    if isinstance(model, FiniteElementRod):
+    if isinstance(model, FiniteElementRod) and spring.wire is not None:
         return rod_statics(model, float(compressions[-1]), len(compressions) - 1, modes)
     path = _curve_of(spring, model, path_points(spring.precompression, float(compressions[-1])))
     curve = replace(_curve_of(spring, model, compressions), path=path)
@@ -364,8 +364,9 @@ def axial_frequencies(model: SpringModel, count: int) -> Array:
     """Axial natural frequencies (Hz), both ends fixed, as installed; empty of a model without inner
     motion.
     """
-    if isinstance(model, ReducedRod):
-        return np.asarray(modal_result(model.rod, count).axial_frequencies)
+    if isinstance(model, (ReducedRod, FiniteElementRod)):
+        rod = model.rod if isinstance(model, ReducedRod) else model
+        return np.asarray(modal_result(rod, count).axial_frequencies if count else ())
     if isinstance(model, MultiMassSpring):
         return np.asarray(model.frequencies(0.0, min(count, model.unknowns)))
     natural = getattr(model, "natural_frequencies", ())
@@ -394,11 +395,15 @@ def point_of(spring: InstalledSpring, model: SpringModel, compression: float) ->
 
 
 def force_of(spring: InstalledSpring, model: SpringModel, compression: float) -> float:
-    """Retainer force (N) of a model at rest at a compression (m from the free state)."""
-    model = model.rod if isinstance(model, ReducedRod) else model
-    if isinstance(model, FiniteElementRod) and spring.wire is not None:
-        return equilibrium_at(model, compression).retainer_force
+    """Retainer force (N) of a model at rest at a compression (m from the free state); the loads of a
+    card are the card's, whatever model runs.
+    """
     lift = compression - spring.precompression
+    if spring.card is not None:
+        return spring.card.preload + spring.card.rate * lift
+    model = model.rod if isinstance(model, ReducedRod) else model
+    if isinstance(model, FiniteElementRod):
+        return equilibrium_at(model, compression).retainer_force
     return model.force(model.initial_state(lift), lift).retainer
 
 

@@ -4,7 +4,7 @@ all coils.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -13,7 +13,7 @@ from pydantic import Field
 from valvetrain.coil_contact.law import law_of
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.errors import InputError
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.schema_types import Length, PositiveTime
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.modes import ModalResult
@@ -28,6 +28,9 @@ from valvetrain.springs.finite_element_statics import (
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.springs.wire_from_card import wire_from_card
 from valvetrain.units import Given, si
+
+#: Rounds in which a made-up wire is brought to the loads of its card, each a hundred times nearer.
+ROUNDS = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +121,8 @@ def _make(
     wire, precompression, seats = spring.wire, spring.precompression, str(spring.seats)
     if wire is None:
         assert spring.card is not None
-        wire, precompression = wire_from_card(spring.card, options.card_lift)
+        lift = max(options.card_lift, spring.card.open_lift or 0.0)
+        wire, precompression = wire_from_card(spring.card, lift)
         seats = "clamps"
     dynamics = RodDynamics(
         mass_damping=spring.damping.mass_damping,
@@ -128,7 +132,7 @@ def _make(
         contact_law=law_of(spring.contact),
         coil_friction=options.coil_friction,
     )
-    return FiniteElementRod(
+    rod = FiniteElementRod(
         wire,
         precompression,
         options.elements_per_coil,
@@ -141,6 +145,23 @@ def _make(
         retainer_rotation=spring.retainer_rotation,
         lifting=options.lifting_ends,
     )
+    return rod if spring.card is None else _with_loads_of(rod, spring.card, lift)
+
+
+def _with_loads_of(rod: FiniteElementRod, card: SpringCard, lift: float) -> FiniteElementRod:
+    """The ``rod`` of a card with the precompression and the moduli at which it bears the card's loads as
+    installed and at its open lift (without one at ``lift``, m): a wire is 1 % off its formulas.
+    """
+    lift = card.open_lift or lift
+    closed, opened, preload = rod.precompression, card.preload + card.rate * lift, 0.0
+    for _ in range(ROUNDS):
+        preload = equilibrium_at(rod, closed).retainer_force if closed > 0 else 0.0
+        rate = (equilibrium_at(rod, closed + lift).retainer_force - preload) / lift
+        closed += card.preload / card.rate - preload / rate
+    stiffer = opened / (preload + rate * lift)
+    steel = rod.definition.material
+    steel = replace(steel, youngs_modulus=steel.youngs_modulus * stiffer, shear_modulus=steel.shear_modulus * stiffer)  # fmt: skip
+    return replace(rod, definition=replace(rod.definition, material=steel), precompression=closed)
 
 
 SPEC = SpringModelSpec(

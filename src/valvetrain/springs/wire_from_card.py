@@ -23,8 +23,7 @@ def wire_from_card(card: SpringCard, valve_lift: float) -> tuple[SpringDefinitio
 
     A card leaves one freedom, taken up by :data:`ACTIVE_COILS` = n: with k = G d^4 / (8 D^3 n) and
     m = rho pi^2 d^2 D n / 4 follows
-    d^10 = (8 k n / G) (4 m / (rho pi^2 n))^3. The finite-element rod comes within 1 % of rate and
-    preload. Raises :class:`InputError` for
+    d^10 = (8 k n / G) (4 m / (rho pi^2 n))^3. Raises :class:`InputError` for
     a card without mass.
     """
     if card.mass is None:
