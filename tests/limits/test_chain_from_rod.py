@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.runs.notes import chain_notes
+from valvetrain.errors import InputError
+from valvetrain.explore.evaluate import Point, PointRequest, evaluate
 from valvetrain.springs import chain_from_rod
 from valvetrain.springs.finite_element_statics import equilibrium_at
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
-from valvetrain.system.build import build
 
 OWN = {
     "wire_diameter": "4.3 mm", "outer_diameter": "33 mm", "total_coils": 6.8,
@@ -58,15 +58,36 @@ def test_a_chain_by_formula_and_a_card_are_as_they_were():
     assert np.allclose(CHAIN.build(card).layout.stiffness, 5 * 40e3)
 
 
-def test_a_rod_without_an_equilibrium_corrects_nothing_and_is_named(monkeypatch):
-    monkeypatch.setattr(chain_from_rod, "rod_reference", lambda spring: None)
-    own = spring()
-    assert np.array_equal(
-        CHAIN.build(own).layout.masses, CHAIN.build(spring(from_rod=False)).layout.masses
-    )
+@pytest.mark.parametrize("error", [InputError, ValueError, RuntimeError, ZeroDivisionError])
+@pytest.mark.parametrize("place", ["equilibrium_at", "natural_modes"])
+def test_a_chain_whose_rod_cannot_be_had_runs_by_no_formula(monkeypatch, error, place):
+    """Contract: whatever the rod failed of, the chain ran on by formula, with another peak force."""
+
+    def fails(*given, **more):
+        raise error("the rod refuses")
+
+    chain_from_rod._reference.cache_clear()
+    monkeypatch.setattr(chain_from_rod, place, fails)
+    with pytest.raises(InputError, match="the rod refuses"):
+        CHAIN.build(spring())
+    assert CHAIN.build(spring(from_rod=False)).unknowns  # by formula on request
     case = vt.Case(spring=OWN, lift_law=vt.Case("job-t").tree["lift_law"], name="own")
-    (note,) = chain_notes(build(case.parameters, spring_models=["multi-mass"]).members)
-    assert "by formula" in note
+    (run,) = case.compare("2000 rpm", ["multi-mass"]).solutions
+    assert run.status.code == "refused" and "the rod refuses" in run.status.message
+    assert "peak_spring_force" not in run.quantities
+    request = PointRequest(("peak_spring_force",))
+    point = Point(case.parameters, (), 200.0, "multi-mass", request=request)
+    assert not evaluate(point).status.completed
+    chain_from_rod._reference.cache_clear()
+
+
+@pytest.mark.parametrize(("name", "value"), [("MAX_COILS", 5), ("CREDIBLE", (0.0, 0.5))])
+def test_a_chain_far_from_its_rod_is_refused_with_the_reason(monkeypatch, name, value):
+    chain_from_rod._reference.cache_clear()
+    monkeypatch.setattr(chain_from_rod, name, value)
+    with pytest.raises(InputError, match="from_rod"):
+        CHAIN.build(spring())
+    chain_from_rod._reference.cache_clear()
 
 
 def test_a_run_says_how_far_its_chain_is_from_the_rod():

@@ -12,6 +12,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
+from valvetrain.explore.evaluate import Point, PointRequest, evaluate
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.springs import reduced_rod_cache
@@ -74,6 +75,11 @@ def test_a_wire_whose_tables_cannot_be_made_runs_by_the_chain_and_by_name_is_ref
     assert any("right: finite-element" in note for note in study.notes)
     (run,) = vt.simulate(case, "2000 rpm", spring_models="reduced-rod", workers=1).solutions
     assert run.status.code == "refused" and "too few equilibria" in run.status.message
+    # A table of points has no notes: a point is by the model of its neighbours or is none.
+    point = Point(case, (), 200.0, request=PointRequest(("peak_spring_force",)))
+    outcome = evaluate(point)
+    assert outcome.status.code == "refused" and "too few equilibria" in outcome.status.message
+    assert not outcome.values
 
 
 def test_a_lift_that_the_equilibria_do_not_reach_is_no_table(monkeypatch):

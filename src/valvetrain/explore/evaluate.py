@@ -106,7 +106,12 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
     if problem.kind != TRAIN and case.lift_law is not None:
         problem = _with_remembered_lift(problem, case.lift_law)
     if point.speed is not None and point.request.motion:
+        by_case = problem.members[0].instead
         problem = problem.settled()
+        if (
+            instead := problem.members[0].instead
+        ) != by_case:  # no point by another model than its neighbours
+            raise InputError(f"{instead}; name spring_models, such as multi-mass", "spring_models")
     member, engine_speed, request = problem.members[0], point.speed, point.request
     if member.refusal:
         raise InputError(member.refusal)

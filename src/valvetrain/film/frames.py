@@ -191,7 +191,7 @@ class VideoFilm(Film):
         self.clock = []
         with _capture(self.path) as video:
             while len(self.clock) < MAX_FRAMES:
-                good, frame = _next(video)
+                good, frame = _next(video, self.name)
                 if not good or frame is None:
                     return
                 if frame.shape[:2] != (self.rows, self.columns):
@@ -269,7 +269,7 @@ def _video(path: Path, shown: str, begin: bytes) -> Film:
             raise InputError(
                 f"'{shown}' claims frames of {columns} x {rows} pixels, more than {MAX_PIXELS / 1e6:g} million; cut the picture"
             )
-        good, frame = _next(video)
+        good, frame = _next(video, shown)
         if not good or frame is None:
             raise InputError(
                 f"no frame of '{shown}' can be read; it is cut short or damaged, so export it again"
@@ -305,12 +305,14 @@ def _capture(path: Path) -> Iterator[Any]:
         video.release()
 
 
-def _next(video: Any) -> tuple[bool, Picture | None]:
-    """The next frame; a decoder that fails ends the film."""
+def _next(video: Any, shown: str) -> tuple[bool, Picture | None]:
+    """The next frame of the film ``shown``; False at its end. Raises :class:`InputError` where the decoder
+    fails: a shorter film would give other numbers.
+    """
     try:
         good, frame = video.read()
-    except Exception:  # cv2.error: what it cannot decode it raises
-        return False, None
+    except Exception as error:  # cv2.error: what it cannot decode it raises
+        raise InputError(f"a frame of '{shown}' is damaged; export it again") from error
     return bool(good), frame
 
 

@@ -155,8 +155,8 @@ def _object(item: Any, seen: dict[int, Any]) -> Iterator[bytes]:
         yield from _content(type(item), seen)
         try:
             state = item.__reduce_ex__(2)
-        except Exception:  # it holds something open: its class alone is known
-            return
+        except Exception:  # it holds something open, which no other part has
+            state = id(item)
         if isinstance(state, tuple):
             state = [*state[1:3], *map(list, filter(None, state[3:5]))]
         yield from _content(state, seen)

@@ -134,12 +134,6 @@ def _chain_note(member: Member, spring: InstalledSpring) -> str:
             compared = match(chain, spring)
     except FAILURES:  # its run says why
         return ""
-    name = f"The chain of spring '{spring.name}'"
-    if compared is None:
-        return (
-            f"{name} has rate and frequency by formula, some per cent high: its rod, which it would take them from, "
-            "finds no equilibrium or no surge."
-        )
     force_error, second = compared.errors()
     high = "" if second is None else f", second frequency {percent(second)} off"
     return (

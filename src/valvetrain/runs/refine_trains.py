@@ -164,6 +164,8 @@ def _prepare_variants(
             try:
                 prepared = _prepare(built, index, factor)
                 refusal = "" if prepared is None else prepared.refusal
+                if built.members[index].instead != member.instead:
+                    refusal = built.members[index].instead  # another model is no variant
             except FAILURES as error:
                 prepared, refusal = None, reason(error)
             if refusal:

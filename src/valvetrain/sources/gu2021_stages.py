@@ -172,9 +172,9 @@ def stage_2(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
     top = int(np.argmax(part))
     found = {"stage_2_peak_force": float(part[top]), "stage_2_peak_cam_angle": float(angle[top])}
     found["stage_2_end_force"] = float(np.interp(event.end, cycle.cam_angle, force))
-    slow = _slow(cycle, force)[inside]
-    pair = _two_peaks(slow)
-    if pair is not None:
+    whole = _slow(cycle, force)
+    slow = np.zeros(0) if whole is None else whole[inside]
+    if len(slow) and (pair := _two_peaks(slow)) is not None:
         first, second = pair
         valley = first + int(np.argmin(slow[first : second + 1]))
         for word, index in (("first_peak", first), ("valley", valley), ("second_peak", second)):
@@ -185,13 +185,15 @@ def stage_2(cycle: Cycle, force: Array, event: LiftEvent) -> dict[str, float]:
     return found
 
 
-def _slow(cycle: Cycle, force: Array) -> Array:
-    """The force below :data:`RATTLE`; itself where its samples do not allow that."""
+def _slow(cycle: Cycle, force: Array) -> Array | None:
+    """The force below :data:`RATTLE`; None where its samples do not allow that."""
+    if not cycle.solution.engine_speed:
+        return None
     try:
         time = cycle.cam_angle / (cycle.solution.engine_speed / 2)
         return low_pass(time, force, RATTLE, closed=cycle.whole)
-    except (InputError, ZeroDivisionError):
-        return force
+    except InputError:
+        return None
 
 
 def _two_peaks(part: Array) -> tuple[int, int] | None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -60,7 +60,6 @@ class ChainMatch:
         second surge frequency (None where the rod shows none).
         """
         found = rod_reference(self.spring)
-        assert found is not None
         lifts, second = _lifts(self.spring), None
         last = compress(found.rod.statics, [self.spring.precompression + lifts[-1]], found.state)[
             -1
@@ -75,16 +74,26 @@ class ChainMatch:
         return float(np.max(np.abs(own - forces))) / float(np.max(forces)), second
 
 
-def rod_reference(spring: InstalledSpring) -> RodReference | None:
-    """The rod of a wire at rest, computed once per spring; None where it has no credible solution."""
-    return _reference(replace(spring, options={}, damping=DampingParameters()))
+def rod_reference(spring: InstalledSpring) -> RodReference:
+    """The rod of a wire at rest, computed once per spring. Raises :class:`InputError` where it has
+    no credible solution, with the reason.
+    """
+    found = _reference(replace(spring, options={}, damping=DampingParameters()))
+    return found if isinstance(found, RodReference) else _refuse(spring, found)
+
+
+def _refuse(spring: InstalledSpring, reason: str) -> NoReturn:
+    raise InputError(
+        f"the chain of spring '{spring.name}' takes its rate and first frequency from the rod of its wire, which cannot be had: {reason}; "
+        "correct the spring, or take both by formula, some per cent high, with from_rod = false in its options.multi-mass"
+    )
 
 
 @lru_cache(maxsize=32)  # each holds a rod
-def _reference(spring: InstalledSpring) -> RodReference | None:
+def _reference(spring: InstalledSpring) -> RodReference | str:
     assert spring.wire is not None
     if spring.wire.total_coils > MAX_COILS:
-        return None
+        return f"with more than {MAX_COILS} coils it costs too much"
     try:
         options = ROD.read_options({"elements_per_coil": ELEMENTS_PER_COIL})
         rod = ROD.make(spring, options, None)
@@ -92,11 +101,11 @@ def _reference(spring: InstalledSpring) -> RodReference | None:
         path = [equilibrium_at(rod, spring.precompression + y) for y in _lifts(spring)[: MID + 1]]
         modes = natural_modes(rod.statics, path[MID].state, MODES)
         surge = modes.natural_frequency[modes.axial_modes(2)]
-    except FAILURES:
-        return None
+    except FAILURES as error:
+        return str(error) or type(error).__name__
     forces = tuple(float(point.retainer_force) for point in path)
     if not len(surge) or not forces[MID] > 0:
-        return None
+        return "it shows no surge" if len(surge) else "it does not press at mid travel"
     return RodReference(forces, tuple(map(float, surge)), rod, path[MID].state)
 
 
@@ -105,13 +114,12 @@ def _lifts(spring: InstalledSpring) -> list[float]:
     return [share * spring.room for share in PLACES]
 
 
-def match(chain: Any, spring: InstalledSpring) -> ChainMatch | None:
+def match(chain: Any, spring: InstalledSpring) -> ChainMatch:
     """The ``chain`` of a wire with its stiffness scaled to the force of the rod at mid travel and
-    its masses to the rod's first surge frequency there; None where that cannot be had.
+    its masses to the rod's first surge frequency there. Raises :class:`InputError` where that cannot
+    be had.
     """
     found = rod_reference(spring)
-    if found is None:
-        return None
     middle, scale = _lifts(spring)[MID], 1.0
     layout, stiff = chain.layout, chain
     for _ in range(4):  # coils that have closed carry a part that is not scaled
@@ -119,7 +127,9 @@ def match(chain: Any, spring: InstalledSpring) -> ChainMatch | None:
         stiff = replace(chain, layout=replace(layout, stiffness=layout.stiffness * scale))
     heavier = (stiff.frequencies(middle, 1)[0] / found.surge_frequencies[0]) ** 2
     if not all(CREDIBLE[0] < factor < CREDIBLE[1] for factor in (scale, heavier)):
-        return None
+        _refuse(
+            spring, f"its stiffness is {scale:.3g} and its mass {heavier:.3g} times the chain's"
+        )
     corrected = replace(stiff, layout=replace(stiff.layout, masses=layout.masses * heavier))
     return ChainMatch(corrected, found.surge_frequencies[0], spring)
 

@@ -428,8 +428,9 @@ def _make(
         return chain
     from valvetrain.springs.chain_from_rod import match  # it corrects this class
 
-    found = match(chain, spring)
-    return chain if found is None else found.chain
+    chain = match(chain, spring).chain
+    assert isinstance(chain, MultiMassSpring)
+    return chain
 
 
 SPEC = SpringModelSpec(
