@@ -28,7 +28,7 @@ STEEP_RAMPS = {"0.1 mm": "0.05138 mm/deg", "0.3 mm": "0.06572 mm/deg", "0.56 mm"
 
 def pushrod(lash: str, torque: str = "0.3 N m", model: str = "multi-mass"):
     """The pushrod train that `valvetrain new` writes, with other lash and ramp, hold of its
-    rocker while the lash is open, and spring model.
+    rocker while the lash is open, spring model, and a stiff pushrod, on which it rattles.
     """
     text = (
         resources.files("valvetrain").joinpath("templates/pushrod.toml").read_text(encoding="utf-8")
@@ -38,6 +38,7 @@ def pushrod(lash: str, torque: str = "0.3 N m", model: str = "multi-mass"):
         'lash = "0 in"': f'lash = "{lash}"\nramp_lift = "{float(lash.split()[0]) / 1.6 + 0.1} mm"',
         'advertised_duration = "288 deg"': f'ramp_velocity = "{STEEP_RAMPS[lash]}"',
         '# spring_model = "modal-uniform"': f'spring_model = "{model}"',
+        'wall_thickness = "0.080 in"': 'mass = "62 g"\nstiffness = "60 kN/mm"\nwall_thickness = "0.080 in"',
     }
     for old, new in changes.items():
         assert old in text
