@@ -72,6 +72,13 @@ class Guide:
         return [line for block in blocks for line in block.splitlines() if line.strip()]
 
     @property
+    def files(self) -> dict[str, str]:
+        """Name of each file that the page says to save -> its text."""
+        return dict(
+            re.findall(r"^Save this as `([\w.-]+)`:\n\n```\w+\n(.*?)^```", self.text, re.M | re.S)
+        )
+
+    @property
     def words(self) -> list[str]:
         """The command in words, without ``valvetrain``."""
         (command,) = self.commands
@@ -104,8 +111,10 @@ class Guide:
                 found.append(Row(cells[0].strip("`"), place, given[1], given[3]))
         return found
 
-    def write_templates(self) -> None:
-        """The template cases that the page names, into the folder that is current."""
+    def write_files(self) -> None:
+        """The files and the template cases that the page names, into the folder that is current."""
+        for name, text in self.files.items():
+            Path(name).write_text(text, encoding="utf-8")
         for name, kind in re.findall(r"`valvetrain new ([\w-]+) --kind (\w+)`", self.text):
             if not Path(f"{name}.toml").exists():
                 write_template(name, kind)
@@ -235,7 +244,7 @@ def _of_study(answer: Mapping[str, Any], row: Row) -> float:
 
 def rows_of_study(guide: Guide) -> dict[str, Any]:
     """Those points of a study that its page prints, computed and shaped as the command's answer."""
-    plan = read_plan(read_study_file(ROOT / guide.words[1]))
+    plan = read_plan(read_study_file(Path(guide.words[1])))
     draws = plan.sampler.first(plan.varied, plan.options)
     outputs, varied = list(plan.outputs), [{"key": one.key} for one in plan.varied]
     runs = [{"engine_speed": run[0]} for run in plan.runs]

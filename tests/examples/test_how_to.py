@@ -6,12 +6,20 @@ from __future__ import annotations
 
 import os
 import re
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from how_to_parts import FOLDER, PAGES, ROOT, Guide, holds, number_of, rows_of_study
 from valvetrain import study
+from valvetrain.explore.identification_file import read_request
+from valvetrain.explore.objective import read_optimum
+from valvetrain.explore.optimum_file import read_optimum_file
+from valvetrain.explore.study import read_plan, read_study_file
+from valvetrain.measured import read_lift
+from valvetrain.system.build import build
 
 #: Guides whose command takes seconds: asked by make test-long.
 LONG = ("01", "02", "03", "05", "06", "07", "08", "15", "16")
@@ -30,7 +38,7 @@ CASES = [
 def test_a_guide_prints_what_its_command_gives(path, tmp_path, monkeypatch):
     guide = Guide(path)
     monkeypatch.chdir(tmp_path)
-    guide.write_templates()
+    guide.write_files()
     whole = os.environ.get("VALVETRAIN_LONG") == "1"
     # Of a study the points that the page prints are enough; the whole command runs with the long
     # ones.
@@ -114,6 +122,8 @@ def test_a_guide_opens_with_its_answer_in_numbers_that_the_page_gives(path):
     guide = Guide(path)
     _, answer, rest = guide.text.split("\n\n", 2)
     assert answer.startswith("**") and answer.endswith("**") and "\n" not in answer
+    for text in guide.files.values():
+        rest = rest.replace(text, "")
     given = [float(text) for text in NUMBER.findall(rest)]
     strange = [
         text
@@ -136,6 +146,31 @@ def test_links_and_files_of_a_guide_are_there(path):
     assert not [
         name for name in re.findall(r"examples/[\w./-]+", text) if not (ROOT / name).exists()
     ]
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+def test_what_is_copied_from_a_guide_runs_in_an_empty_folder(path, tmp_path, monkeypatch):
+    """Contract: the files named cases by a path of the repository. Searches and studies are read and
+    laid out, cases are built; the numbers are those of the test above."""
+    guide = Guide(path)
+    monkeypatch.chdir(tmp_path)
+    for name, text in guide.files.items():
+        Path(name).write_text(text, encoding="utf-8")
+        (example,) = (ROOT / "examples").rglob(name)
+        known = example.read_text(encoding="utf-8")
+        assert text == known or tomllib.loads(text) == tomllib.loads(known)
+    kind, file, *_ = guide.words
+    if kind == "study":
+        plan = read_plan(read_study_file(Path(file)))
+        assert len(plan.draws()) > 1 and plan.runs
+    elif kind == "optimise":
+        assert read_optimum(read_optimum_file(Path(file))).measures
+    elif kind == "identify":
+        assert read_request(file).targets
+    elif kind == "lift":
+        assert read_lift(Path(file))
+    else:
+        assert build(file).members
 
 
 def test_there_is_a_guide_for_every_question_and_the_index_names_it():
