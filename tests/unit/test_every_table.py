@@ -203,10 +203,8 @@ def test_many_runs_stand_below_each_other_a_question_a_table():
         )
     )
     force, clash = the(Cards, blocks("answers", study)).cards
-    assert (force.title, force.headers) == (
-        "Spring force and coil bind",
-        ("Peak spring force below 10 kHz (N)", "Clearance to coil bind (mm)")[:1],
-    )
+    assert force.title == "Spring force and coil bind"
+    assert force.headers == ("Peak spring force below 10 kHz (N)",)
     assert force.lines[3] == (f"{NAMES[0]}, 1300 rpm", ("503",)) and len(force.lines) == 9
     assert (clash.title, clash.headers, clash.lines[8]) == (
         "Coil clash",
