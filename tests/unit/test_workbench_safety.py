@@ -20,6 +20,7 @@ from typing import Any
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.workbench import safety
 from valvetrain.workbench.safety import (
     Guard,
     Rate,
@@ -456,6 +457,15 @@ def _other_address() -> str:
             return str(line.getsockname()[0])
         except OSError:
             return "240.0.0.1"
+
+
+def test_a_body_that_does_not_arrive_is_not_waited_for(served, monkeypatch):
+    """128 of them would keep out everybody else."""
+    monkeypatch.setattr(safety, "BODY_TIME", 0.3)
+    own = (f"Host: 127.0.0.1:{served}", f"Origin: http://127.0.0.1:{served}")
+    begun = time.monotonic()
+    answer = raw(served, "POST /echo HTTP/1.1", *own, "Content-Length: 100")
+    assert b" 408 " in answer[:20] and time.monotonic() - begun < 3.0
 
 
 def test_the_pages_are_served_behind_the_guard_with_its_settings(monkeypatch):

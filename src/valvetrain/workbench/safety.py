@@ -255,7 +255,10 @@ class Guard:
 
         async def bounded() -> Message:
             nonlocal taken, whole
-            message = await wait_for(receive(), None if whole else due - time.monotonic())
+            try:
+                message = await wait_for(receive(), None if whole else due - time.monotonic())
+            except TimeoutError:
+                raise _LateError from None
             whole = not message.get("more_body")
             taken += len(message.get("body") or b"")
             if taken > self.settings.most_body:
@@ -276,7 +279,7 @@ class Guard:
             await self.app(scope, bounded, sender.send)
         except _TooLargeError:
             await sender.refuse(413, self._too_large)
-        except TimeoutError:
+        except _LateError:
             await sender.refuse(408, "the rest of what was sent did not arrive; send it again")
         finally:
             self._requests -= 1
@@ -385,6 +388,10 @@ class Guard:
 
 class _TooLargeError(Exception):
     """A body went beyond the bound while it was read."""
+
+
+class _LateError(Exception):
+    """A body did not arrive in time."""
 
 
 class _Sender:
