@@ -26,14 +26,12 @@ from valvetrain.errors import InputError
 from valvetrain.explore.identification_file import Request, read_request
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.identify import identify_request
-from valvetrain.parameters.installed_spring import DampingParameters
-from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.writing import write_case_values
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import digest, write_text
-from valvetrain.sources.gu2021_identification import case_values, law_of, spring_of
+from valvetrain.sources.gu2021_identification import case_values
 
 FILE = Path(__file__).resolve().parents[1] / "examples" / "identify-beehive.toml"
 
@@ -62,32 +60,13 @@ def predict(
     """All three speeds of one draw of the unknowns: named quantities, keyed ``rpm quantity``; empty
     for an impossible spring.
     """
-    p = dict(zip(names, map(float, values), strict=True))
-    case = load_case("gu2021-beehive-blind")
     try:
-        law = law_of(p)
-        shape = {
-            name: getattr(law, name)
-            for name in (
-                "maximum_lift",
-                "ramp_lift",
-                "ramp_start",
-                "event_start",
-                "nose",
-                "flank_shape",
-            )
-        }
-        own = case.springs[0].with_options("finite-element", elements_per_coil=elements_per_coil)
-        damping = DampingParameters(
-            ratio=own.damping.ratio,
-            ratio_frequency=own.damping.ratio_frequency,
-            stiffness_share=p["stiffness_share"],
+        changes = case_values(dict(zip(names, map(float, values), strict=True)))
+        case = load_case("gu2021-beehive-blind", changes)
+        spring = case.springs[0].with_options("finite-element", elements_per_coil=elements_per_coil)
+        study = run_study(
+            case.replace(springs=(spring,)), spring_models=("finite-element",), workers=1
         )
-        spring = replace(own, wire=spring_of(p), damping=damping)
-        case = case.replace(
-            springs=(spring,), lift_law=LiftLawParameters("shaped", shape), published=()
-        )
-        study = run_study(case, spring_models=("finite-element",), workers=1)
     except (InputError, ValueError, np.linalg.LinAlgError, RuntimeError):
         return {}
     found = study.quantities.items()
