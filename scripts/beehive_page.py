@@ -228,11 +228,11 @@ def spike_text(study: Study) -> str:
     late = float(np.mean(peaks.cam_angle[np.arange(len(at)), at] >= event.end))
     q = run.quantities
     return (
-        f"At 8000 rpm the source prints a spike of 1430 N. Samples of the calibrated spring show {read.low:.0f} to {read.high:.0f} N over "
-        f"{read.phases} phases, {row.computed:.0f} N in the median, and 1430 N or more at {read.share:.0%} of the phases. At {early:.0%} of "
-        f"the phases the collision at 248 degrees is the highest, at the others that at 254. The largest sample of the cycle is in Stage III at "
-        f"{late:.0%} of the phases (Stage II has {q['stage_2_peak_force']:.0f} N in the median), so the source's finding that Stage III holds "
-        "the peak is not reproduced."
+        f"The source prints a spike of 1430 N at 8000 rpm. Samples of the calibrated spring show {read.low:.0f} to {read.high:.0f} N over "
+        f"{read.phases} phases, {row.computed:.0f} N in the median, and 1430 N or more at {100 * read.share:.0f} % of them. At "
+        f"{100 * early:.0f} % of the phases the collision at 248 degrees is the highest, at the others that at 254. Stage III holds the largest "
+        f"sample of the cycle at {100 * late:.0f} % of the phases (Stage II has {q['stage_2_peak_force']:.0f} N in the median), so the source's "
+        "finding that it holds the peak is not reproduced."
     )
 
 
@@ -245,7 +245,7 @@ def unused_text(study: Study) -> str:
         if kind == "angles":
             text = f"{statistics.median(abs(r.difference or 0) for r in mine) / DEG:.0f} degrees"
         else:
-            text = f"{statistics.median(map(_off, mine)):.0%}"
+            text = f"{100 * statistics.median(map(_off, mine)):.0f} %"
         parts.append(f"{kind} {text} ({len(mine)})")
     used = sum(row.role == "calibration" for row in study.comparisons)
     return (

@@ -222,10 +222,8 @@ def _over_phases(value: PublishedValue, samples: SampleRange | None) -> str:
     from valvetrain.units import to_unit
 
     low, high = (float(to_unit(end, value.unit)) for end in (samples.low, samples.high))
-    return (
-        f"; {low:.4g} to {high:.4g} {value.unit} over {samples.phases} phases of samples, "
-        f"{samples.share:.0%} at or above"
-    )
+    share = "" if turned else f", {100 * samples.share:.0f} % at or above"
+    return f"; {low:.4g} to {high:.4g} {value.unit} over {samples.phases} phases of samples{share}"
 
 
 def _size(value: PublishedValue, difference: float, signed: bool = False) -> str:
