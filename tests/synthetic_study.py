@@ -142,8 +142,8 @@ def modal_run(engine_speed: float = SPEED, samples: int = 720) -> Solution:
     found = {
         "peak_spring_force": 800.0,
         "minimum_spring_force": 299.0,
-        "nominal_peak_shear_stress": 533e6,
-        "nominal_minimum_shear_stress": 201e6,
+        "open_nominal_shear_stress": 533e6,
+        "closed_nominal_shear_stress": 201e6,
     }
     return Solution(channels, provenance=origin, quantities=found)
 

@@ -182,9 +182,9 @@ def test_stress_beside_the_strength_of_the_wire():
     point, published = [layer for layer in chart.panels[0].layers if hasattr(layer, "symbol")]
     assert published.y.tolist() == [620.5, 930.8] and published.labels[1] == "shot-peened"
     found = done.solutions[0].quantities
-    assert point.x[0] == pytest.approx(found["nominal_minimum_shear_stress"] * 1e-6)
-    assert point.y[0] == pytest.approx(found["nominal_peak_shear_stress"] * 1e-6)
-    share = found["uncorrected_peak_shear_stress"] / found["permitted_shear_stress"]
+    assert point.x[0] == pytest.approx(found["closed_nominal_shear_stress"] * 1e-6)
+    assert point.y[0] == pytest.approx(found["open_nominal_shear_stress"] * 1e-6)
+    share = found["open_uncorrected_shear_stress"] / found["permitted_shear_stress"]
     assert point.y[0] == pytest.approx(share * chart.panels[0].rules[0].value)
     assert f"{100 * share:.3g} %" in chart.caption
 

@@ -126,7 +126,7 @@ def test_a_short_range_below_two_motions_ends_control():
 def test_extremes_are_those_of_the_speeds_in_use_and_then_those_beyond():
     """Contract: the surge and the largest stress were those of 8000 rpm, where nobody runs the engine."""
     runs = tuple(
-        run(speed, surge_amplitude_force=surge, nominal_peak_shear_stress=surge * 1e7)
+        run(speed, surge_amplitude_force=surge, open_nominal_shear_stress=surge * 1e7)
         for speed, surge in ((4000, 40.0), (6000, 50.0), (8000, 90.0))
     )
     study = sweep(lost("contact-loss", 7000), runs=runs)
@@ -249,8 +249,8 @@ def test_speeds_that_the_table_tells_apart_are_both_printed():
 def test_a_small_difference_of_stress_does_not_tell_which_breaks_first(share, tells):
     """One per cent of stress amplitude was "so of equal wires it breaks first"."""
     stress = {
-        "nominal_peak_shear_stress": 900e6,
-        "nominal_minimum_shear_stress": 300e6,
+        "open_nominal_shear_stress": 900e6,
+        "closed_nominal_shear_stress": 300e6,
         "minimum_spring_force": 200.0,
         "peak_spring_force": 600.0,
     }

@@ -147,8 +147,8 @@ def test_a_study_is_told_entry_by_entry():
             "quantities": {
                 "peak_spring_force": known(800, "N"),
                 "minimum_spring_force": known(299, "N"),
-                "nominal_peak_shear_stress": known(533e6, "Pa"),
-                "nominal_minimum_shear_stress": known(201e6, "Pa"),
+                "open_nominal_shear_stress": known(533e6, "Pa"),
+                "closed_nominal_shear_stress": known(201e6, "Pa"),
             },
         },
     ]

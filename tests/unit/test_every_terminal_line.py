@@ -64,8 +64,13 @@ def test_a_run_says_each_number_once_under_its_run():
         ("Clash energy", "mJ", "clash_energy", 1e3),
         ("Peak shear stress", "MPa", "peak_shear_stress", 1e-6),
         ("Minimum shear stress", "MPa", "minimum_shear_stress", 1e-6),
-        ("Peak shear stress by EN 13906-1", "MPa", "nominal_peak_shear_stress", 1e-6),
-        ("Minimum shear stress by EN 13906-1", "MPa", "nominal_minimum_shear_stress", 1e-6),
+        (
+            "Shear stress by EN 13906-1 at the largest lift",
+            "MPa",
+            "open_nominal_shear_stress",
+            1e-6,
+        ),
+        ("Shear stress by EN 13906-1, valve closed", "MPa", "closed_nominal_shear_stress", 1e-6),
     ):
         runs = study.solutions
         cells = (

@@ -42,10 +42,10 @@ def study():
 def test_stress_is_held_against_the_named_wire(study):
     (run,) = study.solutions
     (found,) = passed_limits(run.quantities).values()
-    assert found.quantity == "uncorrected_peak_shear_stress"
+    assert found.quantity == "open_uncorrected_shear_stress"
     assert found.limit == pytest.approx(0.56 * 1910e6) and found.value > found.limit
     force, mean, diameter = run.quantities["peak_spring_force"], 22e-3, 3e-3
-    assert found.value == pytest.approx(8 * force * mean / (math.pi * diameter**3))
+    assert found.value == pytest.approx(8 * force * mean / (math.pi * diameter**3), rel=0.02)
 
 
 def test_the_corrected_stress_passes_no_limit_at_rest():
@@ -54,17 +54,21 @@ def test_the_corrected_stress_passes_no_limit_at_rest():
     """
     run = vt.simulate(CASE.set({"spring.precompression": "18 mm"}), spring_models="massless").solutions[0]  # fmt: skip
     found = run.quantities
-    assert found["nominal_peak_shear_stress"] > found["permitted_shear_stress"]
+    assert found["open_nominal_shear_stress"] > found["permitted_shear_stress"]
     assert not passed_limits(found) and "limit" not in run.verdict
 
 
 def test_terminal_json_page_and_workbench_say_it(study, tmp_path):
     out = io.StringIO()
     show_study(Console(file=out, width=120), study, tmp_path, None)
-    rows = [line.rstrip() for line in out.getvalue().splitlines() if line.startswith("Peak shear")]
+    rows = [
+        line.rstrip()
+        for line in out.getvalue().splitlines()
+        if "hear stress" in line and "at the largest lift" in line
+    ]
     assert [one.endswith("!") for one in rows] == [False, True]
     assert "above its limit of 1070 MPa" in study.verdict
-    limits = study_json(study)["runs"][0]["passed_limits"]["uncorrected_peak_shear_stress"]
+    limits = study_json(study)["runs"][0]["passed_limits"]["open_uncorrected_shear_stress"]
     assert limits["value"] == pytest.approx(0.56 * 1910e6) and limits["unit"] == "Pa"
     json.dumps(limits)
     page, _ = write_page(study_page(study), tmp_path, figures=False)
@@ -103,9 +107,9 @@ def test_a_case_sets_its_own_limit_of_the_seating_velocity_and_nothing_moves():
         ({"seating_velocity": 0.6, "permitted_seating_velocity": 0.7}, set()),
         ({"seating_velocity": 0.4, "permitted_seating_velocity": 0.3}, {"seating_velocity"}),
         ({"outer_coil_bind_clearance": -1e-4, "inner_coil_bind_clearance": 1e-3}, {"outer_coil_bind_clearance"}),
-        ({"uncorrected_peak_shear_stress": 1050e6, "permitted_shear_stress": 1040e6}, {"uncorrected_peak_shear_stress"}),
-        ({"peak_shear_stress": 1361e6, "nominal_peak_shear_stress": 1361e6, "permitted_shear_stress": 1040e6}, set()),
-        ({"uncorrected_peak_shear_stress": 2361e6}, set()),  # of a wire whose strength is unknown
+        ({"open_uncorrected_shear_stress": 1050e6, "permitted_shear_stress": 1040e6}, {"open_uncorrected_shear_stress"}),
+        ({"peak_shear_stress": 1361e6, "open_nominal_shear_stress": 1361e6, "permitted_shear_stress": 1040e6}, set()),
+        ({"open_uncorrected_shear_stress": 2361e6}, set()),  # of a wire whose strength is unknown
     ],
 )  # fmt: skip
 def test_what_passes_a_limit(values, passed):

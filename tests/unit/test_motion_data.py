@@ -220,7 +220,7 @@ def test_a_chain_shows_the_stress_and_the_page_says_where_it_comes_from():
     variant = moving_picture(study, Limits(frames=120)).variants[0]
     assert [spring.colourings[0].key for spring in variant.springs] == ["stress"]
     assert any("slope of the coils" in note for note in variant.notes)
-    nominal = 1e-6 * study.solutions[0].quantities["nominal_peak_shear_stress"]
+    nominal = 1e-6 * study.solutions[0].quantities["open_nominal_shear_stress"]
     assert 0.9 < variant.springs[0].colourings[0].values.max() / nominal < 1.3
 
 

@@ -364,8 +364,8 @@ def test_answers_come_in_the_order_in_which_they_are_asked():
         "largest_clash_impulse",
         "peak_shear_stress",
         "minimum_shear_stress",
-        "nominal_peak_shear_stress",
-        "nominal_minimum_shear_stress",
+        "open_nominal_shear_stress",
+        "closed_nominal_shear_stress",
     ]
     assert [
         (one.label, round(one.engine_speed * 30 / np.pi)) for one in headline_columns(study)
@@ -380,8 +380,8 @@ def test_answers_come_in_the_order_in_which_they_are_asked():
         by_name["coil_bind_clearance"].values == (1.25, 1.25, None, None)
         and by_name["coil_bind_clearance"].unit == "mm"
     )
-    assert by_name["nominal_peak_shear_stress"].values[:2] == (None, None)
-    assert by_name["nominal_peak_shear_stress"].values[2] == pytest.approx(533.0)
+    assert by_name["open_nominal_shear_stress"].values[:2] == (None, None)
+    assert by_name["open_nominal_shear_stress"].values[2] == pytest.approx(533.0)
 
 
 def test_a_sweep_answers_with_the_worst_value_and_its_speed():

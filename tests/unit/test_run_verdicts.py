@@ -22,7 +22,6 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE, CAUSE_VIBRATION
 from valvetrain.report.chart import Chart, Line, Panel, Rule
-from valvetrain.report.clauses import Runs, Worst
 from valvetrain.report.headlines import headline_rows
 from valvetrain.report.key_figures import key_figures
 from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
@@ -212,8 +211,8 @@ def test_bounces_and_their_height_are_of_one_run():
 def test_two_spring_sets_are_listed_with_power_stress_and_clash(tmp_path):
     """Power stood in the terminal for one spring set alone."""
     one, other = train(
-        {"mean_cam_power": 39.3, "nominal_peak_shear_stress": 1.035e9, "nominal_minimum_shear_stress": 4.2e8,
-         "uncorrected_peak_shear_stress": 8.8e8, "permitted_shear_stress": 1.1e9, "clash_energy": 0.0},
+        {"mean_cam_power": 39.3, "open_nominal_shear_stress": 1.035e9, "closed_nominal_shear_stress": 4.2e8,
+         "open_uncorrected_shear_stress": 8.8e8, "permitted_shear_stress": 1.1e9, "clash_energy": 0.0},
         {"mean_cam_power": 44.1, "clash_energy": 0.153},
     ).solutions  # fmt: skip
     speed = one.provenance.engine_speed
@@ -469,43 +468,6 @@ def test_a_seating_velocity_on_a_ramp_that_no_card_gives_says_so():
         told = replace(study, solutions=(fast,)).verdict
         assert (f"0.8 m/s, above the 0.52 m/s called smooth {said}." in told) is assumed
         assert assumed or said not in told
-
-
-def test_a_stress_that_is_capped_at_solid_says_so():
-    """Closed form: a force of 100 to 900 N at 1 MPa/N, of which 800 N press the spring solid."""
-    name = "nominal_peak_shear_stress"
-    values = {"minimum_spring_force": 100.0, "peak_spring_force": 900.0, "nominal_minimum_shear_stress": 1e8}  # fmt: skip
-    for peak, capped in ((8e8, True), (9e8, False)):
-        (run,) = train(values | {name: peak}).solutions
-        run = replace(run, provenance=replace(run.provenance, springs=("spring",)))
-        said = Runs((run,)).bounded(Worst(name, peak, run))
-        assert said == f"100 to {peak / 1e6:.0f} MPa{' (that of the solid spring: the peak force is above)' * capped}"  # fmt: skip
-
-
-def test_a_capped_stress_of_a_pair_and_of_a_force_below_zero_says_so():
-    """Closed form: a spring of 1 MPa/N solid at 800 N, by itself with −100 to 900 N, and as the outer one of a pair,
-    whose largest stress had no such remark.
-    """
-    name, least = "nominal_peak_shear_stress", "nominal_minimum_shear_stress"
-    remark = " (that of the solid spring: the peak force is above)"
-    forces = {"minimum_spring_force": -100.0, "peak_spring_force": 900.0}
-    (run,) = train({name: 8e8, least: -1e8, **forces}).solutions
-    alone = replace(run, provenance=replace(run.provenance, springs=("spring",)))
-    assert Runs((alone,)).bounded(Worst(name, 8e8, alone)) == f"−100 to 800 MPa{remark}"
-    pair = replace(run, provenance=replace(run.provenance, springs=("outer", "inner")))
-    values = {name: 8e8, f"outer_{name}": 8e8, f"inner_{name}": 6e8}
-    for force, capped in ((900.0, True), (800.0, False)):
-        logged = {"outer_minimum_spring_force": 100.0, "outer_peak_spring_force": force}
-        found = {**values, least: 1e8, f"outer_{least}": 1e8}
-        one = replace(pair, quantities=found, statistics=logged)
-        assert Runs((one,)).bounded(Worst(name, 8e8, one)) == f"100 to 800 MPa{remark * capped}"
-        still = replace(
-            one,
-            quantities={**found, f"outer_{least}": 0.0},
-            statistics={**logged, "outer_minimum_spring_force": 0.0},
-        )
-        said = Runs((still, one)).bounded(Worst(name, 8e8, still))
-        assert (remark in said) is capped
 
 
 def test_a_sentence_opens_with_the_doubt_of_a_model_that_does_not_hold():

@@ -13,7 +13,7 @@ STUDY = """
 case = "spring.toml"
 engine_speeds = "3000 rpm"
 spring_models = ["massless"]
-outputs = ["surge_frequency", "peak_spring_force", "nominal_peak_shear_stress"]
+outputs = ["surge_frequency", "peak_spring_force", "open_nominal_shear_stress"]
 points = {{ sampler = "list"{names} }}
 
 [[vary]]

@@ -14,7 +14,7 @@ from valvetrain.quantities.request import PointRequest
 
 NAMES = (
     "clash_count", "peak_clash_force", "largest_clash_energy", "peak_shear_stress", "peak_equivalent_stress",
-    "nominal_peak_shear_stress", "peak_spring_force", "surge_amplitude_force",
+    "open_nominal_shear_stress", "peak_spring_force", "surge_amplitude_force",
 )  # fmt: skip
 SPEED = 900.0
 
@@ -52,7 +52,7 @@ def test_one_model_that_gives_it_is_enough(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["peak_clash_force", "nominal_peak_shear_stress", "peak_shear_stress"]
+    "name", ["peak_clash_force", "open_nominal_shear_stress", "peak_shear_stress"]
 )
 def test_a_card_has_neither_coils_nor_stress(name, tmp_path):
     case = case_of(tmp_path, TRAIN)

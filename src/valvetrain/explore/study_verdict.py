@@ -50,7 +50,7 @@ ALIKE, MAX_ALIKE = 0.01, 2
 #: Further changes of a list that are named behind the largest.
 MAX_NEXT = 5
 #: Outputs by which springs are judged before all others, for by them they break.
-STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "nominal_peak_shear_stress")
+STRESSES = ("largest_amplitude_shear_stress", "peak_shear_stress", "open_nominal_shear_stress")
 #: Share up to which the gain of a grid over its reference is worded as "only".
 LITTLE = 0.1
 #: What makes a stress amplitude larger -> in words.

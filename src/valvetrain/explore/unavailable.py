@@ -24,7 +24,7 @@ NEEDS = {
     ),
 }  # fmt: skip
 #: Stresses of the force by the dimensions of a wire, which every model gives.
-BY_WIRE = ("nominal_peak_shear", "nominal_minimum_shear", "uncorrected_peak_shear")
+BY_WIRE = ("open_nominal_shear", "closed_nominal_shear", "open_uncorrected_shear")
 WHAT = {"clash": "coils that meet", "stress": "stress along the wire"}
 
 

@@ -85,32 +85,22 @@ def peak_of_cycle(cycle: Cycle, channel: str, raw: float, raw_angle: float) -> F
     return replace(found, place=(found.place + start / (2 * np.pi)) % 1.0)
 
 
-def spring_extremes(cycle: Cycle, spring: str) -> tuple[float, float] | None:
-    """Minimum and maximum seat force (N) of one spring over the cycle; None where the run has no
-    force of it.
-    """
-    logged = cycle.solution.statistics
-    first = f"{spring}_" if len(cycle.solution.springs) > 1 else ""
-    ends = logged.get(f"{first}minimum_spring_force"), logged.get(f"{first}peak_spring_force")
-    if all(isinstance(end, (int, float)) for end in ends):
-        return float(ends[0] or 0.0), float(ends[1] or 0.0)
-    name = cycle.solution.channel_of(spring, "seat_force")
-    if not cycle.solution.has(name):
-        return None
-    return extreme_of_cycle(cycle, name, "lowest")[0], extreme_of_cycle(cycle, name, "highest")[0]
-
-
 def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:
     """Maximum lift (m) of the cycle and the clearance to coil bind."""
-    if not cycle.solution.has("valve_lift"):
+    largest = largest_lift(cycle)
+    if largest is None:
         return {}
-    logged = cycle.solution.statistics.get("peak_valve_lift")
-    largest = (
-        float(logged)
-        if isinstance(logged, (int, float))
-        else float(np.max(cycle.channel("valve_lift")))
-    )
     return {"peak_valve_lift": largest, **bind_clearances(springs, largest)}
+
+
+def largest_lift(cycle: Cycle) -> float | None:
+    """Largest lift (m) of the cycle, of every step where it is recorded; None without a lift."""
+    if not cycle.solution.has("valve_lift"):
+        return None
+    logged = cycle.solution.statistics.get("peak_valve_lift")
+    if isinstance(logged, (int, float)):
+        return float(logged)
+    return float(np.max(cycle.channel("valve_lift")))
 
 
 def bind_clearances(springs: Sequence[InstalledSpring], largest: float) -> dict[str, float]:

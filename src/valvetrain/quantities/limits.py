@@ -43,7 +43,7 @@ _SEATING = (
 #: The reason of a limit that the case gives.
 OF_CASE = "the limit that the case sets"
 LIMITS: tuple[Limit, ...] = (
-    Limit("uncorrected_peak_shear_stress", _SHEAR, against="permitted_shear_stress"),
+    Limit("open_uncorrected_shear_stress", _SHEAR, against="permitted_shear_stress"),
     Limit("coil_bind_clearance", "the coils are solid before the largest lift", 0.0, least=True),
     Limit("seating_velocity", _SEATING, 0.52, against="permitted_seating_velocity", phrase="above the {} called smooth"),
 )  # fmt: skip

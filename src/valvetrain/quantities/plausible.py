@@ -112,7 +112,7 @@ FOUND = (
     _range("a spring force", "raw_peak_spring_force raw_peak_retainer_force", -1e5, 1e5, "N", 1.0, "the largest valve springs carry some 10 kN"),
     _range("a contact force", "peak_*_contact_force", -1e6, 1e6, "N", 1.0, "more than any cam, tappet or seat can carry"),
     _range("the force on a guide", "guide_force", -1e5, 1e5, "N", 1.0, "a spring cannot press on its guide with more than it can carry"),
-    _range("a shear stress", "peak_shear_stress nominal_peak_shear_stress uncorrected_peak_shear_stress", -1e10, 1e10, "GPa", 1e9,
+    _range("a shear stress", "peak_shear_stress open_nominal_shear_stress open_uncorrected_shear_stress", -1e10, 1e10, "GPa", 1e9,
            "the ideal strength of a steel crystal is G / 8"),
 )  # fmt: skip
 TABLES: Mapping[str, tuple[PlausibleRange, ...]] = {
@@ -195,7 +195,7 @@ def _implausible_rest(one: SpringAtRest) -> tuple[str, float] | None:
     curve, nominal = one.curve, one.stress_per_force
     rows = [("raw_peak_spring_force", curve.compression, curve.force)]
     if nominal is not None:
-        rows.append(("nominal_peak_shear_stress", curve.compression, nominal * curve.force))
+        rows.append(("open_nominal_shear_stress", curve.compression, nominal * curve.force))
     if one.stress is not None and one.stress.shear.size:
         rows.append(("peak_shear_stress", one.stress.compression, np.max(one.stress.shear, axis=1)))
     if curve.leaning is not None:

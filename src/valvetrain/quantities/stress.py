@@ -1,4 +1,4 @@
-"""Named stresses of a run: by EN 13906-1 from the force, and along the wire where the model gives
+"""Named stresses of a run: by EN 13906-1 from the loads at rest, and along the wire where the model gives
 section loads.
 """
 
@@ -12,10 +12,12 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.material import PERMITTED_SHEAR, tensile_strength
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Array, Cycle, Frame
-from valvetrain.quantities.forces import spring_extremes
+from valvetrain.quantities.forces import largest_lift
 from valvetrain.quantities.statics import solid_quantities
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.result import Solution
+from valvetrain.springs.chain_statics import static_curve
+from valvetrain.springs.equivalent import reduction_chain
 from valvetrain.springs.stress import (
     LOADS,
     STRESS_CHANNELS,
@@ -26,7 +28,7 @@ from valvetrain.springs.stress import (
 
 SHEAR, EQUIVALENT = "inner_fibre_shear_stress", "inner_fibre_equivalent_stress"
 #: What EN 13906-1 holds against the permitted shear.
-UNCORRECTED = "uncorrected_peak_shear_stress"
+UNCORRECTED = "open_uncorrected_shear_stress"
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +65,7 @@ def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
     names = cycle.solution.springs
     found: dict[str, float] = {}
     for name, spring in zip(names, frame.springs, strict=False):
-        mine = _nominal(cycle, name, spring) | _of_wire(cycle, name, spring, frame)
+        mine = _nominal(cycle, spring) | _of_wire(cycle, name, spring, frame)
         found |= (
             {f"{name}_{word}": value for word, value in mine.items()} if len(names) > 1 else mine
         )
@@ -71,13 +73,13 @@ def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
         peaks = {
             name: found[key]
             for name in names
-            if (key := f"{name}_nominal_peak_shear_stress") in found
+            if (key := f"{name}_open_nominal_shear_stress") in found
         }
         if peaks:
             worst = max(peaks, key=lambda name: peaks[name])
             found |= {
-                f"nominal_{word}_shear_stress": found[f"{worst}_nominal_{word}_shear_stress"]
-                for word in ("peak", "minimum")
+                f"{word}_nominal_shear_stress": found[f"{worst}_{word}_nominal_shear_stress"]
+                for word in ("open", "closed")
             }
             found |= {
                 name: found[f"{worst}_{name}"]
@@ -87,21 +89,24 @@ def stress_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
     return found
 
 
-def _nominal(cycle: Cycle, name: str, spring: InstalledSpring) -> dict[str, float]:
-    """Peak and least shear by EN 13906-1 at the worst place of the wire, as if the seat force went
-    through the whole wire at once; what passes the force at solid goes from coil to coil.
+def _nominal(cycle: Cycle, spring: InstalledSpring) -> dict[str, float]:
+    """Shear by EN 13906-1 at the worst place of the wire under the spring's load at rest, with the valve
+    closed and at the largest lift of the cycle.
+
+    The standard is about loads at rest. Of the force at the seat in motion it would make a stress that no
+    wire bears: a spike goes from coil to coil, and a wave loads one turn more than the next. What the
+    wire bears in motion is the stress of a model that has sections.
     """
-    extremes = spring_extremes(cycle, name)
-    if spring.wire is None or extremes is None:
+    lift = largest_lift(cycle)
+    if spring.wire is None or lift is None:
         return {}
-    factor, peak = (
-        nominal_stress_per_force(spring.wire),
-        min(extremes[1], most_force_of_wire(spring)),
-    )
+    at = np.array([spring.precompression, spring.precompression + lift])
+    closed, opened = static_curve(reduction_chain(spring.wire), at)[0].tolist()
+    factor, opened = nominal_stress_per_force(spring.wire), min(opened, solid_force(spring.wire))
     return {
-        "nominal_peak_shear_stress": factor * peak,
-        "nominal_minimum_shear_stress": factor * extremes[0],
-        UNCORRECTED: uncorrected_stress_per_force(spring.wire) * peak,
+        "open_nominal_shear_stress": factor * opened,
+        "closed_nominal_shear_stress": factor * closed,
+        UNCORRECTED: uncorrected_stress_per_force(spring.wire) * opened,
     } | _strength(spring.wire)
 
 
@@ -111,7 +116,12 @@ def most_force_of_wire(spring: InstalledSpring) -> float:
     """
     if spring.wire is None or spring.contact.stiffness <= 0:
         return np.inf
-    return solid_quantities(spring.wire)["solid_force"]
+    return solid_force(spring.wire)
+
+
+def solid_force(wire: SpringDefinition) -> float:
+    """Force (N) that closes the last coil of a wire."""
+    return solid_quantities(wire)["solid_force"]
 
 
 def _strength(wire: SpringDefinition) -> dict[str, float]:

@@ -231,15 +231,16 @@ RUNS: tuple[QuantityRow, ...] = (
     both("largest_amplitude_mean_shear_stress", "mean stress at the largest amplitude",
         "Half the sum of largest and smallest shear stress at the point of the largest amplitude.", uses=("stress",)),
     both("largest_amplitude_coil_number", "largest stress amplitude, coil number", "Coil number of the largest stress amplitude."),
-    both("nominal_peak_shear_stress", "peak shear stress by EN 13906-1",
-        "Shear stress of the peak spring force by EN 13906-1 with the Bergsträsser factor, where wire and index make it largest; "
-        "of a force above that at solid, the stress at solid: the rest passes from coil to coil, not through the wire.",
+    both("open_nominal_shear_stress", "shear stress by EN 13906-1 at the largest lift",
+        "Shear stress by EN 13906-1 with the Bergsträsser factor, at rest at the largest lift of the cycle, where wire and index make "
+        "it largest; the load by torsion of the wire, as in the standard, no more "
+        "than at solid. The standard is about loads at rest: what the wire bears in motion is the peak shear stress.",
         sense=LESS, topic=STRESS, uses=("brief", "sweep", "stress")),
-    both("nominal_minimum_shear_stress", "minimum shear stress by EN 13906-1",
-        "Shear stress of the minimum spring force by EN 13906-1 with the Bergsträsser factor, at the same place.", topic=STRESS,
+    both("closed_nominal_shear_stress", "shear stress by EN 13906-1, valve closed",
+        "Shear stress by EN 13906-1 with the Bergsträsser factor, at rest as installed, at the same place.", topic=STRESS,
         uses=("brief", "sweep", "stress")),
-    both("uncorrected_peak_shear_stress", "peak shear stress, uncorrected",
-        "Shear stress 8 F D / (pi d^3) of the same force at the worst place of the wire, without the factor for curvature and "
+    both("open_uncorrected_shear_stress", "uncorrected shear stress at the largest lift",
+        "Shear stress 8 F D / (pi d^3) at rest at the largest lift, at the worst place of the wire, without the factor for curvature and "
         "direct shear: what EN 13906-1 holds against the permitted shear stress.", sense=LESS, topic=STRESS, uses=("sweep", "stress")),
     both("wire_tensile_strength", "least tensile strength of the wire",
         "Least tensile strength of the named wire at its largest diameter; absent where the package has none (docs/limits.md).",

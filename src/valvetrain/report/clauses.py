@@ -8,16 +8,15 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby
 
 from valvetrain.report.text import number, rpm, unit_text
-from valvetrain.solution.definition import NESTED, shown
+from valvetrain.solution.definition import shown
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import NOT_RESOLVED, Uncertainty
 from valvetrain.units.reader import reader_factor, reader_unit
 
 #: How the names of the stresses by EN 13906-1 begin, but for their spring.
-STRESS = "nominal_peak"
+STRESS = "open_nominal"
 #: What is said of a stress by EN 13906-1 of a force beyond solid.
-CAPPED = " (that of the solid spring: the peak force is above)"
 #: Least number that is written with noughts in place of a power of ten.
 TINY = 1e-6
 #: Share of a value above which its error bar is named.
@@ -118,7 +117,7 @@ class Runs:
         return f"{value.removesuffix(f' {unit}') if unit else value} ± {size}"
 
     def bounded(self, found: Worst) -> str:
-        """A value; of a stress by EN 13906-1 its range, where it is that of the closed spring, and the
+        """A value; of a stress by EN 13906-1 its range, and the
         uncorrected one next to what the wire is permitted, as far as these are known.
         """
         text, run = self.text(found), found.run or self.solutions[0]
@@ -126,38 +125,14 @@ class Runs:
             return text
         least, plain, bound = (
             self.value(run, found.name.replace(STRESS, one))
-            for one in ("nominal_minimum", "uncorrected_peak", "permitted")
+            for one in ("closed_nominal", "open_uncorrected", "permitted")
         )
         if math.isfinite(least):
             text = f"{quantity_text(found.name, least).partition(' ')[0]} to {text}"
-        if self._is_capped(found, run):
-            text += CAPPED
         if not math.isfinite(plain - bound):
             return text
         known = quantity_text(found.name, plain).partition(" ")[0]
         return f"{text}, uncorrected {known} of {quantity_text(found.name, bound)} permitted"
-
-    def _is_capped(self, found: Worst, run: Solution) -> bool:
-        """Whether a stress by EN 13906-1 is less than its peak force alone would make: beyond solid it no longer
-        follows the force. Stress per force is that of the least force, of any run of the spring where that is 0.
-        """
-        first = found.name.removesuffix(f"{STRESS}_shear_stress")
-        if not first and len(run.springs) > 1:  # that of a pair is of one of its springs
-            values = {f"{one}_": self.value(run, f"{one}_{found.name}") for one in NESTED}
-            first = next((one for one, value in values.items() if value == found.value), "")
-
-        def force(one: Solution, end: str) -> float:
-            name = f"{first}{end}_spring_force"
-            return float(one.quantities.get(name, one.statistics.get(name, math.nan)))
-
-        same = (one for one in (run, *self.solutions) if one.spring_set == run.spring_set)
-        ratios = (
-            self.value(one, f"{first}nominal_minimum_shear_stress") / low
-            for one in same
-            if (low := force(one, "minimum"))
-        )
-        per_force = next(filter(math.isfinite, ratios), math.nan)
-        return found.value < (1 - 1e-6) * per_force * force(run, "peak")
 
     def bar(self, found: Worst, above: float = COARSE) -> float:
         """The known error bar of a value where it is ``above`` that share of it, else 0."""

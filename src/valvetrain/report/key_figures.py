@@ -12,7 +12,6 @@ import numpy as np
 
 from valvetrain.quantities.table import EVENT_LIFTS
 from valvetrain.report.clauses import (
-    CAPPED,
     Runs,
     Worst,
     figure,
@@ -47,7 +46,7 @@ OF_RUNS = {
 }
 EACH = OF_RUNS | {
     POWER: ("cam power per valve", False),
-    "nominal_peak_shear_stress": ("shear stress", False),
+    "open_nominal_shear_stress": ("shear stress", False),
     "surge_amplitude_force": ("surge of one cam order, 0 to peak", False),
     "clash_energy": ("clash energy", False),
     CLEARANCE: ("clearance to coil bind at full lift", True),
@@ -155,7 +154,7 @@ def _beyond(study: Study, quantity: str, runs: Runs) -> str:
         return ""
     value = _value(runs, every)
     if quantity.endswith("shear_stress"):  # its bounds are those of the wire, said before
-        value = f"{runs.text(every)}{', that of the solid spring,' * (CAPPED in value)}"
+        value = runs.text(every)
     return f" (beyond {range_in_use(study)[1]} {value}{_place(runs, every)})"
 
 

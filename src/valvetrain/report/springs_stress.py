@@ -18,15 +18,17 @@ ALIKE = 0.01
 SIGNIFICANT = 0.05
 #: Least surge (N) and clash energy (J) that are a reason.
 LEAST_SURGE, LEAST_CLASH = 1.0, 1e-5
-PEAK, MINIMUM = "nominal_peak_shear_stress", "nominal_minimum_shear_stress"
-UNCORRECTED, PERMITTED = "uncorrected_peak_shear_stress", "permitted_shear_stress"
+PEAK, MINIMUM = "open_nominal_shear_stress", "closed_nominal_shear_stress"
+OWN_PEAK, OWN_AMPLITUDE = "peak_shear_stress", "largest_amplitude_shear_stress"
+UNCORRECTED, PERMITTED = "open_uncorrected_shear_stress", "permitted_shear_stress"
 
 
 @dataclass(frozen=True)
 class WireStress:
     """Stress of the wire of a spring (SI) where it is worst: ``amplitude``, half of largest less least
-    of a ``run``, ``peak``, ``uncorrected`` peak and what of it is ``permitted``; ``swing`` of the force
-    (N) in that run and ``per_force`` (Pa/N); NaN for unknown.
+    of a ``run``, and ``peak``, of the wire in motion where the model computes it, else at rest between
+    closed and largest lift; ``uncorrected`` one at rest and what of it is ``permitted``; ``swing`` of the
+    force (N) in that run and ``per_force`` (Pa/N); NaN for unknown.
     """
 
     amplitude: float
@@ -51,7 +53,7 @@ class WireStress:
 
 
 def wire_stress(runs: Runs) -> WireStress | None:
-    """The stress of the wire over the runs, by EN 13906-1; of a pair of springs that of the one with the
+    """The stress of the wire over the runs; of a pair of springs that of the one with the
     larger amplitude, None without a wire.
     """
     found = [
@@ -61,20 +63,24 @@ def wire_stress(runs: Runs) -> WireStress | None:
 
 
 def _of_spring(runs: Runs, name: str) -> WireStress | None:
-    peak = runs.worst(f"{name}{PEAK}", False)
+    peak = runs.worst(f"{name}{OWN_PEAK}", False) or runs.worst(f"{name}{PEAK}", False)
     if peak is None:
         return None
 
     def amplitude(run: Solution) -> float:
-        found = [runs.value(run, name + one) for one in (PEAK, MINIMUM)]
-        return (found[0] - found[1]) / 2
+        own = runs.value(run, name + OWN_AMPLITUDE)
+        at_rest = [runs.value(run, name + one) for one in (PEAK, MINIMUM)]
+        return own if math.isfinite(own) else (at_rest[0] - at_rest[1]) / 2
 
     known = [run for run in runs.solutions if math.isfinite(amplitude(run))]
     worst = max(known, key=amplitude, default=peak.run or runs.solutions[0])
     force, least = (
         runs.value(worst, f"{name}{one}") for one in ("peak_spring_force", "minimum_spring_force")
     )
-    per_force = runs.value(worst, name + MINIMUM) / least if least else math.nan
+    factor, preload = (
+        runs.value(worst, name + one) for one in ("installed_nominal_shear_stress", "preload")
+    )
+    per_force = factor / preload if preload else math.nan
     plain, permitted = (
         runs.value(peak.run or runs.solutions[0], name + one) for one in (UNCORRECTED, PERMITTED)
     )
@@ -126,9 +132,8 @@ def _bar(pair: list[Runs], both: tuple[WireStress, WireStress]) -> float:
     bars = [
         sum(
             runs.bar(Worst(name, runs.value(one.run, name), one.run), 0.0)
-            for name in (PEAK, MINIMUM)
+            for name in (OWN_AMPLITUDE,)
         )
-        / 2
         for runs, one in zip(pair, both, strict=True)
     ]
     largest = max(one.amplitude for one in both)

@@ -29,7 +29,7 @@ SAID = {
     "surge_amplitude_force": ("surges less", "surge", 1.0),
     "clash_energy": ("clashes less", "clash energy", 1e-5),
 }
-STRESS = "nominal_peak_shear_stress"
+STRESS = "open_nominal_shear_stress"
 #: Share below which two numbers count as equal, and the words for it.
 ALIKE, WITHIN = 0.01, " within 1 %"
 #: Kind of critical speed -> what the better spring does, what both do.

@@ -26,7 +26,7 @@ HEADLINES = (
     *KINDS.values(), "rigid_contact_loss_engine_speed", "minimum_cam_contact_force", "float_excess_lift", "loft_gap",
     "lift_loss_displacement", DURATION_LOST, "seating_velocity", "bounce_height", "surge_amplitude_force", "clash_energy",
     "coil_bind_clearance", "outer_coil_bind_clearance", "inner_coil_bind_clearance", "largest_amplitude_shear_stress",
-    "nominal_peak_shear_stress", "peak_spring_force", "minimum_spring_force", "mean_cam_power",
+    "open_nominal_shear_stress", "peak_spring_force", "minimum_spring_force", "mean_cam_power",
 )  # fmt: skip
 #: Values (SI) below which a quantity is none.
 NOTHING = {

@@ -335,13 +335,13 @@ def beyond_wire_notes(problem: Problem, solutions: Iterable[Solution]) -> tuple[
                 f"'{name}' solid at {most:.4g} N (all coils closed, at rest)", []
             ).append(f"{label} {force:.4g} N{shown}")
         strength = numbers.get(f"{first}wire_tensile_strength", MAX_STRENGTH)
-        names = ("peak_shear_stress", "nominal_peak_shear_stress")
+        names = ("peak_shear_stress", "open_nominal_shear_stress")
         stress = max(numbers.get(first + one, 0.0) for one in names)
         if stress > strength:
             broken.append(f"{label} {stress / 1e6:.4g} MPa")
     return tuple(
         f"Spring {spring}; peaks are above that, for coils strike one another: {', '.join(runs)}. What is above goes from coil to coil and "
-        "does not twist the wire, so the stress by EN 13906-1 shown there is that of the solid spring."
+        "does not twist the wire."
         for spring, runs in beyond.items()
     ) + (
         (

@@ -292,7 +292,7 @@ def _both(studies: tuple[Study, Study]) -> list[tuple[Study, str, str, str]]:
 IN_MOTION = (
     "peak_spring_force", "minimum_spring_force", "stage_2_peak_force", "stage_3_peak_force", "main_clash_peak_force",
     "main_clash_below_5_khz_peak_force", "peak_clash_force", "clash_count", "clash_energy", "surge_amplitude_force", "peak_shear_stress",
-    "nominal_peak_shear_stress", "coil_bind_clearance",
+    "open_nominal_shear_stress", "coil_bind_clearance",
 )  # fmt: skip
 
 

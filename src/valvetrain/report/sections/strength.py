@@ -17,8 +17,8 @@ from valvetrain.solution.definition import NESTED
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import reader_factor
 
-PEAK, LEAST = "nominal_peak_shear_stress", "nominal_minimum_shear_stress"
-UNCORRECTED = "uncorrected_peak_shear_stress"
+PEAK, LEAST = "open_nominal_shear_stress", "closed_nominal_shear_stress"
+UNCORRECTED = "open_uncorrected_shear_stress"
 #: The limit of the uncorrected stress; a wire without one has no figure.
 PERMITTED = next(one.against for one in LIMITS if one.quantity == UNCORRECTED)
 SYMBOLS = ("circle", "diamond", "triangle", "square")
