@@ -124,8 +124,8 @@ def test_spikes_below_the_base_are_no_main_clash(monkeypatch):
     force = 100.0 + 20.0 * np.sin(40 * angle)
 
     def held(base: float) -> clash._Force:
-        return clash._Force(angle / 400, angle, force, {clash.FINDING_BANDWIDTH: force}, base)
+        return clash._Force(angle / 400, angle, force, force, force, base)
 
-    monkeypatch.setattr(clash, "_force", lambda cycle: held(200.0))
+    monkeypatch.setattr(clash, "_force", lambda cycle, frequency, end: held(200.0))
     event, cycle = LiftEvent(np.radians(60.0), np.radians(200.0)), reported_cycle(rod_run())
     assert clash.find_clash_window(cycle, 600.0, event) is None

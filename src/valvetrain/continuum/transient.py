@@ -19,8 +19,8 @@ from valvetrain.continuum.statics import SolidEquilibrium, SolidStatics
 
 Array = NDArray[np.float64]
 
-#: Target spacing (s) of the record of the end forces (250 kHz) and of the contact of coils.
-DENSE_INTERVAL, CONTACT_INTERVAL = 4e-6, 2e-6
+#: Target spacing (s) of the record of the end forces (250 kHz).
+DENSE_INTERVAL = 4e-6
 #: Share of the stable step that is used, and how much the power iteration may have missed.
 SAFETY, MISSED = 0.94, 1.01
 POWER_ITERATIONS = 300
@@ -231,12 +231,14 @@ def simulate_solid(
     time_step: float | None = None,
     discard: int = 0,
     watch: Callable[[float], bool] | None = None,
+    pair_interval: float = 0.0,
 ) -> SolidTransient:
     """Integrate ``samples`` intervals of ``sample_interval`` (s) under ``motion(time) -> retainer
     displacement`` (m from the free state).
 
     ``start`` is the equilibrium at ``motion(0)``; ``discard`` samples at the beginning are not
-    stored. ``watch`` is called with the share that is done and stops the run by False.
+    stored. ``watch`` is called with the share that is done and stops the run by False. The contacts of
+    coils are recorded every ``pair_interval`` (s), at most every step.
     """
     wire, (first, last) = statics.wire, statics.wire.ends
     limit = time_step or SAFETY * stable_time_step(statics, dynamics, start)
@@ -272,7 +274,7 @@ def simulate_solid(
         wire.contact.coil_friction, wire.contact.seat_friction,
     )  # fmt: skip
     recorded = (samples - discard) * dense * substeps
-    spacing = contact_spacing(CONTACT_INTERVAL, step, recorded, 2 * pairs)
+    spacing = contact_spacing(pair_interval, step, recorded, 2 * pairs)
     search = max(1, int(MARGIN / MAX_CLOSING / step))
     clock = SolidClock(substeps, dense, discard, spacing, search, ENERGY_STEPS, MARGIN)
     stored, extremes = samples + 1 - discard, np.zeros((samples + 1, 8))

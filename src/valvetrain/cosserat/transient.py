@@ -21,8 +21,6 @@ Array = NDArray[np.float64]
 
 #: Target spacing of the dense force record (s): 250 kHz resolves spikes filtered at 20 kHz.
 DENSE_INTERVAL = 4e-6
-#: Target spacing of the record of coil contacts (s), whose impacts last about 10 us.
-CONTACT_INTERVAL = 2e-6
 #: Most force records that are stored, however slow the revolution; slower ones are further apart.
 MAX_DENSE = 2**20
 #: Even places between two samples at which the seat force is stored too: a spike lasts a few of them.
@@ -95,6 +93,7 @@ def simulate(
     time_step: float | None = None,
     discard: int = 0,
     pair_of: NDArray[np.int64] | None = None,
+    pair_interval: float = 0.0,
 ) -> RodTransient:
     """Integrate ``samples`` intervals of ``sample_interval`` (s) under ``motion(time) -> retainer
     displacement`` (m).
@@ -102,7 +101,7 @@ def simulate(
     The displacement counts from the free state; ``start`` is the equilibrium at ``motion(0)``.
     ``discard`` samples at
     the beginning are not stored. ``pair_of`` (nv,): coil pair to which the contact points of a vertex
-    count, -1 for none. Raises
+    count, -1 for none, recorded every ``pair_interval`` (s), at most every step. Raises
     :class:`InputError` when a given ``time_step`` is not positive.
     """
     if time_step is not None and not time_step > 0:
@@ -120,7 +119,7 @@ def simulate(
     records, extremes = np.empty((samples * dense + 1, 4)), np.zeros((samples + 1, 8))
     bins = np.full(mesh.vertices, -1, dtype=np.int64) if pair_of is None else pair_of
     pairs, recorded = int(bins.max()) + 1, (samples - discard) * dense * sub
-    spacing = contact_spacing(CONTACT_INTERVAL, step, recorded, 2 * pairs)
+    spacing = contact_spacing(pair_interval, step, recorded, 2 * pairs)
     most = max(1, dense * sub // (2 * FINEST))
     apart = next(n for n in range(most, 0, -1) if dense * sub % n == 0)
     finest = np.full(recorded // apart + 1, np.nan)

@@ -4,7 +4,7 @@ for every model and system.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +22,9 @@ RESTING_ANGLE = TURN / 12
 #: Cause of a clash: a contact that closes with the spring, or an impact.
 RESTS = "coils come to rest on each other as the spring closes"
 STRIKES = "coils meet under surge"
-#: Longest duration of an impact of coils (s): the time within which neighbours that touch belong to
-#: one clash.
-IMPACT_TIME = 0.3e-3
+#: Longest duration of an impact of coils, as a share of the first natural period of the spring, which is
+#: the clock of all that its coils do: the time within which neighbours that touch belong to one clash.
+IMPACT_SHARE = 0.2
 #: Lengths at which an impact is looked for, as shares of that.
 IMPACT_LENGTHS = 2.0 ** (-np.arange(17) / 4)
 #: Statistic that says that a solution's clashes were found by the integrator, and on which spacing.
@@ -33,20 +33,20 @@ RECORDED = "contact_record_interval_duration"
 
 @dataclass(frozen=True, slots=True)
 class ClashRule:
-    """When contacts count as one clash; forces in N, time in s.
+    """When contacts count as one clash; forces in N, times as shares of the first natural period.
 
     A pair is in contact from where its force passes ``off_force`` to where it falls below, if it
     passes ``on_force`` between (hysteresis). Contacts of neighbouring pairs that begin within
-    ``merge_time`` of each other are one clash: a coil that rolls down on the next. A pair that
-    parts for less than ``rebound_time`` only rings: it stays in the same contact. A contact already
+    ``merge_share`` of each other are one clash: a coil that rolls down on the next. A pair that
+    parts for less than ``rebound_share`` only rings: it stays in the same contact. A contact already
     there at the first sample is no clash: the coil rests. A closed cycle has no first sample, so
     there only a contact without end is no clash.
     """
 
     on_force: float = 1.0
     off_force: float = 0.2
-    merge_time: float = IMPACT_TIME
-    rebound_time: float = 10e-6
+    merge_share: float = IMPACT_SHARE
+    rebound_share: float = 5e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +54,7 @@ class PairSeries:
     """Coil pairs of one spring over n times: ``time`` (s), ``cam_angle`` (rad, unwrapped),
     ``ranks`` (p,): place of each in the row of all pairs, ascending; ``places`` (p,): coil number
     of the upper partner; ``force`` (N) between the partners and ``energy`` (J) stored in their
-    contact, both (p, n).
+    contact, both (p, n); ``first_period`` (s): first natural period of the spring.
     """
 
     time: Array
@@ -63,6 +63,7 @@ class PairSeries:
     places: Array
     force: Array
     energy: Array
+    first_period: float
 
     def where(self, chosen: NDArray[np.int64]) -> PairSeries:
         """Some of the pairs."""
@@ -71,28 +72,31 @@ class PairSeries:
         force, energy = (
             np.ascontiguousarray(values[chosen]) for values in (self.force, self.energy)
         )
-        return PairSeries(
-            self.time, self.cam_angle, self.ranks[chosen], self.places[chosen], force, energy
-        )
+        ranks, places = self.ranks[chosen], self.places[chosen]
+        return replace(self, ranks=ranks, places=places, force=force, energy=energy)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the series reaches over a whole cam revolution."""
+        angle = self.cam_angle
+        return bool(len(angle) / (len(angle) - 1) * (angle[-1] - angle[0]) > TURN * (1 - 1e-9))
 
     def closed(self) -> PairSeries:
-        """The same period three times in a row."""
-        period, turn = (
-            len(axis) * (axis[-1] - axis[0]) / (len(axis) - 1)
-            for axis in (self.time, self.cam_angle)
-        )
+        """The same cam revolution three times in a row."""
+        inside = self.cam_angle < self.cam_angle[0] + TURN * (1 - 1e-9)
+        angle, time = self.cam_angle[inside], self.time[inside]
+        period = TURN * (time[-1] - time[0]) / (angle[-1] - angle[0])
         times, angles = (
             np.concatenate([axis - length, axis, axis + length])
-            for axis, length in ((self.time, period), (self.cam_angle, turn))
+            for axis, length in ((time, period), (angle, TURN))
         )
-        return PairSeries(
-            times, angles, self.ranks, self.places, np.tile(self.force, 3), np.tile(self.energy, 3)
-        )
+        force, energy = (np.tile(one[:, inside], 3) for one in (self.force, self.energy))
+        return replace(self, time=times, cam_angle=angles, force=force, energy=energy)
 
 
-def impact_impulse(time: Array, force: Array) -> float:
+def impact_impulse(time: Array, force: Array, impact_time: float) -> float:
     """Impulse (N s) of the hardest impact in the ``force`` (N) of one contact over even ``time`` (s):
-    what it gives within :data:`IMPACT_TIME` beyond what it holds.
+    what it gives within ``impact_time`` (s) beyond what it holds.
 
     The largest over begin and length of the integral of force less holding force, which is the
     greater of its means over that time before and after. A contact shorter than that gives its
@@ -100,7 +104,7 @@ def impact_impulse(time: Array, force: Array) -> float:
     to a tenth, however long it rests; coils that close slowly give none.
     """
     step = float(time[-1] - time[0]) / (len(time) - 1)
-    reach = IMPACT_TIME / step
+    reach = impact_time / step
     pad, count = int(np.ceil(reach)) + 1, len(force)
     area = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1])))) * step
     area = np.concatenate((np.zeros(pad), area, np.full(2 * pad, area[-1])))
@@ -129,7 +133,7 @@ def find_clashes(
     pairs: PairSeries, spring: str = "", closed: bool = False, rule: ClashRule = ClashRule()
 ) -> tuple[Event, ...]:
     """Events of kind ``clash`` by start time; ``spring``: name for ``where``; ``closed``:
-    the series is one closed period.
+    the series is one cam revolution of a motion that repeats, where it is whole.
 
     Size is the peak of the summed force (N); details: ``impulse`` (N s, see
     :func:`impact_impulse`), ``energy`` (J, largest energy stored in the pressed pairs at one time),
@@ -139,28 +143,27 @@ def find_clashes(
     """
     if len(pairs.time) < 2 or not pairs.places.size:
         return ()
-    period = len(pairs.time) if closed else 0
+    closed = closed and pairs.is_whole
     pairs = pairs.where(np.flatnonzero(np.max(pairs.force, axis=1) > rule.on_force))
     pairs = pairs.closed() if closed else pairs
-    contacts = [
-        one
-        for pair, force in enumerate(pairs.force)
-        for one in _contacts(pairs.time, force, pair, rule)
-    ]
+    period = len(pairs.time) // 3 if closed else 0
+    contacts = [one for pair in range(len(pairs.force)) for one in _contacts(pairs, pair, rule)]
     found = [
         _event(pairs, group, f"{spring} " if spring else "")
         for group in _clashes(contacts, pairs, rule)
         # A closed cycle appears three times in a row; what begins in the middle one has its whole
         # neighbourhood there.
-        if not period or period <= min(contact.first for contact in group) < 2 * period
+        # Half a step before it counts as its own.
+        if not period or period < min(contact.first for contact in group) <= 2 * period
     ]
     return tuple(sorted(found, key=lambda event: event.time))
 
 
-def _contacts(time: Array, force: Array, pair: int, rule: ClashRule) -> list[_Contact]:
-    found: list[_Contact] = []
+def _contacts(pairs: PairSeries, pair: int, rule: ClashRule) -> list[_Contact]:
+    time, force, found = pairs.time, pairs.force[pair], list[_Contact]()
+    rebound = rule.rebound_share * pairs.first_period
     for first, last in runs(force > rule.off_force):
-        if found and time[first] - time[found[-1].last] <= rule.rebound_time:
+        if found and time[first] - time[found[-1].last] <= rebound:
             found[-1] = _Contact(pair, found[-1].first, last)
         else:
             found.append(_Contact(pair, first, last))
@@ -198,7 +201,7 @@ def upper_coil_of(place: float) -> int:
 
 def _clashes(contacts: list[_Contact], pairs: PairSeries, rule: ClashRule) -> list[list[_Contact]]:
     """Groups of contacts, joined from neighbour to neighbour."""
-    time, ranks = pairs.time, pairs.ranks.tolist()
+    time, ranks, merge = pairs.time, pairs.ranks.tolist(), rule.merge_share * pairs.first_period
     owner = list(range(len(contacts)))
 
     def root(index: int) -> int:
@@ -213,7 +216,7 @@ def _clashes(contacts: list[_Contact], pairs: PairSeries, rule: ClashRule) -> li
         for other in by_pair.get(ranks[contact.pair] - 1, []):
             below = contacts[other]
             together = contact.first <= below.last + 1 and below.first <= contact.last + 1
-            if together and abs(time[contact.first] - time[below.first]) <= rule.merge_time:
+            if together and abs(time[contact.first] - time[below.first]) <= merge:
                 owner[root(other)] = root(index)
     groups: dict[int, list[_Contact]] = {}
     for index, contact in enumerate(contacts):
@@ -245,7 +248,8 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
     begin, finish = float(time[start] + time[first]) / 2, float(time[last] + time[end]) / 2
     resting = angle[end] - angle[start] > RESTING_ANGLE
     details: dict[str, Detail] = {
-        "impulse": impact_impulse(time[start : end + 1], summed), "energy": float(np.max(stored)),
+        "impulse": impact_impulse(time[start : end + 1], summed, IMPACT_SHARE * pairs.first_period),
+        "energy": float(np.max(stored)),
         "peak_cam_angle": float(angle[top]), "upper_coil": coil, "lower_coil": coil - 1,
         "first_pair": float(min(pairs.places[contact.pair] for contact in group)),
         "last_pair": float(max(pairs.places[contact.pair] for contact in group)),

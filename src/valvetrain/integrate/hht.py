@@ -142,8 +142,12 @@ class HilberHughesTaylor:
             at, statistics[RECORDED] = time[:whole:spacing], spacing * step
             events = find_clashes(
                 PairSeries(
-                    at, cam_speed * at, *watch.read(record.pressed[:rows], spacing * step, step)
-                )
+                    at,
+                    cam_speed * at,
+                    *watch.read(record.pressed[:rows], spacing * step, step),
+                    watch.first_period,
+                ),
+                closed=turn > 0,
             )
         return Solution(channels, events, status, statistics, provenance)
 

@@ -202,7 +202,9 @@ class Leapfrog:
                     at,
                     cam_speed * at + 0.5 * acceleration * at**2,
                     *watch.read(found, spacing * step, step),
-                )
+                    watch.first_period,
+                ),
+                closed=turn > 0 and not isinstance(until, RunUp),
             )
         return Solution(channels, events, status, statistics, provenance)
 

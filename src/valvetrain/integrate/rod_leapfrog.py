@@ -16,7 +16,7 @@ from valvetrain.solution.channels import SPRING_CHANNELS, Variable
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Event, Status
-from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.contract import WATCH_SHARE
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import end_channels, rod_channels
 from valvetrain.system.contract import System
@@ -37,9 +37,8 @@ def settling_revolutions(rod: FiniteElementRod | SolidModel, cam_speed: float) -
     """Cam revolutions after which the first surge mode has forgotten its start, by its damping; at a
     ``cam_speed`` in rad/s. The state of a rod or a solid is too large to search its periodic motion.
     """
-    frequency = EquivalentSpring.from_definition(rod.definition, rod.precompression).surge_frequency
     decay = 0.5 * (
-        rod.dynamics.mass_damping + rod.dynamics.stiffness_damping * (TURN * frequency) ** 2
+        rod.dynamics.mass_damping + rod.dynamics.stiffness_damping * (TURN / rod.first_period) ** 2
     )
     revolutions = -np.log(REST_OF_START) / max(decay, 1e-9) * cam_speed / TURN
     return int(np.clip(np.ceil(revolutions), *PERIODIC_CYCLES))
@@ -100,6 +99,7 @@ class RodLeapfrog:
                 step,
                 discard=(cycles - 1) * samples,
                 pair_of=pair_of,
+                pair_interval=WATCH_SHARE * model.first_period,
             )
 
         def whole() -> tuple[RodTransient, bool]:
@@ -136,8 +136,9 @@ class RodLeapfrog:
                 upper_coil,
                 made.pair_force.T,
                 made.pair_energy.T,
+                model.first_period,
             )
-            events = find_clashes(pairs)
+            events = find_clashes(pairs, closed=cycles > 1)
         status = COMPLETED
         if not made.completed:
             time = made.steps_done * made.time_step

@@ -16,6 +16,7 @@ from valvetrain.integrate.solid_store import read_run, run_key, write_run
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Event, Status
+from valvetrain.springs.contract import WATCH_SHARE
 from valvetrain.springs.solid.model import SolidModel
 from valvetrain.springs.solid.motion_channels import solid_channels
 from valvetrain.system.contract import System
@@ -73,6 +74,7 @@ class SolidLeapfrog:
             options.time_step or model.time_step or model.stable_time_step(),
             discard=(cycles - 1) * samples,
             watch=options.watch,
+            pair_interval=WATCH_SHARE * model.first_period,
         )
         found = _solution(model, system, made, cam_speed, options, provenance)
         if found.status.completed:
@@ -113,8 +115,9 @@ def _solution(
             upper_coil,
             made.pair_force.T,
             made.pair_energy.T,
+            model.first_period,
         )
-        events = find_clashes(pairs)
+        events = find_clashes(pairs, closed=bool(made.pair_time[0] > 0))
     status = COMPLETED
     if made.stopped:
         message = "the run was stopped; runs at other speeds that were finished are stored"

@@ -42,7 +42,9 @@ def run_key(model: SolidModel, *motion: ArrayLike | str) -> str:
         model.time_step,
         spring.material,
     )
-    program = program_digest("continuum/*.py", "springs/solid/*.py", "integrate/solid_*.py")
+    program = program_digest(
+        "continuum/*.py", "springs/solid/*.py", "integrate/solid_*.py", "integrate/clash*.py"
+    )
     digest.update(repr((texts, model.precompression, spring.total_coils, program)).encode())
     for part in (
         wire.grid, wire.coil, points.distance, points.stiffness, *wire.seat_planes[:-2], *motion,

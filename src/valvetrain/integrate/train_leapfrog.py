@@ -196,6 +196,7 @@ def _events(
             time,
             record.cam_speed * time,
             *watch.read(pressed, record.pressed_interval, record.time_step),
+            watch.first_period,
         )
         clashes += find_clashes(series, name if len(ready.springs) > 1 else "", closed=True)
     return (*touches, *clashes), {RECORDED: record.pressed_interval} if watched else {}

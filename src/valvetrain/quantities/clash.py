@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from valvetrain.integrate.clash import RECORDED, RESTS, ClashRule, PairSeries, find_clashes
 from valvetrain.quantities.cycle import Array, Cycle, is_closed
@@ -24,9 +25,13 @@ from valvetrain.solution.status import Event
 from valvetrain.solution.study import LiftEvent
 
 
-def clash_events(solution: Solution, rule: ClashRule = ClashRule()) -> tuple[Event, ...]:
+def clash_events(
+    solution: Solution,
+    rule: ClashRule = ClashRule(),
+    surge_frequencies: tuple[float, ...] = (),
+) -> tuple[Event, ...]:
     """Events of kind ``clash`` by start time, from the integrator's own steps where it recorded
-    them, else from the samples.
+    them, else from the samples with the ``surge_frequencies`` (Hz) of the springs.
 
     Empty for a model without coil pairs. From the samples, the energy of a pressed pair is half of
     force times overlap.
@@ -34,8 +39,11 @@ def clash_events(solution: Solution, rule: ClashRule = ClashRule()) -> tuple[Eve
     if _recorded(solution):
         return tuple(event for event in solution.events if event.kind == "clash")
     found: list[Event] = []
-    for spring in solution.springs:
-        pairs = _pairs_of(solution, spring)
+    known = [1 / frequency for frequency in surge_frequencies]
+    unknown = UNKNOWN_PERIOD * 2 * TURN / solution.engine_speed
+    for place, spring in enumerate(solution.springs):
+        period = known[place] if len(known) == len(solution.springs) else unknown
+        pairs = _pairs_of(solution, spring, period)
         if pairs is not None:
             found += find_clashes(
                 pairs, spring if len(solution.springs) > 1 else "", is_closed(solution), rule
@@ -48,7 +56,7 @@ def _recorded(solution: Solution) -> bool:
     return any(name.endswith(RECORDED) for name in solution.statistics)
 
 
-def _pairs_of(solution: Solution, spring: str) -> PairSeries | None:
+def _pairs_of(solution: Solution, spring: str, first_period: float) -> PairSeries | None:
     name = solution.channel_of(spring, "coil_contact_force")
     if not solution.has(name, solution.channel_of(spring, "coil_gap")) or len(solution.time) < 2:
         return None
@@ -61,8 +69,9 @@ def _pairs_of(solution: Solution, spring: str) -> PairSeries | None:
         solution.channel(solution.channel_of(spring, "coil_gap"))[:, order], nan=0.0, posinf=0.0
     )
     energy = 0.5 * force * np.maximum(-gap, 0.0)
+    ranks, chosen = np.arange(len(order)), places[order]
     return PairSeries(
-        solution.time, solution.cam_angle, np.arange(len(order)), places[order], force.T, energy.T
+        solution.time, solution.cam_angle, ranks, chosen, force.T, energy.T, first_period
     )
 
 
@@ -73,7 +82,7 @@ def clash_numbers(solution: Solution, events: tuple[Event, ...]) -> dict[str, fl
     Empty where the model has no coil pairs; ``events`` are those of the cycle.
     """
     if not _recorded(solution) and all(
-        _pairs_of(solution, spring) is None for spring in solution.springs
+        _pairs_of(solution, spring, 1.0) is None for spring in solution.springs
     ):
         return {}
     clashes = [event for event in events if event.kind == "clash"]
@@ -129,15 +138,17 @@ SPIKE_SHARE = 0.01
 MAIN_SHARE = 0.6
 #: Its window reaches this share of a period of the first mode to either side.
 WINDOW_SHARE = 0.3
-#: Bandwidth (Hz) in which the spike is found and its angle read: raw force has ripples of the
-#: contact on top.
-FINDING_BANDWIDTH = 10e3
+#: Bandwidth over the first natural frequency, some 10 kHz, in which the spike is found and its angle read: raw
+#: force has ripples of the contact on top.
+FINDING_BANDWIDTH = 16.0
 #: Bandwidth (Hz) in which the height of a spike by itself is stated: below 10 kHz it still moves by a tenth
 #: with contact constants, below 5 kHz by a hundredth.
 SPIKE_BANDWIDTH = 5e3
-#: The impulse is taken over this time (s) either side of the spike: a collision of valve spring
-#: coils takes some 80 us.
-IMPULSE_TIME = 1e-4
+#: The impulse is taken over this share of a period of the first mode, some 0.1 ms, either side of the spike: a
+#: collision of valve spring coils takes some 80 us.
+IMPULSE_SHARE = 1 / 16
+#: Share of a cam revolution taken for the first natural period of a spring whose frequency is unknown.
+UNKNOWN_PERIOD = 1 / 16
 
 
 TURN = 2 * np.pi
@@ -145,16 +156,20 @@ TURN = 2 * np.pi
 
 @dataclass(frozen=True, slots=True)
 class ClashWindow:
-    """Cam angles (rad, within the cycle) of begin and end of the main clash."""
+    """Cam angles (rad) of begin and end of the main clash of a spring of a ``surge_frequency`` (Hz), in a
+    revolution that is counted from the ``end_of_event`` (rad).
+    """
 
     first: float
     last: float
+    surge_frequency: float
+    end_of_event: float
 
 
 @dataclass(frozen=True, eq=False)
 class _Force:
-    """Seat force of the reported cycle as finely as the run holds it: time (s), cam angle (rad),
-    raw, ``filtered`` to find spikes and to give their ``height`` (N).
+    """Seat force of the reported cycle, from the end of the event round to it, as finely as the run holds
+    it: time (s), cam angle (rad), raw, ``filtered`` to find spikes and to give their ``height`` (N).
     """
 
     time: Array
@@ -171,10 +186,12 @@ def find_clash_window(
     """Window about the main clash of a run; None where no coil meets another or the samples are too
     coarse. ``surge_frequency`` in Hz.
     """
-    force = _force(cycle)
+    end = float(lift_event.end)
+    force = _force(cycle, surge_frequency, end)
     if force is None:
         return None
-    late = np.flatnonzero((force.cam_angle >= lift_event.end) & (force.cam_angle < TURN))
+    after = float(lift_event.start) + TURN  # before the next event, wherever the cycle begins
+    late = np.flatnonzero(force.cam_angle < after)
     part = force.filtered[late]
     peaks = prominent_peaks(part, max(SPIKE_SHARE * float(np.ptp(force.raw)), 1e-12))
     if len(peaks) == 0:
@@ -184,8 +201,8 @@ def find_clash_window(
         return None
     main = peaks[int(np.flatnonzero(height >= MAIN_SHARE * np.max(height))[0])]
     centre = float(force.cam_angle[late][main])
-    reach = WINDOW_SHARE * cycle.solution.engine_speed / 2 / surge_frequency
-    window = ClashWindow(max(lift_event.end, centre - reach), min(TURN, centre + reach))
+    half = WINDOW_SHARE * cycle.solution.engine_speed / 2 / surge_frequency
+    window = ClashWindow(max(end, centre - half), min(after, centre + half), surge_frequency, end)
     return window if _touched(cycle, window) else None
 
 
@@ -193,27 +210,34 @@ def _touched(cycle: Cycle, window: ClashWindow) -> bool:
     """Whether two coils come into contact within the window; without contact a spike is a wave, not
     a clash.
     """
-    inside, solution = cycle.window(window.first, window.last), cycle.solution
+    inside, solution = _within(cycle.cam_angle, window), cycle.solution
     names = [solution.channel_of(spring, "coil_contact_force") for spring in solution.springs]
     if not any(
         solution.has(name) for name in names
     ):  # a run with end forces alone still has its clashes
         first = float(solution.cam_angle[cycle.samples.start])
-        begun = (event.cam_angle - first for event in solution.events if event.kind == "clash")
-        return any(window.first <= angle <= window.last for angle in begun)
-    pressed = [cycle.channel(name)[inside] > 0 for name in names if solution.has(name)]
-    return any(bool(np.any(force[1:] & ~force[:-1])) for force in pressed)
+        begun = [event.cam_angle - first for event in solution.events if event.kind == "clash"]
+        return bool(np.any(_within(np.array(begun), window)))
+    pressed = [cycle.channel(name) > 0 for name in names if solution.has(name)]
+    return any(
+        bool(np.any(force & ~np.roll(force, 1, axis=0) & inside[:, None])) for force in pressed
+    )
+
+
+def _within(cam_angle: Array, window: ClashWindow) -> NDArray[np.bool_]:
+    """Whether cam angles (rad) are in a window, whatever revolution they are counted in."""
+    return np.asarray((cam_angle - window.first) % TURN <= window.last - window.first)
 
 
 def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]:
     """Height raw and below 5 kHz (N), cam angle (rad) and impulse (N s) of the spike in
     ``window`` (docs/quantities.md).
 
-    The impulse is that of the raw force above the base circle's mean over 0.1 ms either side of the
-    angle: a fixed time, since the width of a spike with ripples on it is no smooth function of the
+    The impulse is that of the raw force above the base circle's mean over a sixteenth of a period of
+    the first mode either side of the angle: a fixed time, since the width of a spike with ripples on it is no smooth function of the
     mesh.
     """
-    force = _force(cycle)
+    force = _force(cycle, window.surge_frequency, window.end_of_event)
     if force is None:
         return {}
     inside = np.flatnonzero((force.cam_angle >= window.first) & (force.cam_angle <= window.last))
@@ -225,23 +249,29 @@ def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]
         )
     }
     found["main_clash_below_5_khz_peak_force"] = float(np.max(force.height[inside]))
-    found["main_clash_cam_angle"] = _vertex(force.cam_angle, force.filtered, inside)
-    found["main_clash_impulse"] = _impulse(force, found["main_clash_cam_angle"])
+    angle = _vertex(force.cam_angle, force.filtered, inside)
+    impulse = _impulse(force, angle, IMPULSE_SHARE / window.surge_frequency)
+    found |= {"main_clash_cam_angle": angle % TURN, "main_clash_impulse": impulse}
     return found
 
 
-def _force(cycle: Cycle) -> _Force | None:
+def _force(cycle: Cycle, surge_frequency: float, end_of_event: float) -> _Force | None:
     if not cycle.whole:
         return None
     solution = cycle.solution
     time, angle, raw = fine_series(solution)
-    filtered, height = (
-        fine_filtered(solution, cutoff) for cutoff in (FINDING_BANDWIDTH, SPIKE_BANDWIDTH)
-    )
+    cutoffs = FINDING_BANDWIDTH * surge_frequency, SPIKE_BANDWIDTH
+    filtered, height = (fine_filtered(solution, cutoff) for cutoff in cutoffs)
     if filtered is None or height is None:
         return None
     mine, begin = within_cycle(cycle, angle)
     within = angle[mine] - begin
+    whole_turns, place = divmod(end_of_event, TURN)
+    first = int(np.searchsorted(within, place))
+    order = np.roll(np.arange(mine.start, mine.start + len(within)), -first)
+    ahead = order < mine.start + first  # of the next revolution, which is like this one
+    turned = np.roll(within, -first) + TURN * (whole_turns + ahead)
+    at = time[order] + TURN / (solution.engine_speed / 2) * ahead
     lift = np.interp(within, cycle.cam_angle, cycle.channel("valve_lift"))
     closed = lift <= 1e-3 * float(np.max(lift))
     if not np.any(
@@ -249,14 +279,14 @@ def _force(cycle: Cycle) -> _Force | None:
     ):  # a valve that never comes to its seat has no force to count a spike from
         return None
     base = float(np.mean(raw[mine][closed]))
-    return _Force(time[mine], within, raw[mine], filtered[mine], height[mine], base)
+    return _Force(at, turned, raw[order], filtered[order], height[order], base)
 
 
 def _on_every_step(cycle: Cycle, window: ClashWindow) -> float:
     """Largest seat force (N) of every step within ``window``."""
     angle, values = extreme_series(cycle.solution, "seat_force", "highest")
     mine, begin = within_cycle(cycle, angle)
-    inside = (angle[mine] - begin >= window.first) & (angle[mine] - begin <= window.last)
+    inside = _within(angle[mine] - begin, window)
     return float(np.max(values[mine][inside], initial=-np.inf))
 
 
@@ -273,13 +303,13 @@ def _vertex(angle: Array, values: Array, inside: Index) -> float:
     return float(angle[top] + np.clip(-fit[1] / (2 * fit[0]), place[0], place[-1]))
 
 
-def _impulse(force: _Force, place: float) -> float:
-    """Integral of the raw force above its base over ``IMPULSE_TIME`` either side of cam angle
-    ``place`` (rad).
+def _impulse(force: _Force, place: float, reach: float) -> float:
+    """Integral of the raw force above its base over ``reach`` (s) either side of cam angle ``place``
+    (rad).
     """
     steps = np.diff(force.time)
     above = force.raw - force.base
     summed = np.concatenate(([0.0], np.cumsum(0.5 * (above[1:] + above[:-1]) * steps)))
     centre = float(np.interp(place, force.cam_angle, force.time))
-    first, last = np.interp([centre - IMPULSE_TIME, centre + IMPULSE_TIME], force.time, summed)
+    first, last = np.interp([centre - reach, centre + reach], force.time, summed)
     return float(last - first)

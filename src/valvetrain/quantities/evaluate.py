@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -102,7 +104,10 @@ def _events(
     solution: Solution, frame: Frame, rigid: RigidCycle | None, gaps: PartialFailures
 ) -> tuple[Event, ...]:
     none: tuple[Event, ...] = ()
-    clashes = gaps.part("clashes", none, clash_events, solution) if _meets(frame) else none
+    clashes = none
+    if _meets(frame):
+        find = partial(clash_events, surge_frequencies=frame.surge_frequencies)
+        clashes = gaps.part("clashes", none, find, solution)
     other = tuple(
         event for event in solution.events if event.kind not in (*LOGGED, *END_KINDS, "clash")
     )

@@ -200,7 +200,8 @@ RUNS: tuple[QuantityRow, ...] = (
         "Amplitude (0 to peak) of cam order {n} of the spring force less its static value at the same lift.", sense=LESS),
     both("clash_count", "coil contacts",
         "Times that coils meet over the reported cycle, clashes and coils that come to rest on each other as the spring closes, found on "
-        "the integrator's own steps; pairs that always touch are left out, and one that parts for less than 10 us only rings.",
+        "the integrator's own steps; pairs that always touch are left out, and one that parts for less than 1/200 of the first "
+        "natural period of the spring (10 us at 500 Hz) only rings.",
         sense=LESS, topic=CLASH, uses=("brief", "sweep", "study")),
     both("peak_clash_force", "peak clash force",
         "Largest force between coils in a clash, of all places that it presses at one time.", sense=LESS),
@@ -213,8 +214,9 @@ RUNS: tuple[QuantityRow, ...] = (
     both("largest_clash_energy", "largest clash energy",
         "Largest energy stored at one time in the contacts that one clash presses.", sense=LESS),
     both("largest_clash_impulse", "largest clash impulse",
-        "Largest impulse that coils give each other within 0.3 ms beyond the force they hold before and after: the impact, without "
-        "the load of coils that rest on each other.", sense=LESS, topic=CLASH, uses=("study", "page")),
+        "Largest impulse that coils give each other within a fifth of the first natural period of the spring (0.4 ms at 500 Hz) beyond the "
+        "force they hold before and after: the impact, without the load of coils that rest on each other.",
+        sense=LESS, topic=CLASH, uses=("study", "page")),
     *with_angle(both("peak_shear_stress", "peak shear stress",
         "Largest shear stress at the inner fibre over wire and cycle, curvature and direct shear included.", sense=LESS,
         topic=STRESS, uses=("sweep", "curve", "stress"))),

@@ -94,11 +94,11 @@ _COLLISIONS = (
          "That distance as a time, over the period of the first axial mode."),
     _row("main_clash_peak_force", "main clash",
          "Height of the main clash of coils 1 and 2: first spike of the force after the event that reaches 60 % of the highest (found "
-         "below 10 kHz), as computed; absent where no coil meets another."),
+         "below 16 times the surge frequency), as computed; absent where no coil meets another."),
     _row("main_clash_below_5_khz_peak_force", "main clash below 5 kHz", "Height of the main clash in a bandwidth of 5 kHz."),
-    _row("main_clash_cam_angle", "main clash, cam angle", "Cam angle of the top of the main clash below 10 kHz."),
+    _row("main_clash_cam_angle", "main clash, cam angle", "Cam angle of the top of the main clash below 16 times the surge frequency."),
     _row("main_clash_impulse", "main clash, impulse",
-         "Integral of the force above the base circle's mean over 0.1 ms either side of the main clash."),
+         "Integral of the force above the base circle's mean over a sixteenth of the surge period (0.1 ms) either side of the main clash."),
 )  # fmt: skip
 
 GU2021_QUANTITIES: tuple[QuantityRow, ...] = (*_STAGES, *_NODES, *_COLLISIONS)

@@ -8,7 +8,12 @@ import numpy as np
 
 from valvetrain.coil_contact.law import contact_response
 from valvetrain.errors import InputError
-from valvetrain.springs.chain_layout import Array, ChainLayout
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.springs.chain_layout import Array, ChainLayout, chain_from_definition
+
+CONTACT_STIFFNESS = 1e10
+#: Elements per turn of the chain that reduces a definition.
+REDUCTION_MESH = 24
 
 
 def contact_depths(layout: ChainLayout, nodes: Array) -> Array:
@@ -120,3 +125,26 @@ def static_curve(layout: ChainLayout, compressions: Array) -> tuple[Array, Array
         inner = np.linalg.solve(matrix[1:-1, 1:-1], matrix[1:-1, -1])
         rate[i] = matrix[-1, -1] - matrix[-1, 1:-1] @ inner
     return force, rate
+
+
+def frequencies(layout: ChainLayout, compression: float, count: int) -> Array:
+    """First ``count`` natural frequencies (Hz), both ends fixed, about the static state at a
+    compression (m); touching coils stay closed.
+    """
+    closed = contact_tangents(layout, solve_static(layout, compression))
+    root = 1 / np.sqrt(layout.masses)
+    matrix = root[:, None] * stiffness_matrix(layout, closed)[1:-1, 1:-1] * root
+    return np.asarray(np.sqrt(np.linalg.eigvalsh(matrix)[:count]) / (2 * np.pi))
+
+
+def reduction_chain(spring: SpringDefinition) -> ChainLayout:
+    """Fine chain of the wire used to reduce a definition."""
+    first, last = spring.free_coils
+    return chain_from_definition(
+        spring, max(2, round((last - first) * REDUCTION_MESH)), CONTACT_STIFFNESS
+    )
+
+
+def first_period_of(spring: SpringDefinition, precompression: float) -> float:
+    """First natural period (s) of a wire at a precompression (m), both ends fixed, by a fine chain."""
+    return 1 / float(frequencies(reduction_chain(spring), precompression, 1)[0])

@@ -42,8 +42,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-#: Target spacing (s) of a record of coil contacts, whose impacts last about 10 us.
-WATCH_INTERVAL = 2e-6
+#: Target spacing of a record of coil contacts over the spring's first natural period, of some 2 ms: their
+#: impacts last about 10 us.
+WATCH_SHARE = 1e-3
 Kernel = Callable[[Array, NDArray[np.int64], Array, float, float, float], tuple[float, float]]
 
 
@@ -126,7 +127,8 @@ class ContactWatch:
 
     ``stretches`` (r, 2): first entry and length of each stretch of the state that is written, one
     after the other.
-    ``interval``: target spacing (s) of the record. ``read(record, spacing, time_step)``: of the
+    ``first_period`` (s): first natural period of the spring. ``interval``: target spacing (s) of the
+    record. ``read(record, spacing, time_step)``: of the
     pairs that touch in a record (n, entries)
     at a spacing (s) of a run with that step (s), their places (p,) in the row of all pairs by coil
     number, the coil numbers (p,) of their
@@ -134,6 +136,7 @@ class ContactWatch:
     """
 
     stretches: NDArray[np.int64]
+    first_period: float
     interval: float
     read: Callable[[Array, float, float], tuple[NDArray[np.int64], Array, Array, Array]]
 

@@ -10,13 +10,15 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.chain_layout import Array, ChainLayout, chain_from_definition, check_masses
-from valvetrain.springs.chain_statics import contact_depths, solve_static, static_curve
-from valvetrain.springs.multi_mass import CONTACT_STIFFNESS, MultiMassSpring
+from valvetrain.springs.chain_layout import Array, ChainLayout, check_masses
+from valvetrain.springs.chain_statics import (
+    contact_depths,
+    frequencies,
+    reduction_chain,
+    solve_static,
+    static_curve,
+)
 from valvetrain.units import Given, keep_si, si
-
-#: Elements per turn of the chain that reduces a definition.
-REDUCTION_MESH = 24
 
 
 class Card(Protocol):
@@ -90,7 +92,7 @@ class EquivalentSpring:
         )
         layout = reduction_chain(spring)
         force, rate = static_curve(layout, np.array([precompression]))
-        first = float(MultiMassSpring(layout, precompression).frequencies(0.0, 1)[0])
+        first = float(frequencies(layout, precompression, 1)[0])
         nodes = solve_static(layout, precompression)
         riding = (
             layout.masses[nodes[1:-1] > 0.999 * precompression]
@@ -117,14 +119,6 @@ class EquivalentSpring:
     def surge_frequency(self) -> float:
         """First natural frequency (Hz), both ends fixed: a / 2."""
         return self.wave_speed / 2
-
-
-def reduction_chain(spring: SpringDefinition) -> ChainLayout:
-    """Fine chain of the wire used to reduce a definition."""
-    first, last = spring.free_coils
-    return chain_from_definition(
-        spring, max(2, round((last - first) * REDUCTION_MESH)), CONTACT_STIFFNESS
-    )
 
 
 def free_range(layout: ChainLayout, precompression: float) -> tuple[int, int]:

@@ -26,8 +26,9 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import ROTATIONS, Guide
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.springs import finite_element_kernel as stepping
+from valvetrain.springs.chain_statics import first_period_of
 from valvetrain.springs.contract import (
-    WATCH_INTERVAL,
+    WATCH_SHARE,
     Array,
     ContactWatch,
     EndForces,
@@ -406,9 +407,14 @@ class RodModel:
             ]  # a coil that rests at the start shall not seem to come down
             return touched, upper_coil[touched], force, energy
 
-        return ContactWatch(
-            np.array([[place, count] for place in rows], dtype=np.int64), 2 * WATCH_INTERVAL, read
-        )
+        stretches = np.array([[place, count] for place in rows], dtype=np.int64)
+        period = self.first_period
+        return ContactWatch(stretches, period, 2 * WATCH_SHARE * period, read)
+
+    @cached_property
+    def first_period(self) -> float:
+        """First natural period (s) as installed, both ends fixed."""
+        return first_period_of(self.definition, self.precompression)
 
     def retainer_mass(self) -> float:
         """Inactive wire on the retainer and half the last element (kg); none where they lift: then

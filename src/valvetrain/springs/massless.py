@@ -21,9 +21,9 @@ from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import massless_kernels
 from valvetrain.springs.chain_layout import RAYLEIGH_FRACTION, check_masses
-from valvetrain.springs.chain_statics import static_curve
+from valvetrain.springs.chain_statics import reduction_chain, static_curve
 from valvetrain.springs.contract import Array, EndForces, SpringEnergy, SpringOutputs
-from valvetrain.springs.equivalent import EquivalentSpring, reduction_chain
+from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.units import keep_si, si_each
 

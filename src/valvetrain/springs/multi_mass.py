@@ -27,8 +27,9 @@ from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import chain_kernels, chain_statics
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, uniform_chain
+from valvetrain.springs.chain_statics import CONTACT_STIFFNESS
 from valvetrain.springs.contract import (
-    WATCH_INTERVAL,
+    WATCH_SHARE,
     Array,
     ContactWatch,
     EndForces,
@@ -38,7 +39,6 @@ from valvetrain.springs.contract import (
 from valvetrain.springs.spec import SpringModelSpec
 from valvetrain.units import Given, keep_si, si
 
-CONTACT_STIFFNESS = 1e10
 CONTACT_DAMPING_TIME = 1e-6
 
 
@@ -216,14 +216,13 @@ class MultiMassSpring:
         """First ``count`` natural frequencies (Hz), both ends fixed, about the static state;
         touching coils stay closed.
         """
-        nodes = chain_statics.solve_static(self.layout, self.precompression + retainer_displacement)
-        closed = chain_statics.contact_tangents(self.layout, nodes)
-        root = 1 / np.sqrt(self.layout.masses)
-        matrix = (
-            root[:, None] * chain_statics.stiffness_matrix(self.layout, closed)[1:-1, 1:-1] * root
-        )
-        found: Array = np.sqrt(np.linalg.eigvalsh(matrix)[:count]) / (2 * np.pi)
-        return found
+        compression = self.precompression + retainer_displacement
+        return chain_statics.frequencies(self.layout, compression, count)
+
+    @cached_property
+    def first_period(self) -> float:
+        """First natural period (s) as installed, both ends fixed."""
+        return 1 / float(self.frequencies(0.0, 1)[0])
 
     @cached_property
     def _contact_rows(self) -> Array:
@@ -376,9 +375,8 @@ class MultiMassSpring:
             return touched, contacts.upper_coil[chosen], force, found.energy
 
         first = chain_kernels.overlap_place(self.unknowns)
-        return ContactWatch(
-            np.array([[first, 2 * contacts.count]], dtype=np.int64), WATCH_INTERVAL, read
-        )
+        stretches = np.array([[first, 2 * contacts.count]], dtype=np.int64)
+        return ContactWatch(stretches, self.first_period, WATCH_SHARE * self.first_period, read)
 
     def retainer_mass(self) -> float:
         """Half the last element plus the wire of the upper inactive coils (kg)."""

@@ -20,7 +20,7 @@ from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs import reduced_rod_kernel as kernels
 from valvetrain.springs.contract import (
-    WATCH_INTERVAL,
+    WATCH_SHARE,
     Array,
     ContactWatch,
     EndForces,
@@ -407,7 +407,8 @@ class ReducedRod:
             return touched, upper_coil[touched], force, energy
 
         first = kernels.pairs_place(self.tables.coordinates)
-        return ContactWatch(np.array([[first, 2 * count]], dtype=np.int64), WATCH_INTERVAL, read)
+        stretches, period = np.array([[first, 2 * count]], dtype=np.int64), self.rod.first_period
+        return ContactWatch(stretches, period, WATCH_SHARE * period, read)
 
     def retainer_mass(self) -> float:
         """That of the rod, and what the coordinates do not hold of the wire that follows (kg)."""

@@ -14,6 +14,7 @@ from valvetrain.continuum.transient import SAFETY, SolidDynamics, stable_time_st
 from valvetrain.continuum.wire import SolidContactLaw, SolidMeshSize, SolidWire
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.springs.chain_statics import first_period_of
 from valvetrain.springs.contract import Array, EndForces, Kernel, SpringEnergy, SpringOutputs
 
 #: Why a solid has no place in the steps of a train.
@@ -57,6 +58,11 @@ class SolidModel:
             )
         if self.contact.stiffness > 0:
             self.definition.refuse_solid(self.precompression)
+
+    @cached_property
+    def first_period(self) -> float:
+        """First natural period (s) as installed, both ends fixed."""
+        return first_period_of(self.definition, self.precompression)
 
     @cached_property
     def statics(self) -> SolidStatics:
