@@ -26,6 +26,7 @@ from valvetrain.runs.run import run_problem
 from valvetrain.solution.result import Solution
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.modal_uniform import oscillating_modes
+from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
@@ -37,14 +38,33 @@ IMPACT_FORCES = ("peak_clash_force", "surge_clash_peak_force")
 #: wave equation and, of a wire, reduced rod and rod.
 OF_WIRES = ("reduced-rod", "finite-element")
 MODELS = ("multi-mass", "modal-uniform", "wave-rod", *OF_WIRES)
-#: Division of the finest run over that of the case (a chain of a card has at least CHAIN elements), and
-#: its step over the default one; the grid of the wave equation follows its step, the step of the rod its elements.
-FINER = {"multi-mass": 2.0, "modal-uniform": 2.0, "wave-rod": 1.0, **dict.fromkeys(OF_WIRES, 1.5)}
-STEPS = {"multi-mass": 0.5, "modal-uniform": 0.5, "wave-rod": 0.25, "reduced-rod": 0.5}
-CHAIN = 60
+#: Division of the finest run over that of the case (a chain of a card has at least CHAIN elements) and elements per coil
+#: of the rod, which is the finest of a reduced rod too; its step over the default one, as far as that is stable.
+FINER = {"multi-mass": 3.0, "modal-uniform": 2.0, "wave-rod": 1.0}
+ROD, PER_COIL, STEP, CHAIN = "finite-element", 48, 0.25, 120
 #: Share of a number, and of the preload for a force, up to which the default is converged; so are
 #: lengths (m) and cam angles (rad) that differ by less than these.
 SHARE, PRELOAD_SHARE, LENGTH, ANGLE = 0.01, 0.005, 0.5e-6, math.radians(0.5)
+
+#: Share of a value that an error has at least where bars are compared with it.
+FLOOR = 1e-3
+#: Kinds of numbers by parts of their names, the first that fits.
+KINDS = (
+    ("blows of coils", ("clash",)), ("raw peaks", ("raw_",)), ("peak force of springs", ("peak_spring", "peak_retainer")),
+    ("least force of springs", ("minimum_spring", "minimum_retainer")), ("surge", ("surge",)), ("stress", ("stress",)),
+    ("blows at the seat", ("peak_seat", "peak_valve_acceleration")), ("forces of the train", ("contact_force",)),
+    ("gaps, bounces, loss of contact", ("loft", "bounce", "loss_of", "lift_loss")), ("angles", ("angle",)),
+)  # fmt: skip
+
+
+def kind_of(name: str) -> str:
+    """Kind of a quantity in the table of bars.
+
+    >>> kind_of("largest_clash_impulse"), kind_of("seating_velocity")
+    ('blows of coils', 'other')
+    """
+    return next((kind for kind, parts in KINDS if any(one in name for one in parts)), "other")
+
 
 #: The same by the last part of a quantity.
 NEAR = {
@@ -104,7 +124,7 @@ SUBJECTS = (
 class Compared:
     """One number (SI): the ``default`` with its printed ``bar`` (scatter of both runs included), the
     ``finest``, and ``near``, what counts as nothing. ``marginal``: of a time without contact, the gaps of the
-    finest that are so small that they are there or not.
+    finest that are so small that they are there or not. ``printed``: the bar alone.
     """
 
     subject: Subject
@@ -117,6 +137,12 @@ class Compared:
     near: float
     repeats: bool = True
     marginal: float = 0.0
+    printed: float = 0.0
+
+    @property
+    def ratio(self) -> float:
+        """The printed bar over the error, of which :data:`FLOOR` of the value counts as the least."""
+        return self.printed / max(self.error, FLOOR * abs(self.finest), 1e-300)
 
     @property
     def converged(self) -> float:
@@ -167,19 +193,20 @@ def compare(subject: Subject, models: Sequence[str] = MODELS) -> Iterator[Compar
 
 
 def _finest(problem: Problem, member: Member, default: Solution) -> Solution:
-    """The run of ``default`` again, its springs divided more finely and its step shortened."""
-    word = member.model.word
+    """The run of ``default`` again, its springs divided more finely and its step shortened; of a reduced rod its rod."""
+    word = ROD if member.model.word in OF_WIRES else member.model.word
     springs = tuple(_divided(member, spring) for spring in member.springs)
-    ready = prepare(problem, replace(member, springs=springs), {}, problem.record.study)
+    finer = replace(member, model=spring_model(word), springs=springs)
+    ready = prepare(problem, finer, {}, problem.record.study)
     step, own = None, default.statistics.get("time_step_duration")
-    if word in STEPS and isinstance(own, (int, float)) and ready.system is not None:
+    if isinstance(own, (int, float)) and ready.system is not None:
         # the grid of the wave equation follows the step: it needs none
         limits = [
             STEP_FRACTION * float(spring.stable_time_step())
             for spring in ready.system.springs
             if hasattr(spring, "stable_time_step") and word != "wave-rod"
         ]
-        step = min(STEPS[word] * float(own), *limits, math.inf)
+        step = min(STEP * float(own), *limits, math.inf)
     plan = Plan(cycles=problem.cycles, cycles_to_settle=problem.cycles_to_settle)
     if problem.kind != TRAIN:
         plan = replace(plan, samples=round(2 * math.pi / problem.output_step))
@@ -190,6 +217,8 @@ def _finest(problem: Problem, member: Member, default: Solution) -> Solution:
 
 def _divided(member: Member, spring: InstalledSpring) -> InstalledSpring:
     word = member.model.word
+    if word in OF_WIRES:
+        return spring.with_options(ROD, elements_per_coil=PER_COIL)
     if word == "multi-mass" and spring.wire is None:
         own = member.model.read_options(spring.options_of(word)).model_dump()["elements"]
         return spring.with_options(word, elements=max(CHAIN, round(FINER[word] * own)))
@@ -211,8 +240,6 @@ def _numbers(
     runs = default, finest
     repeats = not any(name.startswith("cycle_scatter_") for run in runs for name in run.quantities)
     for name in NAMES:
-        if name in IMPACT_FORCES:
-            continue
         value, best = (run.quantities.get(name, math.nan) for run in runs)
         if not (math.isfinite(value) and math.isfinite(best)):
             continue
@@ -226,8 +253,8 @@ def _numbers(
         bar = max(bars.get(name, 0.0), own) + other
         marginal = marginal_duration(finest.events) if name == "loss_of_contact_duration" else 0.0
         yield Compared(
-            subject, model, default.engine_speed, name, value, bar, best, near, repeats, marginal
-        )
+            subject, model, default.engine_speed, name, value, bar, best, near, repeats, marginal, bars.get(name, 0.0),
+        )  # fmt: skip
 
 
 #: A card whose damping is of mass alone, and with a share of stiffness, under a lift with three continuous derivatives.
