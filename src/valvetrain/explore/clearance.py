@@ -4,6 +4,8 @@ and the figure of them over it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,7 @@ from valvetrain.report.chart import Band, Chart, Line, Marks, Panel
 from valvetrain.report.clauses import joined
 from valvetrain.report.text import number, unit_text
 from valvetrain.solution.definition import definition_of, label_of
+from valvetrain.solution.uncertainty import NOT_RESOLVED
 
 Array = NDArray[np.float64]
 CLEARANCE = "coil_bind_clearance"
@@ -52,7 +55,7 @@ def clearance_clause(table: StudyTable, names: tuple[str, ...]) -> str:
     worst = {name: _per_point(table, name).max(axis=1) for name in names}
     inside = np.flatnonzero((at >= TRADE[0]) & (at <= TRADE[1]))
     if len(inside):
-        said = _of_trade(worst, at, inside)
+        said = _of_trade(table, worst, at, inside)
     else:
         parts = []
         for place, (name, values) in enumerate(worst.items()):
@@ -70,7 +73,9 @@ def clearance_clause(table: StudyTable, names: tuple[str, ...]) -> str:
     return f"{said}{f', each the worst of {runs} runs' if runs > 1 else ''}"
 
 
-def _of_trade(worst: dict[str, Array], at: Array, inside: NDArray[np.intp]) -> str:
+def _of_trade(
+    table: StudyTable, worst: dict[str, Array], at: Array, inside: NDArray[np.intp]
+) -> str:
     """Whether the clearances of the trade pay next to the widest one, and which to choose instead: they
     do where what they calm falls by a larger factor than what they worsen rises.
     """
@@ -79,10 +84,17 @@ def _of_trade(worst: dict[str, Array], at: Array, inside: NDArray[np.intp]) -> s
     for name, values in worst.items():
         there, wide = values[inside], float(values[widest])
         low, high = (float(one) for one in (there.min(), there.max()))
+        error = _error(table, name)
         ends = f"{number(low, 3)} to {_text(name, high)}" if low < high else _text(name, high)
-        list_of = less if high < wide else more if low > wide else same
+        list_of = (
+            less
+            if high + error(high) < wide - error(wide)
+            else more
+            if low - error(low) > wide + error(wide)
+            else same
+        )
         list_of.append(f"{label_of(name)} ({ends} for {_text(name, wide)})")
-        if low > 0 and wide > 0:
+        if low > 0 and wide > 0 and list_of is not same:
             gain, loss = (
                 max(gain, wide / float(there.mean())),
                 max(loss, float(there.mean()) / wide),
@@ -102,12 +114,25 @@ def _of_trade(worst: dict[str, Array], at: Array, inside: NDArray[np.intp]) -> s
     )
     name, values = next(iter(worst.items()))
     best = int(np.nanargmin(values))
+    error, wide, least = _error(table, name), float(values[widest]), float(values[best])
     if gain > loss or at[best] <= TRADE[1]:
         return said
+    if best != widest and least + error(least) >= wide - error(wide):
+        return f"{said}; where {label_of(name)} is least is {NOT_RESOLVED}"
     tried = ", the largest tried, or more" if best == widest else ""
     others = [f"{label_of(one)} {_text(one, float(worst[one][best]))}" for one in list(worst)[1:]]
     price = f", with {joined(others)}" if others else ""
     return f"{said}; choose {number(float(at[best]), 3)} mm{tried}, for {label_of(name)} is least there ({_text(name, float(values[best]))}{price})"
+
+
+def _error(table: StudyTable, name: str) -> Callable[[float], float]:
+    """The error bar of a value of an output: the largest share that is known of it, none where error bars were not
+    computed.
+    """
+    known = vars(table).get("error_bars", {})  # words compute nothing
+    bars = [one[name] for one in known.values() if name in one]
+    share = max((one.numerical / abs(one.value) for one in bars if one.value), default=0.0)
+    return lambda value: share * abs(value)
 
 
 def clearance_chart(table: StudyTable, names: tuple[str, ...]) -> Chart:

@@ -33,6 +33,8 @@ from valvetrain.solution.saveable import Reported
 if TYPE_CHECKING:
     import xarray
 
+    from valvetrain.solution.uncertainty import Uncertainty
+
 
 #: A varied quantity is at an end of its range, and a bound is active, within these shares of them.
 AT_END, ACTIVE = 0.01, 0.01
@@ -99,6 +101,22 @@ class Optimum(Reported):
     finished: bool = True
     seeds: tuple[int, ...] = ()
     contact_loss: LimitFound | None = None
+
+    @cached_property
+    def error_bars(self) -> tuple[Uncertainty, ...]:
+        """Error bars of the numbers of the best design, or of the case where no trial meets every bound, that are
+        searched for; computed when first read.
+        """
+        from valvetrain.explore.point_bars import bars_of  # loads what runs
+
+        values = (self.case if self.best is None else self.best.trial).values
+        objectives, bounds = self.plan.objectives, self.plan.constraints
+        measures = [*(one.measure for one in objectives), *(one.measure for one in bounds)]
+        names = {one.quantity for one in measures}
+        plans = self.plan.plans.values()
+        every = (bar for one in plans for run in one.runs for bar in bars_of(one, values, run))
+        found = {(bar.quantity, bar.label, bar.engine_speed): bar for bar in every}
+        return tuple(bar for bar in found.values() if bar.quantity in names)
 
     @property
     def best(self) -> Design | None:

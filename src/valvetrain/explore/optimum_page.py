@@ -26,6 +26,7 @@ from valvetrain.explore.optimum_summary import confirmed_text, same_as_varied, s
 from valvetrain.explore.study_page import distribution_text
 from valvetrain.explore.trial import Trial
 from valvetrain.explore.valley import ALIKE
+from valvetrain.report.json import uncertainty_object
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, render, text
 from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.report.text import number, percent, unit_text
@@ -349,6 +350,7 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
         "best_by_seed": {str(seed): value for seed, value in found.best_by_seed.items()}, "sentences": list(sentences(found)),
         "completed": found.finished and found.best is not None,
     }  # fmt: skip
+    data["uncertainties"] = [uncertainty_object(one) for one in found.error_bars]
     if len(found.trials) <= MAX_TRIALS:
         data["rows"] = [_trial(one) for one in found.trials]
     return data

@@ -181,8 +181,9 @@ def _study_written(request: _Request, table: StudyTable) -> Outcome:
 
     failures = PartialFailures()
     write = partial(write_points, table, request.folder, failures)
+    answer = points_json(table)  # with error bars, which the verdict needs
     verdict = verdict_of(table)
-    answer = points_json(table) | {"verdict": verdict}
+    answer |= {"verdict": verdict}
     data = keep_points("study", answer, request, write, STUDY_JSON, failures)
     # that some points of a study cannot be built is part of its answer
     found = table.failures[:1]

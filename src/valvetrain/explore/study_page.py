@@ -36,6 +36,7 @@ from valvetrain.explore.study_points import (
 )
 from valvetrain.explore.study_verdict import judged_output
 from valvetrain.explore.table import StudyTable, run_label
+from valvetrain.report.json import uncertainty_object
 from valvetrain.report.page import (
     Block,
     Cell,
@@ -348,6 +349,11 @@ def points_json(table: StudyTable) -> dict[str, Any]:
         ],
         "sentences": list(sentences(table)), "failures": list(table.failures[:MAX_ROWS]), "completed": bool(np.all(table.completed)),
     }  # fmt: skip
+    data["uncertainties"] = [
+        {"row": row, **uncertainty_object(one)}
+        for row, bars in table.error_bars.items()
+        for one in bars.values()
+    ]
     if len(table) <= MAX_ROWS:
         data["rows"] = [
             {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     from valvetrain.explore.sensitivity import Sensitivity
     from valvetrain.explore.surrogate import Surrogate
+    from valvetrain.solution.uncertainty import Uncertainty
 
 Array = NDArray[np.float64]
 
@@ -139,6 +141,22 @@ class StudyTable(Reported):
     def completed(self) -> NDArray[np.bool_]:
         """Which rows (n,) reached their end."""
         return np.array([one.completed for one in self.statuses], dtype=bool)
+
+    @cached_property
+    def error_bars(self) -> Mapping[int, Mapping[str, Uncertainty]]:
+        """Error bars of the outputs of the first row and of those where an output is least, by row and output; computed
+        when first read.
+        """
+        from valvetrain.explore.point_bars import MAX_BARRED, bars_of  # loads what runs
+
+        shown = np.where(self.completed[:, None], self.values, np.nan)
+        least = [int(np.nanargmin(one)) for one in shown.T if np.isfinite(one).any()]
+        rows = [row for row in dict.fromkeys((0, *least)) if len(self) and self.completed[row]]
+        found = {}
+        for row in rows[:MAX_BARRED]:
+            bars = bars_of(self.plan.experiment, self.inputs[row].tolist(), self.runs[row])
+            found[row] = {one.quantity: one for one in bars if one.quantity in self.outputs}
+        return found
 
     @property
     def failures(self) -> tuple[str, ...]:
