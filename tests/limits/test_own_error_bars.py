@@ -191,6 +191,26 @@ def test_every_completed_run_has_bars_or_a_reason_in_every_interface(name, speed
     assert {(label, round(speed * 30 / math.pi)) for label, speed in runs} <= found
 
 
+def test_a_study_and_a_search_have_the_bars_of_runs_of_their_points():
+    """Contract: those of the base and of the least output, and of the best design."""
+    vary = 'vary = [{ key = "spring.precompression", low = "6 mm", high = "8 mm" }]'
+    ways = 'case = "job-c"\nengine_speeds = "4000 rpm"\nspring_models = "modal-uniform"\n'
+    points = 'outputs = "peak_spring_force"\npoints = { sampler = "grid", levels = 3 }\n'
+    table = vt.study(f"{ways}{points}{vary}", workers=1)
+    assert list(table.error_bars) == [0]
+    alone = vt.Case(vt.load_case("job-c")).set({"spring.precompression": "6 mm"})
+    study = vt.simulate(alone.parameters, "4000 rpm", spring_models="modal-uniform", workers=1)
+    row, same = bars_of(study)["peak_spring_force"], table.error_bars[0]["peak_spring_force"]
+    assert same.numerical == pytest.approx(row.numerical, rel=1e-6) and row.numerical > 0
+    goal = 'objective = [{ quantity = "peak_spring_force", direction = "minimise" }]'
+    found = vt.optimise(
+        f"{ways}{vary}\n{goal}\nsearch = {{ trials = 2, per_round = 2 }}", workers=1
+    )
+    (bar,) = found.error_bars
+    assert bar.quantity == "peak_spring_force" and bar.numerical > 0
+    assert bar.value == pytest.approx(min(one.objectives[0] for one in found.trials), rel=1e-3)
+
+
 def test_a_bar_beyond_its_value_is_a_state_and_no_number_of_a_sentence():
     """Contract: "93 ± 1031 N" was printed."""
     speed = 628.0

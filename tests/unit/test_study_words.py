@@ -12,6 +12,7 @@ from valvetrain.explore.study import StudyText, read_plan
 from valvetrain.explore.table import StudyTable
 from valvetrain.parameters.loading import load_case
 from valvetrain.solution.status import COMPLETED
+from valvetrain.solution.uncertainty import Uncertainty
 
 
 def of_points(
@@ -71,6 +72,35 @@ def test_where_the_widest_clearance_is_best_it_is_called_the_largest_tried():
     assert (
         "choose 4.6 mm, the largest tried, or more, for clash energy is least there" in told.verdict
     )
+
+
+def test_no_clearance_is_advised_within_error_bars():
+    """Contract: of 1.6 against 4.7 mJ one had ± 3.4 mJ, and the smaller was advised."""
+    own = {
+        "coil_bind_clearance": [5.7e-3, 3.7e-3, 1.5e-3],
+        "clash_energy": [4.7e-3, 1.6e-3, 4.2e-3],
+    }
+    table = of_points(
+        "gu2021-beehive-blind",
+        '{ key = "spring.precompression", values = "7, 9, 11 mm" }',
+        own,
+        "finite-element",
+        engine_speeds='"8000 rpm"',
+        points='{ sampler = "grid" }',
+    )
+    assert "choose 3.7 mm" in table.verdict
+
+    def bar(value: float, size: float) -> dict[str, Uncertainty]:
+        same = (value, value)
+        return {
+            "clash_energy": Uncertainty(
+                "clash_energy", 837.8, value, size, None, value, 0.0, same, same, "rod"
+            )
+        }
+
+    for size, advised in ((3.4e-3, False), (0.1e-3, True)):
+        vars(table)["error_bars"] = {0: bar(4.7e-3, size), 1: bar(1.6e-3, 0.3e-3)}
+        assert ("choose" in table.verdict) is advised
 
 
 def test_a_spring_that_is_stressed_most_has_its_reasons():
