@@ -117,7 +117,7 @@ def uncertainty_text(study: UncertaintyStudy) -> str:
     lines = [
         f"# Uncertainty of the headline numbers of {study.record.name}; written by scripts/write_uncertainty.py. SI units.",
         "# value, numerical uncertainty, observed order (nan: not monotonic), extrapolated value, part of the step,",
-        f"# least and largest over contact stiffness x {soft:g} to x {stiff:g}, least and largest over contact damping x {least:g} to "
+        f"# least and largest over contact stiffness x {soft:g} to x {stiff:g}, least and largest over damping x {least:g} to "
         f"x {most:g}.",
         "", "[case]", f'digest = "{study.record.digest}"', f"elements_per_coil = [{meshes}]",
     ]  # fmt: skip

@@ -17,7 +17,7 @@ NOT_RESOLVED = "not resolved"
 CONSTANTS = ("contact stiffness", "damping")
 #: Kinds of quantities that these constants move by more than 5 %: raw peaks, blows of coils and at the seat.
 OF_CONTACT = re.compile(
-    r"^(raw_peak_|.*clash.*_(force|energy|impulse)$|peak_seat_contact_force$|peak_valve_acceleration$)"
+    r"^(?!.*below_)(raw_peak_|.*clash.*_(force|energy|impulse)$|peak_seat_contact_force$|peak_valve_acceleration$)"
 )
 
 
