@@ -169,11 +169,10 @@ def bar_table(numbers: Sequence[Compared]) -> str:
 #: Text above the table.
 SUMMARY = """*Computed* is what a run prints with no option, *expected* the same model divided more finely (chain three times and, of a card, at
 least 120 elements; modes twice; rod 48 per coil, which is expected of the reduced rod too) at a quarter of the step, or the exact
-damped wave equation. {numbers} headline numbers of {runs} runs of {labels} cases at three engine speeds, the last just below float (rods at it alone):
-{converged}
-within 1 % (forces: or 0.5 % of the preload; lengths: or 0.5 um; cam angles: within 0.5 degrees), {inside} more inside the bar printed with them,
-{missed} beyond both{which}. Each run has the row of its number nearest to its limit, and a row for each number beyond. All numbers:
-[validation-defaults.csv](data/validation-defaults.csv).
+damped wave equation. {numbers} headline numbers of {runs} runs of {labels} cases at three engine speeds, the last just below float (rods at it
+alone): {converged} within 1 % (forces: or 0.5 % of the preload; lengths: or 0.5 um; cam angles: within 0.5 degrees), {inside} more inside the bar
+printed with them, {missed} beyond both{which}. Each run has the row of its number nearest to its limit, and a row for each number beyond. All
+numbers: [validation-defaults.csv](data/validation-defaults.csv).
 
 How well the printed bars hold the error against the finest run, of which {floor:.1g} % of the value is the least that counts
 (the aim is 95 % inside and a median of at most 4):
