@@ -78,7 +78,7 @@ def test_no_clearance_is_advised_within_error_bars():
     """Contract: of 1.6 against 4.7 mJ one had ± 3.4 mJ, and the smaller was advised."""
     own = {
         "coil_bind_clearance": [5.7e-3, 3.7e-3, 1.5e-3],
-        "clash_energy": [4.7e-3, 1.6e-3, 4.2e-3],
+        "clash_energy": [4.7e-3, 1.6e-3, 4.9e-3],
     }
     table = of_points(
         "gu2021-beehive-blind",
