@@ -83,7 +83,7 @@ def test_every_channel_of_a_run_stands_in_the_table_with_its_unit(case):
     for run in runs(case):
         for name in shown(run):
             assert name in known or re.fullmatch(
-                r"\w+_(contact_force|gap|force|displacement|angle)", name
+                r"\w+_(contact_force|gap|force|moment|displacement|angle)", name
             ), (run.label, name)
         for channel in run.channels.data_vars.values():
             assert (

@@ -219,7 +219,7 @@ RUNS: tuple[QuantityRow, ...] = (
         sense=LESS, topic=CLASH, uses=("study", "page")),
     *with_angle(both("peak_shear_stress", "peak shear stress",
         "Largest shear stress at the inner fibre over wire and cycle, curvature and direct shear included.", sense=LESS,
-        topic=STRESS, uses=("sweep", "curve", "stress"))),
+        topic=STRESS, uses=("brief", "sweep", "curve", "stress"))),
     both("peak_shear_stress_coil_number", "peak shear stress, coil number",
         "Coil number, from 1 at the seat, of the peak shear stress.", uses=("stress",)),
     both("minimum_shear_stress", "minimum shear stress",
@@ -237,10 +237,10 @@ RUNS: tuple[QuantityRow, ...] = (
         "Shear stress by EN 13906-1 with the Bergsträsser factor, at rest at the largest lift of the cycle, where wire and index make "
         "it largest; the load by torsion of the wire, as in the standard, no more "
         "than at solid. The standard is about loads at rest: what the wire bears in motion is the peak shear stress.",
-        sense=LESS, topic=STRESS, uses=("brief", "sweep", "stress")),
+        sense=LESS, topic=STRESS, uses=("sweep", "stress")),
     both("closed_nominal_shear_stress", "shear stress by EN 13906-1, valve closed",
         "Shear stress by EN 13906-1 with the Bergsträsser factor, at rest as installed, at the same place.", topic=STRESS,
-        uses=("brief", "sweep", "stress")),
+        uses=("sweep", "stress")),
     both("open_uncorrected_shear_stress", "uncorrected shear stress at the largest lift",
         "Shear stress 8 F D / (pi d^3) at rest at the largest lift, at the worst place of the wire, without the factor for curvature and "
         "direct shear: what EN 13906-1 holds against the permitted shear stress.", sense=LESS, topic=STRESS, uses=("sweep", "stress")),
