@@ -5,18 +5,22 @@ or contact constants.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
+from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
+from valvetrain.runs.differences import DEFINITIONS, definitions, result_differences
 from valvetrain.runs.prepared import prepare
 from valvetrain.runs.run import run_study
+from valvetrain.runs.saved_runs import SavedRun
 from valvetrain.solution.force_peak import filtered_cycle, force_peak
 from valvetrain.system.build import build
 
@@ -137,3 +141,17 @@ def test_the_cut_off_of_a_case_counts_and_is_in_its_run():
     wide, slow = (one.quantities for one in runs)
     assert slow["peak_spring_force"] < 0.95 * wide["peak_spring_force"]
     assert slow["raw_peak_spring_force"] == wide["raw_peak_spring_force"]
+
+
+def saved(force: float, cut_off: float | None) -> SavedRun:
+    answer = {"quantities": {"peak_spring_force": {"value": force, "unit": "N"}}}
+    return SavedRun(
+        Path(), answer | ({} if cut_off is None else {DEFINITIONS: definitions(cut_off)})
+    )
+
+
+def test_two_definitions_of_the_peak_are_not_compared():
+    assert len(result_differences(saved(900.0, 10e3), saved(950.0, 10e3))) == 1
+    for other in (saved(900.0, 5e3), saved(900.0, None)):
+        with pytest.raises(InputError, match="force_bandwidth"):
+            result_differences(saved(900.0, 10e3), other)
