@@ -45,4 +45,4 @@ def test_a_study_tells_them_in_one_line_and_names_the_quantity_of_a_pair(tmp_pat
         and done.stderr.count("active turns") == 1
         and "1 of 2 points is doubtful" in text
     )
-    assert "of a pair: outer_card_open_force or inner_card_open_force" in text
+    assert all(f"{one}_card_open_force" in text for one in ("outer", "inner", "pair"))

@@ -295,7 +295,7 @@ def _lost(found: Optimum, trial: Trial) -> str:
     where = ""
     if loss is not None:
         below = "below " if loss.kind == BELOW else ""
-        where = f", from {below}{speed_text(loss.value)}"
+        where = f", from {below}{round(loss.value * 30 / np.pi, -1):.0f} rpm"
     return (
         f"No design retains contact at {speed_text(speed)} ({ranges}). Trial {trial.number} comes nearest ({values}): "
         f"it loses contact for {1e3 * trial.losses[0]:.3g} ms of a cycle{where}."
