@@ -132,7 +132,8 @@ def test_the_solid_has_every_channel_of_the_rod(study):
     """Contract: the same channels on the same wire points, and on the pairs of coils that have two
     stations of the mesh at either side."""
     rod, solid = study.solutions
-    assert set(rod.arrays.variables) <= set(solid.arrays.variables)
+    # the rod alone stores its force between the fine samples, for phases of a published sampling
+    assert set(rod.arrays.variables) - {"seat_force_finest"} <= set(solid.arrays.variables)
     for name in ("coil_number", "time"):
         assert solid.arrays.coords[name].values == pytest.approx(rod.arrays.coords[name].values)
     pairs, others = (one.arrays.coords["upper_coil"].values for one in (solid, rod))

