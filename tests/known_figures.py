@@ -363,7 +363,7 @@ def rigid(study: Study, place: str) -> Panels:
 def sweep(study: Study, place: str | None) -> Panels:
     """The first figure has the forces, the others surge, clash and what happens at the seat."""
     shown = {
-        None: (("peak_spring_force", "peak spring force (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1)),
+        None: (("peak_spring_force", "peak spring force below 10 kHz (N)", 1), ("minimum_spring_force", "minimum spring force (N)", 1)),
         "-1": (("surge_amplitude_force", "surge amplitude, 0 to peak (N)", 1),),
         "-2": (("clash_energy", "clash energy (mJ)", 1e3),),
         "-3": (("seating_velocity", "seating velocity (m/s)", 1), ("lift_loss_displacement", "lift lost (mm)", 1e3)),

@@ -43,7 +43,10 @@ def stages() -> Known:
         extra={"seat_force_fine": (("subsample",), "N", "made up")},
     )
     found = evaluate(made, Frame(source="gu2021", lift_event=EVENT)).quantities
-    higher, later = 1.5, 0.1875 * DEG  # medians over the phases
+    higher, later = (
+        1.5,
+        0.25 * DEG,
+    )  # median of the heights; the angle is that of a phase, the upper of the middle two
     end, before = (280 + 77 * np.cos(np.pi * away / 20) ** 2 for away in (1.0, 1.5))
     return found, {
         "stage_1_minimum_force": 265.0 + higher,

@@ -25,7 +25,8 @@ FILES = {
 #: Keys that the case stores in another form: as a compression, a mean diameter, the maximum lift or
 #: angles of opening and closing, an engine speed.
 CONVERTED = {
-    "installed_height", "open_height", "lobe_lift", "outer_diameter", "wall_thickness", "duration", "advertised_duration", "lobe_centre", "cam_speeds",
+    "installed_height", "open_height", "lobe_lift", "outer_diameter", "wall_thickness", "duration", "advertised_duration", "lobe_centre",
+    "cam_speeds",
 }  # fmt: skip
 UNITS = pint.UnitRegistry()
 

@@ -76,7 +76,7 @@ def test_a_flight_of_more_than_a_revolution_is_motion_of_the_model():
         ready, state = found.runner, found.start
         for _ in range(12):
             state, record = ready.cycle(state)
-            flown += not record.touches(built, "cam")
+            flown += not record.touches_cam(built)
     assert flown, "every revolution touched its cam, so nothing was tested; raise the speeds"
 
 

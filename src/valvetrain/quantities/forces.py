@@ -70,7 +70,8 @@ def force_quantities(cycle: Cycle) -> dict[str, float]:
 def peak_of_cycle(cycle: Cycle, channel: str, raw: float, raw_angle: float) -> ForcePeak:
     """Peak of a force below the cut-off of the run; ``raw`` peak (N) at ``raw_angle`` (rad).
 
-    The cycle counts as closed: at its ends the filter then sees what it repeats, not a mirror of it.
+    A whole cycle counts as closed: at its ends the filter sees what the cycle repeats. A part of
+    one is closed by its mirror.
     """
     time, angle, series = fine_series(cycle.solution, channel)
     mine, begin = within_cycle(cycle, angle)
@@ -79,10 +80,14 @@ def peak_of_cycle(cycle: Cycle, channel: str, raw: float, raw_angle: float) -> F
     even = time[0] + interval * np.arange(len(time))
     if np.max(np.abs(even - time)) > 1e-3 * interval:
         values = np.interp(even, time, values)
-    start = float(angle[mine][0] - begin)
+    start, turn = float(angle[mine][0] - begin), 2 * np.pi
+    if not cycle.whole:
+        turn = 2 * len(values) * float(np.ptp(angle[mine])) / (len(values) - 1)
+        values = np.append(values, values[::-1])
     cutoff = bandwidth_of(cycle.solution.provenance)
-    found = force_peak(values, interval, cutoff, raw, (raw_angle - start) / (2 * np.pi))
-    return replace(found, place=(found.place + start / (2 * np.pi)) % 1.0)
+    found = force_peak(values, interval, cutoff, raw, (raw_angle - start) / turn)
+    place = found.place if cycle.whole else min(found.place, 1.0 - found.place)
+    return replace(found, place=(place * turn + start) / (2 * np.pi) % 1.0)
 
 
 def lift_quantities(cycle: Cycle, springs: tuple[InstalledSpring, ...]) -> dict[str, float]:
