@@ -102,6 +102,13 @@ def test_a_case_that_a_program_changed_part_by_part_is_refused():
     assert vary(case, {Varied(ENGINE_SPEED, "rpm"): 700.0}) is case
 
 
+@pytest.mark.parametrize("key", ["operation.engine_speeds", "operation.cam_speeds"])
+def test_speeds_of_a_case_are_not_varied_without_effect(key):
+    """The runs of a study have speeds of their own: every point would be the same run."""
+    with pytest.raises(InputError, match=ENGINE_SPEED):
+        Evaluation(BEEHIVE, Space({key: [500.0, 600.0]}), Outputs("peak_spring_force"))
+
+
 @pytest.mark.parametrize(
     ("name", "file_key", "object_key", "value", "unit"),
     [
