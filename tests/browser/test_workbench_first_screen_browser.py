@@ -136,12 +136,14 @@ def test_a_solid_height_above_the_lift_is_refused_in_its_field(bench):
 
 
 def test_comparing_offers_two_different_runs(bench):
-    """Ctrl+Enter runs from any field; the second run differs by its speed."""
+    """Ctrl+Enter runs from any field; the second run differs by its preload."""
     with watched(bench) as page:
         open_case(bench, page, CASE)
+        page.get_by_label("Engine speeds (crank)").fill("3000 rpm")
+        page.get_by_label("Find a quantity").fill("preload")
         runs = []
-        for speed in ("3000 rpm", "4000 rpm"):
-            page.get_by_label("Engine speeds (crank)").fill(speed)
+        for preload in ("140 lbf", "150 lbf"):
+            page.locator("[id='field-train-springs-card-0-preload']").fill(preload)
             page.keyboard.press("Control+Enter")
             page.wait_for_function(
                 "(done) => { const at = document.querySelector('.results')?.dataset.shown; return at && !done.includes(at); }",
