@@ -75,7 +75,9 @@ def test_a_finished_run_shows_the_numbers_of_its_files(bench, page, finished):
     page.goto(f"{bench.url}/run/{finished}")
     shown(page)
     told = (
-        page.locator("tr", has_text="Peak spring force below 10 kHz (N)").first.locator("td").first.inner_text()
+        page.locator("tr", has_text="Peak spring force below 10 kHz (N)")
+        .first.locator("td")
+        .first.inner_text()
     )
     runs = {run["label"]: run for run in bench.answer(finished)["runs"]}
     assert float(told) == pytest.approx(

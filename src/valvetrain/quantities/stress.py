@@ -16,8 +16,7 @@ from valvetrain.quantities.forces import largest_lift
 from valvetrain.quantities.statics import solid_quantities
 from valvetrain.solution.channels import Variable
 from valvetrain.solution.result import Solution
-from valvetrain.springs.chain_statics import static_curve
-from valvetrain.springs.equivalent import reduction_chain
+from valvetrain.springs.chain_statics import reduction_chain, static_curve
 from valvetrain.springs.stress import (
     LOADS,
     STRESS_CHANNELS,

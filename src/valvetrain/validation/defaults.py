@@ -46,7 +46,8 @@ def default_against_finest() -> list[Row]:
     numbers = [one for one in compared() if one.error or one.printed]
     inside = 100 * sum(map(is_inside, numbers)) / len(numbers)
     middle = median(one.ratio for one in numbers)
-    why, consistent = "the aim of error bars", "consistency"
+    why = "the aim of error bars"
+    consistent: Kind = "consistency"
     return [
         Row(TOPIC, "numbers whose error is inside their bar", "", f"{len(numbers)} numbers", 100.0, inside, "%", 5.0, why, consistent),
         Row(TOPIC, "bar over error, median", "", f"{len(numbers)} numbers", 1.0, middle, "1", 3.0, why, consistent),
