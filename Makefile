@@ -26,7 +26,7 @@ help:
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
 	@echo "make uncertainty  error bars of the published case anew; after make identify or a change of the rod"
-	@echo "make lint      style, format (ruff) and types (mypy) of the package, benchmarks, scripts, fuzz and mutants"
+	@echo "make lint      size of each folder (budget.toml), style and format (ruff), types (mypy) of the package, benchmarks, scripts, fuzz and mutants"
 	@echo "make mutants   seed faults into copies of the source and tell the share that the tests notice (ARGS=\"--changed\": lines changed since main, a minute; ARGS=\"--sample 40\")"
 	@echo "make faults    kill workers, parents and the solver at random moments, fill the disk; what was lost (ARGS=200: so many faults)"
 	@echo "make fuzz      ask about mutants of cases, runs of mutants and damaged result files (ARGS=1000, or ARGS=\"--files 500\")"
@@ -74,6 +74,7 @@ uncertainty: environment-run
 	$(BIN)/python scripts/write_uncertainty.py $(CASE) $(ARGS)
 
 lint: environment-test
+	$(BIN)/python scripts/count_source.py --check
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy

@@ -1,0 +1,39 @@
+"""The size of the source is counted alike by every Python, and `budget.toml` bounds it."""
+
+from __future__ import annotations
+
+import pytest
+from count_source import complaints, meaningful, tokens_of
+
+#: ``print(f"{a:{b}} c")  # why`` as tokenizers of Python 3.11 and of 3.12 and later split it.
+OLD = "ENCODING NAME OP STRING OP COMMENT NEWLINE ENDMARKER"
+NEW = (
+    "ENCODING NAME OP FSTRING_START OP NAME OP FSTRING_MIDDLE OP NAME OP OP FSTRING_MIDDLE "
+    "FSTRING_END OP COMMENT NEWLINE ENDMARKER"
+)
+NESTED = "NAME OP FSTRING_START OP FSTRING_START OP NAME OP FSTRING_END OP FSTRING_END"
+BOUNDS = {"cam": 100, "springs": 200, "page_bytes": 50}
+
+
+@pytest.mark.parametrize(("kinds", "number"), [(OLD, 4), (NEW, 4), (NESTED, 3)])
+def test_an_f_string_is_one_token_of_any_tokenizer(kinds, number):
+    assert meaningful(kinds.split()) == number
+
+
+def test_an_f_string_is_one_token_of_this_python(tmp_path):
+    path = tmp_path / "example.py"
+    path.write_text('x = f"{a:{b}} c" + f"d"  # why\n', encoding="utf-8")
+    assert tokens_of(path) == 5
+
+
+def test_sizes_up_to_the_figures_pass():
+    assert complaints(BOUNDS, 300, BOUNDS) == []
+
+
+@pytest.mark.parametrize(
+    ("total", "change"),
+    [(300, {"cam": 101}), (300, {"page_bytes": 51}), (300, {"new": 1}), (299, {})],
+)
+def test_a_figure_exceeded_is_named(total, change):
+    (sentence,) = complaints(BOUNDS, total, BOUNDS | change)
+    assert all(name in sentence for name in change)
