@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
@@ -51,18 +51,14 @@ def public_names(
     return load, lambda: sorted(homes), list(homes)
 
 
-def name_of_earlier_release(
-    package: str, name: str, file: str, renamed: Mapping[str, str]
-) -> object:
-    """What a package answers to a name that its stub does not list: a module of it, or, with a
-    warning, the object that an earlier release had under that name.
+def module_of(package: str, name: str, file: str) -> object:
+    """What a package answers to a name that its stub does not list: a module of it.
 
     Parameters
     ----------
     package : dotted name of the package
     name : the name that was not found
     file : ``__file__`` of the package
-    renamed : earlier name -> its dotted path in the package now; names that only moved to a folder are found without
 
     Raises
     ------
@@ -71,21 +67,13 @@ def name_of_earlier_release(
     inside = Path(file).parent
     if (inside / f"{name}.py").is_file() or (inside / name / "__init__.py").is_file():
         return import_module(f"{package}.{name}")
-    import difflib  # here: a plain import of the package does not pay for them
-    import warnings
+    import difflib  # here: a plain import of the package does not pay for it
 
-    folders = sorted(stub.parent.name for stub in inside.glob("*/__init__.pyi"))
-    paths = dict(renamed)
-    if not name.startswith("_"):
-        for folder in folders:
-            for one in getattr(import_module(f"{package}.{folder}"), "__all__", ()):
-                paths.setdefault(one, f"{folder}.{one}")
-    if name not in paths:
-        paths |= {one: one for one in names_of_stub(package, file)}
-        near = difflib.get_close_matches(name, paths, n=1, cutoff=0.6)
-        remedy = f"did you mean {paths[near[0]]}?" if near else f"dir({package}) lists the names"
-        raise AttributeError(f"module '{package}' has no name '{name}'; {remedy}")
-    path = paths[name]
-    warnings.warn(f"{package}.{name} is {package}.{path} now", DeprecationWarning, stacklevel=3)
-    module, _, attribute = path.rpartition(".")
-    return getattr(import_module(f"{package}.{module}"), attribute)
+    paths = {one: one for one in names_of_stub(package, file)}
+    for stub in () if name.startswith("_") else sorted(inside.glob("*/__init__.pyi")):
+        folder = stub.parent.name
+        for one in getattr(import_module(f"{package}.{folder}"), "__all__", ()):
+            paths.setdefault(one, f"{folder}.{one}")
+    near = difflib.get_close_matches(name, paths, n=1, cutoff=0.6)
+    remedy = f"did you mean {paths[near[0]]}?" if near else f"dir({package}) lists the names"
+    raise AttributeError(f"module '{package}' has no name '{name}'; {remedy}")

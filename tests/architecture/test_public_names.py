@@ -45,21 +45,6 @@ def test_an_unknown_name_is_answered_with_the_nearest(name, near):
         getattr(valvetrain, name)
 
 
-@pytest.mark.parametrize(
-    ("earlier", "path"),
-    [
-        ("cylindrical", "parameters.cylindrical"),
-        ("read_cycles", "measured.read_cycles"),
-        ("seen_by_sensor", "rig.sensor_response"),
-        ("build", "system.build.build"),
-    ],
-)
-def test_a_name_of_an_earlier_release_is_answered(earlier, path):
-    with pytest.warns(DeprecationWarning, match=f"valvetrain.{earlier} is valvetrain.{path} now"):
-        found = getattr(valvetrain, earlier)
-    assert found is object_of(f"valvetrain.{path}")
-
-
 def test_a_type_checker_sees_every_public_name(tmp_path):
     """mypy knows the type of each name, and that a misspelt one does not exist."""
     names = list(HOMES)

@@ -34,7 +34,7 @@ def float_speed(mass: float, speeds: str = SPEEDS, model: str = "massless") -> f
     """Float speed (rpm) of the template with a valve of ``mass`` (kg), the nominal value alone."""
     case = vt.Case(TEMPLATE).set({"train.valve.mass": mass})
     row = case.critical_speeds(
-        speeds, spring_models=[model], spring_sets=["card"], ranges=False, workers=1
+        speeds, model=[model], spring_set=["card"], ranges=False, workers=1
     ).of("float")
     assert row is not None and row.begins is not None
     return row.engine_speed / RPM
@@ -63,7 +63,7 @@ def test_repeats_from_the_motion_of_a_near_speed_find_what_those_from_rest_find(
 
     def float_row():
         row = vt.Case(TEMPLATE).critical_speeds(
-            "6950:7050:100 rpm", spring_models=["modal-uniform"], spring_sets=["card"], workers=1
+            "6950:7050:100 rpm", model=["modal-uniform"], spring_set=["card"], workers=1
         ).of("float")  # fmt: skip
         assert row is not None
         damped = [one.engine_speed for one in row.members if one.cause == "damping"]
@@ -94,7 +94,7 @@ def test_a_sweep_says_what_lies_between_its_speeds() -> None:
     study = vt.sweep(
         str(TEMPLATE),
         "6000:6500:500 rpm",
-        spring_sets=["card"],
+        spring_set=["card"],
         critical_speeds=False,
         workers=1,
     )
@@ -150,10 +150,10 @@ def test_a_graze_is_one_whatever_speeds_are_searched() -> None:
 @pytest.mark.parametrize("spring_set", ["card", "wire"])
 def test_other_grids_models_and_divisions_lie_inside_what_is_printed(spring_set: str) -> None:
     case = vt.Case(TEMPLATE)
-    printed = case.critical_speeds("3000:9000:500 rpm", spring_sets=[spring_set], workers=1)
+    printed = case.critical_speeds("3000:9000:500 rpm", spring_set=[spring_set], workers=1)
     others = [
         case.critical_speeds(
-            f"3000:9000:{step} rpm", spring_sets=[spring_set], ranges=False, workers=1
+            f"3000:9000:{step} rpm", spring_set=[spring_set], ranges=False, workers=1
         )
         for step in (250, 100)
     ]
@@ -168,8 +168,8 @@ def test_other_grids_models_and_divisions_lie_inside_what_is_printed(spring_set:
             others.append(
                 changed.critical_speeds(
                     "3000:9000:500 rpm",
-                    spring_models=[model],
-                    spring_sets=[spring_set],
+                    model=[model],
+                    spring_set=[spring_set],
                     ranges=False,
                     workers=1,
                 )

@@ -388,21 +388,6 @@ REFUSED = [
     (SPRING + '[spring.contact]\nstifness = "2e4 N/mm/mm"', "did you mean stiffness"),
     (SPRING + '[spring.contact]\nstiffness = "2e4 N/mm"', "a stiffness per length is needed"),
     (3 * SPRING.replace("[spring]", "[[spring]]"), "one or two springs, outer first"),
-    (SPRING + '[installation]\nprecompression = "7 mm"', "[installation] is now part of [spring]"),
-    (SPRING + '[damping]\nmass_damping = "50 1/s"', "[damping] is now [spring.damping]"),
-    (
-        SPRING + '[rod]\ncontact_stiffness = "2e4 N/mm/mm"',
-        "[rod] contact_stiffness is now [spring.contact] stiffness",
-    ),
-    (
-        SPRING + "[rod]\nelements_per_coil = 24",
-        "now [spring.options.finite-element] elements_per_coil",
-    ),
-    ('[spring_card]\npreload = "195.81 N"', "[spring_card] is now [spring]"),
-    (
-        SPRING + '[train.spring_options]\nmass_damping = "50 1/s"',
-        "is now damping.mass_damping in each [[train.springs.SET]] block",
-    ),
     (SPRING + '[operation]\noutput_step = "90 deg"', "too large"),
     (
         SPRING + "[rubbing]\ncoefficient = 0.1",

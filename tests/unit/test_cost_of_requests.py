@@ -33,8 +33,7 @@ ELEMENTS, MASSES = (
     "spring.options.finite-element.elements_per_coil",
     "spring.options.multi-mass.masses_per_coil",
 )
-#: Case, changes, models, steps, modes; processor time (s) and growth of the memory (MB) as measured
-#: (decision 0061).
+#: Case, changes, models, steps, modes; processor time (s) and growth of the memory (MB) as measured.
 MEASURED = [
     ("job-t", {}, (), 2000, 0, 4.9, 30), ("job-t", {ELEMENTS: 240}, (), 24, 0, 1.8, 26), ("gu2021-beehive-blind", {}, (), 500, 0, 5.1, 15),
     ("gu2021-beehive-blind", {ELEMENTS: 150}, (), 100, 0, 8.7, 28), ("vaz-ohc", {}, (), 1000, 0, 8.6, 15),

@@ -109,7 +109,7 @@ def scanned():
 RESULTS = {
     "static curve": lambda: JOB.static(steps=8),
     "spring at rest": lambda: vt.simulate(JOB.parameters, "2000 rpm", spring_models="massless").rest,
-    "train modes": lambda: vt.runs.train_modes("tdi-pushrod", ["massless"], spring_sets=["stock"]),
+    "train modes": lambda: vt.runs.train_modes("tdi-pushrod", ["massless"], spring_set=["stock"]),
     "table": table, "optimum": optimum, "identified": identified, "fit to a card": fitted, "smoothed lift": smoothed,
     "model against test": lambda: vt.compare_test.compare_with_test("job-t", LEVEL, spring_models=["massless"]),
     "measured cycles": lambda: LEVEL, "film": turning_motion, "recording": recorded, "scan": scanned,
@@ -133,7 +133,7 @@ def test_what_is_loaded_is_what_was_saved(name, tmp_path):
 def test_a_study_is_whole_with_failed_runs_critical_speeds_and_static_curves(tmp_path):
     case = vt.Case("tdi-pushrod")
     sweep = case.sweep(
-        "7000:7400:200 rpm", "massless", spring_sets="stock", resolution="100 rpm", workers=1
+        "7000:7400:200 rpm", "massless", spring_set="stock", resolution="100 rpm", workers=1
     )
     again = read_again(sweep, tmp_path)
     assert len(again.critical_speeds) == 3 and repr(again) == repr(sweep)

@@ -181,17 +181,13 @@ def test_one_order_and_one_name_of_arguments():
     assert list(inspect.signature(vt.Case.compare).parameters)[1:3] == ["engine_speeds", "models"]
 
 
-def test_one_name_or_several_and_the_earlier_name():
+def test_one_name_or_several():
     case = "tdi-pushrod"
     one = vt.simulate(case, "1000 rpm", "massless", spring_set="stock", workers=1).solutions
     several = vt.simulate(case, "1000 rpm", ["massless"], spring_set=["stock"], workers=1).solutions
-    with pytest.warns(DeprecationWarning, match="spring_sets of simulate is named spring_set"):
-        earlier = vt.simulate(case, "1000 rpm", "massless", spring_sets="stock", workers=1)
-    assert vt.diff(one[0], several[0]) == {} == vt.diff(one[0], earlier.solutions[0])
-    with pytest.warns(DeprecationWarning, match="spring_models of Case.run is named model"):
-        vt.Case("job-t").run("2000 rpm", spring_models="massless")
-    with pytest.raises(TypeError, match="spring_set or spring_sets"):
-        vt.simulate(case, spring_set="stock", spring_sets="stock")
+    assert vt.diff(one[0], several[0]) == {}
+    with pytest.raises(vt.InputError, match="spring_set"):
+        vt.simulate(case, spring_sets="stock")
     members = vt.system.build.build(case, spring_models="multi-mass", spring_set="stock").members
     assert [member.label for member in members] == ["multi-mass"]
     assert len(vt.runs.train_modes(case, "massless", spring_set="stock")) == 2

@@ -457,7 +457,6 @@ def test_heights_of_solid_and_rod_stand_beside_the_source():
         assert band[0] == "–" and band[-1] == f"+{100 / share - 100:.1f} %"
         said = " ".join(block.html for block in shown if isinstance(block, Text))
         assert f"peak of Stage II below 10 kHz {verdict}" in said
-        assert ("decisions/0120" in said) == ("more than" in verdict)
     nothing = (0.0, 0.0)
     bar = Uncertainty(
         "peak_spring_force",

@@ -16,7 +16,7 @@ from valvetrain.parameters.case import Case as Parameters
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.loading import case_of_tree, load_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED, file_key, with_values
-from valvetrain.units import numbers_of, renamed, si_speeds
+from valvetrain.units import known_arguments, numbers_of, si_speeds
 from valvetrain.units.text import clipped
 
 if TYPE_CHECKING:
@@ -140,7 +140,7 @@ class Case:
         new.parameters = case_of_tree(new.tree, self.name, self._folder, self.name)
         return Case(new, **tables) if tables else new
 
-    @renamed(spring_models="model")
+    @known_arguments
     def run(
         self, engine_speed: Any = None, model: Any = "", *, spring_set: str = "", **options: Any
     ) -> Solution:
@@ -165,7 +165,7 @@ class Case:
         """
         return one_run(self.parameters, engine_speed, model, spring_set, **options)
 
-    @renamed(spring_models="models")
+    @known_arguments
     def compare(self, engine_speeds: Any = None, models: Any = (), **options: Any) -> Study:
         """Spring models side by side, at rest and in motion; options as for
         :func:`valvetrain.compare`.
@@ -174,7 +174,7 @@ class Case:
 
         return compare(self.parameters, engine_speeds, models, **options)
 
-    @renamed(spring_models="model")
+    @known_arguments
     def sweep(
         self,
         engine_speeds: Any = "1000:9000:100 rpm",
@@ -235,7 +235,7 @@ class Case:
         models = models_of(case, tuple(model_names(model)))
         return compared(lambda: sweep(case, engine_speeds, models, **options))
 
-    @renamed(spring_models="model")
+    @known_arguments
     def critical_speeds(
         self, engine_speeds: Any = "1000:9000:100 rpm", model: Any = "", **options: Any
     ) -> CriticalSpeeds:
@@ -265,7 +265,7 @@ class Case:
 
         return write_study(simulate(self.parameters, engine_speeds, **options), folder)
 
-    @renamed(model="models", spring_models="models")
+    @known_arguments
     def study(
         self,
         varied: Mapping[str, Any],
@@ -319,7 +319,7 @@ class Case:
         settings = {} if sampling == "grid" else {"count": count, "seed": seed}
         return experiment.sample(sampling, settings, **options)
 
-    @renamed(model="models", spring_models="models")
+    @known_arguments
     def optimise(
         self,
         varied: Mapping[str, Any],
@@ -358,7 +358,7 @@ class Case:
             **options,
         )
 
-    @renamed(model="models", spring_models="models")
+    @known_arguments
     def identify(
         self,
         unknowns: Mapping[str, Any],

@@ -51,7 +51,7 @@ from valvetrain.solution.saveable import Reported
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
-from valvetrain.units import Given, renamed, si
+from valvetrain.units import Given, known_arguments, si
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ class ModelAgainstTest(Reported):
         return table_and_picture(self, ("model", "F", "p"), rows)
 
 
-@renamed(spring_sets="spring_set")
+@known_arguments
 @shows_progress("compare with test")
 def compare_with_test(
     case: AnyCase,

@@ -43,7 +43,7 @@ from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
-from valvetrain.units import renamed
+from valvetrain.units import known_arguments
 
 #: Trials of the first round or rounds, drawn evenly before the search learns; and for each varied
 #: quantity.
@@ -421,7 +421,7 @@ def _spared(plan: OptimumPlan) -> Stop:
     return stop
 
 
-@renamed()
+@known_arguments
 @shows_progress("optimise")
 def optimise(
     file: str | os.PathLike[str],
@@ -480,7 +480,7 @@ def optimise(
     return search_plan(read_optimum(text), workers, dask, output, limit, progress)
 
 
-@renamed()
+@known_arguments
 @shows_progress("optimise")
 def search_plan(
     plan: OptimumPlan,

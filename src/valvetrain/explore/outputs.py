@@ -15,7 +15,7 @@ from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, KINDS
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.springs.own_spring import model_names
-from valvetrain.units import parse_quantity, renamed, si_speeds
+from valvetrain.units import known_arguments, parse_quantity, si_speeds
 
 #: (engine speed in rad/s or None, spring model, spring set) of a run.
 Run = tuple[float | None, str, str]
@@ -151,7 +151,7 @@ class Outputs:
     limit_speeds: tuple[LimitSearch, ...]
     function: Callable[..., Any] | None
 
-    @renamed(spring_sets="spring_set")
+    @known_arguments
     def __init__(
         self,
         quantities: Sequence[str] | str = (),

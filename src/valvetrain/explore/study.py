@@ -49,7 +49,7 @@ from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.definition import is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.units import renamed, si_speeds
+from valvetrain.units import known_arguments, si_speeds
 
 #: Seconds of one point below which :data:`TOGETHER` points form a job.
 SHORT, TOGETHER = 0.15, 8
@@ -93,7 +93,7 @@ class Estimate:
         return f"{self.points} runs at most, {self.searches} searches for limit speeds with them"
 
 
-@renamed()
+@known_arguments
 @shows_progress("study")
 def study(
     file: str | os.PathLike[str],
@@ -150,7 +150,7 @@ def study(
     return run_plan(read_plan(text), workers, dask, output, limits_of(limit), progress)
 
 
-@renamed()
+@known_arguments
 @shows_progress("study")
 def run_experiment(
     experiment: Evaluation,

@@ -22,7 +22,7 @@ from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.later import replaced
 from valvetrain.solution.study import Study
-from valvetrain.units import as_names, renamed, si_speeds
+from valvetrain.units import as_names, known_arguments, si_speeds
 
 #: Default number of draws: their standard deviation is known to 18 %.
 DRAWS = 16
@@ -77,7 +77,7 @@ class LiftBandStudy:
         return fits[0]
 
 
-@renamed(spring_sets="spring_set")
+@known_arguments
 @shows_progress("laws of a lift")
 def lift_band_study(
     case: AnyCase,

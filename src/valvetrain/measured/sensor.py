@@ -197,9 +197,6 @@ class Sensor:
             )
         return SensorResponse(at, recorded, true_peak, (min(tops), max(tops)))
 
-    #: Former name.
-    seen = record
-
     def _rounded(self, values: Array) -> Array:
         return np.round(values / self.resolution) * self.resolution if self.resolution else values
 

@@ -70,11 +70,6 @@ class ChannelResponse:
         low, high = self.recorded.peaks
         return (low / self.true_peak, high / self.true_peak) if self.true_peak else (1.0, 1.0)
 
-    @property
-    def seen(self) -> SensorResponse:
-        """Former name of ``recorded``."""
-        return self.recorded
-
 
 def sensor_response(
     solution: Solution, sensor: Sensor, channels: Sequence[str] = ()

@@ -31,7 +31,7 @@ from valvetrain.solution.study import Study
 from valvetrain.springs.own_spring import model_name, model_names
 from valvetrain.springs.spec import spring_model as spec_of_model
 from valvetrain.system.build import build
-from valvetrain.units import Given, as_names, renamed, si, si_speeds
+from valvetrain.units import Given, as_names, known_arguments, si, si_speeds
 
 #: Engine speeds: ``"4200, 5600 rpm"``, ``"1000:9000:100 rpm"``, one or several numbers (rad/s of
 #: the crank), pint quantities.
@@ -40,7 +40,7 @@ Speeds = Given | Sequence[Given]
 Models = Any
 
 
-@renamed(spring_sets="spring_set")
+@known_arguments
 def simulate(
     case: AnyCase,
     engine_speeds: Speeds | None = None,
@@ -117,7 +117,7 @@ def simulate(
     return study if requested is None else requested.of_study(study)
 
 
-@renamed(spring_sets="spring_set")
+@known_arguments
 @shows_progress("compare")
 def compare(
     case: AnyCase,
@@ -176,7 +176,7 @@ def compare(
     )
 
 
-@renamed(spring_sets="spring_set")
+@known_arguments
 @shows_progress("sweep")
 def sweep(
     case: AnyCase,
@@ -267,7 +267,7 @@ def sweep(
     return study if requested is None else requested.of_study(study)
 
 
-@renamed(spring_sets="spring_set")
+@known_arguments
 @shows_progress("critical speeds")
 def critical_speeds(
     case: AnyCase,
@@ -339,7 +339,7 @@ def critical_speeds(
     return found.critical_speeds
 
 
-@renamed()
+@known_arguments
 def static_curve(
     spring: SpringDefinition | InstalledSpring | AnyCase,
     largest_compression: Given | None = None,

@@ -19,7 +19,7 @@ from valvetrain.springs.finite_element import FiniteElementRod
 
 #: A spring has buckled where its rate has fallen to this share of its rate as wound. Beyond an
 #: opened pitchfork a tenth is left, and two thirds of that fall are done at the critical point of
-#: the perfect column (decision 0049).
+#: the perfect column.
 RATE_SHARE = 0.5
 #: The rate is the mean over this share of the free length: single contact points of the end coils
 #: make the tangent jump.

@@ -34,7 +34,7 @@ from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member, Problem
-from valvetrain.units import Given, as_names, renamed, si_speeds
+from valvetrain.units import Given, as_names, known_arguments, si_speeds
 
 MODES_WORD = "modal-uniform"
 #: Elements, masses or modes of the second run of a model over those of its first.
@@ -58,7 +58,7 @@ NONE_IS_ZERO = ("clash_energy", "bounce_height", "lift_loss_displacement")
 NOTHING = 1e-9
 
 
-@renamed()
+@known_arguments
 @shows_progress("fidelity")
 def fidelity(
     case: AnyCase,

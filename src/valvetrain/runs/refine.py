@@ -56,10 +56,10 @@ from valvetrain.springs.finite_element_statics import modal_result
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import names_of
 from valvetrain.system.problem import Problem
-from valvetrain.units import Given, renamed, si_speeds
+from valvetrain.units import Given, known_arguments, si_speeds
 
 
-@renamed()
+@known_arguments
 @shows_progress("refine")
 def refine(
     case: AnyCase,

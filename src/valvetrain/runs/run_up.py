@@ -47,7 +47,7 @@ from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
-from valvetrain.units import Given, as_names, renamed, si
+from valvetrain.units import Given, as_names, known_arguments, si
 
 #: Speeds of the crank (rad/s), first and last, and time (s) between them.
 Ramp = tuple[float, float, float]
@@ -55,7 +55,7 @@ Ramp = tuple[float, float, float]
 MIN_REVOLUTIONS = 1
 
 
-@renamed(spring_sets="spring_set")
+@known_arguments
 @shows_progress("run-up")
 def run_up(
     case: AnyCase,

@@ -36,7 +36,7 @@ from valvetrain.system.driven import DrivenSprings
 from valvetrain.system.mode_tracking import modes_to_full_lift
 from valvetrain.system.problem import Member, Problem, Rest
 from valvetrain.system.train_system import TrainSystem
-from valvetrain.units import renamed
+from valvetrain.units import known_arguments
 
 #: Called with the index among the runs of a study, and the solution, as each is finished.
 Finished = Callable[[int, Solution], None]
@@ -172,7 +172,7 @@ def rigid_numbers(
     return still
 
 
-@renamed(spring_sets="spring_set")
+@known_arguments
 def train_modes(
     case: AnyCase,
     spring_models: Sequence[str] | str = (),

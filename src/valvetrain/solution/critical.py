@@ -266,9 +266,6 @@ def _range_text(one: SpeedBracket, first: float, last: float) -> str:
     return f"{begin} to {end}"
 
 
-setattr(CriticalSpeed, "words", CriticalSpeed.text)  # noqa: B010  the former name
-
-
 @dataclass(frozen=True, slots=True)
 class CriticalSpeeds(Saveable):
     """Results of a search over engine speed, by label and kind.

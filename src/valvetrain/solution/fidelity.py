@@ -99,9 +99,6 @@ class ValidSpeedRange:
         return f"to {self.good_to / RPM:.6g}" + (", then open" if self.poor_from is None else "")
 
 
-setattr(ValidSpeedRange, "words", ValidSpeedRange.text)  # noqa: B010  the former name
-
-
 @dataclass(frozen=True, slots=True)
 class FidelityMap(Shown):
     """Rows of every quantity, model and speed, the reference's own left out.

@@ -27,7 +27,7 @@ from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.problem import Gear, Member, Problem
-from valvetrain.units import as_names, renamed
+from valvetrain.units import as_names, known_arguments
 
 #: Largest valve mass over the cube of the lift (kg/m3) that passes without a warning.
 HEAVIEST = 1.5e6
@@ -44,7 +44,7 @@ WIRE_MODELS, CARD_MODELS, BARE_MODELS = (
 )
 
 
-@renamed(spring_sets="spring_set")
+@known_arguments
 def build(
     case: AnyCase,
     *,

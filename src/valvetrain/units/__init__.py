@@ -2,7 +2,7 @@
 back; inside all is SI.
 """
 
-from valvetrain.units.arguments import as_names, renamed
+from valvetrain.units.arguments import as_names, known_arguments
 from valvetrain.units.dimensions import DIMENSIONS, Dimension
 from valvetrain.units.inputs import (
     MAX_SPEEDS,
@@ -34,5 +34,5 @@ from valvetrain.units.text import (
 __all__ = [
     "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "as_names", "believed",
     "dimension_of", "dimension_powers", "doubt", "format_quantity", "keep_si", "numbers_of", "parse_quantities", "parse_quantity",
-    "renamed", "si", "si_array", "si_each", "si_speeds", "to_unit", "unit_factor", "warn_unusual",
+    "known_arguments", "si", "si_array", "si_each", "si_speeds", "to_unit", "unit_factor", "warn_unusual",
 ]  # fmt: skip

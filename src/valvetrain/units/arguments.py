@@ -1,9 +1,8 @@
-"""Arguments of public functions that are names: one or several, and names that they had before."""
+"""Arguments of public functions: names, one or several; and the refusal of an unknown argument."""
 
 from __future__ import annotations
 
 import functools
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from inspect import Parameter, signature
 from typing import ParamSpec, TypeVar
@@ -29,37 +28,20 @@ def as_names(given: Sequence[str] | str | None) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def renamed(
-    **earlier: str,
-) -> Callable[[Callable[Parameters, Result]], Callable[Parameters, Result]]:
-    """Decorator of a function whose arguments had ``earlier`` names (earlier -> present): they are
-    taken, with a :class:`DeprecationWarning`; one that it never had is refused by
-    :class:`InputError`.
+def known_arguments(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+    """Decorator of a function that refuses an argument it does not have by :class:`UnknownNameError`,
+    which names the nearest.
     """
+    known = argument_names(function)
 
-    def decorate(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
-        known = argument_names(function)
+    @functools.wraps(function)
+    def call(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
+        for name in kwargs if known else ():
+            if name not in known:
+                raise UnknownNameError(name, known, f"argument of {function.__name__}")
+        return function(*args, **kwargs)
 
-        @functools.wraps(function)
-        def call(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
-            for old, new in earlier.items():
-                if old in kwargs:
-                    owner = function.__qualname__.removesuffix(".__init__")
-                    if new in kwargs:
-                        raise TypeError(
-                            f"{owner}() takes {new} or {old}, which is its earlier name"
-                        )
-                    message = f"the argument {old} of {owner} is named {new} now"
-                    warnings.warn(message, DeprecationWarning, stacklevel=2)
-                    kwargs[new] = kwargs.pop(old)
-            for name in kwargs if known else ():
-                if name not in known:
-                    raise UnknownNameError(name, known, f"argument of {function.__name__}")
-            return function(*args, **kwargs)
-
-        return call
-
-    return decorate
+    return call
 
 
 def argument_names(function: Callable[..., object]) -> tuple[str, ...]:

@@ -70,10 +70,10 @@ HEIGHTS = {
     "spike of Stage III": ("stage_3_peak_force", None, ""),
     "spike of Stage III below 5 kHz": ("stage_3_below_5_khz_peak_force", 0.05, "main_clash_below_5_khz_peak_force"),
 }  # fmt: skip
-#: Difference of solid and rod, measured on the calibrated spring of decision 0120.
+#: Difference of solid and rod, measured on an earlier calibrated spring.
 CONTACT = (
-    "What is between rod and solid is the contact of coils and the solid's mesh. On the calibrated spring of "
-    "docs/decisions/0120-solid-beside-rod-calibrated.md both were within 0.6 % in Stage II without that contact, clamped ends "
+    "What is between rod and solid is the contact of coils and the solid's mesh. On an earlier "
+    "calibrated spring both were within 0.6 % in Stage II without that contact, clamped ends "
     "changed nothing where no free wire touched a seat, and finer bricks (36 slices, two rings) brought Stage II at 8000 rpm "
     "below 10 kHz from 3.4 to 0.9 %, but not the spike (7 %)."
 )
