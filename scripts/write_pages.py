@@ -8,8 +8,6 @@ python scripts/write_pages.py models                   docs/models.md: which mod
 by running all of them
 python scripts/write_pages.py tutorial                 docs/tutorial.md: runs its commands and
 inserts what they print
-python scripts/write_pages.py fidelity                 docs/fidelity.md: three cases by all models,
-ten minutes of one core
 python scripts/write_pages.py model-against-test       two pictures from the sample tests
 python scripts/write_pages.py how-to-03 how-to-10      pictures of docs/how-to; how-to: all of them,
 a minute or two
@@ -47,12 +45,10 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.report.chart import Chart, Line, Marks, Panel
 from valvetrain.report.run_charts import line_styles
-from valvetrain.report.run_summary import reach_rows, share
 from valvetrain.report.svg_chart import svg
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.run import run_study, sweep_study
 from valvetrain.solution.atomic import write_text
-from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
@@ -387,48 +383,6 @@ def write_tutorial() -> None:
         write_text(PICTURES / file, picture)
 
 
-# docs/fidelity.md
-
-
-#: Case -> engine speeds.
-FIDELITY_CASES = {
-    "gu2021-beehive-blind": "3000:9000:500 rpm",
-    "vaz-ohc": "1000:6000:500 rpm",
-    "tdi-pushrod": "1000:8000:500 rpm",
-}
-
-
-def fidelity_table(found: FidelityMap) -> str:
-    """A row per quantity: up to where each model is good enough, and its largest difference in
-    brackets.
-    """
-    lines = [
-        "| within 5 %, rpm | "
-        + " | ".join(f"`{model}`" for model in found.models)
-        + " | cheapest at all speeds |"
-    ]
-    lines.append("|---" * (len(found.models) + 2) + "|")
-    for row in reach_rows(found):
-        reaches = [found.reach(row.quantity, model) for model in found.models]
-        cells = [
-            one.text if one.missing else f"{one.text} ({share(one.largest)})" for one in reaches
-        ]
-        lines.append(f"| {row.label} | " + " | ".join(cells) + f" | `{row.cheapest}` |")
-    return "\n".join(lines)
-
-
-def write_fidelity() -> None:
-    """The table of each case, between its two marks."""
-    page = DOCS / "fidelity.md"
-    text = page.read_text(encoding="utf-8")
-    for case, speeds in FIDELITY_CASES.items():
-        table = fidelity_table(vt.fidelity(case, speeds, limit="1 h").fidelity)
-        begin, end = f"<!-- {case} -->\n", "<!-- end -->"
-        before, _, after = text.partition(begin)
-        text = f"{before}{begin}{table}\n{end}{after.partition(end)[2]}"
-    write_text(page, text)
-
-
 # Pictures of docs/model-against-test.md
 
 
@@ -460,7 +414,6 @@ PAGES: dict[str, Callable[[], object]] = {
     "readme": write_readme,
     "models": lambda: write_text(DOCS / "models.md", models_page()),
     "tutorial": write_tutorial,
-    "fidelity": write_fidelity,
     "model-against-test": write_model_against_test,
     "how-to": how_to_pictures.write_all,
     **{

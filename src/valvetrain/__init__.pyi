@@ -37,7 +37,6 @@ from valvetrain.runs.api import critical_speeds as critical_speeds
 from valvetrain.runs.api import simulate as simulate
 from valvetrain.runs.api import static_curve as static_curve
 from valvetrain.runs.api import sweep as sweep
-from valvetrain.runs.fidelity import fidelity as fidelity
 from valvetrain.runs.refine import refine as refine
 from valvetrain.runs.run_up import run_up as run_up
 from valvetrain.solution.result import Solution as Solution

@@ -46,7 +46,6 @@ BUILT_IN["commands"] = {
     "study": "valvetrain.explore.points_command:register",
     "optimise": "valvetrain.explore.points_command:register_optimise",
     "run-up": "valvetrain.cli.run:register_run_up",
-    "fidelity": "valvetrain.cli.refine:register_fidelity",
     "static": "valvetrain.cli.static:register",
     "modes": "valvetrain.cli.modes:register",
     "refine": "valvetrain.cli.refine:register_refine",
@@ -85,7 +84,6 @@ BUILT_IN["results"] = {
     "TrainModes": "valvetrain.report.results:train_modes_blocks",
     "CriticalSpeeds": "valvetrain.report.results:critical_speeds_blocks",
     "Comparison": "valvetrain.report.results:comparison_blocks",
-    "FidelityMap": "valvetrain.report.results:fidelity_map_blocks",
     "UncertaintyStudy": "valvetrain.report.results:uncertainty_blocks",
     "MeasuredCycles": "valvetrain.report.results:cycles_blocks",
     "MeasuredLift": "valvetrain.lift.notebook:measured_lift_blocks",
@@ -117,7 +115,6 @@ BUILT_IN["verdicts"] = {
     "ModelAgainstTest": "valvetrain.compare_test.verdict:test_verdict",
     "Solution": "valvetrain.report.run_verdict:solution_verdict",
     "Study": "valvetrain.report.run_verdict:study_verdict",
-    "FidelityMap": "valvetrain.report.model_verdict:fidelity_verdict",
     "UncertaintyStudy": "valvetrain.report.model_verdict:refine_verdict",
 }
 #: What shows results and the progress of a call, loaded on first use.
@@ -226,7 +223,6 @@ BUILT_IN["sources"] = {
 #: In the order of the page: what answers first, what a paper says only after it.
 BUILT_IN["sections"] = {
     "answers": "valvetrain.report.sections.answers:ANSWERS_SPEC",
-    "fidelity": "valvetrain.report.sections.answers:FIDELITY_SPEC",
     "critical-speeds": "valvetrain.report.sections.sweep:CRITICAL_SPEC",
     "sweep": "valvetrain.report.sections.sweep:SWEEP_SPEC",
     "timing": "valvetrain.report.sections.timing:SPEC",

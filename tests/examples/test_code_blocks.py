@@ -51,8 +51,6 @@ QUICK = (
 )  # fmt: skip
 SLOW = (
     "valvetrain run my-train.toml --open",
-    "valvetrain fidelity gu2021-beehive-blind --engine-speed 3000:9000:500",
-    'valvetrain fidelity my-engine.toml --engine-speed 2000:9000:500 --tolerance "3 %" --spring massless,multi-mass',
     "valvetrain sweep my-train.toml --engine-speed 3000:8000:250",
     "valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --case own.toml "
     '--engine-speed "6000 rpm" --search "4000:9000:500 rpm"',

@@ -102,16 +102,6 @@ def test_refine(answer):
     assert first["numerical_uncertainty"]["value"] == same.numerical
 
 
-def test_fidelity(answer):
-    told = answer(
-        "fidelity", "job-t", "--engine-speed", "3000 rpm", "--spring", "massless,multi-mass"
-    )
-    study = vt.fidelity("job-t", "3000 rpm", spring_models=["massless", "multi-mass"])
-    assert [one["quantities"]["peak_spring_force"]["value"] for one in told["runs"]] == [
-        one.quantities["peak_spring_force"] for one in study.solutions
-    ]
-
-
 def test_study(answer, tmp_path):
     (tmp_path / "study.toml").write_text(STUDY)
     assert answer("study", "study.toml")["completed"]

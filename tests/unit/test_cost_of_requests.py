@@ -202,7 +202,6 @@ REQUESTS = {
     "simulate": lambda limit: vt.simulate("job-t", "2000 rpm", limit=limit),
     "compare": lambda limit: vt.compare("job-t", "2000 rpm", ["massless", "wave-rod"], limit=limit),
     "sweep": lambda limit: vt.sweep("job-t", "1000:9000:1 rpm", limit=limit),
-    "fidelity": lambda limit: vt.fidelity("job-t", "1000:9000:100 rpm", limit=limit),
     "critical_speeds": lambda limit: vt.critical_speeds(
         "tdi-pushrod", "1000:9000:1 rpm", limit=limit
     ),
@@ -250,7 +249,6 @@ def test_programs_have_the_bounds_of_the_command_line(name, monkeypatch):
         "runs.api.sweep_study",
         "runs.refine.refined",
         "runs.run_up.run_up_study",
-        "runs.fidelity.fidelity_study",
     )
     for place in (*studies, "runs.api.curve_by_model", "lift.band.map_points"):
         monkeypatch.setattr(f"valvetrain.{place}", work)

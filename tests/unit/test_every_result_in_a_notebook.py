@@ -5,7 +5,6 @@ with what its page shows first.
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,13 +23,11 @@ from unit import (
 )
 from valvetrain import registry
 from valvetrain.compare_test import compare as compare_test
-from valvetrain.errors import InputError
 from valvetrain.film.model import FilmedModel
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import ValueTable
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.solution.display import Shown
-from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 
 DEGREES = np.arange(360.0)
 LOBE = 9e-3 * np.clip(1 - ((DEGREES - 180) / 60) ** 2, 0, None) ** 3
@@ -69,14 +66,6 @@ def filmed() -> FilmedModel:
     moved = np.outer(np.sin(np.radians(DEGREES)), three)
     return FilmedModel("own", "multi-mass", "inner", np.array([1.0, 2.0, 3.0]), ("a", "b", "c"), 0.0,
                        np.radians(DEGREES), moved, three, 0.1 * three, None, 500.0, ())  # fmt: skip
-
-
-def fidelity_map() -> FidelityMap:
-    rows = [
-        FidelityRow("peak_spring_force", "massless", speed, force, 0.0, 500.0, 1.0, 500.0)
-        for speed, force in ((200.0, 505.0), (300.0, 580.0))
-    ]
-    return FidelityMap("wave-rod", 0.05, tuple(rows), (("massless", 1e-3), ("wave-rod", 1.0)))
 
 
 def error_bars() -> UncertaintyStudy:
@@ -131,7 +120,6 @@ RESULTS = {
     "TrainModes": (test_every_notebook_table.train, "moving", "share of kinetic energy (%)"),
     "CriticalSpeeds": (critical_speeds, "contact-loss", "engine speed (rpm)"),
     "Comparison": (lambda: published_study().comparisons[0], "published", "(N)"),
-    "FidelityMap": (fidelity_map, "to 1909.86", "model less wave-rod (%)"),
     "UncertaintyStudy": (error_bars, "Statics and modes", "share of the value (%)"),
     "MeasuredCycles": (cycles, "largest", "valve lift (mm)"),
     "MeasuredLift": (lift, "question", "valve lift (mm)"),
@@ -183,10 +171,3 @@ def test_axes_of_a_map_and_doubled_names_keep_their_numbers():
     assert sum(bool(trace.showlegend) for trace in figure.data) == 2
     band = figure.data[2]
     np.testing.assert_array_equal(band.y, 1e3 * law.lift(np.linspace(*law.event, 1501)))
-
-
-def test_what_has_nothing_to_draw_says_so_and_still_shows_its_table():
-    none = replace(fidelity_map(), rows=())
-    assert "<table>" in none._repr_html_() and "<svg" not in none._repr_html_()
-    with pytest.raises(InputError, match="this FidelityMap holds nothing to draw"):
-        none.plot()

@@ -61,9 +61,8 @@ def test_a_sweep_in_a_cell_shows_its_share_and_leaves_nothing(cell):
             engine_speeds="2000 rpm", models="massless", workers=1,
         ),
         lambda: vt.identify({"x": vt.explore.Prior("uniform", 0.0, 1.0)}, [Datum("x", 0.5, 0.1)], lambda points: [{"x": p[0]} for p in points]),
-        lambda: vt.fidelity("job-t", "2000 rpm", spring_models=["massless"], reference="modal-uniform", workers=1),
     ],
-    ids=["map", "study", "identify", "fidelity"],
+    ids=["map", "study", "identify"],
 )  # fmt: skip
 def test_other_long_calls_do_too(cell, call):
     call()

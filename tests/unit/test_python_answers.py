@@ -164,7 +164,7 @@ def test_degrees_and_millimetres_are_not_taken_for_radians_and_metres():
 
 def test_one_order_and_one_name_of_arguments():
     """Contract: case and engine speeds come first, ``spring_set`` is the name everywhere."""
-    functions = (vt.simulate, vt.compare, vt.sweep, vt.fidelity, vt.critical_speeds)
+    functions = (vt.simulate, vt.compare, vt.sweep, vt.critical_speeds)
     for function in functions:
         names = list(inspect.signature(function).parameters)
         assert names[:3] == ["case", "engine_speeds", "spring_models"] and "spring_set" in names
@@ -191,8 +191,6 @@ def test_one_name_or_several():
     members = vt.system.build.build(case, spring_models="multi-mass", spring_set="stock").members
     assert [member.label for member in members] == ["multi-mass"]
     assert len(vt.runs.train_modes(case, "massless", spring_set="stock")) == 2
-    with pytest.raises(vt.InputError, match="one spring set"):
-        vt.fidelity(case, "2000 rpm", spring_set=["stock", "performance"])
 
 
 @pytest.mark.parametrize(
@@ -204,7 +202,6 @@ def test_one_name_or_several():
         (lambda: vt.sweep("job-t", "massless, multi-mass"), "engine speeds come first"),
         (lambda: vt.static_curve("job-t", spring_model="multimass"), "spring_model: .*multi-mass"),
         (lambda: vt.sweep("job-t", "2000 rpm", resolution="5 mm"), "^resolution: "),
-        (lambda: vt.fidelity("job-t", "2000 rpm", tolerance=5), "^tolerance: "),
         (lambda: vt.run_up("tdi-pushrod", "2000 rpm", "2100 rpm", "1 ms"), "^duration: "),
         (lambda: vt.simulate("job-t", "2000 rpm", spring_set="stock"), "^spring_set: "),
         (lambda: vt.Case("job-t").run("2000 rpm", model="massless").unit("seat_forse"), "seat_force"),

@@ -24,14 +24,13 @@ from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE, CAUSE
 from valvetrain.report.chart import Chart, Line, Panel, Rule
 from valvetrain.report.headlines import headline_rows
 from valvetrain.report.key_figures import key_figures
-from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
-from valvetrain.report.model_verdict import fidelity_verdict, refine_verdict
+from valvetrain.report.model_charts import error_bar_chart
+from valvetrain.report.model_verdict import refine_verdict
 from valvetrain.report.page import Details, Tabs, render
 from valvetrain.report.plotly_chart import figure
 from valvetrain.report.study import study_page
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.runs.statics import static_study
-from valvetrain.solution.fidelity import FidelityMap, FidelityRow
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.provenance import CaseRecord
@@ -643,21 +642,6 @@ def test_the_largest_error_bars_fit_on_the_first_screen():
     assert len(chart.panels[0].y_tick_labels) == 16 and chart.caption == "The 16 largest of 30."
     assert chart.height < 520 and chart.panels[0].x_range[0] < 0
     assert error_bar_chart([row(1)]).caption == ""
-
-
-def test_a_map_of_models_names_a_few_quantities_of_each():
-    """Eleven names in a sentence are ten lines of a narrow page; the table below holds them."""
-    names = ("peak_spring_force", "minimum_spring_force", "seating_velocity", "loft_gap", "lift_loss_displacement")  # fmt: skip
-    rows = tuple(
-        FidelityRow(name, "massless", 300.0, 2.0 if name == "loft_gap" else 1.0, 0.0, 1.0, 0.0, 1.0)
-        for name in names
-    )
-    found = FidelityMap("wave-rod", 0.05, rows, (("massless", 1e-3), ("wave-rod", 1.0)))
-    assert fidelity_verdict(found) == (
-        "Within 5 % of wave-rod at every speed: massless (1000 times quicker) for 4 quantities, such as peak spring force below 10 kHz and "
-        "minimum spring force; no cheaper model for loft."
-    )
-    assert fidelity_chart(found).panels[0].y_label == "model less wave-rod (%)"
 
 
 def test_the_word_of_a_mark_near_the_right_end_stays_on_a_narrow_figure():

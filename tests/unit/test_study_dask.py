@@ -191,14 +191,11 @@ def threads_of_this_process(count: int) -> Iterator[str]:
             lambda: vt.refine("job-t", "2000 rpm"),
             marks=pytest.mark.skipif(not os.environ.get(LONG), reason=f"make faults sets {LONG}"),
         ),
-        lambda: vt.fidelity(
-            "job-t", "2000 rpm", ["massless", "multi-mass"], reference="multi-mass"
-        ),
     ],
-    ids=["springs", "trains", "refine", "fidelity"],
+    ids=["springs", "trains", "refine"],
 )
 def test_what_runs_side_by_side_has_the_bits_of_one_process_on_a_cluster(compute, monkeypatch):
-    """Contract: sweeps, refinements and comparisons of models go to the cluster in use."""
+    """Contract: sweeps and refinements go to the cluster in use."""
     submitted = noted_submissions(monkeypatch)
     with threads_of_this_process(2) as address, vt.runs.on_cluster(address):
         found = compute()

@@ -25,10 +25,7 @@ from valvetrain.report.run_summary import (
     CRITICAL_LEGEND,
     control_legend,
     critical_rows,
-    reach_rows,
-    reason_for,
     searched,
-    share,
     unsettled_text,
 )
 from valvetrain.report.text import rpm, rpm_text
@@ -41,7 +38,6 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from valvetrain.solution.comparison import Comparison
-    from valvetrain.solution.fidelity import FidelityMap
     from valvetrain.solution.study import Study
 
 #: Runs shown side by side in 100 columns; further runs follow below, up to this many.
@@ -78,9 +74,6 @@ def show_study(
 
 def _tables(study: Study) -> Iterator[Table]:
     columns, rows, bars = headline_columns(study), headline_rows(study), ErrorBars.of(study)
-    if len(study.fidelity):
-        yield from _fidelity(study.fidelity)
-        return
     if (
         len(study.rest) > 1 or not study.solutions or (study.rest and not rows)
     ):  # a stretch of motion alone answers nothing
@@ -109,27 +102,6 @@ def _tables(study: Study) -> Iterator[Table]:
             yield _by_run(
                 columns, brief[fits:][: _fitting(columns, brief[fits:], bars)], "run", bars
             )
-
-
-def _fidelity(found: FidelityMap) -> Iterator[Table]:
-    """Up to which engine speed each model is good enough, and what follows."""
-    table = plain_table(
-        (f"Within {share(found.tolerance)} of {found.reference}, rpm", *found.models),
-        (),
-        right=range(1, 1 + len(found.models)),
-    )
-    for row in reach_rows(found):
-        table.add_row(row.label, *row.cells)
-    costs = dict(found.costs)
-    table.add_row(
-        "Time of a run, the reference's being 1",
-        *(f"{costs[model] / costs[found.reference]:.2g}" for model in found.models),
-    )
-    yield table
-    yield plain_table(
-        ("Cheapest at all speeds", "", ""),
-        [(row.label, row.cheapest, reason_for(found, row.quantity)) for row in reach_rows(found)],
-    )
 
 
 def _side_by_side(

@@ -4,12 +4,11 @@ a train.
 
 from __future__ import annotations
 
-import math
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -29,7 +28,6 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
-from valvetrain.cli.run_answer import StudyRequest, answer_study, run_command
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -236,81 +234,3 @@ def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
         console.print()
         console.print(plain_table(headers, rows, place, right=(1, 2, 4, 5, 6)))
     console.print(f"\nresults  {page}", soft_wrap=True)
-
-
-#: Crank speeds (rpm) of a comparison that names none: first, last, step.
-DEFAULT = (1000, 9000, 500)
-
-
-def register_fidelity(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("fidelity")(fidelity)
-
-
-@run_command
-def fidelity(
-    request: StudyRequest,
-    reference: Annotated[
-        str,
-        typer.Option(
-            "--reference", metavar="MODEL", help="Spring model that the others are judged by."
-        ),
-    ] = "",
-    tolerance: Annotated[
-        str,
-        typer.Option(
-            "--tolerance",
-            metavar="SHARE",
-            help="Largest difference of a model that is good enough.",
-        ),
-    ] = "5 %",
-) -> None:
-    """Which spring model is good enough where: all models over engine speed (default: 1000:9000:500
-    rpm) next to finite elements.
-    """
-    from valvetrain.cli.outcome import say_cost
-    from valvetrain.cli.progress import announce_compilation
-    from valvetrain.errors import InputError
-    from valvetrain.runs.cost import FEWER
-    from valvetrain.runs.fidelity import (
-        fidelity_cost,
-        fidelity_models,
-        fidelity_study,
-        refuse_tolerance,
-    )
-    from valvetrain.units import parse_quantity
-
-    if len(request.spring_sets) > 1:
-        raise InputError("models are compared for one spring set; name one", "--spring-set")
-    chosen = request.spring_sets[0] if request.spring_sets else ""
-    first, last, step = DEFAULT
-    speeds = request.engine_speeds or tuple(
-        value * math.pi / 30 for value in range(first, last + 1, step)
-    )
-    models, share = (
-        fidelity_models(request.case, request.spring_models, chosen, reference),
-        parse_quantity(tolerance, "ratio", "--tolerance"),
-    )
-    refuse_tolerance(share)
-    request = replace(request, engine_speeds=speeds, spring_models=models)
-    say_cost(
-        fidelity_cost(request.case, speeds, models, chosen, request.workers), request.limits, FEWER
-    )
-    announce_compilation("statics", "transient", "train")
-    answer_study(
-        request,
-        lambda report, finished: fidelity_study(
-            request.case,
-            speeds,
-            spring_models=models,
-            spring_set=chosen,
-            tolerance=share,
-            workers=request.workers,
-            progress=report,
-            created_at=request.created_at.isoformat(),
-            finished=finished,
-            limits=request.limits,
-            implausible=request.implausible,
-        ),
-        choices={"reference": models[-1], "tolerance": share},
-    )

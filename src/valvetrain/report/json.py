@@ -16,7 +16,6 @@ from valvetrain.report.text import rpm
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
 from valvetrain.solution.definition import definition_of
-from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, named
@@ -118,47 +117,6 @@ def uncertainty_object(row: Uncertainty) -> dict[str, Any]:
     }
 
 
-def fidelity_object(found: FidelityMap) -> dict[str, Any]:
-    """Comparison of models with a reference: verdicts by quantity and model, and every row behind
-    them; ratios have unit 1.
-    """
-    reaches = [found.reach(name, model) for name in found.quantities for model in found.models]
-    return {
-        "reference": found.reference,
-        "tolerance": measured(found.tolerance, "1"),
-        "divided": list(found.divided),
-        "time_per_simulated_time": {word: measured(cost, "1") for word, cost in found.costs},
-        "cheapest": {name: found.cheapest(name) for name in found.quantities},
-        "reaches": [
-            {
-                "quantity": one.quantity,
-                "model": one.model,
-                "everywhere": one.everywhere,
-                "good_to": engine_speed_object(one.good_to),
-                "poor_from": engine_speed_object(one.poor_from),
-                "largest_difference": measured(one.largest, "1"),
-                "doubt": measured(one.largest_doubt, "1"),
-            }
-            for one in reaches
-        ],
-        "rows": [
-            {
-                "quantity": row.quantity,
-                "model": row.model,
-                "engine_speed": engine_speed_object(row.engine_speed),
-                **{
-                    key: measured(getattr(row, key), unit_of(row.quantity))
-                    for key in ("value", "error", "reference", "reference_error")
-                },
-                "difference": measured(row.difference, "1"),
-                "doubt": measured(row.doubt, "1"),
-                "verdict": row.verdict(found.tolerance),
-            }
-            for row in found
-        ],
-    }
-
-
 def study_json(study: Study) -> dict[str, Any]:
     """The study as plain dictionaries and lists, keys as in docs/quantities.md; every number comes
     with its unit.
@@ -194,7 +152,6 @@ def study_json(study: Study) -> dict[str, Any]:
         "springs_at_rest": [_rest_object(one) for one in study.rest],
         "runs": [_run_object(run) for run in study.solutions],
         "critical_speeds": [_critical_object(one) for one in study.critical_speeds],
-        **({"fidelity": fidelity_object(study.fidelity)} if len(study.fidelity) else {}),
         "comparisons": [comparison_object(row) for row in study.comparisons],
         "findings": [
             {name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")}

@@ -1,4 +1,4 @@
-"""First pictures of models and meshes: differences of models over engine speed, sizes of error bars."""
+"""First picture of a refinement: sizes of error bars."""
 
 from __future__ import annotations
 
@@ -8,35 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from valvetrain.report import theme
-from valvetrain.report.chart import Chart, Line, Marks, Panel, Rule, visible_range
-from valvetrain.report.text import quantity_label, rpm, speed_text
-from valvetrain.solution.fidelity import FidelityMap
+from valvetrain.report.chart import Chart, Marks, Panel
+from valvetrain.report.text import quantity_label, speed_text
 from valvetrain.solution.uncertainty import Uncertainty
 
-#: Lines and rows of one figure at most.
-MAX_LINES, MAX_ROWS = 8, 16
+#: Rows of the figure at most.
+MAX_ROWS = 16
 #: Letters of the name of a row.
 MAX_LETTERS = 54
-
-
-def fidelity_chart(found: FidelityMap) -> Chart | None:
-    """Differences of the models in the first quantity over engine speed; None without rows."""
-    if not found.rows:
-        return None
-    name, layers = found.quantities[0], []
-    for place, model in enumerate(found.models[:MAX_LINES]):
-        rows = found.of(name, model)
-        x = np.array([rpm(row.engine_speed) for row in rows])
-        y = np.array([100 * row.difference for row in rows])
-        layers.append(Line(x, y, model, theme.SERIES[place % len(theme.SERIES)]))
-    rules = tuple(Rule("y", sign * 100 * found.tolerance) for sign in (-1, 1))
-    label = f"model less {found.reference} (%)"
-    panel = Panel("engine speed (rpm)", label, tuple(layers), rules=rules)
-    panel = replace(panel, x_range=visible_range(panel)[0])
-    caption = "Per cent of the largest value of the reference; dotted: what still counts as equal."
-    return Chart(
-        "opening", f"Difference in {quantity_label(name).lower()}", caption, (panel,), 1, 340
-    )
 
 
 def error_bar_chart(every: Sequence[Uncertainty]) -> Chart | None:

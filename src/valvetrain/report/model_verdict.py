@@ -1,46 +1,18 @@
-"""Verdicts on models and meshes: which model is good enough, and how large the error bars are."""
+"""Verdict on meshes: how large the error bars are."""
 
 from __future__ import annotations
 
 import math
 
-from valvetrain.report.clauses import figure, joined, sentence
+from valvetrain.report.clauses import figure, sentence
 from valvetrain.report.run_summary import share
 from valvetrain.report.text import speed_text, unit_text
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.definition import label_of, shown
-from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.uncertainty import NOT_RESOLVED, Uncertainty
 
 #: Error bars up to this share of a value count as small.
 SMALL = 0.01
-#: Quantities of a model that are named one by one.
-NAMED = 3
-
-
-def fidelity_verdict(found: FidelityMap) -> str:
-    """The cheapest model that is good enough at every speed, by quantity."""
-    if not found.rows:
-        return ""
-    by_model: dict[str, list[str]] = {}
-    for name in found.quantities:
-        by_model.setdefault(found.cheapest(name), []).append(label_of(name))
-    costs = dict(found.costs)
-    reference = costs.get(found.reference, math.nan)
-
-    def part(model: str, names: list[str]) -> str:
-        several = f"{len(names)} quantities, such as {joined(names[:2])}"
-        what = joined(names) if len(names) <= NAMED else several
-        what = "every quantity" if len(by_model) == 1 else what
-        if model == found.reference:
-            return f"no cheaper model for {what}"
-        times = reference / costs[model] if costs.get(model) else math.nan
-        quick = f" ({figure(times, 2)} times quicker)" if times >= 1.5 else ""
-        return f"{model}{quick} for {what}"
-
-    parts = [part(model, names) for model, names in by_model.items()]
-    bound = f"within {share(found.tolerance)} of {found.reference} at every speed"
-    return sentence([f"{bound}: {parts[0]}", *parts[1:]])
 
 
 def refine_verdict(study: UncertaintyStudy) -> str:

@@ -12,7 +12,6 @@ from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
 from valvetrain.report.clash_clauses import FINEST
 from valvetrain.report.contact_lost import losses_while_open
-from valvetrain.report.model_charts import fidelity_chart
 from valvetrain.report.motion.parts import Variant
 from valvetrain.report.motion.project import motion_json, still_svg
 from valvetrain.report.motion.scene import moving_picture
@@ -44,8 +43,6 @@ NEAR = 0.35
 
 def opening_blocks(study: Study) -> tuple[Block, ...]:
     """The picture of a study, one or two blocks; nothing where nothing can be drawn."""
-    if len(study.fidelity):
-        return figure_or_gap("Difference of the models", fidelity_chart, study.fidelity)
     if _is_over_speed(study):
         return figure_or_gap("Control over engine speed", regime_chart, study)
     if not study.solutions:

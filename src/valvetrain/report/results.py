@@ -23,10 +23,9 @@ from valvetrain.report.chart import (
     thin,
     visible_range,
 )
-from valvetrain.report.model_charts import error_bar_chart, fidelity_chart
+from valvetrain.report.model_charts import error_bar_chart
 from valvetrain.report.opening import opening_chart
 from valvetrain.report.page import Block, Cell, Figure, Grid
-from valvetrain.report.run_summary import reach_rows
 from valvetrain.report.sections.published import uncertainty_page
 from valvetrain.report.text import quantity_label
 from valvetrain.runs.error_bars import UncertaintyStudy
@@ -34,7 +33,6 @@ from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.cycle_view import angle_within, first_revolution
 from valvetrain.solution.display import SHOWN_UNITS, heading, value_text
-from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.modes import ModalResult, TrainModes
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.result import Solution
@@ -177,13 +175,6 @@ def comparison_blocks(row: Comparison) -> Blocks:
     panel = Panel(label, "", tuple(layers), y_range=(0.5, 1.5), y_tick_labels=((1.0, row.model),))
     panel = replace(panel, x_range=_wider(visible_range(panel)[0]))
     return _grid(heads, [cells]), _figure(row, panel)
-
-
-def fidelity_map_blocks(found: FidelityMap) -> Blocks:
-    """Up to which speed each model is good enough; differences of the first quantity over speed."""
-    rows = [(one.label, *one.cells, one.cheapest) for one in reach_rows(found)]
-    grid = _grid(("good enough (rpm)", *found.models, "cheapest"), rows)
-    return grid, *_figures(fidelity_chart(found))
 
 
 def uncertainty_blocks(study: UncertaintyStudy) -> Blocks:

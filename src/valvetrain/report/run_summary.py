@@ -1,4 +1,4 @@
-"""Rows for terminal and page: critical speeds of a sweep, valid speed ranges of models, differences
+"""Rows for terminal and page: critical speeds of a sweep, differences
 of two saved runs.
 """
 
@@ -14,7 +14,6 @@ from valvetrain.report.text import amount, in_unit, number, percent, quantity_la
 from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.critical import KINDS, CriticalSpeed
 from valvetrain.solution.definition import is_defined, label_of, shown, topics
-from valvetrain.solution.fidelity import RPM, FidelityMap, ValidSpeedRange
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import SWEEPS, Study
 from valvetrain.system.contract import TRAIN
@@ -150,29 +149,6 @@ def unsettled_text(runs: Sequence[Solution]) -> str:
     return f"{len(speeds)}: {named}{more if len(speeds) > MAX_UNSETTLED else ''}"
 
 
-@dataclass(frozen=True, slots=True)
-class ReachRow:
-    """One quantity: a cell per model, and the cheapest model that is good enough at every speed."""
-
-    quantity: str
-    label: str
-    cells: tuple[str, ...]
-    cheapest: str
-
-
-def reach_rows(found: FidelityMap) -> list[ReachRow]:
-    """A row per quantity: engine speeds (rpm) up to which each model is good enough."""
-    return [
-        ReachRow(
-            name,
-            quantity_label(name),
-            tuple(found.reach(name, model).text for model in found.models),
-            found.cheapest(name),
-        )
-        for name in found.quantities
-    ]
-
-
 def share(value: float) -> str:
     """A ratio in per cent with two significant digits; empty for none."""
     return (
@@ -182,90 +158,6 @@ def share(value: float) -> str:
         if abs(value) < 0.995
         else f"{100 * value:.0f} %"
     )
-
-
-def reason_for(found: FidelityMap, quantity: str) -> str:
-    """Why the cheapest model is recommended for a quantity, or why no cheaper one is."""
-    chosen = found.cheapest(quantity)
-    costs = dict(found.costs)
-    if chosen == found.reference:
-        best = min(
-            (found.reach(quantity, model) for model in found.models),
-            key=lambda reach: reach.largest if math.isfinite(reach.largest) else math.inf,
-            default=None,
-        )
-        if best is None or not math.isfinite(best.largest):
-            return "no other model gives it"
-        if math.isinf(best.largest_doubt):
-            return f"{best.model} comes nearest, but the finer run that should give the error gave no result"
-        if best.largest_doubt > best.largest:
-            return f"{best.model} comes nearest, but its error bar, {share(best.largest_doubt)}, is larger than the difference"
-        return f"the nearest, {best.model}, is {_apart(best)} off at worst"
-    reach, ratio = found.reach(quantity, chosen), costs[found.reference] / costs[chosen]
-    return (
-        f"at worst {_apart(reach)} off, in 1/{ratio:.0f} of the time"
-        if ratio >= 2
-        else f"at worst {_apart(reach)} off"
-    )
-
-
-def _apart(reach: ValidSpeedRange) -> str:
-    return share(reach.largest) + (
-        f" ± {share(reach.largest_doubt)}" if reach.largest_doubt > 0 else ""
-    )
-
-
-def fidelity_notes(found: FidelityMap) -> tuple[str, ...]:
-    """How the verdicts were reached and what limits them."""
-    speeds = [row.engine_speed / RPM for row in found]
-    undivided = [model for model in (*found.models, found.reference) if model not in found.divided]
-    sizes = "; ".join(f"{label_of(name)} {_scale(found, name)}" for name in found.quantities)
-    notes = [
-        f"Good enough: within {share(found.tolerance)} of the largest value of {found.reference} over {min(speeds):.6g} to "
-        f"{max(speeds):.6g} rpm ({sizes}), the numerical error of both included; open: the error bars leave it undecided; "
-        "missing: the model does not give it.",
-        "The bars are the change that 1.5 times as many elements, masses or modes make, with the safety factor of two grids."
-        + (
-            f" Without such a division, and so without a bar of their own: {', '.join(undivided)}."
-            if undivided
-            else ""
-        ),
-        f"The verdicts are about {found.reference}, not about a measurement: what it leaves out, all leave out.",
-    ]
-    untold = {
-        name: sorted(
-            {
-                rpm(row.engine_speed)
-                for row in found
-                if row.quantity == name and not math.isfinite(row.reference)
-            }
-        )
-        for name in found.quantities
-    }
-    if any(untold.values()):
-        places = "; ".join(
-            f"{label_of(name)} at {', '.join(f'{one:.6g}' for one in some)} rpm"
-            for name, some in untold.items()
-            if some
-        )
-        notes.append(f"{found.reference} gave no value, so nothing is said there of: {places}.")
-    unknown = [row for row in found if math.isinf(row.doubt)]
-    if unknown:
-        notes.append(
-            f"{len(unknown)} of {len(found)} error bars are unknown, since the run that should give them gave no result."
-        )
-    return tuple(notes)
-
-
-def _scale(found: FidelityMap, name: str) -> str:
-    size = next(row.scale for row in found if row.quantity == name)
-    value, unit = shown(name, size)
-    return f"{value:.4g} {unit}".strip()
-
-
-def speed_axis(found: FidelityMap) -> list[float]:
-    """Engine speeds (rpm) in order."""
-    return [rpm(speed) for speed in sorted({row.engine_speed for row in found})]
 
 
 INPUT_HEADS = ("inputs", "A", "B")

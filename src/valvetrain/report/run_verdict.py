@@ -19,7 +19,6 @@ from valvetrain.report.clauses import (
     quantity_text,
     sentence,
 )
-from valvetrain.report.model_verdict import fidelity_verdict
 from valvetrain.report.published_verdict import published_sentences, share
 from valvetrain.report.run_clauses import (
     NEAR,
@@ -53,8 +52,6 @@ POWER = "mean_cam_power"
 
 def study_verdict(study: Study) -> str:
     """The sentence of a study: of its sweep, its map of models, its runs or its springs at rest."""
-    if len(study.fidelity):
-        return fidelity_verdict(study.fidelity)
     published = published_sentences(study.comparisons)
     if not study.solutions:
         return in_sentences([*rest_failures(study), *rest_clauses(study)], [], published, "")

@@ -60,7 +60,6 @@ _KICKERS = {
     "sweep": "Sweep over engine speed",
     "compare-springs": "Comparison of springs",
     "run-up": "Run-up",
-    "fidelity": "Models over engine speed",
     "static": "Springs at rest",
     "modes": "Natural modes",
 }
@@ -380,36 +379,12 @@ def _tables(study: Study, names: FreeNames) -> dict[str, Callable[[], Table]]:
         "quantities": partial(quantity_table, study),
         "events": partial(event_table, study),
     }
-    if len(study.fidelity):
-        tables["fidelity"] = partial(fidelity_table, study)
     if study.comparisons:
         tables["comparison"] = partial(comparison_table, study.comparisons)
     for label in study.labels if study.over_speed else ():
         tables[names.free(f"sweep-{label}")] = partial(sweep_table, study, label)
         tables[names.free(f"orders-{label}")] = partial(orders_table, study, label)
     return tables
-
-
-def fidelity_table(study: Study) -> Table:
-    """Every model next to the reference, quantity by quantity and speed by speed, SI."""
-    found = study.fidelity
-    label = {
-        name: np.array([getattr(row, name) for row in found], dtype=object)
-        for name in ("quantity", "model")
-    }
-    numbers = {
-        name: [getattr(row, name) for row in found]
-        for name in ("value", "error", "reference", "reference_error", "difference", "doubt")
-    }
-    return table(
-        *((name, "", values) for name, values in label.items()),
-        ("engine speed", "rpm", [rpm(row.engine_speed) for row in found]),
-        *(
-            (name.replace("_", " "), "1" if name in ("difference", "doubt") else "SI", values)
-            for name, values in numbers.items()
-        ),
-        ("verdict", "", np.array([row.verdict(found.tolerance) for row in found], dtype=object)),
-    )
 
 
 def orders_table(study: Study, label: str) -> Table:

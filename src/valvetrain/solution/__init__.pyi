@@ -1,6 +1,5 @@
 from valvetrain.solution.comparison import Comparison as Comparison
 from valvetrain.solution.critical import CriticalSpeeds as CriticalSpeeds
-from valvetrain.solution.fidelity import FidelityMap as FidelityMap
 from valvetrain.solution.modes import ModalResult as ModalResult
 from valvetrain.solution.modes import TrainModes as TrainModes
 from valvetrain.solution.netcdf import load_netcdf as load_netcdf

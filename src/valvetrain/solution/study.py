@@ -16,7 +16,6 @@ from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.display import table_and_picture, value_text, verdict_first
-from valvetrain.solution.fidelity import FidelityMap
 from valvetrain.solution.later import LaterField
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
@@ -62,9 +61,9 @@ class Study(Reported):
     case). ``comparisons`` and ``findings``: those with published numbers, empty for a case of one's
     own. ``critical_speeds``: those of a sweep of a train. ``lift_event``: None without lift or
     where it spans the cam's zero. ``gaps``: a sentence per part, of no single run, that failed.
-    ``fidelity``: models against a reference, where they were compared. ``error_bars``: of the numbers
-    of its runs, each run once more when they are first read; those of a published study are stored. What needs the springs at rest
-    may be computed when it is first read. ``between``: reduced runs between the speeds of a sweep, where cam orders meet a surge
+    ``error_bars``: of the numbers of its runs, each run once more when they are first read; those of
+    a published study are stored. What needs the springs at rest may be computed when it is first
+    read. ``between``: reduced runs between the speeds of a sweep, where cam orders meet a surge
     frequency; no points of its curves.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
@@ -90,7 +89,6 @@ class Study(Reported):
     wall_time: float = field(default=0.0, compare=False)
     critical_speeds: CriticalSpeeds = field(default_factory=CriticalSpeeds)
     gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
-    fidelity: FidelityMap = field(default_factory=FidelityMap)
     error_bars: LaterField[ErrorBars] = LaterField(ErrorBars)
     between: tuple[Solution, ...] = ()
 
@@ -257,7 +255,7 @@ class Study(Reported):
         """Whether its runs are points of curves over engine speed: a sweep, or the revolutions of a
         run-up.
         """
-        return self.command in (*SWEEPS, "run-up", "fidelity")
+        return self.command in (*SWEEPS, "run-up")
 
     @property
     def failures(self) -> tuple[str, ...]:
