@@ -299,11 +299,10 @@ def ask(content: bytes) -> str:
 
 
 def _load(kind: str, path: Path) -> Any:
-    from valvetrain.solution import netcdf, read_apart, textfile
+    from valvetrain.solution import netcdf, read_apart
 
     load = {
         "solution.nc": netcdf.load_netcdf,
-        "solution.csv": textfile.load_csv,
         "static.nc": netcdf.load_static_curve,
         "modes.nc": netcdf.load_modal_result,
     }

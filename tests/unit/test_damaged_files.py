@@ -38,11 +38,11 @@ from valvetrain.solution.netcdf import (
     save_netcdf,
     save_static_curve,
 )
-from valvetrain.solution.textfile import load_csv, save_csv
+from valvetrain.solution.textfile import save_csv
 
 RUN = rod_run(samples=90)
 PROMISE = b'"checksum": "blake2b"'
-READERS = ((save_netcdf, load_netcdf, "run.nc"), (save_csv, load_csv, "run.csv"))
+READERS = ((save_netcdf, load_netcdf, "run.nc"),)
 
 
 def refused(load, path, words=None):
@@ -117,7 +117,7 @@ def test_a_cut_closing_line_is_told(tmp_path, save, load, name, cut):
 def test_other_programs_read_what_is_closed_by_a_checksum(tmp_path):
     with xarray.open_dataset(save_netcdf(RUN, tmp_path / "run.nc"), engine="h5netcdf") as dataset:
         np.testing.assert_array_equal(dataset["seat_force"].values, RUN.channel("seat_force"))
-    table = np.genfromtxt(save_csv(RUN, tmp_path / "run.csv"), delimiter=",", skip_header=3)
+    table = np.genfromtxt(save_csv(RUN, tmp_path / "run.csv"), delimiter=",", skip_header=1)
     np.testing.assert_array_equal(table[:, 0], RUN.time)
 
 
@@ -246,23 +246,6 @@ def test_a_curve_without_one_of_its_rows_is_refused(tmp_path, name):
     refused(load_static_curve, path, name)
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ('"type": "float64"', '"type": "U900000000"'),
-        ('"shape": []', '"shape": [1000000000000]'),
-        ('"columns": [', '"columns": 3, "x": ['),
-    ],
-)
-def test_a_csv_description_that_lies_is_refused(tmp_path, old, new):
-    path = save_csv(RUN, tmp_path / "run.csv")
-    text = checksum.checked_content(path)[0].decode()
-    assert old in text
-    path.write_text(text.replace(old, new, 1), encoding="utf-8")
-    checksum.close_file(path)
-    refused(load_csv, path)
-
-
 # ---- files that the library of the format does not come back from
 
 
@@ -302,7 +285,7 @@ def test_measured_cycles_come_from_others_and_their_checksum_vouches_for_nothing
     body = checksum.checked_content(path)[0]
     path.write_bytes(body)
     without_end(path, b"xxxxxxxx")
-    checksum.close_file(path)
+    path.write_bytes(path.read_bytes() + checksum.closing_line(path.read_bytes()))
     refused(read_cycles, path, "does not come back")
 
 

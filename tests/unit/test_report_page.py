@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from synthetic_study import (
-    COILS,
     modal_run,
     own_study,
     published_study,
@@ -37,7 +36,6 @@ from valvetrain.report.text import number, percent, speed_text, unit_text
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import Status
-from valvetrain.solution.textfile import load_csv
 
 STUDIES = {
     "own": own_study,
@@ -139,9 +137,8 @@ def test_files_are_read_back(tmp_path):
         <= names
     )
     assert load_netcdf(tmp_path / "finite-element-5600rpm.nc").identical(rod_run())
-    few = load_csv(tmp_path / "finite-element-5600rpm.csv")
-    np.testing.assert_array_equal(few.channel("seat_force"), rod_run().channel("seat_force"))
-    np.testing.assert_array_equal(few.channels["coil_number"], COILS)
+    few = np.genfromtxt(tmp_path / "finite-element-5600rpm.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(few["seat_force_N"], rod_run().channel("seat_force"))
     assert len(load_static_curve(tmp_path / "static-spring-finite-element.nc").force) == 40
     assert load_modal_result(tmp_path / "modes-spring-finite-element.nc").axial_modes == (1, 2, 4)
     rows = (tmp_path / "quantities.csv").read_text().splitlines()

@@ -19,10 +19,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Event, Status
 
-PAIRS = (
-    (netcdf.save_netcdf, netcdf.load_netcdf, "run.nc"),
-    (textfile.save_csv, textfile.load_csv, "run.csv"),
-)
+PAIRS = ((netcdf.save_netcdf, netcdf.load_netcdf, "run.nc"),)
 
 
 def _solution() -> Solution:
@@ -116,7 +113,7 @@ def test_a_changed_number_is_not_identical():
 
 def test_csv_header_names_units_and_places(tmp_path):
     textfile.save_csv(_solution(), tmp_path / "run.csv")
-    header = (tmp_path / "run.csv").read_text().split("\n")[2].split(",")
+    header = (tmp_path / "run.csv").read_text().split("\n")[0].split(",")
     assert header[:3] == ["time [s]", "cam_angle [rad]", "seat_force [N]"]
     assert "axial_velocity at wire point 2 [m/s]" in header
     assert "coil_contact_force at coil pair 2.25 [N]" in header

@@ -16,7 +16,7 @@ Result = TypeVar("Result")
 
 
 def load(path: str | os.PathLike[str]) -> Any:
-    """What :func:`save` wrote: a case (``.toml``), a result (``.nc``) or a solution (``.csv``).
+    """What :func:`save` wrote: a case (``.toml``) or a result (``.nc``).
 
     Parameters
     ----------
@@ -38,13 +38,8 @@ def load(path: str | os.PathLike[str]) -> Any:
     True
     """
     from valvetrain.solution.netcdf import load_result
-    from valvetrain.solution.textfile import load_csv
 
-    readers: dict[str, Callable[[Any], Any]] = {
-        ".toml": Case,
-        ".nc": load_result,
-        ".csv": load_csv,
-    }
+    readers: dict[str, Callable[[Any], Any]] = {".toml": Case, ".nc": load_result}
     target = Path(path)
     if target.suffix not in readers:
         raise InputError(

@@ -9,5 +9,4 @@ from valvetrain.solution.quantity import Quantity as Quantity
 from valvetrain.solution.static import StaticCurve as StaticCurve
 from valvetrain.solution.status import Event as Event
 from valvetrain.solution.status import Status as Status
-from valvetrain.solution.textfile import load_csv as load_csv
 from valvetrain.solution.textfile import save_csv as save_csv

@@ -183,17 +183,10 @@ def digest(content: bytes) -> str:
 
 
 def closing_line(content: bytes) -> bytes:
-    """The line that ends a result file whose other bytes are ``content``; NetCDF and CSV readers
-    skip it.
+    """The line that ends a result file whose other bytes are ``content``; NetCDF readers skip
+    it.
     """
     return _MARK + digest(content).encode() + b"\n"
-
-
-def close_file(path: Path) -> None:
-    """Append the closing line to a file that is complete but for it."""
-    line = closing_line(path.read_bytes())
-    with path.open("ab") as stream:
-        stream.write(line)
 
 
 def checked_content(path: Path) -> tuple[bytes, bool]:
