@@ -106,6 +106,24 @@ def test_a_loss_that_other_damping_removes_has_an_open_range() -> None:
     assert one.causes == ("damping",)
 
 
+def test_a_member_that_cannot_run_is_named_and_moves_no_end() -> None:
+    """Contract: it was left out of the range without a word."""
+    run = sampler(falling(7003.0))
+    grid = {6000.0 + 100 * k: run(6000.0 + 100 * k) for k in range(31)}
+    search = Search(run, grid, LIMITS, 10.0)
+    row = critical_speed(search, KIND, "own", 6000.0, 9000.0, CriticalOptions(resolution=10.0))
+    ran = Repeat("damping", "×0.6", sampler(falling(6900.0)))
+    refused = Repeat("mesh", "×1.5", run, "the wire has no volume")
+    one = repeated(row, search, run, [ran, refused], 400.0, LIMITS)
+    assert one.span is not None and one.causes == ("damping",)
+    assert one.span.lower_engine_speed == pytest.approx(6900.0, abs=0.06)
+    assert "mesh ×1.5" in one.text
+    told = _critical_object(one)["members"][-1]
+    assert told["refusal"] == "the wire has no volume" and told["engine_speed"] is None
+    alone = repeated(row, search, run, [refused], 400.0, LIMITS)
+    assert alone.span is None and "nominal" in alone.text and "mesh ×1.5" in alone.text
+
+
 def test_a_never_that_other_damping_makes_a_loss_is_not_a_plain_never() -> None:
     def dip(depth: float) -> Margin:
         return lambda speed: 400 - depth * math.exp(-(((speed - 7500) / 300) ** 2))

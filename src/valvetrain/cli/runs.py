@@ -99,15 +99,14 @@ def _unfinished_object(one: UnfinishedFolder) -> dict[str, Any]:
 
 def _show(console: Console, found: tuple[SavedRun, ...], folder: Path) -> None:
     from valvetrain.cli.outcome import plain_table
-    from valvetrain.solution.definition import label_of
 
     if not found:
         console.print(f"no runs under '{folder}'; 'valvetrain run CASE' makes one")
         return
     named = dict.fromkeys(
-        best["quantity"] for run in found[:RUNS_MAX_ROWS] if (best := run.headline)
+        _headline_label(run) for run in found[:RUNS_MAX_ROWS] if run.headline is not None
     )
-    alone = label_of(next(iter(named))) if len(named) == 1 else ""
+    alone = next(iter(named)) if len(named) == 1 else ""
     headers = (
         "time (UTC)",
         "case",
@@ -131,9 +130,19 @@ def _show(console: Console, found: tuple[SavedRun, ...], folder: Path) -> None:
     )
 
 
+def _headline_label(run: SavedRun) -> str:
+    """Label of the headline of a run, with the cut-off of that run."""
+    from valvetrain.runs.differences import cut_off_of
+    from valvetrain.solution.definition import label_cut_off, label_of
+    from valvetrain.solution.force_peak import FORCE_BANDWIDTH
+
+    label_cut_off(cut_off_of(run) or FORCE_BANDWIDTH)
+    return "" if run.headline is None else label_of(run.headline["quantity"])
+
+
 def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
     from valvetrain.parameters.summary import number
-    from valvetrain.solution.definition import label_of, shown
+    from valvetrain.solution.definition import shown
 
     best = run.headline
     speeds = run.engine_speeds
@@ -148,7 +157,7 @@ def _row(run: SavedRun, named: bool) -> tuple[str, ...]:
     summary = ""
     if best is not None:
         value, unit = shown(best["quantity"], best["value"])
-        summary = f"{label_of(best['quantity']) if named else ''} {number(value)} {unit}".strip()
+        summary = f"{_headline_label(run) if named else ''} {number(value)} {unit}".strip()
     return (
         run.created_at[5:16].replace("T", " "),
         run.case,

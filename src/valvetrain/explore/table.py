@@ -289,6 +289,7 @@ class StudyTable(Reported):
         )
 
     def __repr__(self) -> str:
+        first: str = find("displays", "verdict")(self)
         done = int(np.count_nonzero(self.completed))
         chosen = not self.plan.sampler.independent
         lines = [f"study '{self.plan.title}': {done} of {len(self)} points completed"]
@@ -307,7 +308,6 @@ class StudyTable(Reported):
                 lines.append(f"  {label_of(name)}: {said}".rstrip())
         lines += [f"  {one.sentence}" for one in self.sensitivities]
         lines += [f"  {one.sentence}" for one in self.surrogates]
-        first: str = find("displays", "verdict")(self)
         return "\n".join([first, *lines] if first else lines)
 
 

@@ -270,6 +270,7 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
                 else None,
                 "lost_from_the_first": each.engine_speed <= 0,
                 "pulled": [bracket(every) for every in each.pulled],
+                "refusal": each.refusal,
             }
             for each in one.members
         ],

@@ -36,7 +36,6 @@ from valvetrain.report.contact_lost import (
 from valvetrain.runs.notes import on_assumed_ramp, rings
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT
 from valvetrain.solution.definition import NESTED, label_of
-from valvetrain.solution.force_peak import band_text
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -374,8 +373,7 @@ def _force_clauses(runs: Runs) -> Iterator[Clause]:
         return
     peak, least = runs.worst("peak_spring_force", False), runs.worst("minimum_spring_force", True)
     if peak is not None:
-        band = band_text(runs.solutions[0].provenance)
-        text = f"peak spring force {band} {runs.text(peak)}{above_solid(runs, peak)}"
+        text = f"{label_of('peak_spring_force')} {runs.text(peak)}{above_solid(runs, peak)}"
         yield Clause(text, peak.run)
     if least is not None:
         pulls = PULLS if least.value < 0 else ""

@@ -102,6 +102,12 @@ def critical_notes(study: Study) -> tuple[str, ...]:
         f"change with the motion of the neighbouring speed carried on, rising and falling; brackets of {rpm(one.resolution):.3g} rpm or "
         f"less. A very narrow speed range may be missed.",
         *((RANGES_NOTE,) if any(row.onset for row in study.critical_speeds) else ()),
+        *dict.fromkeys(
+            f"The range of {row.label} holds no run with {one.cause} {one.change}: {one.refusal}."
+            for row in study.critical_speeds
+            for one in row.members
+            if one.refusal
+        ),
     )
 
 

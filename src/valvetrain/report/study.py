@@ -41,7 +41,7 @@ from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, comparison_table, table
 from valvetrain.report.text import rpm
-from valvetrain.report.verdict import verdict_of
+from valvetrain.report.verdict import state_cut_off, verdict_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
@@ -93,6 +93,7 @@ def study_page(study: Study) -> Page:
     >>> len(page.sections) > 3
     True
     """
+    state_cut_off(study)
     sections = tuple(
         section
         for word in places("sections")

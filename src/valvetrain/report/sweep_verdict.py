@@ -39,7 +39,6 @@ from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
 from valvetrain.runs.notes import on_assumed_ramp
 from valvetrain.solution.definition import label_of
-from valvetrain.solution.force_peak import band_text
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -230,9 +229,8 @@ def _spring_forces(runs: Runs) -> list[str]:
         texts.append(
             f"coils clash {speeds_text(clashing, runs.solutions)}" if clashing else "no coil clash"
         )
-    band = band_text(runs.solutions[0].provenance) if runs.solutions else ""
     for name, word, least in (
-        ("peak_spring_force", f"peak spring force {band}", False),
+        ("peak_spring_force", label_of("peak_spring_force"), False),
         ("minimum_spring_force", "minimum", True),
     ):
         found = runs.worst(name, least)

@@ -24,6 +24,7 @@ from valvetrain.solution.critical import (
     RangeMember,
     SpeedBracket,
 )
+from valvetrain.solution.partial_failures import reason
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
@@ -79,11 +80,15 @@ class Variant:
 
 @dataclass(frozen=True, eq=False)
 class Repeat:
-    """The runs of one changed train, each once: ``run`` makes that at an engine speed (rad/s) from those before."""
+    """The runs of one changed train, each once: ``run`` makes that at an engine speed (rad/s) from those before.
+
+    ``refusal``: why the train cannot run, empty where it can.
+    """
 
     cause: str
     change: str
     run: Callable[[float, Mapping[float, SpeedSample]], SpeedSample]
+    refusal: str = ""
     samples: dict[float, SpeedSample] = field(default_factory=dict)
 
     def __call__(self, engine_speed: float) -> SpeedSample:
@@ -93,7 +98,7 @@ class Repeat:
 
 
 def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
-    """The trains of the repeats, without those that cannot run; none for springs whose runs take
+    """The trains of the repeats, those that cannot run with their refusal; none for springs whose runs take
     minutes.
     """
     assert isinstance(one.system, TrainSystem)
@@ -109,14 +114,13 @@ def variants_of(problem: Problem, one: PreparedRun) -> tuple[Variant, ...]:
     for word in member.model.beside:
         changed.append(("model", word, replace(member, model=spring_model(word), instead="")))
     for cause, change, other in changed:
-        if (other.springs, other.model) == (member.springs, member.model) or other.refusal:
+        if (other.springs, other.model) == (member.springs, member.model):
             continue
         try:
             ready = prepare(problem, other, member_statics(problem, other), problem.record.study)
-        except FAILURES:
-            continue
-        if ready.system is not None:
-            found.append(Variant(cause, change, ready))
+        except FAILURES as error:
+            ready = PreparedRun(other, one.frame, refusal=reason(error))
+        found.append(Variant(cause, change, ready))
     return tuple(found)
 
 
@@ -293,14 +297,17 @@ def repeated(
             moved = [("force", sign, one) for sign, one in zip("−+", both, strict=True)]
     members = [RangeMember(*one) for one in moved]
     for sample in repeats:
+        if sample.refusal:
+            members.append(RangeMember(sample.cause, sample.change, math.nan, (), sample.refusal))
+            continue
         # where motion does not repeat, finer numerics give another revolution, not a better one
         if steady or sample.cause not in ("step", "mesh"):
             speed = _onset_of(row, sample, begin, at, limits, steady)
             until = min(speed, ends[1])
             pulls = pulled_ranges(sample.samples, until)
             members.append(RangeMember(sample.cause, sample.change, speed, pulls))
-    if min(nominal, *(one.engine_speed for one in members)) == math.inf and not any(
-        one.pulled for one in members
+    if nominal == math.inf and not any(
+        one.engine_speed < math.inf or one.pulled or one.refusal for one in members
     ):
         return row  # never lost, by every repeat
     return replace(row, members=tuple(members), onset=onset)

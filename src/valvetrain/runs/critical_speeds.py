@@ -234,7 +234,7 @@ def _search(
             start = next(filter(None, (_nearest(pool, engine_speed) for pool in pools)), None)
             return run(engine_speed, start, variant, periodic)
 
-        return Repeat(variant.cause, variant.change, at)
+        return Repeat(variant.cause, variant.change, at, variant.ready.refusal)
 
     precise = repeating(replace(until, tolerance=NOMINAL_TOLERANCE))
     # ranges are of uncertain inputs: whether each of their orbits attracts is not tested

@@ -9,7 +9,8 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_toml, read_text
 from valvetrain.runs.saved_runs import SavedRun, check_inputs
-from valvetrain.solution.definition import definition_of, is_defined
+from valvetrain.solution.definition import definition_of, is_defined, label_cut_off
+from valvetrain.solution.force_peak import FORCE_BANDWIDTH, band_text
 
 #: Entries of an answer that describe the request, or repeat other numbers.
 NO_RESULT = (
@@ -84,11 +85,14 @@ def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference
         )
     first, second = dict(answer_numbers(one.answer)), dict(answer_numbers(other.answer))
     forces = [any(name.endswith(FORCE) for name, _ in numbers) for numbers in (first, second)]
-    if all(forces) and _definition(one) != _definition(other):
+    cut_offs = [cut_off_of(run) for run in (one, other)]
+    if all(forces) and cut_offs[0] != cut_offs[1]:
+        texts = ["that of every instant" if at is None else band_text(at) for at in cut_offs]
         raise InputError(
-            f"the peak spring force is {_definition(one)} in one run and {_definition(other)} in the other, so they are two quantities; "
+            f"the peak spring force is {texts[0]} in one run and {texts[1]} in the other, so they are two quantities; "
             "repeat one of them, with the [operation] force_bandwidth of the other"
         )
+    label_cut_off(cut_offs[0 if forces[0] else 1] or FORCE_BANDWIDTH)
     rows = []
     for key in dict.fromkeys((*first, *second)):
         (a, unit), (b, other_unit) = first.get(key, (None, "")), second.get(key, (None, ""))
@@ -102,12 +106,12 @@ def definitions(force_bandwidth: float) -> dict[str, Any]:
     return {FORCE: {"below": {"value": force_bandwidth, "unit": "Hz"}}}
 
 
-def _definition(run: SavedRun) -> str:
-    """What the peak spring force of a saved run is; before there was a cut-off, that of every instant."""
+def cut_off_of(run: SavedRun) -> float | None:
+    """Cut-off (Hz) of the peak spring force of a saved run; None where it is that of every instant."""
     try:
-        return f"below {float(run.answer[DEFINITIONS][FORCE]['below']['value']) / 1e3:g} kHz"
+        return float(run.answer[DEFINITIONS][FORCE]["below"]["value"])
     except (KeyError, TypeError, ValueError):
-        return "that of every instant"
+        return None
 
 
 def _speeds_of(run: SavedRun) -> tuple[str, ...]:

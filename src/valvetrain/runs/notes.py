@@ -14,7 +14,6 @@ from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_im
 from valvetrain.quantities.statics import formula_compression
 from valvetrain.quantities.stress import most_force_of_wire
 from valvetrain.runs.prepared import FAILURES, largest_lift, law_lift, prepare
-from valvetrain.solution.force_peak import FORCE_BANDWIDTH
 from valvetrain.solution.later import replaced
 from valvetrain.solution.result import Solution
 from valvetrain.system.contract import TRAIN
@@ -66,16 +65,6 @@ def ringing_note(members: Iterable[Member]) -> str:
         f"The case gives {springs} {' and '.join(names)} {NO_DAMPING}: give {its} "
         "damping, such as 'damping = { ratio = 0.016, ratio_frequency = \"600 Hz\" }' at the first surge frequency (0.016: the beehive of "
         "gu2021)."
-    )
-
-
-def cut_off_notes(problem: Problem) -> tuple[str, ...]:
-    """A sentence where the peaks of spring forces are below another cut-off than their label says."""
-    if problem.force_bandwidth == FORCE_BANDWIDTH:
-        return ()
-    cut_off = f"{problem.force_bandwidth / 1e3:g} kHz"
-    return (
-        f"Peak spring and retainer forces are those below {cut_off} here, wherever they are called below 10 kHz: the case sets force_bandwidth.",
     )
 
 
@@ -158,7 +147,6 @@ def run_notes(problem: Problem, member: Member, run: Solution) -> tuple[str, ...
                 ringing_note((member,)),
                 *ramp_notes((member,)),
                 *undamped_notes((member,)),
-                *cut_off_notes(problem),
                 *chain_notes((member,)),
                 *buckling_notes(alone),
                 *unknown_solid_notes((member,)),

@@ -27,7 +27,6 @@ from valvetrain.runs.notes import (
     buckling_notes,
     card_notes,
     chain_notes,
-    cut_off_notes,
     driven_notes,
     parting_notes,
     pulling_end_notes,
@@ -433,7 +432,6 @@ def _notes(problem: Problem) -> tuple[str, ...]:
     named = (
         *parting_notes(members),
         *undamped_notes(members),
-        *cut_off_notes(problem),
         *chain_notes(members),
         *buckling_notes(problem),
         *unknown_solid_notes(members),

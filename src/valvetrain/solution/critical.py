@@ -96,13 +96,15 @@ class RangeMember:
     open: ``force`` (a tenth of it, of an onset that just touches zero), ``revolution`` (motion that does not repeat),
     ``ends`` (they would pull below the speed). ``change``: to what, such as ``multi-mass`` or ``×0.6``.
     ``engine_speed`` (rad/s): 0 where control is lost from the first speed searched on, infinite where it is maintained
-    up to the last. ``pulled``: as in :class:`CriticalSpeed`.
+    up to the last. ``pulled``: as in :class:`CriticalSpeed`. ``refusal``: why this train cannot run, whose speed is NaN
+    then; empty where it can.
     """
 
     cause: str
     change: str
     engine_speed: float
     pulled: tuple[SpeedBracket, ...] = ()
+    refusal: str = ""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -191,8 +193,8 @@ class CriticalSpeed:
 
     @property
     def span(self) -> SpeedBracket | None:
-        """The one range of the onset: this search and its members; None where nothing was repeated."""
-        speeds = [one.engine_speed for one in self.members]
+        """The one range of the onset: this search and its members that ran; None where nothing was repeated."""
+        speeds = [one.engine_speed for one in self.members if not one.refusal]
         if not speeds:
             return None
         own = self.engine_speed if self.found else math.inf
@@ -238,6 +240,12 @@ class CriticalSpeed:
         return f"{PULLED} at {', '.join(map(str, joined))}" if joined else ""
 
     @property
+    def refused_text(self) -> str:
+        """The members of the range that cannot run; empty for none."""
+        refused = [f"{one.cause} {one.change}" for one in self.members if one.refusal]
+        return f"no run with {', '.join(refused)}" if refused else ""
+
+    @property
     def text(self) -> str:
         """The result in rpm as terminal, page and Python print it: ``6729 (6600 to 6810: model, damping)``,
         ``below 7000, at the cam``, ``none up to 9000``; ``(nominal)`` where nothing was repeated.
@@ -252,10 +260,11 @@ class CriticalSpeed:
             speed = str(self.begins.from_rest)
         if over := self.range_text:
             speed += f" ({over})"
-        elif math.isfinite(self.nominal_engine_speed) and not self.members:
+        elif math.isfinite(self.nominal_engine_speed) and self.span is None:
             speed += " (nominal)"
         place = f"at the {self.place}" if self.found and self.kind == "contact-loss" else ""
-        return ", ".join(filter(None, (speed, ONSETS.get(self.onset), place, self.pulled_text)))
+        parts = (speed, ONSETS.get(self.onset), place, self.pulled_text, self.refused_text)
+        return ", ".join(filter(None, parts))
 
 
 def _range_text(one: SpeedBracket, first: float, last: float) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.registry import find
 from valvetrain.registry import names as registered_names
+from valvetrain.solution.force_peak import FORCE_BANDWIDTH, band_text
 from valvetrain.units import DIMENSIONS, unit_factor
 from valvetrain.units.reader import reader_unit, shown_system
 
@@ -35,6 +37,8 @@ TOPICS = (
     "Wire stress",
 )  # fmt: skip
 Number = TypeVar("Number", float, NDArray[np.float64])
+#: Cut-off (Hz) that labels of spring forces state: that of the case last built, or of the result last shown.
+_CUT_OFF: ContextVar[float] = ContextVar("cut_off_of_labels", default=FORCE_BANDWIDTH)
 
 #: Last part of a name -> dimension and shown unit, unless its row gives others; for a range, that
 #: of the word before it.
@@ -195,19 +199,33 @@ def _rows() -> list[QuantityRow]:
 
 def definition_of(name: str) -> QuantityRow:
     """The row of ``name``, its template filled; for a name that no table has, one made from its
-    last word. Its ``shown_unit`` is that of the reader (:mod:`valvetrain.units.reader`).
+    last word. Its ``shown_unit`` is that of the reader (:mod:`valvetrain.units.reader`), and its label states
+    the cut-off of :func:`label_cut_off`.
 
     >>> definition_of("mode_2_frequency").label
     'mode 2 frequency'
     """
-    return _definition(name) if shown_system() == "si" else _for_reader(name, shown_system())
+    return _for_reader(name, shown_system(), _CUT_OFF.get())
+
+
+def label_cut_off(cut_off: float) -> None:
+    """Let labels of spring forces state ``cut_off`` (Hz) from here on.
+
+    >>> label_cut_off(5e3)
+    >>> label_of("peak_spring_force")
+    'peak spring force below 5 kHz'
+    >>> label_cut_off(10e3)
+    """
+    _CUT_OFF.set(cut_off)
 
 
 @cache
-def _for_reader(name: str, system: str) -> QuantityRow:
-    """The row of ``name`` in a ``system`` of units, which is the one in use."""
+def _for_reader(name: str, system: str, cut_off: float) -> QuantityRow:
+    """The row of ``name`` in a ``system`` of units, which is the one in use, with a ``cut_off`` (Hz)."""
     one = _definition(name)
-    return replace(one, shown_unit=reader_unit(one.shown_unit))
+    unit = one.shown_unit if system == "si" else reader_unit(one.shown_unit)
+    label = one.label.replace(band_text(FORCE_BANDWIDTH), band_text(cut_off))
+    return replace(one, shown_unit=unit, label=label)
 
 
 @cache

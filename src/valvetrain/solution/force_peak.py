@@ -35,9 +35,9 @@ def bandwidth_of(provenance: Provenance) -> float:
     return float(found) if isinstance(found, (int, float)) else FORCE_BANDWIDTH
 
 
-def band_text(provenance: Provenance) -> str:
-    """``below 10 kHz``, of the peaks of a run's spring forces."""
-    return f"below {bandwidth_of(provenance) / 1e3:g} kHz"
+def band_text(cut_off: float) -> str:
+    """``below 10 kHz`` of a cut-off in Hz; ``below the cut-off`` of NaN, where it varies."""
+    return f"below {'the cut-off' if math.isnan(cut_off) else f'{cut_off / 1e3:g} kHz'}"
 
 
 @dataclass(frozen=True, slots=True)

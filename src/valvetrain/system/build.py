@@ -23,6 +23,7 @@ from valvetrain.parameters.loading import AnyCase, case_of, parse_case
 from valvetrain.parameters.toml_text import find_line
 from valvetrain.parameters.train import CrankParameters, TrainParameters
 from valvetrain.registry import plain_name
+from valvetrain.solution.definition import label_cut_off
 from valvetrain.springs.nested import RadialRubbing
 from valvetrain.springs.own_spring import model_names
 from valvetrain.springs.spec import SpringModelSpec, spring_model
@@ -126,6 +127,7 @@ def _built(case: Case, spring_models: Sequence[str], spring_sets: Sequence[str])
         )
     else:
         members = _spring_members(case, law, specs)
+    label_cut_off(case.operation.force_bandwidth)
     operation, event = (
         case.operation,
         find_lift_event(law if case.lift_law is not None else None, case.lift_law),
