@@ -4,10 +4,16 @@ to a narrow table.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from valvetrain.cli.published import NARROW, ErrorBars, fitting
+from synthetic_study import train_run, train_study
+from valvetrain.cli.answers import show_study
+from valvetrain.cli.outcome import output_console
+from valvetrain.cli.published import NARROW, RESTS, ErrorBars, fitting
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
+from valvetrain.solution.uncertainty import ErrorBars as StudyBars
 from valvetrain.solution.uncertainty import Uncertainty
 
 SPEED = 418.879
@@ -66,23 +72,44 @@ def test_no_bar_of_another_number_and_none_that_moves_no_digit(value, numerical,
 
 
 @pytest.mark.parametrize(("wide", "between"), [(NARROW, " "), (NARROW + 2, ""), (NARROW + 4, None)])
-def test_bars_give_way_to_a_table_of_eighty_columns(wide, between):
+def test_bars_stand_closer_in_a_table_of_eighty_columns_and_never_give_way(wide, between):
+    """Contract: trains of four labels lost them; None lets the table be parted."""
     chosen = fitting(
         bars("peak_spring_force", 965.0, 2.0),
-        lambda one: wide - {" ": 0, "": 2, None: 4}[one.between],
+        lambda one: wide - {" ": 0, "": 2}[one.between] if one.rows else NARROW,
     )
-    assert chosen.between == between
+    assert (chosen and chosen.between) == between
 
 
-def test_large_bars_alone_stand_where_all_do_not_fit():
-    """Contract: 0.208 ± 0.21 ms stood without its bar in a table of three speeds, as did all others."""
-    chosen = fitting(
-        bars("loft_gap", 1.0, 0.1),
-        lambda one: NARROW + (3 if one.between is not None and one.least == 0 else 0),
-    )
-    assert (chosen.between, chosen.least) == ("", 0.05)
-    wide = fitting(bars("loft_gap", 1.0, 0.1), lambda one: NARROW + 9)
-    assert wide.between == " "  # a table that values alone make wider has room for bars in them
+def test_four_trains_side_by_side_keep_their_bars(tmp_path, monkeypatch):
+    """Contract: 0.208 ± 0.21 ms stood without its bar beside labels that fill the width."""
+    labels = [f"performance with a name, zeta {number}" for number in range(4)]
+    runs = [train_run(label=one) for one in labels]
+    value = runs[0].quantities["peak_retainer_force"]
+    name, speed, same = "peak_retainer_force", runs[0].engine_speed, (value, value)
+    rows = [
+        Uncertainty(name, speed, value, 2.0, None, value, 0.0, same, same, one) for one in labels
+    ]
+    study = replace(train_study(), solutions=tuple(runs), error_bars=StudyBars(tuple(rows)))
+    console = output_console()
+    with console.capture() as told:
+        show_study(console, study, tmp_path, None)
+    assert told.get().count("±") == 4
+
+
+def test_a_range_stands_below_its_value_and_a_mark_where_none_was_computed():
+    """Contract: both were in JSON and on the page alone."""
+    value = bars("peak_clash_force", 988.0, 2.0).rows["peak_clash_force"][0]
+    clash = row("peak_clash_force", 988.0)
+    ranged = ErrorBars({"peak_clash_force": [replace(value, contact_stiffness=(979.0, 989.0))]})
+    assert ranged.ranges(clash, (STOCK,)) == ["979 to 989"]
+    assert "1" in ranged.legend([clash], (STOCK,)) and RESTS not in ranged.cells(clash, (STOCK,))[0]
+    bare = ErrorBars({"peak_clash_force": [value]})
+    assert bare.ranges(clash, (STOCK,)) == [""] and RESTS in bare.cells(clash, (STOCK,))[0]
+    assert bare.legend([clash], (STOCK,))
+    smooth = row("peak_spring_force", 965.0)
+    held = bars("peak_spring_force", 965.0, 2.0)
+    assert RESTS not in held.cells(smooth, (STOCK,))[0] and not held.legend([smooth], (STOCK,))
 
 
 @pytest.mark.parametrize(

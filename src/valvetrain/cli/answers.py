@@ -5,12 +5,13 @@ where there are any, then the folder of all results.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from valvetrain.cli.outcome import PLAIN_WIDTH, plain_table
-from valvetrain.cli.published import ErrorBars, fitting
+from valvetrain.cli.published import ErrorBars, Ranges, fitting
 from valvetrain.parameters.summary import number, unit_text
 from valvetrain.report.headlines import (
     HeadlineColumn,
@@ -60,6 +61,8 @@ def show_study(
             legend = (control_legend(study), CRITICAL_LEGEND if some else "")
             if any(legend):
                 console.print(f"\n{' '.join(filter(None, legend))}")
+        elif legend := ErrorBars.of(study).legend(headline_rows(study), headline_columns(study)):
+            console.print(f"\n{legend}")
         _show_published(console, study, published)
     finally:  # the folder is printed even where a table fails
         console.print(f"results  {folder}", soft_wrap=True)
@@ -83,7 +86,7 @@ def _tables(study: Study) -> Iterator[Table]:
             yield _over_speeds(study, columns[first : first + MAX_COLUMNS], rows, first)
     elif len(columns) <= MAX_COLUMNS:
         if rows:
-            yield _side_by_side(study, columns, rows, bars)
+            yield from _side_by_side(study, columns, rows, bars)
     else:
         same = [
             (row.label, row.unit, _range(row.values))
@@ -102,13 +105,17 @@ def _tables(study: Study) -> Iterator[Table]:
             yield _by_run(
                 columns, brief[fits:][: _fitting(columns, brief[fits:], bars)], "run", bars
             )
+        ranged = [row for row in brief if any(bars.ranges(row, columns))]
+        if ranged:
+            ranges = Ranges(bars.rows)
+            yield _by_run(columns, ranged[: _fitting(columns, ranged, ranges)], "range", ranges)
 
 
 def _side_by_side(
     study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars
-) -> Table:
-    """A row per question, a column per run; the largest clash of each run below the number of
-    clashes.
+) -> Iterator[Table]:
+    """A row per question, a column per run, in two tables where one would be too wide for the error bars; ranges
+    below their values, and the largest clash of each run below the number of clashes.
     """
     speeds = (
         "" if column.engine_speed is None else f"\n{rpm(column.engine_speed):g} rpm"
@@ -119,14 +126,13 @@ def _side_by_side(
         "",
         *(column.label + label for column, label in zip(columns, speeds, strict=True)),
     ]
-    table = plain_table(headers, (), right=range(2, len(headers)))
-    table.columns[0].no_wrap = table.columns[1].no_wrap = True
     shown = [row for row in rows if row.name not in names_for("page")]
 
     def width(chosen: ErrorBars) -> int:
         lines = [
             headers,
             *([row.label, unit_text(row.unit), *chosen.cells(row, columns)] for row in shown),
+            *(["", "", *chosen.ranges(row, columns)] for row in shown),
         ]
         return (
             sum(
@@ -136,14 +142,35 @@ def _side_by_side(
             - 2
         )
 
-    bars = fitting(bars, width)
+    close = fitting(bars, width)
+    if close is None and len(columns) > 1:
+        half = (len(columns) + 1) // 2
+        for place in (slice(None, half), slice(half, None)):
+            yield from _side_by_side(study, columns[place], [_of(row, place) for row in rows], bars)
+        return
+    table = plain_table(headers, (), right=range(2, len(headers)))
+    table.columns[0].no_wrap = table.columns[1].no_wrap = True
     for row in rows:
         if row.name not in names_for("page"):
-            table.add_row(row.label, unit_text(row.unit), *bars.cells(row, columns))
+            cells = (close or bars).cells(row, columns)
+            table.add_row(row.label, unit_text(row.unit), *cells)
+            if any(ranges := bars.ranges(row, columns)):
+                table.add_row("  range", "", *ranges)
         if row.name == "clash_count":
             for label, unit, cells in largest_clash_rows(study, columns):
                 table.add_row(f"  {label}", unit, *cells)
-    return table
+    yield table
+
+
+def _of(row: HeadlineRow, place: slice) -> HeadlineRow:
+    """A row of some of the columns."""
+    return replace(
+        row,
+        values=row.values[place],
+        engine_speeds=row.engine_speeds[place],
+        cells=row.cells[place],
+        passed=row.passed[place],
+    )
 
 
 def _over_speeds(

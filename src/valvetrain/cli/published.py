@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from valvetrain.cli.outcome import plain_table
 from valvetrain.parameters.summary import number
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
+from valvetrain.runs.error_bars import STIFFNESS_FACTORS
+from valvetrain.solution.critical import DAMPING_FACTORS
 from valvetrain.solution.definition import shown
 from valvetrain.solution.quantity import same_speed
-from valvetrain.solution.uncertainty import NOT_RESOLVED
+from valvetrain.solution.uncertainty import CONSTANTS, NOT_RESOLVED
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -138,23 +140,20 @@ def tally(rows: Sequence[Comparison], role: str) -> str:
 
 #: Columns of a terminal that no table of a few runs exceeds.
 NARROW = 80
+#: Mark behind a number that contact constants decide and whose range was not computed.
+RESTS = "*"
 #: Digits of a value that are shown, and of its bar.
 DIGITS, BAR_DIGITS = 4, 2
-#: Share of a value from which an error bar is shown where there is no space for smaller ones.
-LARGE = 0.05
 #: Smallest bar that is shown; a power of ten would be as wide as a column.
 MIN_BAR = 1e-4
 
 
 @dataclass(frozen=True)
 class ErrorBars:
-    """Stored uncertainties by quantity; ``between`` is the text around the ± sign, None hides the
-    bars; ``least``: share of a value up to which its bar is hidden.
-    """
+    """Uncertainties by quantity; ``between`` is the text around the ± sign."""
 
     rows: Mapping[str, Sequence[Uncertainty]] = field(default_factory=dict)
-    between: str | None = " "
-    least: float = 0.0
+    between: str = " "
 
     @classmethod
     def of(cls, study: Study) -> ErrorBars:
@@ -171,37 +170,71 @@ class ErrorBars:
             for place, (value, column) in enumerate(zip(row.values, columns, strict=True))
         ]
 
-    def _cell(self, value: float | None, row: HeadlineRow, column: HeadlineColumn) -> str:
-        label = number(value, DIGITS)
-        if (
-            self.between is None
-            or not value
-            or not math.isfinite(value)
-            or column.engine_speed is None
-        ):
-            return label
+    def _held(
+        self, value: float | None, row: HeadlineRow, column: HeadlineColumn
+    ) -> Uncertainty | None:
+        """The uncertainty of the value in a column; None where there is none, or of another value."""
+        if value is None or not math.isfinite(value) or column.engine_speed is None:
+            return None
         for held in self.rows.get(row.name, ()):
             if held.label == column.label and same_speed(held.engine_speed, column.engine_speed):
                 bar = float(shown(row.name, held.numerical)[0])
-                last = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
-                near = math.isclose(
-                    value, float(shown(row.name, held.value)[0]), rel_tol=1e-3, abs_tol=bar
-                )
-                if not near or bar < max(last / 2, MIN_BAR, self.least * abs(value)):
-                    return label
-                if not held.resolved:
-                    return f"{label} ({NOT_RESOLVED})"
-                return f"{label}{self.between}±{self.between}{number(bar, BAR_DIGITS)}"
-        return label
+                own = float(shown(row.name, held.value)[0])
+                return held if math.isclose(value, own, rel_tol=1e-3, abs_tol=bar) else None
+        return None
+
+    def _cell(self, value: float | None, row: HeadlineRow, column: HeadlineColumn) -> str:
+        label, held = number(value, DIGITS), self._held(value, row, column)
+        if not value or held is None:
+            return label
+        mark = RESTS if held.rests_on_contact_constants else ""
+        bar = float(shown(row.name, held.numerical)[0])
+        last = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
+        if bar < max(last / 2, MIN_BAR):
+            return label + mark
+        if not held.resolved:
+            return f"{label}{mark} ({NOT_RESOLVED})"
+        return f"{label}{self.between}±{self.between}{number(bar, BAR_DIGITS)}{mark}"
+
+    def ranges(self, row: HeadlineRow, columns: Sequence[HeadlineColumn]) -> list[str]:
+        """The range of each value over contact stiffness and damping: ``979 to 989``; empty where none was
+        computed, or where it moves no digit.
+        """
+        cells = []
+        for value, column in zip(row.values, columns, strict=True):
+            held = self._held(value, row, column)
+            found = None if held is None else held.range
+            ends = () if found is None else (found.low, found.high)
+            texts = dict.fromkeys(number(float(shown(row.name, end)[0]), DIGITS) for end in ends)
+            cells.append(" to ".join(texts) if len(texts) > 1 else "")
+        return cells
+
+    def legend(self, rows: Sequence[HeadlineRow], columns: Sequence[HeadlineColumn]) -> str:
+        """What the ranges and the marks of a table mean; empty without them."""
+        lines = []
+        if any(any(self.ranges(row, columns)) for row in rows):
+            factors = zip(CONSTANTS, (STIFFNESS_FACTORS, DAMPING_FACTORS), strict=True)
+            texts = (f"{name} × {low:g} to {high:g}" for name, (low, high) in factors)
+            lines.append(f"range: the value over {' and '.join(texts)}")
+        if any(RESTS in cell for row in rows for cell in self.cells(row, columns)):
+            lines.append(
+                f"{RESTS} contact constants that nobody knows decide this number; 'valvetrain refine' computes its range"
+            )
+        return "\n".join(lines)
 
 
-def fitting(bars: ErrorBars, width: Callable[[ErrorBars], int]) -> ErrorBars:
-    """The bars as they fit by the ``width`` of their table, which is :data:`NARROW` or what values take: with
-    spaces, without, those above :data:`LARGE` alone, or none at all.
+class Ranges(ErrorBars):
+    """The ranges in place of the values."""
+
+    def cells(self, row: HeadlineRow, columns: Sequence[HeadlineColumn]) -> list[str]:
+        """The range of each value of a row."""
+        return self.ranges(row, columns)
+
+
+def fitting(bars: ErrorBars, width: Callable[[ErrorBars], int]) -> ErrorBars | None:
+    """The bars with spaces, or without, so that the ``width`` of their table is at most :data:`NARROW`, or what
+    values alone take; None where neither fits.
     """
-    room = max(NARROW, width(ErrorBars(bars.rows, None)))
-    for between, least in ((" ", 0.0), ("", 0.0), ("", LARGE), (None, 0.0)):
-        found = ErrorBars(bars.rows, between, least)
-        if width(found) <= room:
-            break
-    return found
+    room = max(NARROW, width(ErrorBars()))
+    closer = (replace(bars, between=between) for between in (" ", ""))
+    return next((one for one in closer if width(one) <= room), None)
