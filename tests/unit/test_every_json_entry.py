@@ -297,6 +297,7 @@ def test_critical_speeds_are_told_bracket_by_bracket():
         "engine_speed": known(700.1 * 30 / np.pi, "rpm"),
         "lost_from_the_first": False,
         "pulled": [],
+        "refusal": "",
     }
     assert floats["begins"] == {
         "from_rest": bracket(700, 701),

@@ -205,7 +205,9 @@ def definition_of(name: str) -> QuantityRow:
     >>> definition_of("mode_2_frequency").label
     'mode 2 frequency'
     """
-    return _for_reader(name, shown_system(), _CUT_OFF.get())
+    system, cut_off = shown_system(), _CUT_OFF.get()
+    usual = system == "si" and cut_off == FORCE_BANDWIDTH
+    return _definition(name) if usual else _for_reader(name, system, cut_off)
 
 
 def label_cut_off(cut_off: float) -> None:
