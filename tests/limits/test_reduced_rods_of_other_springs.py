@@ -4,6 +4,8 @@ rest and in motion without that it stands in the validation book.
 
 from __future__ import annotations
 
+import valvetrain as vt
+from valvetrain.solution.uncertainty import TOO_HARD
 from valvetrain.validation.against_rod import difference_from_rods
 from valvetrain.validation.reduced_rods import OTHER_SPRINGS, Pulse, other_spring
 
@@ -14,3 +16,17 @@ def test_a_spike_that_is_too_high_is_said():
     found = difference_from_rods([other_spring("conical")], Pulse(largest), 250.0)
     assert found is not None and found.rms < 0.01 < found.peak
     assert found.too_far.startswith("peak ")
+
+
+def test_a_run_whose_clash_is_too_hard_says_so():
+    """At 10000 rpm the peak of job C is 12 % off that of its rod, at 2000 rpm, where no coil clashes, none is."""
+    speeds = ["2000 rpm", "10000 rpm"]
+    study = vt.simulate("job-c", speeds, spring_models=["reduced-rod"], workers=1)
+    (said,) = [one for one in study.error_bars.sentences if one.startswith(TOO_HARD)]
+    assert "10000 rpm" in said and "at 2000 rpm" not in said
+    rods = vt.simulate("job-c", speeds, spring_models=["finite-element"], workers=1)
+    shares = [
+        abs(run.quantities["peak_spring_force"] / rod.quantities["peak_spring_force"] - 1)
+        for run, rod in zip(study.solutions, rods.solutions, strict=True)
+    ]
+    assert shares[0] < 0.01 < 0.05 < shares[1]
