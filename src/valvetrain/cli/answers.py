@@ -61,8 +61,8 @@ def show_study(
             legend = (control_legend(study), CRITICAL_LEGEND if some else "")
             if any(legend):
                 console.print(f"\n{' '.join(filter(None, legend))}")
-        elif legend := ErrorBars.of(study).legend(headline_rows(study), headline_columns(study)):
-            console.print(f"\n{legend}")
+        elif told := _legend(study):
+            console.print(f"\n{told}")
         _show_published(console, study, published)
     finally:  # the folder is printed even where a table fails
         console.print(f"results  {folder}", soft_wrap=True)
@@ -73,6 +73,12 @@ def show_study(
     if not of_models and (figures := key_figures(study)):  # next to the verdict
         between = "\n" if len(study.labels) > 1 else "; "
         console.print(between.join(f"{name} {value}" for name, value in figures))
+
+
+def _legend(study: Study) -> str:
+    """What ranges and marks of the tables mean; empty without them."""
+    rows = [row for row in headline_rows(study) if row.name not in names_for("page")]
+    return ErrorBars.of(study).legend(rows, headline_columns(study))
 
 
 def _tables(study: Study) -> Iterator[Table]:
@@ -152,8 +158,7 @@ def _side_by_side(
     table.columns[0].no_wrap = table.columns[1].no_wrap = True
     for row in rows:
         if row.name not in names_for("page"):
-            cells = (close or bars).cells(row, columns)
-            table.add_row(row.label, unit_text(row.unit), *cells)
+            table.add_row(row.label, unit_text(row.unit), *(close or bars).cells(row, columns))
             if any(ranges := bars.ranges(row, columns)):
                 table.add_row("  range", "", *ranges)
         if row.name == "clash_count":
