@@ -7,7 +7,7 @@ Use: python -m mutants --sample 150 --seed 1 --workers 2
      python -m mutants --changed HEAD~3                            since another commit
      python -m mutants --folders report,quantities --sample 40     faults of these folders only
      python -m mutants --folders algorithms                        physics, and what tools compute
-     python -m mutants --without-golden                            tests/golden are not run
+     python -m mutants --without-net                               tests/net are not run
      python -m mutants --list --sample 20                          the faults alone, nothing is run
      python -m mutants --sample 150 --minutes 60                   as many of the sample as are
      judged in an hour
@@ -169,7 +169,7 @@ def arguments() -> argparse.Namespace:
         default="",
         help="folders of the package, by commas; all of them where left out",
     )
-    parser.add_argument("--without-golden", action="store_true", help="leave tests/golden out")
+    parser.add_argument("--without-net", action="store_true", help="leave tests/net out")
     parser.add_argument(
         "--workers",
         type=int,
@@ -203,7 +203,7 @@ def tests_of(
     given: argparse.Namespace, base: Path, chosen: dict[int, Fault]
 ) -> dict[int, tuple[list[str], float]]:
     """Number of a fault -> the tests to run about it, and their seconds without a fault."""
-    without = ("tests/golden/",) if given.without_golden else ()
+    without = ("tests/net/",) if given.without_net else ()
     if given.changed is not None:
         files = {SOURCE / fault.file for fault in chosen.values()}
         modules = {name for name, path in test_fast.package_modules().items() if path in files}
@@ -244,7 +244,7 @@ def main() -> None:
     )
     answers = Answers(
         PLACE
-        / f"{kind}{'-without-golden' if given.without_golden else ''}{'-only' if given.only else ''}.json",
+        / f"{kind}{'-without-net' if given.without_net else ''}{'-only' if given.only else ''}.json",
         chosen,
     )
     if given.resume:
@@ -280,13 +280,13 @@ def summary(chosen: dict[int, Fault], answers: dict[int, dict[str, Any]]) -> Non
         folder = chosen[number].file.split("/")[0]
         every[folder] += 1
         seen[folder] += answer["verdict"] == "noticed"
-        late += answer["by"].startswith(("tests/golden", "tests/examples"))
+        late += answer["by"].startswith(("tests/net", "tests/examples"))
     for folder in sorted(every):
         print(f"{folder:12s} {seen[folder]:4d} of {every[folder]:4d}")
     total = max(every.total(), 1)
     share = 100 * seen.total() / total
     print(
-        f"noticed {seen.total()} of {every.total()} ({share:.1f} %), {late} of them by golden numbers or a printed page alone"
+        f"noticed {seen.total()} of {every.total()} ({share:.1f} %), {late} of them by the stored numbers of tests/net or a printed page alone"
     )
     print(
         f"of {len(chosen)} faults: {endless} came to no end, {len(chosen) - len(answers)} not run"

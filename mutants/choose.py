@@ -253,4 +253,4 @@ def tests_for(fault: Fault, trails: dict[str, dict[str, Any]]) -> list[str]:
 
 def _late(node: str) -> bool:
     """Golden numbers and printed pages are run last: what only they notice is counted apart."""
-    return node.startswith(("tests/golden/", "tests/examples/"))
+    return node.startswith(("tests/net/", "tests/examples/"))

@@ -30,7 +30,7 @@ def environment(copy: Path) -> dict[str, str]:
 
 def test_files(copy: Path) -> list[str]:
     """Test files that count, those of single parts first."""
-    order = ("unit", "contracts", "property", "limits", "published", "golden", "examples", "order")
+    order = ("unit", "contracts", "property", "limits", "published", "net", "examples", "order")
     found = [str(path.relative_to(copy)) for path in (copy / "tests").rglob("test_*.py")]
     counted = [
         name for name in found if not name.startswith(NOT_COUNTED) and "example_package" not in name

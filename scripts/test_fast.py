@@ -265,7 +265,7 @@ def main() -> int:
         default=50.0,
         help="estimated seconds of the chosen tests, per process",
     )
-    parser.add_argument("--without-golden", action="store_true", help="leave tests/golden out")
+    parser.add_argument("--without-net", action="store_true", help="leave tests/net out")
     parser.add_argument("--list", action="store_true", help="print what would run, run nothing")
     parser.add_argument("pytest", nargs="*", help="options of pytest, after --")
     own, _, more = " ".join(sys.argv[1:]).partition(" -- ")
@@ -276,7 +276,7 @@ def main() -> int:
     options = more.split()
     processes = 1 if "-n 0" in more else min(os.cpu_count() or 1, 8)
     taken, left = select(
-        targets, given.seconds * processes, ("tests/golden/",) if given.without_golden else ()
+        targets, given.seconds * processes, ("tests/net/",) if given.without_net else ()
     )
     name = given.changed or (given.room or "").replace("/", "-")
     for title, some in (("run", taken if given.list else []), ("left out", left)):
