@@ -74,11 +74,10 @@ def measure(study: vt.Study, seconds: float) -> dict[str, float]:
         pixels = page.evaluate(
             "document.querySelector('.vtm canvas').width * document.querySelector('.vtm canvas').height"
         )
-        rings = page.evaluate(f"{HANDLE}.shown().tubes.map((tube) => tube.rings)")
         browser.close()
     return {
         "data (kB)": len(data) / 1e3,
-        "script with three.js (kB)": len(motion_script()) / 1e3,
+        "scripts (kB)": len(motion_script()) / 1e3,
         "page of this alone (kB)": len(html) / 1e3,
         "building the data (ms)": 1e3 * built,
         "page loaded (ms)": loaded,
@@ -86,9 +85,8 @@ def measure(study: vt.Study, seconds: float) -> dict[str, float]:
         "median between pictures (ms)": found["interval"],
         "pictures a second": 1000 / found["interval"],
         "processor time of a picture (ms)": used,
-        "of that, motion.js (ms)": found["drawing"],
+        "of that, the page's own script (ms)": found["drawing"],
         "pixels of the picture": pixels,
-        "rings of the wire": sum(rings),
         "load of the machine": os.getloadavg()[0],
     }
 

@@ -35,6 +35,36 @@ MOUNT = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>t</
 document.addEventListener("securitypolicyviolation", (event) => refused.push(event.violatedDirective));</script>
 <script nonce="7">SCRIPT</script></head><body><div id="place"></div>
 <script nonce="7">valvetrainMotion.mount(document.getElementById("place"), DATA);</script></body></html>"""
+#: Where ``capture`` is set, the vertices of the wire as the graphics card placed and coloured them.
+CARD = """
+const card = WebGL2RenderingContext.prototype, link = card.linkProgram, draw = card.drawElements;
+card.linkProgram = function (program) {
+  this.transformFeedbackVaryings(program, ["gl_Position", "base"], this.SEPARATE_ATTRIBS);
+  link.call(this, program);
+};
+card.drawElements = function (...words) {
+  draw.apply(this, words);
+  if (!window.capture || this.getVertexAttrib(0, this.VERTEX_ATTRIB_ARRAY_SIZE) !== 4) { return; }
+  this.bindBuffer(this.ARRAY_BUFFER, this.getVertexAttrib(0, this.VERTEX_ATTRIB_ARRAY_BUFFER_BINDING));
+  const count = this.getBufferParameter(this.ARRAY_BUFFER, this.BUFFER_SIZE) / 16, program = this.getParameter(this.CURRENT_PROGRAM);
+  const wanted = [4, 3].map((size) => new Float32Array(size * count)), buffers = wanted.map((values, place) => {
+    const buffer = this.createBuffer();
+    this.bindBufferBase(this.TRANSFORM_FEEDBACK_BUFFER, place, buffer);
+    this.bufferData(this.TRANSFORM_FEEDBACK_BUFFER, values, this.STREAM_READ);
+    return buffer;
+  });
+  this.enable(this.RASTERIZER_DISCARD);
+  this.beginTransformFeedback(this.POINTS); this.drawArrays(this.POINTS, 0, count); this.endTransformFeedback();
+  this.disable(this.RASTERIZER_DISCARD);
+  buffers.forEach((buffer, place) => {
+    this.bindBufferBase(this.TRANSFORM_FEEDBACK_BUFFER, place, null);
+    this.bindBuffer(this.COPY_READ_BUFFER, buffer); this.getBufferSubData(this.COPY_READ_BUFFER, 0, wanted[place]);
+    this.deleteBuffer(buffer);
+  });
+  window.captured = { positions: Array.from(wanted[0]), colours: Array.from(wanted[1]) };
+  ["axes", "middle", "scale"].forEach((name) => { captured[name] = Array.from(this.getUniform(program, this.getUniformLocation(program, name))); });
+};
+"""
 HANDLE = "document.querySelector('.vtm').parentElement.motion"
 TWO_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
@@ -90,6 +120,20 @@ class Visit:
     def settle(self):
         self.page.evaluate(TWO_FRAMES)
 
+    def wire(self, degrees):
+        """Rings (ring, 16, 3) of the wire at a cam angle, in mm, and their colours."""
+        self.page.evaluate("window.capture = true")
+        self.handle(f"seek({degrees!r})")
+        self.settle()
+        found = {
+            name: np.array(values) for name, values in self.page.evaluate("() => captured").items()
+        }
+        self.page.evaluate("window.capture = false")
+        seen = found["positions"].reshape(-1, 4)[:-2, :3] / found["scale"]
+        points = found["middle"] + seen @ found["axes"].reshape(3, 3)
+        colours = found["colours"].reshape(-1, 3)[:-2]
+        return points.reshape(-1, 16, 3), colours.reshape(-1, 16, 3)
+
 
 @pytest.fixture(scope="module")
 def strict_page(study):
@@ -103,7 +147,7 @@ def strict_page(study):
 
 @pytest.fixture(scope="module")
 def visit(browser, strict_page, tmp_path_factory):
-    found = Visit(browser, strict_page, tmp_path_factory.mktemp("motion"))
+    found = Visit(browser, strict_page, tmp_path_factory.mktemp("motion"), before=CARD)
     yield found
     assert found.said == [] and found.page.evaluate("refused") == []
     assert [url for url in found.asked if not url.startswith(("file:", "data:"))] == [] and len(
@@ -136,13 +180,8 @@ def test_nodes_on_the_screen_are_those_of_the_solution(visit, study):
     wire = load_case("gu2021-beehive-blind").springs[0].wire
     coil = np.arange(0, 7.25, 0.5)
     for sample in (0, 347, 500):
-        visit.handle(f"seek({float(np.degrees(cycle.cam_angle[sample]))!r})")
-        visit.settle()
-        rings = (
-            np.array(visit.handle("shown().tubes.map((tube) => Array.from(tube.position))")[0][:-6])
-            .reshape(-1, 16, 3)
-            .mean(axis=1)
-        )
+        points, _ = visit.wire(float(np.degrees(cycle.cam_angle[sample])))
+        rings = points.mean(axis=1)
         nodes = rings[:: (len(rings) - 1) // 14]
         # At the ground ends the wire is cut by seat and retainer, so its middle moves.
         inner, line = slice(3, 12), 1e3 * wire.centreline(coil)
@@ -157,6 +196,10 @@ def test_nodes_on_the_screen_are_those_of_the_solution(visit, study):
         np.testing.assert_allclose(
             rings[30:-30, [0, 2]], np.column_stack([whole[:, 0], -whole[:, 1]]), atol=0.2
         )
+        # Sections are square to the wire.
+        off, along = points[30:-30] - rings[30:-30, None], rings[31:-29] - rings[29:-31]
+        lean = np.einsum("rkc,rc->rk", off, along) / np.linalg.norm(along, axis=1)[:, None]
+        assert np.abs(lean).max() < 0.03 * np.linalg.norm(off, axis=2).min()
 
 
 def test_colours_on_the_screen_are_those_of_the_channel(visit, study):
@@ -170,11 +213,7 @@ def test_colours_on_the_screen_are_those_of_the_channel(visit, study):
     )
     visit.handle("colour('stress')")
     for sample in (100, 360):
-        visit.handle(f"seek({float(np.degrees(cycle.cam_angle[sample]))!r})")
-        visit.settle()
-        colours = np.array(
-            visit.handle("shown().tubes.map((tube) => Array.from(tube.colour))")[0][:-6]
-        ).reshape(-1, 16, 3)[:, 0]
+        colours = visit.wire(float(np.degrees(cycle.cam_angle[sample])))[1][:, 0]
         share = (
             1e-6 * cycle.channel("inner_fibre_shear_stress")[sample] / drawn.high * (len(stops) - 1)
         )
@@ -270,6 +309,43 @@ def test_the_picture_turns_by_keys_and_colours_change(visit):
     assert "(m/s)" in page.locator(".vtm-scale").inner_text()
 
 
+def test_dragging_turns_and_moves_the_picture_and_the_wheel_zooms(visit):
+    page, canvas = visit.page, visit.page.locator(".vtm canvas")
+    frame = canvas.bounding_box()
+    x, y = frame["x"] + frame["width"] / 2, frame["y"] + frame["height"] / 2
+
+    def drag():
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + 60, y - 40)
+        page.mouse.up()
+
+    def shift_drag():
+        page.keyboard.down("Shift")
+        drag()
+        page.keyboard.up("Shift")
+
+    def wheel():
+        canvas.focus()
+        page.mouse.move(x, y)
+        page.mouse.wheel(0, -300)
+        page.wait_for_timeout(100)
+
+    canvas.focus()
+    page.keyboard.press("0")
+    visit.settle()
+    pictures = [canvas.screenshot()]
+    for act in (drag, shift_drag, wheel):
+        act()
+        visit.settle()
+        pictures.append(canvas.screenshot())
+    assert len(set(pictures)) == 4
+    page.get_by_role("button", name="show the whole").click()
+    canvas.focus()
+    visit.settle()
+    assert canvas.screenshot() == pictures[0]
+
+
 @pytest.fixture(scope="module")
 def report(study):
     words = Section("answers", "Answers", (text("What a narrow page folds."),))
@@ -344,7 +420,7 @@ def test_the_script_is_one_text_that_evaluates_nothing():
         and "new Function" not in text
         and "eval(" not in text
     )
-    assert len(text) < 760_000
+    assert len(text) < 60_000
 
 
 def test_the_data_are_whole_json(study):

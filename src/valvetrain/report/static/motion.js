@@ -1,7 +1,7 @@
 // The spring in motion: mount(element, data) draws one moving picture into an element. Data come from report/motion/pack.py.
-// Everything it needs is here or in THREE; it loads nothing, evaluates nothing and keeps to the colours of the page around it.
+// The picture is in scene.js; it loads nothing, evaluates nothing and keeps to the colours of the page around it.
 const SLOWNESS = [20, 50, 100, 200, 500, 1000, 2000], USUAL_SLOWNESS = 200;
-const AROUND = 16, RINGS_PER_TURN = 24, MOST_PIXELS = 1.5, THUMB = 16, NARROW = 720;
+const THUMB = 16, NARROW = 720;
 const STYLE = `
 .vtm { --line: rgba(128, 136, 148, .42); --soft: rgba(128, 136, 148, .14); --mark: #c2410c; color: inherit; font: inherit; font-size: 14px; max-width: 976px; }
 .vtm[hidden], .vtm [hidden] { display: none; }
@@ -70,21 +70,6 @@ function svg(tag, options) {
   return element;
 }
 
-function hex(colour) { return [1, 3, 5].map(function (place) { return parseInt(colour.slice(place, place + 2), 16) / 255; }); }
-
-// 256 colours between the stops; lit surfaces want them linear.
-function ladder(stops) {
-  const ends = stops.map(hex), table = new Float32Array(768);
-  for (let i = 0; i < 256; i++) {
-    const place = i / 255 * (ends.length - 1), low = Math.min(Math.floor(place), ends.length - 2), share = place - low;
-    for (let c = 0; c < 3; c++) {
-      const value = ends[low][c] + (ends[low + 1][c] - ends[low][c]) * share;
-      table[3 * i + c] = value <= 0.04045 ? value / 12.92 : Math.pow((value + 0.055) / 1.055, 2.4);
-    }
-  }
-  return table;
-}
-
 function number(value) {
   const size = Math.abs(value);
   if (value < 0) { return "\u2212" + number(size); }
@@ -104,7 +89,7 @@ function unpack(packed) {
       name: spring.name, sign: spring.sign, seat: spring.seat, direction: spring.direction, coil: numbers(spring.coil, Float32Array),
       radius: numbers(spring.radius, Float32Array), wire: numbers(spring.wire, Float32Array), rest: numbers(spring.rest, Float32Array),
       move: numbers(spring.move.d, Int16Array), scale: spring.move.scale, retainer: numbers(spring.retainer, Float32Array),
-      colours: spring.colours.map(function (one) { return Object.assign({}, one, { values: numbers(one.d, Uint8Array), table: ladder(one.stops) }); }),
+      colours: spring.colours.map(function (one) { return Object.assign({}, one, { values: numbers(one.d, Uint8Array) }); }),
     };
   });
   one.bodies = packed.bodies.map(function (body) {
@@ -127,276 +112,6 @@ function between(one, angle) {
   if (!one.closed) { return first < 0 ? [0, 0, 0] : [count - 1, count - 1, 0]; }
   const from = known[count - 1] - (first < 0 ? 360 : 0), to = known[0] + (first < 0 ? 0 : 360);
   return [count - 1, 0, (angle - from) / (to - from)];
-}
-
-function at(values, place) { return values[place[0]] + (values[place[1]] - values[place[0]]) * place[2]; }
-
-// A tube along the helix; rings stand between the nodes, cubic in the displacement, exact on them.
-function springMesh(spring) {
-  const nodes = spring.coil.length, turns = spring.coil[nodes - 1] - spring.coil[0];
-  const parts = Math.max(1, Math.ceil(RINGS_PER_TURN * turns / (nodes - 1)));
-  const rings = (nodes - 1) * parts + 1;
-  const ring = { base: new Int32Array(rings), share: new Float32Array(rings), weights: new Float32Array(4 * rings), cos: new Float32Array(rings),
-    sin: new Float32Array(rings), radius: new Float32Array(rings), wire: new Float32Array(rings), coil: new Float32Array(rings), height: new Float32Array(rings) };
-  for (let i = 0; i < rings; i++) {
-    const base = Math.min(Math.floor(i / parts), nodes - 2), t = (i - base * parts) / parts;
-    ring.base[i] = base; ring.share[i] = t;
-    const u = spring.coil[base] + (spring.coil[base + 1] - spring.coil[base]) * t;
-    ring.coil[i] = u; ring.cos[i] = Math.cos(2 * Math.PI * u); ring.sin[i] = -spring.sign * Math.sin(2 * Math.PI * u);
-    ring.radius[i] = spring.radius[base] + (spring.radius[base + 1] - spring.radius[base]) * t;
-    ring.wire[i] = spring.wire[base] + (spring.wire[base + 1] - spring.wire[base]) * t;
-    // Catmull-Rom; straight where a neighbour is missing.
-    const inside = base > 0 && base < nodes - 2;
-    ring.weights.set(inside ? [-t * (1 - t) * (1 - t) / 2, 1 - 2.5 * t * t + 1.5 * t * t * t, t * (1 + 4 * t - 3 * t * t) / 2, -t * t * (1 - t) / 2] : [0, 1 - t, t, 0], 4 * i);
-  }
-  const points = rings * AROUND + 2, position = new Float32Array(3 * points), normal = new Float32Array(3 * points), colour = new Float32Array(3 * points);
-  const index = [];
-  for (let i = 0; i + 1 < rings; i++) {
-    for (let k = 0; k < AROUND; k++) {
-      const a = i * AROUND + k, b = i * AROUND + (k + 1) % AROUND, c = a + AROUND, d = b + AROUND;
-      if (spring.sign > 0) { index.push(a, c, b, b, c, d); } else { index.push(a, b, c, b, d, c); }
-    }
-  }
-  for (let k = 0; k < AROUND; k++) {
-    const next = (k + 1) % AROUND, last = (rings - 1) * AROUND;
-    index.push(points - 2, k, next, points - 2, next, k, points - 1, last + k, last + next, points - 1, last + next, last + k);
-  }
-  const geometry = new THREE.BufferGeometry();
-  [["position", position], ["normal", normal], ["color", colour]].forEach(function ([name, values]) {
-    const attribute = new THREE.BufferAttribute(values, 3);
-    attribute.setUsage(THREE.DynamicDrawUsage);
-    geometry.setAttribute(name, attribute);
-  });
-  geometry.setIndex(index);
-  const mesh = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ vertexColors: true }));
-  mesh.frustumCulled = false;
-  const turn = [];
-  for (let k = 0; k < AROUND; k++) { turn.push(Math.cos(2 * Math.PI * k / AROUND), Math.sin(2 * Math.PI * k / AROUND)); }
-  return { spring: spring, mesh: mesh, ring: ring, rings: rings, nodes: nodes, turn: turn, position: position, normal: normal, colour: colour,
-    moved: new Float32Array(nodes), seen: new Float32Array(0) };
-}
-
-function moveSpring(tube, place, key) {
-  const spring = tube.spring, nodes = tube.nodes, ring = tube.ring, moved = tube.moved;
-  const a = place[0] * nodes, b = place[1] * nodes, share = place[2];
-  for (let n = 0; n < nodes; n++) { moved[n] = spring.rest[n] + spring.scale * (spring.move[a + n] + (spring.move[b + n] - spring.move[a + n]) * share); }
-  const painted = spring.colours.find(function (one) { return one.key === key; });
-  // Values at the nodes, of a surface at some fibres of each from the outward one upward.
-  const fibres = painted ? painted.fibres : 1, count = painted ? nodes * fibres : 0;
-  if (tube.seen.length < count) { tube.seen = new Float32Array(count); }
-  const seen = tube.seen, first = place[0] * count, second = place[1] * count;
-  for (let n = 0; n < count; n++) { seen[n] = painted.values[first + n] + (painted.values[second + n] - painted.values[first + n]) * share; }
-  const top = at(spring.retainer, place), rings = tube.rings;
-  for (let i = 0; i < rings; i++) {
-    const base = ring.base[i], w = 4 * i;
-    ring.height[i] = (base > 0 ? ring.weights[w] * moved[base - 1] : 0) + ring.weights[w + 1] * moved[base] + ring.weights[w + 2] * moved[base + 1]
-      + (base < nodes - 2 ? ring.weights[w + 3] * moved[base + 2] : 0);
-  }
-  for (let i = 0; i < rings; i++) {
-    const before = Math.max(i - 1, 0), after = Math.min(i + 1, rings - 1);
-    const rise = (ring.height[after] - ring.height[before]) / Math.max(ring.coil[after] - ring.coil[before], 1e-9), around = 2 * Math.PI * ring.radius[i];
-    const length = Math.hypot(rise, around), c = around / length, s = rise / length * spring.sign;
-    const cos = ring.cos[i], sin = ring.sin[i], r = ring.radius[i], wire = ring.wire[i], base = ring.base[i];
-    // The section's second axis: up, less what the wire climbs along the coil.
-    const bx = spring.sign * s * sin, by = c, bz = -spring.sign * s * cos;
-    let tone = 0;
-    for (let k = 0; k < AROUND; k++) {
-      if (painted && (k === 0 || fibres > 1)) {
-        const turned = k * fibres / AROUND, low = Math.floor(turned), f = base * fibres + low, g = base * fibres + (low + 1) % fibres, t = turned - low;
-        const here = seen[f] + (seen[g] - seen[f]) * t, next = seen[f + fibres] + (seen[g + fibres] - seen[f + fibres]) * t;
-        tone = 3 * Math.max(0, Math.min(255, Math.round(here + (next - here) * ring.share[i])));
-      }
-      const p = 3 * (i * AROUND + k), out = tube.turn[2 * k], up = tube.turn[2 * k + 1];
-      const nx = out * cos + up * bx, ny = up * by, nz = out * sin + up * bz;
-      tube.position[p] = r * cos + wire * nx;
-      tube.position[p + 1] = Math.min(Math.max(ring.height[i] + wire * ny, 0), top);
-      tube.position[p + 2] = r * sin + wire * nz;
-      tube.normal[p] = nx; tube.normal[p + 1] = ny; tube.normal[p + 2] = nz;
-      if (painted) { tube.colour[p] = painted.table[tone]; tube.colour[p + 1] = painted.table[tone + 1]; tube.colour[p + 2] = painted.table[tone + 2]; }
-      else { tube.colour[p] = 0.25; tube.colour[p + 1] = 0.34; tube.colour[p + 2] = 0.45; }
-    }
-  }
-  [0, rings - 1].forEach(function (i, end) {
-    const p = 3 * (rings * AROUND + end), from = 3 * i * AROUND;
-    tube.position[p] = ring.radius[i] * ring.cos[i]; tube.position[p + 1] = Math.min(Math.max(ring.height[i], 0), top); tube.position[p + 2] = ring.radius[i] * ring.sin[i];
-    tube.normal[p + 1] = 1;
-    for (let c = 0; c < 3; c++) { tube.colour[p + c] = tube.colour[from + c]; }
-  });
-  ["position", "normal", "color"].forEach(function (name) { tube.mesh.geometry.attributes[name].needsUpdate = true; });
-}
-
-function bodyGroup(body) {
-  const group = new THREE.Group(), material = new THREE.MeshLambertMaterial({ color: body.colour, side: THREE.DoubleSide });
-  body.shapes.forEach(function (shape) {
-    const points = [];
-    for (let i = 0; i < shape.points.length; i += 2) { points.push(new THREE.Vector2(shape.points[i], shape.points[i + 1])); }
-    let geometry;
-    if (shape.kind === "lathe") {
-      geometry = new THREE.LatheGeometry(points, 40);
-    } else {
-      geometry = new THREE.ExtrudeGeometry(new THREE.Shape(points), { depth: shape.depth[1] - shape.depth[0], bevelEnabled: false, curveSegments: 1 });
-      geometry.translate(0, 0, shape.depth[0]);
-    }
-    group.add(new THREE.Mesh(geometry, material));
-  });
-  return { body: body, group: group };
-}
-
-function moveBody(shown, place) {
-  const pose = shown.body.pose, a = shown.body.fixed ? 0 : 3 * place[0], b = shown.body.fixed ? 0 : 3 * place[1], share = place[2];
-  let turn = pose[b + 2] - pose[a + 2];
-  turn -= 2 * Math.PI * Math.round(turn / (2 * Math.PI));
-  shown.group.position.set(pose[a] + (pose[b] - pose[a]) * share, pose[a + 1] + (pose[b + 1] - pose[a + 1]) * share, 0);
-  shown.group.rotation.z = pose[a + 2] + turn * share;
-}
-
-// Seat and retainer of a spring that stands alone.
-function discs(spring) {
-  const last = spring.coil.length - 1, thick = 2.5;
-  const sizes = [spring.radius[0] + spring.wire[0], spring.radius[last] + spring.wire[last]].map(function (size) { return size * 1.12; });
-  return sizes.map(function (size) {
-    const geometry = new THREE.LatheGeometry([[size * 0.45, 0], [size, 0], [size, thick], [size * 0.45, thick], [size * 0.45, 0]].map(function (one) { return new THREE.Vector2(one[0], one[1]); }), 48);
-    return new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ color: "#8a919b", side: THREE.DoubleSide }));
-  });
-}
-
-// What the picture must hold: least and largest x and y over the cycle, and the largest depth.
-function extent(one, only) {
-  const box = [Infinity, Infinity, -Infinity, -Infinity, 1];
-  function take(x, y) { box[0] = Math.min(box[0], x); box[1] = Math.min(box[1], y); box[2] = Math.max(box[2], x); box[3] = Math.max(box[3], y); }
-  const count = one.angle.length, step = Math.max(1, Math.floor(count / 24));
-  one.bodies.forEach(function (body) {
-    if (only && !only(body.name)) { return; }
-    for (let f = 0; f < (body.fixed ? 1 : count); f += step) {
-      const x = body.pose[3 * f], y = body.pose[3 * f + 1], c = Math.cos(body.pose[3 * f + 2]), s = Math.sin(body.pose[3 * f + 2]);
-      body.shapes.forEach(function (shape) {
-        for (let i = 0; i < shape.points.length; i += 2) {
-          const u = shape.points[i], v = shape.points[i + 1];
-          take(x + c * u - s * v, y + s * u + c * v);
-          if (shape.kind === "lathe") { take(x - c * u - s * v, y - s * u + c * v); box[4] = Math.max(box[4], u); } else { box[4] = Math.max(box[4], shape.depth[1]); }
-        }
-      });
-    }
-  });
-  if (!only || only("spring")) { one.springs.forEach(function (spring) {
-    const wide = Math.max.apply(null, Array.from(spring.radius)) + Math.max.apply(null, Array.from(spring.wire)), tall = Math.max.apply(null, Array.from(spring.retainer)) + 3;
-    const x = Math.cos(spring.direction), y = Math.sin(spring.direction);
-    [[-1.12, -3], [1.12, -3], [-1.12, tall], [1.12, tall]].forEach(function ([side, up]) { take(spring.seat[0] + up * x - side * wide * y, spring.seat[1] + up * y + side * wide * x); });
-    box[4] = Math.max(box[4], wide);
-  }); }
-  return box;
-}
-
-// Whether the processor draws: smooth edges then cost half the pictures, so they are drawn finer only while nothing moves.
-function isSoftware() {
-  const context = document.createElement("canvas").getContext("webgl2"), told = context && context.getExtension("WEBGL_debug_renderer_info");
-  const words = told ? String(context.getParameter(told.UNMASKED_RENDERER_WEBGL)) : "";
-  const lose = context && context.getExtension("WEBGL_lose_context");
-  if (lose) { lose.loseContext(); }
-  return /swiftshader|llvmpipe|software|basic render/i.test(words);
-}
-
-// The picture in three dimensions, orthographic so that it stays to scale; null where the browser has no WebGL.
-function makeView(box, changed) {
-  const canvas = make("canvas", { tabindex: "0", role: "img", "aria-label": "Spring in three dimensions. Arrow keys turn it, plus and minus zoom, 0 shows the whole." });
-  let context = null, soft = false;
-  try { soft = isSoftware(); context = canvas.getContext("webgl2", { antialias: !soft, alpha: true }); } catch (error) { context = null; }
-  if (!context) { return null; }
-  const renderer = new THREE.WebGLRenderer({ canvas: canvas, context: context, alpha: true });
-  renderer.setClearColor(0x000000, 0);
-  let fine = null;
-  function refine(on) {
-    if (on === fine) { return; }
-    fine = on;
-    renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, MOST_PIXELS) * (soft && on ? 2 : 1));
-    if (box.clientWidth) { renderer.setSize(box.clientWidth, box.clientHeight, false); }
-  }
-  refine(true);
-  const scene = new THREE.Scene(), camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 4000), light = new THREE.DirectionalLight(0xffffff, 2.1);
-  scene.add(new THREE.HemisphereLight(0xffffff, 0xb4b8bf, 1.9), light);
-  const home = { azimuth: 0.45, elevation: 0.3, zoom: 1 }, view = Object.assign({}, home);
-  let extents = [-1, -1, 1, 1, 1], all = extents, root = new THREE.Group();
-  scene.add(root);
-  function aim() {
-    const width = canvas.clientWidth || 1, height = canvas.clientHeight || 1;
-    const [x0, y0, x1, y1, depth] = extents, ca = Math.abs(Math.cos(view.azimuth)), sa = Math.abs(Math.sin(view.azimuth)), ce = Math.abs(Math.cos(view.elevation)), se = Math.abs(Math.sin(view.elevation));
-    const wide = (x1 - x0) * ca + 2 * depth * sa, deep = (x1 - x0) * sa + 2 * depth * ca, tall = (y1 - y0) * ce + deep * se;
-    const half = 0.53 * Math.max(tall, wide * height / width) / view.zoom;
-    camera.top = half; camera.bottom = -half; camera.right = half * width / height; camera.left = -camera.right;
-    const far = 1000, middle = [(x0 + x1) / 2, (y0 + y1) / 2];
-    const dx = Math.sin(view.azimuth) * Math.cos(view.elevation), dy = Math.sin(view.elevation), dz = Math.cos(view.azimuth) * Math.cos(view.elevation);
-    camera.position.set(middle[0] + far * dx, middle[1] + far * dy, far * dz);
-    camera.lookAt(middle[0], middle[1], 0);
-    camera.updateProjectionMatrix();
-    light.position.set(dx + 0.5 * dz, dy + 0.8, dz - 0.5 * dx);
-  }
-  function turn(sideways, upwards) {
-    view.azimuth += sideways; view.elevation = Math.max(-1.5, Math.min(1.5, view.elevation + upwards));
-    changed();
-  }
-  function zoom(factor) { view.zoom = Math.max(0.5, Math.min(20, view.zoom * factor)); changed(); }
-  function whole() { extents = all; Object.assign(view, home); changed(); }
-  function look(at) { if (at[2] > at[0]) { extents = at; view.zoom = 1; changed(); } }
-  // One pointer turns, two pinch; a wheel zooms once the picture has the focus, so that the page still scrolls.
-  const pointers = new Map();
-  let apart = 0;
-  canvas.addEventListener("pointerdown", function (event) { canvas.setPointerCapture(event.pointerId); pointers.set(event.pointerId, [event.clientX, event.clientY]); apart = 0; });
-  canvas.addEventListener("pointermove", function (event) {
-    const last = pointers.get(event.pointerId);
-    if (!last) { return; }
-    const now = [event.clientX, event.clientY];
-    pointers.set(event.pointerId, now);
-    if (pointers.size === 1) { turn((last[0] - now[0]) * 0.008, (now[1] - last[1]) * 0.008); return; }
-    const ends = Array.from(pointers.values()), wide = Math.hypot(ends[0][0] - ends[1][0], ends[0][1] - ends[1][1]);
-    if (apart > 0 && wide > 0) { zoom(wide / apart); }
-    apart = wide;
-  });
-  ["pointerup", "pointercancel"].forEach(function (name) { canvas.addEventListener(name, function (event) { pointers.delete(event.pointerId); apart = 0; }); });
-  canvas.addEventListener("wheel", function (event) {
-    if (document.activeElement !== canvas) { return; }
-    event.preventDefault();
-    zoom(Math.exp(-event.deltaY * 0.0012));
-  }, { passive: false });
-  canvas.addEventListener("keydown", function (event) {
-    const step = { ArrowLeft: [0.12, 0], ArrowRight: [-0.12, 0], ArrowUp: [0, -0.12], ArrowDown: [0, 0.12] }[event.key];
-    if (step) { turn(step[0], step[1]); } else if (event.key === "+" || event.key === "=") { zoom(1.2); } else if (event.key === "-") { zoom(1 / 1.2); } else if (event.key === "0") { whole(); } else { return; }
-    event.preventDefault(); event.stopPropagation();
-  });
-  canvas.addEventListener("webglcontextlost", function (event) { event.preventDefault(); });
-  canvas.addEventListener("webglcontextrestored", changed);
-  box.append(canvas);
-  function free(group) { group.traverse(function (one) { if (one.geometry) { one.geometry.dispose(); one.material.dispose(); } }); }
-  let tubes = [], bodies = [], ends = [];
-  return {
-    canvas: canvas, refine: refine, turn: turn, zoom: zoom, whole: whole, look: look,
-    show: function (one) {
-      free(root); scene.remove(root);
-      root = new THREE.Group(); scene.add(root);
-      extents = all = extent(one);
-      home.azimuth = one.bodies.length ? 0.32 : 0.45; home.elevation = one.bodies.length ? 0.2 : 0.3;
-      Object.assign(view, home);
-      bodies = one.bodies.map(bodyGroup);
-      bodies.forEach(function (shown) { root.add(shown.group); });
-      ends = [];
-      tubes = one.springs.map(function (spring) {
-        const tube = springMesh(spring), group = new THREE.Group();
-        group.position.set(spring.seat[0], spring.seat[1], 0); group.rotation.z = spring.direction - Math.PI / 2;
-        group.add(tube.mesh);
-        if (!one.bodies.length) { const pair = discs(spring); pair[0].position.y = -2.5; group.add(pair[0], pair[1]); ends.push([spring, pair[1]]); }
-        root.add(group);
-        return tube;
-      });
-    },
-    move: function (place, key) {
-      tubes.forEach(function (tube) { moveSpring(tube, place, key); });
-      bodies.forEach(function (shown) { moveBody(shown, place); });
-      ends.forEach(function ([spring, disc]) { disc.position.y = at(spring.retainer, place); });
-    },
-    draw: function () { aim(); renderer.render(scene, camera); },
-    size: function () { renderer.setSize(box.clientWidth, box.clientHeight, false); },
-    tubes: function () { return tubes; }, bodies: function () { return bodies; },
-    destroy: function () { free(root); renderer.dispose(); renderer.forceContextLoss(); },
-  };
 }
 
 function niceStep(span, most) {
@@ -608,7 +323,7 @@ function mount(element, data) {
     parts.forEach(function (button) { button.hidden = !one.bodies.length; });
     if (view) {
       view.show(one);
-      view.canvas.setAttribute("aria-label", (one.bodies.length ? "Train and spring" : "Spring") + " in three dimensions, " + one.words + ". Arrow keys turn it, plus and minus zoom, 0 shows the whole.");
+      view.canvas.setAttribute("aria-label", (one.bodies.length ? "Train and spring" : "Spring") + " in three dimensions, " + one.words + ". Arrow keys turn it, with shift they move it, plus and minus zoom, 0 shows the whole.");
     }
     plot.show(one);
     paint();
@@ -641,7 +356,7 @@ function mount(element, data) {
       const begun = performance.now();
       state.dirty = false;
       const place = between(one, state.angle);
-      if (view) { view.refine(!state.playing); view.move(place, state.key); view.draw(); }
+      if (view) { view.move(place, state.key, !state.playing); view.draw(); }
       plot.move(state.angle);
       say();
       state.frames += 1;
@@ -661,7 +376,6 @@ function mount(element, data) {
   window.addEventListener("beforeprint", forPrint);
   function fit() {
     box.classList.toggle("vtm-narrow", box.clientWidth < NARROW);
-    if (view) { view.size(); }
     plot.size();
     request();
   }
@@ -672,7 +386,7 @@ function mount(element, data) {
     seek: seek, angle: function () { return state.angle; }, play: play, pause: pause, playing: function () { return state.playing; },
     variant: function (place) { if (place !== undefined) { choose(place); variantSelect.value = String(place); } return state.variant; },
     colour: function (name) { if (name !== undefined) { state.key = name; colourSelect.value = name; paint(); request(); } return state.key; },
-    webgl: Boolean(view), shown: function () { return view ? { tubes: view.tubes(), bodies: view.bodies() } : null; },
+    webgl: Boolean(view),
     statistics: function () {
       function middle(values) { return values.length ? values.slice().sort(function (a, b) { return a - b; })[values.length >> 1] : NaN; }
       return { frames: state.frames, drawing: middle(state.drawn), interval: middle(state.apart), counted: state.apart.length };
