@@ -54,7 +54,7 @@ test-fast: environment-test
 	$(ONE_THREAD) $(BIN)/python scripts/test_fast.py $(ROOM) $(ARGS)
 
 validate: environment-test parts
-	$(BIN)/python -m valvetrain.validation --page docs/validation.md
+	$(BIN)/python -m validation --page docs/validation.md
 	$(PYTEST) $(wildcard tests/published tests/limits tests/order) $(ARGS)
 
 validate-all: environment-test parts

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
-from valvetrain.validation.row import Row
+from validation.row import Row
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
 #: Share of a row's tolerance, or of its band, by which the printed number may stand off the one

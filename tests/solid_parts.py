@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from validation.bars import STEEL
+
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.validation.bars import STEEL
 
 
 def helix(

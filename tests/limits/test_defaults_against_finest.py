@@ -7,11 +7,11 @@ from __future__ import annotations
 from importlib import resources
 
 import pytest
+from validation import defaults
+from validation.default_runs import Subject, compare, compare_exact
 
 import valvetrain as vt
 from valvetrain.system.build import build
-from valvetrain.validation import defaults
-from valvetrain.validation.default_runs import Subject, compare, compare_exact
 
 
 def default_model(subject: Subject) -> str:

@@ -4,10 +4,11 @@ rest and in motion without that it stands in the validation book.
 
 from __future__ import annotations
 
+from validation.against_rod import difference_from_rods
+from validation.reduced_rods import OTHER_SPRINGS, Pulse, other_spring
+
 import valvetrain as vt
 from valvetrain.solution.uncertainty import TOO_HARD
-from valvetrain.validation.against_rod import difference_from_rods
-from valvetrain.validation.reduced_rods import OTHER_SPRINGS, Pulse, other_spring
 
 
 def test_a_spike_that_is_too_high_is_said():

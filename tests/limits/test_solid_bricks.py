@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from valvetrain.continuum.bricks import sweep_bricks
-from valvetrain.errors import InputError
-from valvetrain.validation.bars import (
+from validation.bars import (
     STEEL,
     area_moments,
     bar,
@@ -16,6 +13,9 @@ from valvetrain.validation.bars import (
     reactions,
     thin_quarter,
 )
+
+from valvetrain.continuum.bricks import sweep_bricks
+from valvetrain.errors import InputError
 
 RADIUS, LENGTH = 2e-3, 40e-3
 YOUNG, SHEAR, DENSITY = STEEL.youngs_modulus, STEEL.shear_modulus, STEEL.density

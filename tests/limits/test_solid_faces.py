@@ -6,10 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from valvetrain.validation.hertz import bouncing_ring, outside, pressed_section, swept
-from valvetrain.validation.pressed_faces import FaceContact, Plane, end_faces, side_faces
-from valvetrain.validation.springs import STEEL
+from validation.hertz import bouncing_ring, outside, pressed_section, swept
+from validation.pressed_faces import FaceContact, Plane, end_faces, side_faces
+from validation.springs import STEEL
 
 #: A flat block of 3 x 2 x 2 bricks.
 EDGE = np.array([3e-3, 2e-3, 2e-3])

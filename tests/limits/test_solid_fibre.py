@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from validation.wires import ring_section
 
 from valvetrain.continuum.mesh import MeshOptions, SolidMesh, sweep_spring
 from valvetrain.errors import InputError
@@ -22,7 +23,6 @@ from valvetrain.springs.solid.results import (
     read_printed,
     wire_torque,
 )
-from valvetrain.validation.wires import ring_section
 
 WIRE, INDEX, PITCH = 3.8e-3, 6.0, 7e-3
 TWIST, PULL = 500.0, 120.0  # MPa

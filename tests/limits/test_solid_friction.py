@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from validation.bars import MASS, NUMBERS, PRESS, STATIONS, STEP, Rolled
 
 from solid_parts import helix
 from valvetrain.continuum import contact_kernels as contact
@@ -13,7 +14,6 @@ from valvetrain.continuum import time_kernels
 from valvetrain.continuum.statics import SolidStatics
 from valvetrain.continuum.transient import SolidDynamics, simulate_solid
 from valvetrain.continuum.wire import SolidContactLaw, SolidMeshSize, SolidWire
-from valvetrain.validation.bars import MASS, NUMBERS, PRESS, STATIONS, STEP, Rolled
 
 
 def test_a_roller_slides_until_it_rolls():

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from validation.solids import love_excess
 
 from solid_parts import STEEL, helix
 from valvetrain.coil_contact.line_contact import line_contact
@@ -14,7 +15,6 @@ from valvetrain.continuum.statics import SolidStatics
 from valvetrain.continuum.transient import SolidDynamics, simulate_solid
 from valvetrain.continuum.wire import SolidContactLaw, SolidMeshSize, SolidWire
 from valvetrain.errors import InputError
-from valvetrain.validation.solids import love_excess
 
 NO_CONTACT = SolidContactLaw(stiffness=0.0)
 

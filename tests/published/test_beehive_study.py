@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from validation.explained import BANDS
+from validation.sources import rows_of
 
 from book_page import assert_page_holds
 from valvetrain.parameters.loading import load_case
@@ -13,8 +15,6 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.signal import low_pass
 from valvetrain.runs.run import run_study
 from valvetrain.solution.study import Study
-from valvetrain.validation.explained import BANDS
-from valvetrain.validation.sources import rows_of
 
 RPM = 2 * np.pi / 60
 #: Above the 9th harmonic of the first mode nothing but contact moves the seat force quickly.

@@ -10,13 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from book_page import assert_page_holds
-from valvetrain.citations import references
-from valvetrain.cosserat import quaternion
-from valvetrain.cosserat.static import RodStatics
-from valvetrain.solution.comparison import Comparison
-from valvetrain.validation import (
+from validation import (
     beams,
     followers,
     large_deflection,
@@ -27,9 +21,15 @@ from valvetrain.validation import (
     waves,
     wires,
 )
-from valvetrain.validation.__main__ import book, chapter_of, main, page, run_book
-from valvetrain.validation.row import Row
-from valvetrain.validation.sources import rows_of
+from validation.__main__ import book, chapter_of, main, page, run_book
+from validation.row import Row
+from validation.sources import rows_of
+
+from book_page import assert_page_holds
+from valvetrain.citations import references
+from valvetrain.cosserat import quaternion
+from valvetrain.cosserat.static import RodStatics
+from valvetrain.solution.comparison import Comparison
 
 QUICK = [case for case in book() if not case.slow]
 #: What the rows of each case expect, and how near they must come: no change of the package moves
@@ -132,14 +132,14 @@ def test_page_holds_every_row():
 
 def test_the_command_fails_when_a_row_fails(monkeypatch, capsys):
     wrong = Row("springs", "a wrong row", "", "", 1.0, 1.2, "N", 0.1, "seeded")
-    monkeypatch.setattr("valvetrain.validation.__main__.run_book", lambda **options: [wrong])
+    monkeypatch.setattr("validation.__main__.run_book", lambda **options: [wrong])
     assert main([]) == 1
     assert "a wrong row" in capsys.readouterr().out
 
 
 def test_quick_run_leaves_out_the_studies_of_whole_sources(monkeypatch):
     monkeypatch.setattr(
-        "valvetrain.validation.__main__.book",
+        "validation.__main__.book",
         lambda: tuple(c for c in book() if c.slow or c.name == "stress_factors"),
     )
     assert {row.topic for row in run_book(quick=True)} == {"stress"}

@@ -9,14 +9,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from validation.explained import BANDS
+from validation.sources import rows_of
 
 from book_page import assert_page_holds
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.kinematics import rigid_table
 from valvetrain.runs.run import run_problem, run_study, sweep_study
 from valvetrain.system.build import build
-from valvetrain.validation.explained import BANDS
-from valvetrain.validation.sources import rows_of
 
 RPM = math.pi / 30
 

@@ -8,10 +8,9 @@ import math
 from dataclasses import replace
 
 import pytest
-
-from valvetrain.validation import __main__ as book
-from valvetrain.validation import explained
-from valvetrain.validation.row import BookCase, Row
+from validation import __main__ as book
+from validation import explained
+from validation.row import BookCase, Row
 
 MET = Row(
     "rates", "rate of a wire", "en13906-1", "4 mm wire", 41000.0, 41010.0, "N/m", 20.0, "rounding"
@@ -121,7 +120,7 @@ def recorded(chosen: list[str]):
             chosen.append(chapter)
             return []
 
-        rows.__module__ = f"valvetrain.validation.{chapter}"
+        rows.__module__ = f"validation.{chapter}"
         yield BookCase(chapter, rows)
 
 

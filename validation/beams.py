@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from validation.row import Row, book_case
+from validation.wires import Array, Helix, mesh_wire, section, state_on, tube
 from valvetrain.cosserat.mesh import RodMesh
 from valvetrain.cosserat.static import Equilibrium, NewtonOptions, RodStatics, TipLoads, bend_tip
-from valvetrain.validation.row import Row, book_case
-from valvetrain.validation.wires import Array, Helix, mesh_wire, section, state_on, tube
 
 #: The wires of this file have lengths of 1 to 100 and loads of 1 to 1000 in units of their own.
 TIGHT = NewtonOptions(tolerance=1e-7, iterations=60)

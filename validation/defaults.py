@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from statistics import median
 
-from valvetrain.solution.definition import definition_of, label_of, shown
-from valvetrain.validation.default_runs import (
+from validation.default_runs import (
     FLOOR,
     IMPACT_FORCES,
     RPM,
@@ -17,7 +16,8 @@ from valvetrain.validation.default_runs import (
     compare_exact,
     kind_of,
 )
-from valvetrain.validation.row import FILES, NOTES, Kind, Row, book_case
+from validation.row import FILES, NOTES, Kind, Row, book_case
+from valvetrain.solution.definition import definition_of, label_of, shown
 
 TOPIC = "defaults against the finest division"
 

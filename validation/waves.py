@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from scipy.sparse import diags
 from scipy.sparse.linalg import spsolve
 
+from validation.row import Row, book_case
+from validation.springs import mesh, rate, spring
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cosserat.buffer import RodDynamics, inertia_of
 from valvetrain.cosserat.mesh import RodMesh
@@ -22,8 +24,6 @@ from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import rod_channels
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.prescribed import PrescribedSpring
-from valvetrain.validation.row import Row, book_case
-from valvetrain.validation.springs import mesh, rate, spring
 
 Array = NDArray[np.float64]
 #: Imbalance of the energy books over all work that the runs of these cases come out with.

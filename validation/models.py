@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from validation.row import Kind, Row, book_case
+from validation.springs import STEEL, mesh
 from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.static import RodStatics, compress
@@ -12,8 +14,6 @@ from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.wave_rod import WaveRod
-from valvetrain.validation.row import Kind, Row, book_case
-from valvetrain.validation.springs import STEEL, mesh
 
 RATE, PRELOAD, MASS = 30e3, 250.0, 0.05
 ABOUT = "30 N/mm, 50 g"

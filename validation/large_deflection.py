@@ -7,6 +7,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
+from validation.beams import love_wrench
+from validation.row import Row, book_case
+from validation.springs import STEEL, mesh, spring
+from validation.wires import Helix, tube
 from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.cosserat.turning import TurningStatics, rotation_of
@@ -14,10 +18,6 @@ from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.runs.statics import static_curve
 from valvetrain.springs.finite_element import FiniteElementRod
-from valvetrain.validation.beams import love_wrench
-from valvetrain.validation.row import Row, book_case
-from valvetrain.validation.springs import STEEL, mesh, spring
-from valvetrain.validation.wires import Helix, tube
 
 
 @book_case()

@@ -6,6 +6,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from validation.hertz import (
+    bouncing_ring,
+    colliding_bars,
+    crossed_wires,
+    pressed_blocks,
+    pressed_section,
+)
+from validation.models import SOLID, SOLID_BEEHIVE, solid_beehive
+from validation.row import Kind, Row, book_case
+from validation.springs import STEEL
 from valvetrain.coil_contact.line_contact import line_contact
 from valvetrain.continuum.statics import SolidStatics
 from valvetrain.continuum.wire import SolidContactLaw, SolidWire
@@ -16,16 +26,6 @@ from valvetrain.runs.run import run_study
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.solid.model import SolidModel
 from valvetrain.springs.spec import spring_model
-from valvetrain.validation.hertz import (
-    bouncing_ring,
-    colliding_bars,
-    crossed_wires,
-    pressed_blocks,
-    pressed_section,
-)
-from valvetrain.validation.models import SOLID, SOLID_BEEHIVE, solid_beehive
-from valvetrain.validation.row import Kind, Row, book_case
-from valvetrain.validation.springs import STEEL
 
 KIND: Kind = "independent computation"
 

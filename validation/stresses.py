@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from validation.row import Row, book_case
+from validation.springs import mesh, spring
+from validation.wires import ring_section
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.springs.stress import CURVATURE_FACTORS, shear_stress_factor, wire_stress
-from valvetrain.validation.row import Row, book_case
-from valvetrain.validation.springs import mesh, spring
-from valvetrain.validation.wires import ring_section
 
 PRINTED = {"bergstraesser": (1.2941, 1.1724), "wahl": (1.3105, 1.1840), "goehner": (1.2930, 1.1719)}
 SOURCES = {"bergstraesser": "en13906-1", "wahl": "wahl1963", "goehner": "goehner1932"}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from validation.row import Row, book_case
+from validation.wires import ring_section
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.state import free_state
@@ -11,8 +13,6 @@ from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.curves import Constant, Curve, Parabola, PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.validation.row import Row, book_case
-from valvetrain.validation.wires import ring_section
 
 STEEL = Material("spring steel", 206e9, 79.6e9, 7850.0)
 CLAMPED_HELIX = (393.5, 396.1, 462.8, 525.7, 864.0, 876.9, 914.3, 1037.0, 1310.5, 1363.8)

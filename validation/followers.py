@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
+from validation.laws import hunt_crossley_restitution
+from validation.row import Row, book_case
 from valvetrain.cam.arcs import ThreeArc
 from valvetrain.cam.closed_form import Cycloidal, Harmonic
 from valvetrain.cam.contract import LiftLaw
@@ -21,8 +23,6 @@ from valvetrain.mechanism.gap_kinds import CAM_LIFT
 from valvetrain.mechanism.gaps import table_value
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction, Law
 from valvetrain.system.train_system import TrainSystem
-from valvetrain.validation.laws import hunt_crossley_restitution
-from valvetrain.validation.row import Row, book_case
 
 Array = NDArray[np.float64]
 MASS = 0.1

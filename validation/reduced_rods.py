@@ -12,6 +12,15 @@ from importlib import resources
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from validation.against_rod import (
+    MINIMUM_TOO_FAR,
+    PEAK_TOO_FAR,
+    TOO_FAR,
+    RodDifference,
+    difference_from_rods,
+    rod_difference,
+)
+from validation.row import Row, book_case
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.integrate.contract import Cycles
@@ -25,15 +34,6 @@ from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.springs.stress import LOADS, wire_stress
 from valvetrain.system.build import build
 from valvetrain.system.prescribed import PrescribedSpring
-from valvetrain.validation.against_rod import (
-    MINIMUM_TOO_FAR,
-    PEAK_TOO_FAR,
-    TOO_FAR,
-    RodDifference,
-    difference_from_rods,
-    rod_difference,
-)
-from valvetrain.validation.row import Row, book_case
 
 TOPIC, CASE = "reduced rods", "gu2021-beehive-blind"
 PER_COIL = "24 elements per coil"

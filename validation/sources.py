@@ -7,12 +7,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from validation.explained import Explained, explained_miss
+from validation.row import Kind, Row, book_case
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.run import run_study
 from valvetrain.solution.comparison import Comparison
 from valvetrain.units import to_unit
-from valvetrain.validation.explained import Explained, explained_miss
-from valvetrain.validation.row import Kind, Row, book_case
 
 #: Agreement required of a published value whose source or case states no tolerance: 3 degrees of an
 #: angle, this share of anything else.

@@ -9,6 +9,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh, spsolve
 
+from validation.row import Row, book_case
 from valvetrain.coil_contact.law import LINEAR, law_numbers
 from valvetrain.continuum import contact_kernels as contact
 from valvetrain.continuum import friction_kernels as friction
@@ -21,7 +22,6 @@ from valvetrain.continuum.wire import SeatPlanes, SolidContactLaw, SolidWire
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC as STEEL
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.validation.row import Row, book_case
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

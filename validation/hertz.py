@@ -12,11 +12,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
-from valvetrain.coil_contact.line_contact import line_contact
-from valvetrain.continuum.bricks import Bricks, sweep_bricks
-from valvetrain.continuum.section import disc_section
-from valvetrain.parameters.material import Material
-from valvetrain.validation.pressed_faces import (
+from validation.pressed_faces import (
     FaceContact,
     Faces,
     Plane,
@@ -24,6 +20,10 @@ from valvetrain.validation.pressed_faces import (
     end_faces,
     side_faces,
 )
+from valvetrain.coil_contact.line_contact import line_contact
+from valvetrain.continuum.bricks import Bricks, sweep_bricks
+from valvetrain.continuum.section import disc_section
+from valvetrain.parameters.material import Material
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from validation.row import Row, book_case
 from valvetrain.cam.closed_form import Cycloidal, Harmonic, ModifiedSine, Polynomial
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.contact.dissipative import HuntCrossley
-from valvetrain.validation.row import Row, book_case
 
 EVENTS = {
     "maximum_lift": 0.008,
