@@ -20,8 +20,8 @@ help:
 	@echo "make test-browser  pages and workbench, looked at in a browser"
 	@echo "make test-docs the programs and commands of README, documentation and examples"
 	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
-	@echo "make validate  the validation book (docs/validation.md) and the tests behind it"
-	@echo "make validate-all  the long checks over every template and library case (half an hour)"
+	@echo "make validate  the rows of the validation book but those of whole studies (some minutes)"
+	@echo "make validate-all  the whole validation book (docs/validation.md) and the long checks over every case (hours)"
 	@echo "make docs      the documentation site in build/docs, gallery run, any warning a failure"
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
@@ -54,10 +54,10 @@ test-fast: environment-test
 	$(ONE_THREAD) $(BIN)/python scripts/test_fast.py $(ROOM) $(ARGS)
 
 validate: environment-test parts
-	$(BIN)/python -m validation --page docs/validation.md
-	$(PYTEST) $(wildcard tests/published tests/limits tests/order) $(ARGS)
+	VALVETRAIN_LONG=1 $(PYTEST) tests/published/test_book.py tests/unit/test_book_command.py $(ARGS)
 
 validate-all: environment-test parts
+	$(ONE_THREAD) $(BIN)/python -m validation --page docs/validation.md
 	VALVETRAIN_LONG=1 VALVETRAIN_ALL=1 nice $(PYTEST) --dist load -m long tests/contracts/test_one_way_to_a_case.py $(ARGS)
 
 docs: environment-test

@@ -32,6 +32,11 @@ from valvetrain.cosserat.static import RodStatics
 from valvetrain.solution.comparison import Comparison
 
 QUICK = [case for case in book() if not case.slow]
+#: Cases that take most of the time: solids, energies and reduced rods; `make validate` runs them too.
+LONG = {
+    "balance_of_energy", "faces_as_hertz", "faces_that_meet", "waves_and_rotation", "straight_and_curved_bars", "bricks_against_calculix",
+    "bricks_in_contact_against_calculix", "reduced_rod_at_rest", "reduced_rod_in_its_train", "reduced_rod_in_motion",
+}  # fmt: skip
 #: What the rows of each case expect, and how near they must come: no change of the package moves
 #: them, and none is left out. Anew:
 #: ``python tests/published/test_book.py`` with src and tests on the path.
@@ -45,7 +50,13 @@ def red(rows: list[Row]) -> list[str]:
     return [row.name for row in rows if row.status == "FAILS"]
 
 
-@pytest.mark.parametrize("case", QUICK, ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, id=case.name, marks=[pytest.mark.long] if case.name in LONG else [])
+        for case in QUICK
+    ],
+)
 def test_rows_stay_within_their_tolerance(case):
     rows = case.rows()
     assert rows
