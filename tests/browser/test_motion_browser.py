@@ -4,6 +4,7 @@ stands still where it must.
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 from dataclasses import replace
@@ -344,6 +345,62 @@ def test_dragging_turns_and_moves_the_picture_and_the_wheel_zooms(visit):
     canvas.focus()
     visit.settle()
     assert canvas.screenshot() == pictures[0]
+
+
+#: Duration, width, height and pictures (as bytes of RGBA) of a film at shares of its duration.
+WATCH = """async ([address, shares]) => {
+  const video = document.createElement("video"), event = (name) => new Promise((done) => video.addEventListener(name, done, { once: true }));
+  video.muted = true; video.src = address;
+  await event("loadeddata");
+  const pen = new OffscreenCanvas(video.videoWidth, video.videoHeight).getContext("2d"), pictures = [];
+  for (const share of shares) {
+    const there = event("seeked");
+    video.currentTime = share * video.duration;
+    await there;
+    pen.drawImage(video, 0, 0);
+    pictures.push(btoa(Array.from(pen.getImageData(0, 0, video.videoWidth, video.videoHeight).data, (part) => String.fromCharCode(part)).join("")));
+  }
+  return [video.duration, video.videoWidth, video.videoHeight, pictures];
+}"""
+
+
+def test_a_film_is_recorded_that_plays(visit, study, tmp_path):
+    """One cam turn at a hundredth of real time: its length, white paper with a spring that moves,
+    and the ends of the colour scale.
+    """
+    page = visit.page
+    page.get_by_label("speed").select_option("100")
+    visit.handle("colour('stress')")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Record").click()
+    file = tmp_path / download.value.suggested_filename
+    download.value.save_as(file)
+    kind = file.suffix.lstrip(".")
+    assert kind in ("mp4", "webm") and file.stem == "finite-element-rod-5600-rpm"
+    assert visit.handle("playing()") is False and file.name in page.locator(".vtm").inner_text()
+    watch = visit.context.new_page()
+    address = f"data:video/{kind};base64,{base64.b64encode(file.read_bytes()).decode()}"
+    duration, width, height, pictures = watch.evaluate(WATCH, [address, [0.05, 0.4, 0.6, 0.95]])
+    watch.close()
+    assert duration == pytest.approx(100 * 120 / 5600, abs=0.6)
+    seen = [
+        np.frombuffer(base64.b64decode(one), dtype=np.uint8)
+        .reshape(height, width, 4)[:, :, :3]
+        .astype(int)
+        for one in pictures
+    ]
+    box = page.locator(".vtm canvas").bounding_box()
+    part = height / (box["height"] + 76)
+    stops = moving_picture(study).variants[0].springs[0].colourings[0].stops
+    for picture in seen:
+        assert picture[4, 4].min() > 240
+        drawn = picture[: int(part * box["height"])]
+        assert 0.05 < np.mean(np.abs(drawn - drawn[4, 4]).sum(axis=2) > 30) < 0.9
+        bar = picture[int(part * (box["height"] + 6))]
+        for x, stop in ((14, stops[0]), (width / part - 14, stops[-1])):
+            wanted = [int(stop[place : place + 2], 16) for place in (1, 3, 5)]
+            np.testing.assert_allclose(bar[int(part * x)], wanted, atol=30)
+    assert np.abs(seen[1] - seen[2]).mean() > 0.5
 
 
 @pytest.fixture(scope="module")

@@ -412,8 +412,9 @@ def _static(name: str) -> str:
 
 @cache
 def motion_script() -> str:
-    """Classic script of scene.js and motion.js that sets ``valvetrainMotion.mount(element, data)``;
-    safe inside a script element.
+    """Classic script of scene.js, film.js and motion.js that sets ``valvetrainMotion.mount(element,
+    data)``; safe inside a script element.
     """
-    text = f'(function(){{"use strict";\n{_static("scene.js")}\n{_static("motion.js")}\n}})();'
+    parts = "\n".join(_static(name) for name in ("scene.js", "film.js", "motion.js"))
+    text = f'(function(){{"use strict";\n{parts}\n}})();'
     return text.replace("</script", "<\\/script")

@@ -1,5 +1,5 @@
 // The spring in motion: mount(element, data) draws one moving picture into an element. Data come from report/motion/pack.py.
-// The picture is in scene.js; it loads nothing, evaluates nothing and keeps to the colours of the page around it.
+// The picture is in scene.js, its film in film.js; it loads nothing, evaluates nothing and keeps to the colours of the page around it.
 const SLOWNESS = [20, 50, 100, 200, 500, 1000, 2000], USUAL_SLOWNESS = 200;
 const THUMB = 16, NARROW = 720;
 const STYLE = `
@@ -43,6 +43,7 @@ const STYLE = `
 .vtm-slide i.peak { width: 0; margin-left: -4px; height: 0; border: 4px solid transparent; border-top: 9px solid currentColor; background: none; opacity: .9; }
 .vtm-ends { display: flex; justify-content: space-between; font-size: 12px; opacity: .8; }
 .vtm-now { display: block; margin: 2px 0 0; font-variant-numeric: tabular-nums; min-height: 3em; }
+.vtm-recorded { display: block; }
 .vtm-told { font-size: 13.5px; }
 .vtm-told ul { margin: 4px 0 0; padding-left: 18px; }
 @media print { .vtm-bar, .vtm-slide, .vtm-turn, .vtm-list, .vtm-view canvas { display: none; } .vtm-view svg { display: block; } }
@@ -198,7 +199,7 @@ function choice(words, options, chosen, changed) {
 
 /**
  * Draw a moving picture into an element, in place of what stands there (a still picture, kept where there is no WebGL).
- * Returns {seek, angle, play, pause, playing, variant, colour, statistics, destroy}; angles are cam degrees.
+ * Returns {seek, angle, play, pause, playing, record, variant, colour, statistics, destroy}; angles are cam degrees.
  */
 function mount(element, data) {
   if (!styled && "adoptedStyleSheets" in document) {
@@ -209,7 +210,7 @@ function mount(element, data) {
   }
   const variants = data.variants.map(function () { return null; });
   const still = Array.from(element.childNodes);
-  const state = { variant: 0, angle: 0, slow: USUAL_SLOWNESS, playing: false, key: "", frames: 0, drawn: [], apart: [], before: 0, dirty: true, last: 0 };
+  const state = { variant: 0, angle: 0, slow: USUAL_SLOWNESS, playing: false, key: "", frames: 0, drawn: [], apart: [], before: 0, dirty: true, last: 0, film: null };
   let one = null, asked = 0, gone = false;
 
   const box = make("div", { class: "vtm", role: "group", "aria-label": data.title + ": space plays, arrow keys step by cam angle, page keys go from mark to mark" });
@@ -229,10 +230,12 @@ function mount(element, data) {
     if (mark) { pause(); seek(mark.angle); }
   }
   function play() { state.playing = true; state.last = 0; playButton.textContent = "Pause"; now.setAttribute("aria-live", "off"); request(); }
-  function pause() { state.playing = false; playButton.textContent = "Play"; now.setAttribute("aria-live", "polite"); request(); }
+  function pause() { if (state.film) { state.film.stop(); state.film = null; recordButton.textContent = "Record"; } state.playing = false; playButton.textContent = "Play"; now.setAttribute("aria-live", "polite"); request(); }
 
   const playButton = make("button", { type: "button", class: "vtm-play", text: "Play" });
   playButton.addEventListener("click", function () { if (state.playing) { pause(); } else { play(); } });
+  const recordButton = make("button", { type: "button", text: "Record", title: "One cam turn at this speed, as a film" }), recorded = make("output", { class: "vtm-recorded" });
+  recordButton.addEventListener("click", function () { if (state.film) { pause(); } else { record(); } });
   const steps = [[-10, "−10°"], [-1, "−1°"], [1, "+1°"], [10, "+10°"]].map(function ([by, text]) {
     const button = make("button", { type: "button", text: text, "aria-label": "step " + (by > 0 ? "forward " : "back ") + Math.abs(by) + " cam degrees" });
     button.addEventListener("click", function () { step(by); });
@@ -247,10 +250,10 @@ function mount(element, data) {
   const [colourLabel, colourSelect] = choice("colour", [], "", function (value) { state.key = value; paint(); request(); });
   const [variantLabel, variantSelect] = choice("run", data.variants.map(function (variant, place) { return [String(place), variant.words]; }), "0", function (value) { choose(Number(value)); });
   variantLabel.hidden = data.variants.length < 2;
-  bar.append(variantLabel, colourLabel, slowLabel, make("span", { class: "vtm-group" }, playButton, ...steps, ...jumps));
+  bar.append(variantLabel, colourLabel, slowLabel, make("span", { class: "vtm-group" }, playButton, ...steps, ...jumps, recordButton));
   right.append(key, plotBox, list);
   stage.append(left, right);
-  box.append(bar, stage, slide, now, told);
+  box.append(bar, stage, slide, now, recorded, told);
 
   const view = makeView(viewBox, request), plot = makePlot(plotBox, function (angle) { pause(); seek(angle); });
   const parts = [], picture = still.find(function (node) { return node.nodeName.toLowerCase() === "svg"; });
@@ -272,6 +275,27 @@ function mount(element, data) {
     left.append(make("p", { text: "This browser shows no WebGL, so the picture stands still; forces and marks move." }));
   }
 
+  recordButton.hidden = !view || !filmType() || !view.canvas.captureStream;
+
+  // One cam turn from the start; it plays once the recorder runs, and a pause ends it.
+  function record() {
+    pause();
+    seek(0);
+    const run = one;
+    view.move(between(one, 0), state.key, "film");
+    view.draw();
+    const film = makeFilm(view.canvas, function () { if (state.film === film) { play(); } }, function (file, failure) {
+      if (state.film === film) { pause(); }
+      if (gone) { return; }
+      const name = run.words.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "") + (filmType().includes("mp4") ? ".mp4" : ".webm");
+      recorded.textContent = file ? "Saved as " + name + ", " + number(file.size / 1e6) + " MB." : "The browser could not record the film: " + failure + ".";
+      if (file) { saveFile(file, name); }
+    });
+    state.film = film;
+    recordButton.textContent = "Stop";
+    recorded.textContent = "";
+  }
+
   slider.addEventListener("input", function () { pause(); seek(Number(slider.value)); });
   box.addEventListener("keydown", function (event) {
     const on = event.target.nodeName;
@@ -283,8 +307,10 @@ function mount(element, data) {
     if (act) { act(); event.preventDefault(); }
   });
 
+  function colouring() { return one.springs.map(function (spring) { return spring.colours.find(function (each) { return each.key === state.key; }); }).find(Boolean); }
+
   function paint() {
-    const painted = one.springs.map(function (spring) { return spring.colours.find(function (each) { return each.key === state.key; }); }).find(Boolean);
+    const painted = colouring();
     scale.hidden = !painted;
     if (!painted) { return; }
     scale.replaceChildren();
@@ -295,6 +321,7 @@ function mount(element, data) {
   }
 
   function choose(place) {
+    if (state.film) { pause(); }
     state.variant = place;
     one = variants[place] = variants[place] || unpack(data.variants[place]);
     const known = [];
@@ -330,9 +357,13 @@ function mount(element, data) {
     request();
   }
 
+  function moment() {
+    const lift = at(one.lift, between(one, state.angle)).toFixed(3).replace("-", "\u2212");
+    return ["cam angle " + state.angle.toFixed(1) + "°", "time " + (120000 / one.rpm * state.angle / 360).toFixed(2) + " ms", "valve lift " + lift + " " + one.units.lift];
+  }
+
   function say() {
-    const turn = 120000 / one.rpm, place = between(one, state.angle);
-    const parts = ["cam angle " + state.angle.toFixed(1) + "°", "time " + (turn * state.angle / 360).toFixed(2) + " ms", "valve lift " + at(one.lift, place).toFixed(3).replace("-", "\u2212") + " " + one.units.lift];
+    const turn = 120000 / one.rpm, parts = moment();
     one.forces.forEach(function (force) { parts.push(force.words + " " + number(plot.value(force, state.angle)) + " " + one.units.force); });
     now.textContent = parts.join(" · ") + " · 1/" + state.slow + " of real time: a cam turn in " + number(turn * state.slow / 1000) + " s";
     slider.value = String(state.angle);
@@ -349,16 +380,21 @@ function mount(element, data) {
     asked = 0;
     if (gone || !element.isConnected) { return; }
     if (state.playing) {
-      if (state.last) { state.angle = (state.angle + Math.min((time - state.last) / 1000, 0.5) * one.rpm * 3 / state.slow) % 360; state.dirty = true; }
-      state.last = time;
+      const gap = state.last ? (time - state.last) / 1000 : 0, next = state.angle + (gap < 0.5 ? gap : 0) * one.rpm * 3 / state.slow;  // more: the page was hidden
+      state.angle = state.film && next >= 360 ? 360 : next % 360;
+      state.last = time; state.dirty = true;
     }
     if (state.dirty) {
       const begun = performance.now();
       state.dirty = false;
       const place = between(one, state.angle);
-      if (view) { view.move(place, state.key, !state.playing); view.draw(); }
+      if (view) { view.move(place, state.key, state.film ? "film" : state.playing ? "play" : "rest"); view.draw(); }
       plot.move(state.angle);
       say();
+      if (state.film) {
+        state.film.take(colouring(), [one.words + ", 1/" + state.slow + " of real time", moment().join(" · ")]);
+        if (state.angle === 360) { pause(); }
+      }
       state.frames += 1;
       state.drawn.push(performance.now() - begun);
       if (state.drawn.length > 240) { state.drawn.shift(); }
@@ -383,7 +419,7 @@ function mount(element, data) {
   watch.observe(box);
   fit();
   const handle = {
-    seek: seek, angle: function () { return state.angle; }, play: play, pause: pause, playing: function () { return state.playing; },
+    seek: seek, angle: function () { return state.angle; }, play: play, pause: pause, playing: function () { return state.playing; }, record: record,
     variant: function (place) { if (place !== undefined) { choose(place); variantSelect.value = String(place); } return state.variant; },
     colour: function (name) { if (name !== undefined) { state.key = name; colourSelect.value = name; paint(); request(); } return state.key; },
     webgl: Boolean(view),
@@ -391,7 +427,7 @@ function mount(element, data) {
       function middle(values) { return values.length ? values.slice().sort(function (a, b) { return a - b; })[values.length >> 1] : NaN; }
       return { frames: state.frames, drawing: middle(state.drawn), interval: middle(state.apart), counted: state.apart.length };
     },
-    destroy: function () { gone = true; watch.disconnect(); window.removeEventListener("beforeprint", forPrint); cancelAnimationFrame(asked); if (view) { view.destroy(); } element.replaceChildren(...still); delete element.motion; },
+    destroy: function () { gone = true; pause(); watch.disconnect(); window.removeEventListener("beforeprint", forPrint); cancelAnimationFrame(asked); if (view) { view.destroy(); } element.replaceChildren(...still); delete element.motion; },
   };
   element.motion = handle;
   return handle;

@@ -317,7 +317,7 @@ function makeView(box, changed) {
   try { soft = isSoftware(); gl = canvas.getContext("webgl2", { antialias: !soft }); } catch (error) { gl = null; }
   if (!gl) { return null; }
   const home = { azimuth: 0.45, elevation: 0.3, zoom: 1, shift: [0, 0, 0] }, view = Object.assign({}, home);
-  let one = null, items = [], programs = null, extents = [-1, -1, 1, 1, 1], place = [0, 0, 0], key = "", still = true, half = 1;
+  let one = null, items = [], programs = null, extents = [-1, -1, 1, 1, 1], place = [0, 0, 0], key = "", mode = "rest", half = 1;
   function build() {
     items = [];
     if (gl.isContextLost()) { return; }
@@ -334,7 +334,7 @@ function makeView(box, changed) {
     return { right: [ca, 0, -sa], up: [-se * sa, ce, -se * ca], eye: [sa * ce, se, ca * ce] };
   }
   function draw() {
-    const ratio = Math.min(window.devicePixelRatio || 1, MOST_PIXELS) * (soft && still ? 2 : 1), [wide, high] = [box.clientWidth, box.clientHeight].map(function (size) { return Math.max(2, Math.round(ratio * size)); });
+    const usual = Math.min(window.devicePixelRatio || 1, MOST_PIXELS), ratio = soft ? usual * (mode === "rest" ? 2 : 1) : mode === "film" ? 2 : usual, [wide, high] = [box.clientWidth, box.clientHeight].map(function (size) { return Math.max(2, Math.round(ratio * size)); });
     if (canvas.width !== wide || canvas.height !== high) { canvas.width = wide; canvas.height = high; }
     const { right, up, eye } = directions(), [x0, y0, x1, y1, depth] = extents, away = Math.abs(right[2]), near = Math.abs(right[0]);
     const across = (x1 - x0) * near + 2 * depth * away, tall = (y1 - y0) * up[1] + ((x1 - x0) * away + 2 * depth * near) * Math.abs(eye[1]), reach = 2 * Math.hypot(x1 - x0, y1 - y0, 2 * depth) + Math.hypot(...view.shift);
@@ -374,7 +374,7 @@ function makeView(box, changed) {
       one = run; home.azimuth = one.bodies.length ? 0.32 : 0.45; home.elevation = one.bodies.length ? 0.2 : 0.3;
       build(); whole();
     },
-    move: function (at, colour, resting) { place = at; key = colour; still = resting; },
+    move: function (to, colour, aim) { place = to; key = colour; mode = aim; },  // "rest", "play" or "film"
     destroy: function () { clear(); const lose = gl.getExtension("WEBGL_lose_context"); if (lose) { lose.loseContext(); } },
   };
 }
