@@ -28,6 +28,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "src/valvetrain"
 #: Tokens without meaning of their own: comments, ends of lines, indentation.
 SILENT = {"COMMENT", "NL", "NEWLINE", "INDENT", "DEDENT", "ENCODING", "ENDMARKER"}
+#: File of numba that a kernel comes through that is compiled, or whose machine code is read.
+COMPILER = os.path.join("numba", "core", "dispatcher.py")
 HEAD = ("files", "lines", "tokens", "statements", "functions", "classes")
 #: Endings of scripts, styles and templates of pages.
 PAGE_ENDINGS = {".js", ".css", ".html", ".j2"}
@@ -158,9 +160,18 @@ def budget(lower: bool) -> int:
     return int(bool(sentences))
 
 
+def _compiles(frame: FrameType | None) -> bool:
+    """Whether a frame belongs to the compilation of a kernel, or to reading its stored machine code."""
+    while frame is not None:
+        if frame.f_code.co_filename.endswith(COMPILER):
+            return True
+        frame = frame.f_back
+    return False
+
+
 def entered(arguments: list[str]) -> set[CodeType]:
     """Code of every function of the package that ``valvetrain ARGUMENTS`` enters in any thread of
-    this process, imports included.
+    this process, imports included; what only the compilation of kernels enters is left out.
     """
     codes: set[CodeType] = set()
     folder = f"{ROOT / PACKAGE}{os.sep}"
@@ -174,6 +185,8 @@ def entered(arguments: list[str]) -> set[CodeType]:
             and code.co_flags & CO_OPTIMIZED
             and code.co_name[0] != "<"
             and code.co_filename.startswith(folder)
+            and code not in codes
+            and not _compiles(frame.f_back)
         ):
             codes.add(code)
 

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
+import tomllib
+
 import pytest
-from count_source import complaints, meaningful, tokens_of
+from count_source import ROOT, complaints, meaningful, tokens_of
 
 #: ``print(f"{a:{b}} c")  # why`` as tokenizers of Python 3.11 and of 3.12 and later split it.
 OLD = "ENCODING NAME OP STRING OP COMMENT NEWLINE ENDMARKER"
@@ -37,3 +42,15 @@ def test_sizes_up_to_the_figures_pass():
 def test_a_figure_exceeded_is_named(total, change):
     (sentence,) = complaints(BOUNDS, total, BOUNDS | change)
     assert all(name in sentence for name in change)
+
+
+@pytest.mark.slow
+def test_the_main_job_enters_no_more_functions(tmp_path):
+    bounds = tomllib.loads((ROOT / "budget.toml").read_text(encoding="utf-8"))["entered"]
+    job = ("run", "gu2021-beehive", "--workers", "1")
+    command = [sys.executable, str(ROOT / "scripts" / "count_source.py"), "--entered", *job]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    functions, files = map(int, re.findall(r"\d+", done.stdout.splitlines()[-1]))
+    assert functions <= bounds["functions"], done.stdout
+    assert files <= bounds["files"], done.stdout
+    assert functions > 100
