@@ -12,7 +12,7 @@ ANGLES = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
 
 
 def channel(quantity="valve_lift", unit="m", **more):
-    values = np.outer([1.0, 2.0, 3.0], 1.1 + np.cos(ANGLES))
+    values = 1e-3 * np.outer([1.0, 2.0, 3.0], 1.1 + np.cos(ANGLES))
     values[1, 3] = np.nan
     return MeasuredCycles(
         quantity, unit, ANGLES, values, 157.25, "own rig", True, ("one note", "and another"), **more

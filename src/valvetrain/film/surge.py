@@ -19,6 +19,9 @@ WORTH = 1.0
 #: Largest damping ratio that is called a decay of surge, and the lowest frequency in parts of the
 #: frame rate times frames.
 MAX_DAMPING, LOWEST = 0.3, 0.7
+#: Logarithm of the growth over all frames that scatter explains, and how often stronger (in power) a line is than
+#: scatter alone makes it.
+GROWTH, SEEN = 0.1, 4.0
 #: Points between frames of the curve that is shown.
 FINE = 8
 #: Normal quantile of a 95 % interval.
@@ -98,13 +101,13 @@ def fit_surge(
         start = _poles(data - data.mean(axis=0), count, length)
         if not len(start):
             continue
-        found = _refined(data, start)
+        found = _without_growth(data, _refined(data, start))
         numbers = found.size + (1 + found.size) * data.shape[1]
         misfit = float(np.sum(_left(data, found) ** 2))
         criterion = data.size * np.log(max(misfit, 1e-300) / data.size) + WORTH * numbers * np.log(
             data.size
         )
-        if (best is None or criterion < best[0]) and _sound(found):
+        if (best is None or criterion < best[0]) and _sound(data, found):
             best = criterion, found
     if best is None:
         return None
@@ -138,6 +141,15 @@ def _refined(data: Array, start: Array) -> Array:
     )
 
 
+def _without_growth(data: Array, numbers: Array) -> Array:
+    """The lines that do not grow over the frames, fitted again where others are dropped."""
+    lines = numbers.reshape(-1, 2)
+    falls = lines[:, 1] * len(data) > -GROWTH
+    if falls.all() or not falls.any():
+        return numbers[np.repeat(falls, 2)]
+    return _without_growth(data, _refined(data, lines[falls].ravel()))
+
+
 def _poles(data: Array, count: int, length: int) -> Array:
     """Angles and decays a frame of the ``count`` strongest swings, by the shift of the signal space
     (matrix pencil).
@@ -156,11 +168,20 @@ def _poles(data: Array, count: int, length: int) -> Array:
     )
 
 
-def _sound(numbers: Array) -> bool:
+def _sound(data: Array, numbers: Array) -> bool:
+    """Whether all lines are within what a film shows, apart from each other and stronger than the scatter alone makes
+    them.
+    """
+    if not numbers.size:
+        return False
     angle, decay = numbers.reshape(-1, 2).T
     apart = np.diff(np.sort(angle))
+    inverse = np.linalg.pinv(_basis(np.arange(len(data), dtype=float), numbers))
+    chance = np.mean(_left(data, numbers) ** 2) * np.sum(inverse[1:] ** 2, axis=1)
+    size = np.mean((inverse[1:] @ data) ** 2, axis=1)
     return bool(
-        np.all((angle > 0) & (angle < np.pi))
+        np.all((size - SEEN * chance).reshape(-1, 2).sum(axis=1) > 0)
+        and np.all((angle > 0) & (angle < np.pi))
         and np.all(np.abs(decay) < MAX_DAMPING * angle)
         and np.all(apart > 1e-3)
     )
@@ -208,7 +229,7 @@ def _described(
             SurgeLine(
                 natural * frame_rate / (2 * np.pi),
                 float(np.sqrt(along @ part @ along)) * frame_rate / (2 * np.pi),
-                float(decay / natural),
+                max(float(decay / natural), 0.0),
                 float(np.sqrt(ratio @ part @ ratio)),
                 float(amplitude),
             )

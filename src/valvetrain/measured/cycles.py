@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.measured.ranges import refuse_beyond
 from valvetrain.measured.tables import read_content, text_of
 from valvetrain.solution.atomic import checked_content, closing_line, write_bytes, write_text
 from valvetrain.solution.channels import ChannelArrays, Variable
@@ -78,6 +79,7 @@ class MeasuredCycles(Shown):
             raise InputError(
                 f"{self.source or self.quantity}: the cam angles must rise and be 8 at least"
             )
+        refuse_beyond(self.values, self.unit, f"{self.quantity} of {self.source or 'the test'}")
 
     @property
     def mean(self) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.measured.ranges import refuse_beyond
 from valvetrain.measured.tables import TextTable, read_content, read_text_table, text_of
 from valvetrain.units import dimension_of, unit_factor
 
@@ -120,6 +121,12 @@ def force_height_in(
                 f"{name} holds compressions, so the free length is needed; give it", "free_length"
             )
         heights = free_length - heights
+    refuse_beyond(heights, "m", f"the height in {name}")
+    refuse_beyond(forces, "N", f"the force in {name}")
+    if heights.min() <= 0:
+        raise InputError(
+            f"a height in {name} is not above zero; correct it, or say which column is what"
+        )
     if np.mean(forces) < 0:
         forces = -forces
         notes.append(

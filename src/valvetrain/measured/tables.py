@@ -5,6 +5,7 @@ headings.
 from __future__ import annotations
 
 import codecs
+import contextlib
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -238,23 +239,10 @@ def text_of(content: bytes, name: str) -> str:
     """The text in ``content``: UTF-8 or 16 by its mark, else UTF-8, else Windows' western coding.
     Raises :class:`InputError` for bytes.
     """
-    for mark, coding in _MARKS_content:
-        if content.startswith(mark):
-            return _decoded(content, coding, name)
-    if b"\0" in content:
-        raise InputError(
-            f"'{name[:80]}' is no text; export the table as text (CSV) or as a workbook (XLSX)"
-        )
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:
-        return _decoded(content, "cp1252", name)
-
-
-def _decoded(content: bytes, coding: str, name: str) -> str:
-    try:
-        return content.decode(coding)
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"'{name[:80]}' is no text; export the table as text (CSV) or as a workbook (XLSX)"
-        ) from error
+    marked = [coding for mark, coding in _MARKS_content if content.startswith(mark)]
+    for coding in marked or ("utf-8", "cp1252") * (b"\0" not in content):
+        with contextlib.suppress(UnicodeDecodeError):
+            return content.decode(coding)
+    raise InputError(
+        f"'{name[:80]}' is no text; export the table as text (CSV) or as a workbook (XLSX)"
+    )

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.measured.ranges import refuse_beyond
 from valvetrain.measured.tables import read_content, text_of
-from valvetrain.units import dimension_powers, parse_quantity, unit_factor
+from valvetrain.units import DIMENSIONS, dimension_of, dimension_powers, parse_quantity, unit_factor
 from valvetrain.units.text import clipped
 
 Array = NDArray[np.float64]
@@ -227,6 +228,9 @@ def _value(
         cell for word, cell in row.items() if word == "value" or word.startswith("repeat ")
     ]
     repeats = np.array([_number(cell, where) for cell in cells_of_value]) * factor
+    refuse_beyond(
+        repeats, DIMENSIONS[dimension_of(unit) or "ratio"].si_unit, f"{quantity} in {where}"
+    )
     scatter = math.nan
     if "value" in row:
         scatter = _scatter(row.get("scatter", ""), float(repeats[0]), unit, factor, where)

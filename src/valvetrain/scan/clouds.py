@@ -150,8 +150,8 @@ def _rows(path: Path, name: str, skip: int, comma: bytes, places: list[int]) -> 
                 yield rows[:, places]
 
 
-#: Longest head of a file (bytes), most properties of a point, and points taken at a time.
-MAX_HEAD_LENGTH, MAX_PROPERTIES, PLY_AT_A_TIME = 65_536, 100, 200_000
+#: Longest head of a file (bytes), most properties of a point, points taken at a time, and corners of a face.
+MAX_HEAD_LENGTH, MAX_PROPERTIES, PLY_AT_A_TIME, MAX_CORNERS = 65_536, 100, 200_000, 255
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
     "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
@@ -166,6 +166,7 @@ class _Head:
     properties: tuple[tuple[str, str], ...]
     length: int
     unit: str
+    face: tuple[str, ...]
 
 
 def ply_points(path: Path, name: str, size: int) -> tuple[str, Iterator[Array]]:
@@ -184,13 +185,34 @@ def ply_points(path: Path, name: str, size: int) -> tuple[str, Iterator[Array]]:
             raise InputError(_short(name, head.count, size))
         return head.unit, _text(path, name, head, [column_names.index(axis) for axis in "xyz"])
     row = np.dtype([(f"p{k}", head.order + kind) for k, (_, kind) in enumerate(head.properties)])
-    if head.length + row.itemsize * head.count > size:
+    end = head.length + row.itemsize * head.count
+    if end > size:
         raise InputError(_short(name, head.count, size))
+    if not (_face_fits(path, head, end) if head.face else size == end):
+        raise InputError(
+            f"what follows the {head.count} points of '{name}' is not what its header states, so they may be shifted; export it again"
+        )
     return head.unit, _binary(path, head, row, [f"p{column_names.index(axis)}" for axis in "xyz"])
 
 
 def _short(name: str, count: int, size: int) -> str:
     return f"'{name}' is cut off: its header states {count} points, more than its {size} bytes can hold; export it again"
+
+
+def _face_fits(path: Path, head: _Head, end: int) -> bool:
+    """Whether the first list after the points, from the byte ``end`` on, names corners that there are; any other
+    element does.
+    """
+    if "" in head.face:
+        return True
+    corners, index = (np.dtype(head.order + kind) for kind in head.face)
+    with path.open("rb") as stream:
+        stream.seek(end)
+        first, rest = stream.read(corners.itemsize), stream.read(MAX_CORNERS * index.itemsize)
+    count = int.from_bytes(first, "big" if head.order == ">" else "little")
+    named = rest[: count * index.itemsize]
+    whole = 3 <= count <= MAX_CORNERS and len(named) == count * index.itemsize
+    return whole and bool(np.max(np.frombuffer(named, index)) < head.count)
 
 
 def _head(content: bytes, name: str) -> _Head:
@@ -199,6 +221,7 @@ def _head(content: bytes, name: str) -> _Head:
         raise InputError(f"'{name}' begins as PLY, but its head has no end; export it again")
     lines = content[: end.start()].decode("ascii", "replace").split("\n")
     order, count, unit, here = None, -1, "", ""
+    face: tuple[str, ...] = ()
     properties: list[tuple[str, str]] = []
     for line in (one.split() for one in lines[1:]):
         match line:
@@ -213,12 +236,20 @@ def _head(content: bytes, name: str) -> _Head:
                 unit = _unit(found[1]) if found else unit
             case ["element", "vertex", number] if re.fullmatch(r"\d{1,15}", number) and count < 0:
                 here, count = "vertex", int(number)
-            case ["element", word, *_]:
+            case ["element", word, *number]:
                 if count < 0:
                     raise InputError(
                         f"'{name}' holds '{word[:20]}' before its points; export the points first"
                     )
                 here = word
+                if not face and number != ["0"]:
+                    face = ("", "")
+            case ["property", "list", corners, index, _] if (
+                face == ("", "") and corners in _TYPES and index in _TYPES
+            ):
+                face = (_TYPES[corners], _TYPES[index])
+            case ["property", *_] if face == ("", ""):
+                face = ("", "other")
             case ["property", kind, word] if (
                 here == "vertex" and kind in _TYPES and len(properties) < MAX_PROPERTIES
             ):
@@ -231,7 +262,7 @@ def _head(content: bytes, name: str) -> _Head:
         raise InputError(
             f"the head of '{name}' has no format or no points (element vertex); export it again"
         )
-    return _Head(order, count, tuple(properties), end.end(), unit)
+    return _Head(order, count, tuple(properties), end.end(), unit, face)
 
 
 def _unit(word: str) -> str:
@@ -343,10 +374,10 @@ def _unit_in_head(head: bytes) -> str:
 def _stl(path: Path, name: str, size: int) -> Iterator[Array]:
     with path.open("rb") as stream:
         head = stream.read(84)
-        count = int.from_bytes(head[80:84], "little") if len(head) == 84 else -1
-        if count < 1 or size < 84 + FACET * count:
+        count = int.from_bytes(head[80:], "little")
+        if count < 1 or size != 84 + FACET * count:
             raise InputError(
-                f"'{name}' is no whole STL file: it states {max(count, 0)} facets, which need {84 + FACET * max(count, 0)} bytes, and has "
+                f"'{name}' is no whole STL file: it states {count} facets, which need {84 + FACET * count} bytes, and has "
                 f"{size}; export it again"
             )
         for first in range(0, count, CLOUDS_AT_A_TIME):

@@ -190,6 +190,7 @@ def fit_closing(
         )
         numbers, before = found.x, apart
         definition = law.definition(numbers)
+        _refuse_misfit(closing_forces(definition, heights) + apart - forces, 3 * MISFIT * top)
         rod = forces_by_rod(definition, heights)
         left = rod - forces
         spare = max(len(heights) - len(numbers), 1)
@@ -217,6 +218,11 @@ ENDS: tuple[Closes, ...] = ("lower", "upper", "both")
 HEIGHTS, STATIONS, TURNS_A_STATION = 36, 7, 0.8
 #: Points of the curve that is shown.
 CURVE = 41
+#: Scatter about the rod, as a share of the largest force, from which no spring was found; what may be wrong then.
+MISFIT, CHECK = (
+    0.03,
+    "check wire, diameters, material and the units of the table, or give total_coils",
+)
 #: Slope of the table over its first slope from which the coils are taken to be bound.
 BOUND = 5.0
 
@@ -323,11 +329,35 @@ def spring_from_tester(
         card.total_coils is not None or card.mass is not None or card.solid_height is not None
     )
     active = start.total_coils - 2 * start.inactive
+    _refuse_turns(table, card, active)
     count = int(np.clip(round(active / TURNS_A_STATION), 3, STATIONS))
     law = PitchLaw(card, start.total_coils if turns_given else None, start.ground, closes, count)
     chosen = _thinned(_open(table))
     numbers, covariance, scatter = fit_closing(law, start, active, *chosen)
+    _refuse_misfit(scatter, MISFIT * float(np.max(chosen[1])))
     return _result(table, law, numbers, covariance, scatter, height)
+
+
+def _refuse_misfit(misfit: Array | float, most: float) -> None:
+    """Raise :class:`InputError` where a fit is off by more than ``most`` (N, root mean square)."""
+    if (off := float(np.sqrt(np.mean(np.square(misfit))))) > most:
+        raise InputError(
+            f"no spring of this wire and these sizes makes this table: the nearest is {off:.2g} N off; {CHECK}"
+        )
+
+
+def _refuse_turns(table: ForceHeight, card: CatalogueCard, active: float) -> None:
+    """Raise :class:`InputError` where the turns that make the rate are less than one, or solid above the table."""
+    solid, lowest = active * card.wire_diameter, float(table.heights[-1])
+    if active >= 1 and (solid <= lowest or card.top_outer_diameter is not None):
+        return
+    made = f"{card.rate / 1e3:.3g} N/mm needs {active:.2g} active turns of {1e3 * card.wire_diameter:.4g} mm"
+    why = (
+        f", which are solid at {1e3 * solid:.3g} mm, above its {1e3 * lowest:.4g} mm"
+        if active >= 1
+        else ""
+    )
+    raise InputError(f"this wire and these sizes cannot make this table: {made}{why}; {CHECK}")
 
 
 def read_end(word: str) -> Closes:
