@@ -54,7 +54,6 @@ BUILT_IN["commands"] = {
     "compare-test": "valvetrain.compare_test.command:register",
     "lift": "valvetrain.lift.command:register",
     "identify": "valvetrain.explore.identify_command:register",
-    "animate": "valvetrain.cli.animate:register",
     "spring-card": "valvetrain.spring_card.command:register",
     "scan": "valvetrain.scan.command:register",
     "film": "valvetrain.film.command:register",

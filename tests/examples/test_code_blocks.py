@@ -54,9 +54,6 @@ SLOW = (
     "valvetrain sweep my-train.toml --engine-speed 3000:8000:250",
     "valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --case own.toml "
     '--engine-speed "6000 rpm" --search "4000:9000:500 rpm"',
-    "valvetrain animate gu2021-beehive-blind --output beehive.gif",
-    'valvetrain animate vaz-ohc --spring multi-mass --colour velocity --output train.mp4 --duration "6 s" --width 1280',
-    "valvetrain animate runs/vaz-ohc/latest --output train.gif",
     'valvetrain scan FOLDER/beehive-as-made.ply --design gu2021-beehive-blind --engine-speed "5600 rpm"',
     "valvetrain study examples/studies/beehive-tolerances.toml", "valvetrain study examples/studies/two-quantities.toml",
     "valvetrain study examples/studies/train-seating.toml", "valvetrain optimise examples/optimise-spring-loads.toml",
@@ -170,13 +167,10 @@ def test_a_quick_command_of_a_page_runs(folder, quiet_rim, line):
     assert bool(quiet_rim) == (" serve" in line or "--open" in line)
 
 
-#: What makes a long command short: fewer speeds and points, a smaller film. Everything else of it
-#: stays.
+#: What makes a long command short: fewer speeds and points. Everything else of it stays.
 SHORTER = (
     ("3000:8000:250", "3000:3500:250"), ("gu2021-beehive-blind --engine-speed 3000:9000:500", "job-t --engine-speed 3000:9000:6000"),
-    ("2000:9000:500", "2000:9000:7000"), (' --search "4000:9000:500 rpm"', " --draws 4"), ("--duration \"6 s\" --width 1280", "--width 320"),
-    ("animate gu2021-beehive-blind", "animate job-t --spring multi-mass --width 320"), ("train.gif", "train.gif --width 320"),
-    ("animate vaz-ohc", "animate vaz-ohc --duration \"1 s\""), ("latest", "latest --duration \"1 s\""),
+    ("2000:9000:500", "2000:9000:7000"), (' --search "4000:9000:500 rpm"', " --draws 4"),
     (" --design gu2021-beehive-blind --engine-speed \"5600 rpm\"", ""),
 )  # fmt: skip
 #: The same in the files of studies and searches.

@@ -17,7 +17,7 @@ from synthetic_study import own_study, rod_run
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.motion.project import motion_data, motion_json
-from valvetrain.report.motion.scene import Limits, _worth, choose_frames, moving_picture
+from valvetrain.report.motion.scene import _worth, choose_frames, moving_picture
 from valvetrain.report.motion.springs import largest_between, slope_stress
 from valvetrain.solution.study import Study
 
@@ -132,7 +132,7 @@ def test_forces_and_lift_are_the_channels(drawn, cycle):
 
 @pytest.mark.parametrize("most", [100, 250, 500])
 def test_frames_keep_the_peak_of_the_force_and_every_clash(study, cycle, most):
-    picture = moving_picture(study, Limits(frames=most))
+    picture = moving_picture(study, most)
     sample = picture.variants[0].sample
     assert len(sample) <= max(most, 120) + 40
     assert (
@@ -217,7 +217,7 @@ def test_stress_by_the_slope_of_the_coils_is_that_of_the_textbook():
 def test_a_chain_shows_the_stress_and_the_page_says_where_it_comes_from():
     """Near the nominal stress of the largest force, which has no waves along the wire."""
     study = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"], workers=1)
-    variant = moving_picture(study, Limits(frames=120)).variants[0]
+    variant = moving_picture(study, 120).variants[0]
     assert [spring.colourings[0].key for spring in variant.springs] == ["stress"]
     assert any("slope of the coils" in note for note in variant.notes)
     nominal = 1e-6 * study.solutions[0].quantities["open_nominal_shear_stress"]

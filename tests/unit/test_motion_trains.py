@@ -19,7 +19,7 @@ import pytest
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.motion.project import motion_json
-from valvetrain.report.motion.scene import Limits, member_of, moving_picture
+from valvetrain.report.motion.scene import member_of, moving_picture
 from valvetrain.report.motion.train import ARC_MARGIN
 from valvetrain.runs.run import run_study
 from valvetrain.solution.channels import ChannelArrays
@@ -44,7 +44,7 @@ def drawn(kind: str, model: str = "planar"):
     study = run_study(
         case, engine_speeds=case.operation.engine_speeds[:1], spring_models=("massless",), workers=1
     )
-    picture = moving_picture(study, Limits(frames=150))
+    picture = moving_picture(study, 150)
     data = json.loads(motion_json(picture))["variants"][0]
     return study, data, picture.variants[0].sample, case.train
 
@@ -258,9 +258,9 @@ def test_reduced_trains_and_older_runs_are_drawn_by_rigid_parts_and_it_is_said()
         {name: one for name, one in run.arrays.variables.items() if not name.endswith("_angle")},
         run.arrays.coords,
     )
-    older = moving_picture(
-        replace(whole, solutions=(replace(run, channels=bare),)), Limits(frames=150)
-    ).variants[0]
+    older = moving_picture(replace(whole, solutions=(replace(run, channels=bare),)), 150).variants[
+        0
+    ]
     turned = next(one for one in older.bodies if one.name == "lever").pose[:, 2]
     kinematics = member_of(whole.record, run).gear.mechanism.kinematics
     np.testing.assert_allclose(

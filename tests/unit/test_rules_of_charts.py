@@ -149,8 +149,8 @@ def test_a_piece_of_wire_has_the_colour_of_its_own_coil_in_its_frame(frame, coil
     falling, and even along the wire.
     """
     values = np.array([coil / 6.0, 1.0 - coil / 6.0, np.full(len(coil), 0.5)])
-    pieces = _wire(wire(values, coil), frame, "share", (0.0, 0.0), 1)
-    lit = _wire(wire(np.ones_like(values), coil), frame, "share", (0.0, 0.0), 1)
+    pieces = _wire(wire(values, coil), frame, (0.0, 0.0), 1)
+    lit = _wire(wire(np.ones_like(values), coil), frame, (0.0, 0.0), 1)
     middle = (np.arange(len(pieces)) + 0.5) * 6.0 / len(pieces)
     shown = np.array([one.colour[0] for one in pieces]) / np.array([one.colour[0] for one in lit])
     bright = np.array([one.colour[0] for one in lit]) < 255

@@ -1,5 +1,5 @@
-"""Projection of one frame of a moving picture to flat shapes in drawing order, for still pictures
-and films.
+"""A moving picture as data for the page, and one frame of it as flat shapes in drawing order, for still
+pictures.
 """
 
 from __future__ import annotations
@@ -149,8 +149,8 @@ def _text(values: Any) -> str:
 
 #: Directions of view (rad): a spring alone, a train.
 SPRING_VIEW, TRAIN_VIEW = (0.45, 0.3), (0.32, 0.2)
-#: Pieces of wire per turn, points of a ring and of an outline, slices of a plate.
-PER_TURN, RING, OUTLINE, SLICES = 32, 28, 180, 7
+#: Pieces of wire per turn and strips across it, points of a ring and of an outline, slices of a plate.
+PER_TURN, STRIPS, RING, OUTLINE, SLICES = 32, 3, 28, 180, 7
 #: Direction to the light in the picture: from the left, above and before it.
 LIGHT = np.array([-0.35, 0.66, 0.66])
 DISC = 2.5e-3
@@ -166,15 +166,13 @@ class Flat:
     depth: float
 
 
-def flat_shapes(variant: Variant, frame: int, key: str = "", strips: int = 5) -> list[Flat]:
+def flat_shapes(variant: Variant, frame: int) -> list[Flat]:
     """Visible shapes of one frame, far ones first.
 
     Parameters
     ----------
     variant : the run
     frame : place of the frame
-    key : colouring of the wire; the first by default
-    strips : strips across the wire that are lit on their own
 
     Returns
     -------
@@ -185,23 +183,13 @@ def flat_shapes(variant: Variant, frame: int, key: str = "", strips: int = 5) ->
     for body in variant.bodies:
         found += _body_project(body, frame, view)
     for spring in variant.springs:
-        found += _wire(spring, frame, key, view, strips)
+        found += _wire(spring, frame, view)
         if not variant.bodies:
             found += _discs(spring, frame, view)
     return sorted(found, key=lambda one: one.depth)
 
 
-def colouring_of(variant: Variant, key: str = "") -> Colouring | None:
-    """The colouring called ``key``, or the first there is."""
-    every = [one for spring in variant.springs for one in spring.colourings]
-    return (
-        next((one for one in every if one.key == key), None)
-        if key
-        else (every[0] if every else None)
-    )
-
-
-def shades(colouring: Colouring, values: Array) -> Array:
+def _shades(colouring: Colouring, values: Array) -> Array:
     """Colours (..., 3), 0 to 255, of values in the unit of a colouring."""
     stops = np.array(
         [[int(text[place : place + 2], 16) for place in (1, 3, 5)] for text in colouring.stops],
@@ -252,24 +240,23 @@ def helix(spring: SpringDrawing, frame: int, coil: Array) -> Array:
 
 
 def _wire(
-    spring: SpringDrawing, frame: int, key: str, view: tuple[float, float], strips: int
+    spring: SpringDrawing, frame: int, view: tuple[float, float], strips: int = STRIPS
 ) -> list[Flat]:
-    """The wire as a ribbon of its own width, in strips across that are lit as a round bar is."""
+    """The wire, in its first colouring, as a ribbon of its own width, in strips across that are lit
+    as a round bar is.
+    """
     first, last = float(spring.coil[0]), float(spring.coil[-1])
     coil = np.linspace(first, last, max(3, int((last - first) * PER_TURN) + 1))
     seen = turned(helix(spring, frame, coil), view)
     along = np.gradient(seen[:, :2], axis=0)
     along /= np.maximum(np.hypot(*along.T), 1e-12)[:, None]
     across = np.column_stack([-along[:, 1], along[:, 0]])
-    colouring = next(
-        (one for one in spring.colourings if one.key == key),
-        spring.colourings[0] if spring.colourings else None,
-    )
+    colouring = spring.colourings[0] if spring.colourings else None
     middle = (coil[1:] + coil[:-1]) / 2
     base = (
         np.full((len(middle), 3), 150.0)
         if colouring is None
-        else shades(colouring, np.interp(middle, spring.coil, colouring.values[frame]))
+        else _shades(colouring, np.interp(middle, spring.coil, colouring.values[frame]))
     )
     half = np.interp(coil, spring.coil, spring.wire_radius)[:, None]
     depth = (seen[1:, 2] + seen[:-1, 2]) / 2
@@ -386,12 +373,10 @@ def _rgb(values: Array) -> Colour:
 HEIGHT, MARGIN = 420, 1e-3
 
 
-def still_svg(variant: Variant, frame: int | None = None, key: str = "") -> str:
-    """An SVG element of one frame (that of the largest force by default), in mm, coloured by
-    ``key`` (the first colouring by default).
-    """
-    place = still_frame(variant) if frame is None else frame
-    shapes = flat_shapes(variant, place, key, 3)
+def still_svg(variant: Variant) -> str:
+    """An SVG element of the frame of the largest force, in mm."""
+    place = still_frame(variant)
+    shapes = flat_shapes(variant, place)
     every = np.concatenate([one.points for one in shapes])
     (left, low), (right, high) = every.min(axis=0) - MARGIN, every.max(axis=0) + MARGIN
     lines = []

@@ -5,7 +5,7 @@ drawn.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -112,27 +112,15 @@ _FORCES = (
 _FORCE_COLOURS = ("#3f7fd6", "#d9772b", "#9b6bc4")
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """Bounds of one picture: ``variants`` drawn, ``frames`` of each, bytes of one run
-    (``run_size``) and of all (``size``).
-    """
-
-    variants: int = MAX_VARIANTS
-    frames: int = MAX_FRAMES
-    run_size: int = MAX_RUN_BYTES
-    size: int = MAX_BYTES
-
-
 def moving_picture(
-    study: Study, limits: Limits = Limits(), worst: Solution | None = None
+    study: Study, frames: int = MAX_FRAMES, worst: Solution | None = None
 ) -> Moving | None:
     """The moving picture of a study, from its solutions and the parts of its case.
 
     Parameters
     ----------
     study : what ``simulate`` or ``compare`` gave; runs without channels are left out
-    limits : largest number of runs and frames, and largest size
+    frames : largest number of frames of a run
     worst : run that is drawn whatever others know of their coils; None for no such run
 
     Returns
@@ -154,16 +142,16 @@ def moving_picture(
     if study.over_speed or not runs or not study.record.text:
         return None
     ranked = sorted(runs, key=lambda run: (run is worst, *_worth(run)), reverse=True)
-    chosen = [run for run in runs if any(run is one for one in ranked[: limits.variants])]
+    chosen = [run for run in runs if any(run is one for one in ranked[:MAX_VARIANTS])]
     try:
         _problem(study.record, (), ())
     except InputError:  # words of a case that holds no parts
         return None
-    share = min(limits.run_size, limits.size // len(chosen))
+    share = min(MAX_RUN_BYTES, MAX_BYTES // len(chosen))
     variants, failed = [], []
     for run in chosen:
         try:
-            found = _variant(study, run, share, limits.frames)
+            found = _variant(study, run, share, frames)
             variants += [found] if found is not None else []
         except Exception as error:  # one run must not cost the others
             failed.append((run, error))
@@ -176,9 +164,7 @@ def moving_picture(
         for run, error in failed
     ]
     if len(chosen) < len(runs):
-        notes.append(
-            f"{len(chosen)} of {len(runs)} runs are drawn; 'valvetrain animate' draws any of them"
-        )
+        notes.append(f"{len(chosen)} of {len(runs)} runs are drawn; to see another, run it alone")
     title = (
         "Train and spring over the cam revolution"
         if any(one.bodies for one in variants)
@@ -355,12 +341,3 @@ def _bytes_per_frame(run: Solution, member: Member) -> int:
         surface = 8 * run.has(run.channel_of(name, "surface_equivalent_stress"))
         found += int(min(nodes, 16 * turns + 1) + bare) * (2 + colours + surface)
     return found
-
-
-def refuse_nothing(moving: Moving | None) -> Moving:
-    """The picture. Raises :class:`InputError` where there is none."""
-    if moving is None:
-        raise InputError(
-            "nothing moves here: the runs hold no channels, or the case has no spring and no train to draw"
-        )
-    return moving

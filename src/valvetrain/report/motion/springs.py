@@ -21,8 +21,6 @@ from valvetrain.springs.wire_from_card import ACTIVE_COILS, wire_from_card
 RISING = ("#8fa3b5", "#5b8fc9", "#3f6fd1", "#8a4fc4", "#d14a7a", "#e8503a", "#a3131c")
 NEAR = ("#b3131c", "#ef7d2e", "#e9c46a", "#a9b4bf", "#8f9aa6")
 BOTH_WAYS = ("#1f4fb0", "#4f86d9", "#a9bdd3", "#9aa3ad", "#e0b59b", "#dd6b3a", "#a8201a")
-#: Keys of the colourings.
-COLOURS = ("stress", "contact", "gap", "velocity", "surface")
 #: Gaps (mm) from here on look alike.
 WIDEST_GAP = 1.0
 _ALONG = {"stress": "inner_fibre_shear_stress", "velocity": "axial_velocity"}

@@ -42,7 +42,7 @@ def case_picture(case: Case, closed_alone: bool = False) -> str:
     lift = variant.valve_lift
     closed, full = int(np.argmin(lift)), int(np.argmax(lift))
     frames = (closed,) if closed_alone or lift[full] <= lift[closed] else (closed, full)
-    return _svg([flat_shapes(variant, frame, strips=3) for frame in frames])
+    return _svg([flat_shapes(variant, frame) for frame in frames])
 
 
 def _svg(drawings: Sequence[Sequence[Flat]]) -> str:
