@@ -12,9 +12,7 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
     os.environ.setdefault(variable, "1")
 
 
-import chart_watch  # noqa: E402, F401
 import one_parser  # noqa: E402, F401
-import table_watch  # noqa: E402, F401  before any module takes the functions that these watch
 from package_watch import package_stays_whole  # noqa: E402, F401
 
 #: Set to 1, the long tests run too; ``make test-long`` runs them alone.

@@ -13,7 +13,6 @@ import pytest
 from synthetic_study import train_study
 from valvetrain.quantities.forces import bind_clearances
 from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE
-from valvetrain.report.clauses import MAX_LEAD, parted
 from valvetrain.report.control import control_of, controlled_to
 from valvetrain.report.headlines import headline_rows
 from valvetrain.report.key_figures import key_figures
@@ -140,14 +139,6 @@ def test_extremes_are_those_of_the_speeds_in_use_and_then_those_beyond():
     assert dict(key_figures(line))["shear stress"] == "500 MPa at 6000 rpm (beyond the red line 900 MPa at 8000 rpm)"  # fmt: skip
 
 
-def test_one_speed_is_printed_once():
-    """A sweep "floats from 7367 to 7367"."""
-    said = sweep(lost("contact-loss", 6000), lost("float", 7367, 7367, bracket(7800, 8000))).verdict
-    assert "floats at 7367 and again from 7800 rpm." in said
-    only = sweep(lost("float", 7367, 7367)).verdict
-    assert only.startswith("Controlled to 7367 rpm, where the valve floats, at this speed alone.")
-
-
 def test_a_range_says_what_it_is_over_and_is_rounded_outwards():
     """It was "with other damping or division", 8106 where the table had 8105."""
     members = RangeMember("model", "own", 6400.4 * RPM), RangeMember("mesh", "×1.5", 7000.2 * RPM)
@@ -197,14 +188,6 @@ def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
     assert controlled_to(study, LABEL) == second.lower_engine_speed
 
 
-def test_the_first_sentence_has_some_sixty_words():
-    """Pages show it in bold; the one of a sweep had 75."""
-    part = "one two three four five " * 5
-    lead, more = parted([part.strip()] * 4, ["end"])
-    assert len(lead) == 2 and len(more) == 3 and len(" ".join(lead).split()) <= MAX_LEAD
-    assert parted(["word " * 70], [])[0], "one part stands whatever its length"
-
-
 def test_a_pair_says_which_of_its_springs_binds_first():
     """The clearance of both was named without the spring that has it."""
     names = {"coil_bind_clearance": 1.3e-4, "outer_coil_bind_clearance": 3.6e-3, "inner_coil_bind_clearance": 1.3e-4}  # fmt: skip
@@ -219,30 +202,6 @@ def test_a_pair_says_which_of_its_springs_binds_first():
 def two(light: dict[str, float], heavy: dict[str, float], *rows: CriticalSpeed) -> Study:
     runs = tuple(run(speed, name, **values) for name, values in (("light", light), ("heavy", heavy)) for speed in (4000, 8000))  # fmt: skip
     return Study(CaseRecord("own"), "compare-springs", runs, critical_speeds=CriticalSpeeds(rows))
-
-
-def test_speeds_that_the_table_tells_apart_are_both_printed():
-    """ "Both lose contact from 6781 rpm" stood above a table with 6781 and 6843."""
-    rows = tuple(
-        lost("contact-loss", speed, label=f"{name}, modal-uniform")
-        for name, speed in (("light", 6781), ("heavy", 6843))
-    )
-    said = two({}, {}, *rows).verdict
-    assert said == "Both lose contact within 1 % (light from 6781 rpm, heavy from 6843 rpm)."
-    same = [replace(one, nominal_engine_speed=6781 * RPM) for one in rows]
-    assert two({}, {}, *same).verdict == "Both lose contact from 6781 rpm."
-    gap = replace(rows[0], ends=Crossing(bracket(6820, 6830)), again=(bracket(7300, 8000),))
-    assert two({}, {}, gap, rows[1]).verdict == (
-        "light loses contact from 6781 to 6820 rpm and from 7300 rpm, heavy from 6843 rpm."
-    )
-    only = replace(gap, again=())
-    assert two({}, {}, only, rows[1]).verdict == (
-        "light loses contact from 6781 to 6820 rpm only, heavy from 6843 rpm."
-    )
-    after = tuple(replace(one, label=f"{name}, modal-uniform") for one, name in ((gap, "heavy"), (lost("contact-loss", 6000), "light")))  # fmt: skip
-    assert two({}, {}, *after).verdict == (
-        "heavy keeps contact longer (7300 rpm but for 6781 to 6820 rpm against 6000 rpm)."
-    )
 
 
 @pytest.mark.parametrize(("share", "tells"), [(1.01, False), (1.04, False), (1.08, True)])

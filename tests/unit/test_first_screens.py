@@ -1,6 +1,4 @@
-"""Unit: what the first screen of a page says and shows, each found by looking at the pages of all
-templates and library cases.
-"""
+"""Unit: the numbers and runs that the first picture of a page is made of."""
 
 from __future__ import annotations
 
@@ -14,28 +12,19 @@ from synthetic_study import own_study, rod_run, sweep_study, train_study
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.report.chart import (
-    LABEL_TOP,
-    NARROW_LINE,
     Line,
     Marks,
-    Panel,
-    Rule,
-    range_below_labels,
-    rule_levels,
-    visible_range,
 )
 from valvetrain.report.key_figures import key_figures
 from valvetrain.report.opening import motion_blocks, opening_chart
-from valvetrain.report.page import Grid, render
+from valvetrain.report.page import Grid
 from valvetrain.report.run_charts import with_extremes
 from valvetrain.report.sections import at_rest
-from valvetrain.report.study import study_page
 from valvetrain.runs.api import simulate
 from valvetrain.runs.statics import static_study
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
-from valvetrain.workbench.pages.compare_page import _VERDICT
 
 RPM = np.pi / 30
 
@@ -52,27 +41,6 @@ def test_the_curve_of_a_force_reaches_its_peak_and_its_minimum():
     assert force.min() == run.quantities["minimum_spring_force"]
     assert (np.diff(angle) >= 0).all() and 0 <= angle[0] < angle[-1] <= 360
     assert force.max() > run.channel("seat_force").max() + 5
-
-
-def two_speeds(*clearances: float) -> Study:
-    first = train_study().solutions[0]
-    origin = replace(first.provenance, label="stock")
-    runs = tuple(
-        replace(
-            first,
-            quantities={"coil_bind_clearance": clearance, "minimum_cam_contact_force": force},
-            provenance=replace(origin, engine_speed=speed * RPM),
-        )
-        for clearance, force, speed in zip(clearances, (300.0, 100.0), (3000, 5500), strict=True)
-    )
-    return Study(CaseRecord("own"), solutions=runs)
-
-
-def test_a_clearance_that_reads_alike_at_every_speed_is_that_of_no_speed():
-    """Contract: "clear of coil bind by 4.71 mm at full lift (at rest) at 3000 rpm", 2 nm less than at 5500."""
-    alike = two_speeds(4.710001e-3, 4.710003e-3).verdict
-    assert alike.startswith("Worst at 5500 rpm: clear of coil bind by 4.71 mm, ")
-    assert "4.71 mm at 3000 rpm; " in two_speeds(4.71e-3, 4.75e-3).verdict
 
 
 def test_a_spring_that_would_pull_says_so():
@@ -110,37 +78,9 @@ def test_the_first_picture_has_the_models_that_the_verdict_names_and_the_finest(
     assert {"finite-element rod", "equivalent rod"} <= set(drawn)
 
 
-def test_the_axis_of_a_contact_force_begins_at_its_loss():
-    """Contract: a run-up to 80 N of 340 N was drawn from 60 N up, as if that were nothing."""
-    first = train_study().solutions[0]
-    turns = tuple(
-        replace(
-            first,
-            quantities={"minimum_cam_contact_force": 340.0 - 20 * place},
-            provenance=replace(first.provenance, engine_speed=(3000 + 100 * place) * RPM),
-        )
-        for place in range(12)
-    )
-    chart = opening_chart(Study(CaseRecord("own"), "run-up", turns))
-    assert chart.panels[0].y_range[0] <= 0
-    assert chart.caption == "A point per cam revolution."
-
-
-def test_the_second_sentence_is_a_paragraph_of_its_own():
-    """Contract: on a phone it stood between verdict and picture, and the workbench found no verdict in such a page."""
-    page = replace(study_page(own_study()), verdict="One holds. Two is for later.")
-    html = render(page)
-    assert '<p class="verdict">One holds.</p>' in html
-    assert '<p class="verdict more">Two is for later.</p>' in html
-    assert _VERDICT.search(html)[1] == "One holds."
-
-
-def test_loads_at_rest_go_up_to_full_lift_and_say_what_is_left_to_coil_bind():
+def test_loads_at_rest_go_up_to_full_lift_and_to_coil_bind():
     """Closed form: a card of 240 N at 36 mm, 560 N at 27 mm and solid at 24 mm."""
     study = static_study(parse_case(template_text("direct", cards=True)))
-    assert study.verdict == (
-        "Preload 240 N, 560 N at the full lift of 9 mm and rate 35.6 N/mm by modal-uniform, 3 mm from coil bind at full lift."
-    )
     rules = {rule.label: rule.value for rule in opening_chart(study).panels[0].rules}
     assert rules == pytest.approx({"installed": 6.75, "full lift": 15.75, "solid": 18.75})
     grid = next(one for one in at_rest.blocks(study) if isinstance(one, Grid))
@@ -152,20 +92,6 @@ def test_loads_at_rest_go_up_to_full_lift_and_say_what_is_left_to_coil_bind():
     }
 
 
-def test_a_caption_tells_of_closing_coils_only_where_the_stiffness_rises():
-    """Contract: of a card's constant rate the caption said that it rises."""
-    cards = static_study(parse_case(template_text("direct", cards=True)), command="static")
-    rod = static_study(parse_case(template_text("direct")), command="static")
-    assert "rises" not in opening_chart(cards).caption and "rises" in opening_chart(rod).caption
-
-
-def test_a_rate_that_rises_to_full_lift_is_told():
-    """Example: coils of the template close on the way, which its one rate left out."""
-    said = static_study(parse_case(template_text("spring"))).verdict
-    assert "769 N at the full lift of 9 mm and rate 43.5 N/mm (53.9 at full lift)" in said
-    assert said.endswith(" by finite-element, 3.6 mm from coil bind at full lift.")
-
-
 def test_several_springs_at_rest_stand_in_one_picture_over_the_lift():
     """Contract: of a pair and of two sets the first spring alone was drawn and told."""
     pair = static_study(parse_case(template_text("direct", cards=True)), spring_sets=("dual",))
@@ -174,7 +100,6 @@ def test_several_springs_at_rest_stand_in_one_picture_over_the_lift():
     assert [one.y[0] for one in force.values()] == pytest.approx([150.0, 85.0, 235.0])
     sets = static_study(load_case("tdi-pushrod"))
     assert set(lines(opening_chart(sets).panels[0])) == {"stock", "performance"}
-    assert "; performance: preload 343 N, 590 N at the full lift of 8 mm" in sets.verdict
 
 
 def test_models_do_not_differ_by_all_of_a_force_that_is_none():
@@ -217,13 +142,6 @@ def figures(study: Study) -> list:
     ]
 
 
-def test_modes_of_every_spring_are_told():
-    """Contract: the performance spring of a comparison had no frequency in the sentence."""
-    said = static_study(load_case("tdi-pushrod"), command="modes", modes=6).verdict
-    assert said.startswith("Stock: first axial mode 366 Hz (cam order 6 at 7326 rpm to 12 at 3663")
-    assert "; performance: 401 Hz (cam order 6 at " in said and "other models" not in said
-
-
 def test_a_speed_between_at_which_the_spring_runs_solid_is_told():
     """Contract: the curve of the pushrod template had a gap at 8542 rpm, of which sentence and figures said nothing."""
     study = sweep_study()
@@ -241,40 +159,6 @@ def test_a_speed_between_at_which_the_spring_runs_solid_is_told():
     assert known.startswith("2 mm (") and f"none at {speed})" in known
 
 
-def test_a_key_figure_that_reads_alike_of_all_models_stands_once():
-    """Contract: "3.6 mm (finite-element), 3.6 mm (modal-varied)"."""
-    study = sweep_study()
-    runs = tuple(replace(one, quantities={**one.quantities, "coil_bind_clearance": 3.6e-3}) for one in study.solutions)  # fmt: skip
-    alike = replace(study, solutions=runs, between=())
-    assert len(alike.labels) > 1
-    assert dict(key_figures(alike))["clearance to coil bind at full lift"] == "3.6 mm"
-
-
-def test_the_words_of_marks_stand_in_the_first_panel_alone():
-    """Contract: "surge, order 7" stood again on the curve of the second panel."""
-    rod, runs = rod_run(), []
-    for speed in (4000, 5000, 6000):
-        origin = replace(rod.provenance, engine_speed=speed * RPM)
-        values = {"peak_spring_force": 800.0, "surge_amplitude_force": speed / 100}
-        runs.append(replace(rod, provenance=origin, quantities=values))
-    upper, lower = opening_chart(Study(CaseRecord("own"), "sweep", tuple(runs))).panels
-    assert [rule.label for rule in upper.rules] == ["surge"]
-    assert [(rule.value, rule.label) for rule in lower.rules] == [(6000.0, "")]
-
-
-def test_no_curve_runs_through_the_label_of_a_mark():
-    """Contract: six labels of two springs stood on the curves of a narrow page."""
-    curve = Line(np.linspace(5000, 8000, 31), np.linspace(400, 0, 31), "card", "#000")
-    rules = tuple(Rule("x", 5700.0 + 300 * place, f"stiff contact {place}") for place in range(6))
-    panel = Panel("engine speed (rpm)", "force (N)", (curve,), rules=rules, x_range=(5000, 8000))
-    low, high = visible_range(panel)[1]
-    narrow, bare = range_below_labels(panel, True), range_below_labels(replace(panel, rules=()))
-    assert bare == (low, high) and narrow[0] == low
-    levels = max(rule_levels(panel, True)) + 1
-    share = (400 - low) / (narrow[1] - low)  # of the height that the curve takes
-    assert share <= LABEL_TOP - NARROW_LINE * levels
-
-
 def test_the_worst_of_a_run_up_is_the_one_that_loses_contact_first():
     """Contract: eight runs up of tdi-pushrod were "worst (stock): in contact" where five others lost it."""
     first, turns = train_study().solutions[0], []
@@ -290,20 +174,6 @@ def test_the_worst_of_a_run_up_is_the_one_that_loses_contact_first():
     drawn = opening_chart(study)
     assert drawn.title == "Least cam force over engine speed" and len(drawn.panels) == 1
     assert "soft" in {one.name for one in drawn.panels[0].layers}, "of which the sentence is"
-
-
-def test_the_motion_beside_a_loft_is_that_of_a_run_that_lofts():
-    """Contract: tdi-pushrod told of a loft of its massless performance spring, which is not drawn among eight
-    runs, and moved its stock spring.
-    """
-    whole = load_case("tdi-pushrod")
-    speed = whole.operation.engine_speeds[-1:]
-    study = simulate(whole, engine_speeds=speed, spring_set="as printed", workers=1)
-    assert study.verdict.startswith("Worst (performance, as printed, zeta 1): loft of 1.52 mm")
-    assert "lands at 283 cam deg in every cycle" in study.verdict
-    (block,) = motion_blocks(study)
-    first = json.loads(block.data)["variants"][0]["words"]
-    assert first == "performance, as printed, zeta 1, 4000 rpm"
 
 
 def test_the_motion_shows_a_model_that_the_figure_draws_and_names_it():

@@ -1,6 +1,4 @@
-"""Unit: the report page on paper, in the dark, without scripts, and its figures as numbers, in a
-real browser.
-"""
+"""Unit: the report page in the dark, and its figures as numbers, in a real browser."""
 
 from __future__ import annotations
 
@@ -13,7 +11,7 @@ import pytest
 from synthetic_study import own_study, sweep_study, train_study
 from system_parts import program
 from valvetrain.report.chart import HeatMap
-from valvetrain.report.page import Cell, Grid, Page, Section, charts, render
+from valvetrain.report.page import charts, render
 from valvetrain.report.study import study_page
 
 pytestmark = pytest.mark.chromium
@@ -117,23 +115,6 @@ def test_words_that_a_spreadsheet_would_calculate_are_disarmed(browser, pages):
     assert downloaded(seen, key)[0][0] == '\'=HYPERLINK("x")'
 
 
-@pytest.mark.parametrize("width", [1400, 390])
-def test_without_scripts_every_figure_is_a_picture(browser, pages, width):
-    page, path = pages["train"]
-    seen, _ = visit(browser, path, width, java_script_enabled=False)
-    shown = seen.locator("figure noscript > svg")
-    assert shown.count() == len(charts(page))
-    assert (
-        seen.locator(".plot:visible").count() == 0
-        and seen.locator("button[data-csv]:visible").count() == 0
-    )
-    assert seen.locator(".tabpanel:visible").count() == seen.locator(".tabpanel").count()
-    boxes = [
-        box for box in (shown.nth(place).bounding_box() for place in range(shown.count())) if box
-    ]
-    assert boxes and all(box["width"] > 250 and box["x"] + box["width"] <= width for box in boxes)
-
-
 def luminance(colour: str) -> float:
     """Relative luminance of ``rgb(...)`` (WCAG 2.2, definition of relative luminance)."""
     parts = [int(part) / 255 for part in colour.split("(")[1].rstrip(")").split(",")[:3]]
@@ -170,43 +151,3 @@ def test_words_stand_out_from_the_paper(browser, pages, scheme):
         "invert" in seen.evaluate("getComputedStyle(document.querySelector('.plot')).filter")
     ) == (scheme == "dark")
     assert not wrong
-
-
-def test_print_has_a_header_and_numbers_its_pages(browser, pages):
-    """The dark scheme is for screens; the words of the header come from the page and are those of
-    no style sheet.
-    """
-    page, path = pages["own"]
-    seen, _ = visit(browser, path, color_scheme="dark")
-    seen.emulate_media(media="print")
-    assert seen.evaluate("getComputedStyle(document.body).backgroundColor") in (
-        "rgb(255, 255, 255)",
-        "rgba(0, 0, 0, 0)",
-    )
-    style = seen.evaluate("document.querySelector('style').textContent")
-    assert page.title.split()[0] in style.split("@page")[1] and "counter(pages)" in style
-    seen.emulate_media(color_scheme="light", media="print")
-    assert seen.pdf(format="A4", prefer_css_page_size=True).startswith(b"%PDF")
-
-
-SCROLLED = """box => {
-  const from = () => box.querySelector("thead th").getBoundingClientRect().top - box.getBoundingClientRect().top, before = from();
-  box.scrollTop = 200;
-  return [before, from(), box.scrollTop];
-}"""
-
-
-def test_a_long_table_keeps_its_heads_in_sight(browser, tmp_path):
-    rows = tuple(((Cell(f"row {place}"), Cell(str(place), "number")), ()) for place in range(60))
-    path = tmp_path / "long.html"
-    path.write_text(
-        render(
-            Page(
-                "Long", "Table", "", (), (Section("all", "All", (Grid(("name", "value"), rows),)),)
-            )
-        ),
-        encoding="utf-8",
-    )
-    seen, wrong = visit(browser, path)
-    before, after, scrolled = seen.locator(".scroll.tall").evaluate(SCROLLED)
-    assert scrolled > 100 and abs(after - before) < 2 and not wrong

@@ -23,21 +23,18 @@ from synthetic_study import (
 )
 from valvetrain.parameters.loading import load_case
 from valvetrain.registry import find
-from valvetrain.registry import names as registered_names
-from valvetrain.report import theme
 from valvetrain.report.chart import Chart, HeatMap, Line, Marks
-from valvetrain.report.headlines import headline_columns, headline_rows
+from valvetrain.report.headlines import headline_rows
 from valvetrain.report.json import unit_of_number
-from valvetrain.report.page import Details, Figure, Grid, Text, charts, render
-from valvetrain.report.sections import coils, published, sweep
-from valvetrain.report.sections.published import firmness, uncertainty_grid, uncertainty_table
+from valvetrain.report.page import Grid, Text, charts, render
+from valvetrain.report.sections import coils, sweep
+from valvetrain.report.sections.published import uncertainty_grid, uncertainty_table
 from valvetrain.report.study import study_page
 from valvetrain.runs.stored_error_bars import load_uncertainty
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
-from valvetrain.springs.spec import spring_model
 
 DEGREES = np.arange(720) / 2
 LIFT = 9e-3 * np.where(np.abs(DEGREES - 180) < 53, np.cos(np.pi * (DEGREES - 180) / 106) ** 2, 0.0)
@@ -160,12 +157,6 @@ def test_every_train_channel_stands_under_its_own_name(train):
     } & set(shown)
 
 
-def test_sets_of_one_model_have_colours_and_dashes_of_their_own(train):
-    mine = lines(train["motion-1"])
-    assert mine["stock, multi-mass"].colour != mine["race, multi-mass"].colour
-    assert mine["stock, multi-mass"].dash != mine["race, multi-mass"].dash
-
-
 def test_springs_of_a_pair_show_their_own_coils(train):
     outer, inner = (
         lines(train[f"coil-coils-1-1-{spring}"])["coil number 3"].y for spring in ("outer", "inner")
@@ -223,23 +214,6 @@ def test_a_rigid_channel_is_drawn_from_the_first_run_that_has_it(left_out, drawn
             * np.max(channel)
             * {"mm": 1e3, "N": 1.0, "MPa": 1e-6}[panel.y_label[:-1].rsplit("(")[1]]
         )
-
-
-def test_no_panel_holds_more_than_four_lines():
-    runs = tuple(train_run(label=f"set {n}", spring_set=f"set {n}") for n in range(7))
-    for chart in drawn(replace(train_study(), solutions=runs)).values():
-        if not chart.key.startswith("coil-"):
-            assert all(
-                len(
-                    [
-                        layer
-                        for layer in panel.layers
-                        if layer.dash != "dash" or "rest" not in layer.name
-                    ]
-                )
-                <= 5
-                for panel in chart.panels
-            )
 
 
 def test_static_curves_by_model_with_their_marks(own):
@@ -345,45 +319,6 @@ def test_lines_of_equal_frequency_at_a_top_of_just_below_a_power_of_ten():
     assert sweep._round_steps(np.nextafter(4000.0, 0.0)) == [1000.0, 2000.0, 3000.0]
 
 
-def test_answers_come_in_the_order_in_which_they_are_asked():
-    study = own_study()
-    rows = headline_rows(study)
-    assert [row.name for row in rows] == [
-        "peak_spring_force",
-        "minimum_spring_force",
-        "peak_retainer_force",
-        "minimum_retainer_force",
-        "coil_bind_clearance",
-        "surge_frequency",
-        "surge_cam_order",
-        "nearest_lift_harmonic_order",
-        "nearest_lift_harmonic_lift",
-        "surge_amplitude_force",
-        "clash_count",
-        "clash_energy",
-        "largest_clash_impulse",
-        "peak_shear_stress",
-        "minimum_shear_stress",
-        "open_nominal_shear_stress",
-        "closed_nominal_shear_stress",
-    ]
-    assert [
-        (one.label, round(one.engine_speed * 30 / np.pi)) for one in headline_columns(study)
-    ] == [
-        ("finite-element", 4200),
-        ("finite-element", 5600),
-        ("modal-varied", 4200),
-        ("modal-varied", 5600),
-    ]
-    by_name = {row.name: row for row in rows}
-    assert (
-        by_name["coil_bind_clearance"].values == (1.25, 1.25, None, None)
-        and by_name["coil_bind_clearance"].unit == "mm"
-    )
-    assert by_name["open_nominal_shear_stress"].values[:2] == (None, None)
-    assert by_name["open_nominal_shear_stress"].values[2] == pytest.approx(533.0)
-
-
 def test_a_sweep_answers_with_the_worst_value_and_its_speed():
     rows = {row.name: row for row in headline_rows(sweep_study())}
     assert rows["peak_spring_force"].values[0] == pytest.approx(740.0)
@@ -405,24 +340,6 @@ def test_the_five_largest_clashes_are_named_and_all_are_counted():
     )
     assert "5 of 7 clashes" in grid.rows[0][0][0].text and len(grid.rows) == 6
     assert [cell.text for cell in grid.rows[1][0]] == ["1–2", "250", "251", "31", "17", "345"]
-
-
-def test_published_values_are_one_dot_plot_and_one_table_with_three_filters():
-    study = published_study()
-    blocks = published.PUBLISHED_SPEC.blocks(study)
-    assert [type(block) for block in blocks] == [Figure, Grid, Grid, Details]
-    panel = blocks[0].chart.panels[0]
-    marks = [layer for layer in panel.layers if isinstance(layer, Marks)]
-    assert sorted(float(x) for layer in marks for x in layer.x) == pytest.approx([0.93, 1.02, 1.5])
-    assert any(
-        "ratio 1.910" in hint and "gu2021, table 3" in hint
-        for layer in marks
-        for hint in layer.hints
-    )
-    allowed = next(layer for layer in panel.layers if layer.name == "stated tolerance")
-    np.testing.assert_allclose(allowed.x[:2], [1 - 20 / 790, 1 + 20 / 790])
-    assert [name for name, _ in blocks[1].choices] == ["role", "engine speed", "given by"]
-    assert dict(blocks[1].choices)["engine speed"] == ("at rest", "5600 rpm")
 
 
 def test_heights_of_solid_and_rod_stand_beside_the_source():
@@ -514,56 +431,6 @@ def test_uncertainty_stands_beside_the_values_it_belongs_to():
     assert len(uncertainty_grid(rows).rows) > len(rows)
 
 
-def test_the_sentence_on_firmness_counts_and_names_what_is_loose():
-    """Two of four are firm to a per cent; zeros and angles have no share; the loosest stand first.
-    With one more firm, another sentence.
-    """
-
-    def row(quantity, value, numerical, label=""):
-        return Uncertainty(
-            quantity,
-            400.0 if label else None,
-            value,
-            numerical,
-            2.0,
-            value,
-            0.0,
-            (value, value),
-            (value, value),
-            label,
-        )
-
-    loose = [row("preload", 200.0, 4.0), row("peak_spring_force", 800.0, 80.0, "rod")]
-    firm = [
-        row("installed_rate", 4e4, 40.0),
-        row("mode_1_frequency", 600.0, 6.0),
-        row("clash_count", 0.0, 3.0),
-        row("clash_cam_angle", 1.0, 0.5),
-    ]
-    told = firmness([*loose, *firm])
-    assert told.startswith(
-        "2 of 4 numbers that are not zero are firm to 1 %; the least firm: peak spring force below 10 kHz (rod, "
-    )
-    assert told.endswith(" rpm) 10 %, preload 2 %.")
-    assert firmness(firm) == "2 of 2 numbers that are not zero are firm to 1 %."
-
-
-def test_a_long_table_of_error_bars_is_folded(monkeypatch):
-    from valvetrain.report.sections import published as uncertainty
-
-    study = replace(
-        published_study(), record=load_case("gu2021-beehive-blind").record(), solutions=()
-    )
-    study = replace(study, error_bars=ErrorBars(load_uncertainty(study.record)[:4]))
-    monkeypatch.setattr(uncertainty, "ONE_SCREEN", 3)
-    folded = uncertainty.uncertainty_blocks(study)[1]
-    assert (
-        isinstance(folded, Details)
-        and isinstance(folded.blocks[0], Grid)
-        and "numbers with their error bars" in folded.summary
-    )
-
-
 @pytest.mark.parametrize("make", [own_study, published_study, train_study, sweep_study])
 def test_every_axis_says_its_unit_and_every_figure_what_it_is(make):
     for chart in drawn(make()).values():
@@ -628,18 +495,3 @@ def test_runs_that_end_alike_are_told_once():
     runs = tuple(replace(run, status=ended) for run in study.solutions)
     told = replace(study, solutions=runs).failures
     assert len(told) == len(study.labels) and all("at time" not in words for words in told)
-
-
-def test_models_and_origins_look_as_their_own_entries_say():
-    specs = [spring_model(word) for word in registered_names("springs")]
-    assert [(theme.model_label(one.word), theme.model_colour(one.word)) for one in specs] == [
-        (one.label, one.colour) for one in specs
-    ]
-    assert len({one.colour for one in specs}) == len(specs)
-    assert theme.model_label("a-run-of-my-own") == "a run of my own"
-    for word in registered_names("sources"):
-        origins = find("sources", word).origins
-        styles = [theme.origin_style(name) for name in origins]
-        assert [style[0] for style in styles] == [one.sign for one in origins.values()]
-        assert len({style[2:] for style in styles}) == len(styles)
-    assert theme.origin_style("transfer matrix")[0] == "TR"

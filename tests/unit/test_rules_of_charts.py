@@ -1,10 +1,7 @@
-"""Unit: rules of charts: what is shaded, how wide a curve is, how a drawn wire is coloured,
-marginals in any unit.
-"""
+"""Unit: rules of charts: what is shaded, which runs are drawn, marginals in any unit."""
 
 from __future__ import annotations
 
-import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,23 +10,11 @@ import pytest
 from valvetrain.compare_test import page as compare_test_page
 from valvetrain.explore import identification_charts
 from valvetrain.explore.identification_charts import _density
-from valvetrain.explore.identification_file import Search
-from valvetrain.explore.identification_summary import identified_verdict
-from valvetrain.explore.posterior import Datum, Posterior, Unknown
-from valvetrain.explore.solve import solve
 from valvetrain.explore.space import Prior
-from valvetrain.explore.store import Store
-from valvetrain.lift.page import derivatives_chart, residuals_chart
-from valvetrain.report.chart import Band, Chart, Line, Marks, Panel, Rule, rule_place
-from valvetrain.report.motion.parts import Body, Colouring, Shape, SpringDrawing
-from valvetrain.report.motion.project import SLICES, _wire
-from valvetrain.report.motion.project import _body_project as _body
-from valvetrain.report.plotly_chart import figure
-from valvetrain.report.results import comparison_blocks, train_modes_blocks
-from valvetrain.report.svg_chart import svg
-from valvetrain.rig.page import MARKS, raw_chart, speed_chart
-from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.modes import TrainModes
+from valvetrain.report.chart import Rule
+from valvetrain.report.motion.parts import Colouring, SpringDrawing
+from valvetrain.report.motion.project import _wire
+from valvetrain.rig.page import raw_chart, speed_chart
 
 #: Least and largest width of a curve (px); a band's edge is thinner than what it is about.
 THINNEST, WIDEST = 0.8, 2.4
@@ -70,66 +55,6 @@ def test_shaded_are_the_cycles_that_were_left_out_and_no_others(kept, outliers, 
         assert [rule.value for rule in panel.rules] == pytest.approx(0.1 * np.arange(9))
 
 
-@pytest.mark.parametrize(
-    ("cycles", "every", "said"),
-    [
-        (MARKS - 2, 1, "were cut."),
-        (2 * MARKS - 2, 1, "were cut."),
-        (2 * MARKS, 2, "(one in 2)."),
-        (3 * MARKS, 3, "(one in 3)."),
-    ],
-)
-def test_of_many_cuts_few_are_drawn_and_the_caption_says_how_many(cycles, every, said):
-    chart = raw_chart(recorded((), (), cycles))
-    assert chart.caption.startswith(
-        "Upright lines: where cycles were cut"
-    ) and chart.caption.endswith(said)
-    for panel in chart.panels:
-        assert [rule.value for rule in panel.rules] == pytest.approx(
-            0.1 * np.arange(0, cycles + 1, every)
-        )
-
-
-def lobe():
-    angles = np.linspace(1.0, 2.0, 30)
-    smoothed = SimpleNamespace(
-        event=(1.0, 2.0),
-        base=0.0,
-        noise=1e-6,
-        cam_angles=angles,
-        residuals=1e-6 * np.cos(40 * angles),
-        lift=lambda at, derivative=0: 1e-3 * np.sin(at + derivative),
-        spread=lambda at, derivative=0: 1e-5 * np.ones_like(at),
-    )
-    measured = SimpleNamespace(name="intake", lifts=1e-3 * np.sin(angles), cam_angles=angles)
-    return SimpleNamespace(measured=measured, smoothed=smoothed)
-
-
-def test_a_law_is_drawn_between_thinner_edges_of_its_band():
-    """Edges two standard deviations to either side; the law is the widest curve, and no more than
-    twice as wide as they are.
-    """
-    panels = derivatives_chart(lobe()).panels
-    assert len(panels) == 4
-    for derivative, panel in enumerate(panels):
-        lines = [layer for layer in panel.layers if isinstance(layer, Line)]
-        low, high, law = lines
-        assert low.width == high.width < law.width <= 2 * low.width
-        assert (
-            law.name == "law behind the stations"
-            and np.all(low.y < law.y)
-            and np.all(law.y < high.y)
-        )
-        assert [one.in_legend for one in lines] == [derivative == 0, False, derivative == 0]
-    lines = [
-        layer
-        for chart in (derivatives_chart(lobe()), residuals_chart(lobe()))
-        for panel in chart.panels
-        for layer in panel.layers
-    ]
-    assert all(THINNEST <= one.width <= WIDEST for one in lines if isinstance(one, Line))
-
-
 def wire(values, coil):
     colouring = Colouring("share", "share", "1", values, 0.0, 1.0, ("#000000", "#ffffff"))
     even, still, height = (
@@ -156,31 +81,6 @@ def test_a_piece_of_wire_has_the_colour_of_its_own_coil_in_its_frame(frame, coil
     bright = np.array([one.colour[0] for one in lit]) < 255
     due = np.interp(middle, coil, values[frame])
     assert bright.sum() > 0.5 * len(pieces) and np.allclose(shown[bright], due[bright], atol=0.02)
-
-
-def test_a_marginal_bears_the_unit_of_its_density_and_a_name_within_a_sentence_is_lower_case():
-    """A density of millimetres is per millimetre; names of quantities stood with capitals within the sentence."""
-
-    def model(points):
-        return [{"load": 1e6 * wire, "turns": coils} for wire, coils in points]
-
-    priors = {
-        name: Prior("uniform", low, high)
-        for name, low, high in (("wire_diameter", 3e-3, 5e-3), ("closed_coils", 0.5, 1.5))
-    }
-    unknowns = tuple(
-        Unknown(name, prior, unit)
-        for (name, prior), unit in zip(priors.items(), ("mm", ""), strict=True)
-    )
-    data = (Datum("load", 4e3, 40.0), Datum("turns", 1.0, 0.05))
-    with Store(None) as journal:
-        found = solve(Posterior(unknowns, data, journal.through(model)), Search(draws=4), journal)
-    first, second = identification_charts.marginals_chart(found).panels
-    assert (first.y_label, second.y_label) == ("density (1/mm)", "density")
-    said = identified_verdict(found)
-    assert re.match(
-        r"(Wire diameter|Closed coils) [\d.]+ .*\), (closed coils|wire diameter) ", said
-    )
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1e-3, 1.0, 1e6])
@@ -226,70 +126,6 @@ def test_the_speed_of_a_recording_is_drawn_from_its_first_cut_to_its_last():
     assert mean.x == pytest.approx([0.5, 0.7, 0.9, 1.1, 1.3]) and mean.y == pytest.approx(
         (100 + 50 * mean.x) * 30 / np.pi
     )
-
-
-@pytest.mark.parametrize("rows", [3, 16])
-def test_on_a_narrow_page_the_label_of_a_row_is_clear_of_the_marks_of_both_rows(rows):
-    """Labels stood on dots and rules at 390 px; a label takes 15 px above its row, a dot 4 either way."""
-    height = np.arange(rows, dtype=float)
-    marks = Marks(height, height, "", "#000000", filled=True, size=8.0)
-    names = tuple((float(at), f"row {at:g}") for at in height)
-    panel = Panel("x (m)", "", (marks,), y_range=(-0.7, rows - 0.3), y_tick_labels=names)
-    layout = figure(Chart("rows", "title", "", (panel,), 1, max(240, 26 * rows + 110)))["narrow"]
-    inside = layout["height"] - layout["margin"]["t"] - layout["margin"]["b"]
-    each = inside / rows
-    labels = [one for one in layout["annotations"] if one["text"].startswith("row ")]
-    assert len(labels) == rows and all(one["bgcolor"] for one in labels)
-    assert all(4 < one["yshift"] <= each - 15 - 4 for one in labels), each
-
-
-def test_rules_and_bands_lie_where_they_are_put_across_the_whole_panel():
-    """Upright and level lines with and without words; a band that is not shaded has its words
-    alone.
-    """
-    rules = (Rule("x", 3.0, "here"), Rule("y", -2.0, "level"), Rule("x", 5.0), Rule("y", 7.0))
-    bands = (Band(1.0, 2.0, "shaded", shaded=True), Band(4.0, 5.0, "bare", shaded=False))
-    drawn = Line(np.array([0.0, 10.0]), np.array([-5.0, 9.0]), "curve", "#000000")
-    layout = figure(
-        Chart(
-            "key",
-            "title",
-            "caption",
-            (Panel("x (m)", "y (N)", (drawn,), bands=bands, rules=rules),),
-        )
-    )["layout"]
-    seen = [
-        (one["type"], one["x0"], one["x1"], one["y0"], one["y1"], one["layer"])
-        for one in layout["shapes"]
-    ]
-    assert seen == [
-        ("rect", 1.0, 2.0, 0, 1, "below"),
-        ("line", 3.0, 3.0, 0, 1, "below"),
-        ("line", 0, 1, -2.0, -2.0, "below"),
-        ("line", 5.0, 5.0, 0, 1, "below"),
-        ("line", 0, 1, 7.0, 7.0, "below"),
-    ]
-    whole = [("domain" in one["xref"], "domain" in one["yref"]) for one in layout["shapes"]]
-    assert whole == [(False, True), (False, True), (True, False), (False, True), (True, False)]
-    told = {
-        one["text"]: (one["x"], one["y"])
-        for one in layout["annotations"]
-        if one["text"] in {"shaded", "bare", "here", "level"}
-    }
-    assert told == {
-        "shaded": (1.5, 1),
-        "bare": (4.5, 1),
-        "here": (3.0, pytest.approx(0.98)),
-        "level": (1, -2.0),
-    }
-
-
-@pytest.mark.parametrize(("kind", "count"), [("lathe", 3), ("extrude", SLICES)])
-def test_a_turned_body_has_its_lit_end_and_its_rings_and_a_plate_its_slices(kind, count):
-    """A profile of three points has two bands and an end."""
-    points = np.array([[1.0, 0.0], [2.0, 1.0], [1.0, 3.0]])
-    shape = Shape(kind, points, (0.0, 1.0)) if kind == "extrude" else Shape(kind, points)
-    assert len(_body(Body("one", "seat", (shape,), np.zeros((1, 3))), 0, (0.3, 0.2))) == count
 
 
 @pytest.mark.parametrize("cycles", [1, 3])
@@ -349,54 +185,3 @@ def test_a_marginal_reaches_a_little_beyond_its_posterior_within_the_prior(
     assert posterior.y == pytest.approx(
         np.exp(-0.5 * ((posterior.x - 31) / 0.5) ** 2) / (0.5 * np.sqrt(2 * np.pi))
     )
-
-
-def ringing(rise: float) -> Panel:
-    """A force that rings about a limit at 300 N and then stays ``rise`` above it."""
-    x = np.linspace(0.0, 360.0, 721)
-    y = np.where(x > 240.0, 300.0 + 40.0 * np.sin(x), 300.0 + rise)
-    line = Line(x, y, "spring", "#000")
-    return Panel("angle", "force (N)", (line,), rules=(Rule("y", 300.0, "preload 300 N"),), x_range=(0, 360), y_range=(0, 1000))  # fmt: skip
-
-
-@pytest.mark.parametrize("narrow", [False, True])
-def test_the_label_of_a_level_rule_stands_where_no_curve_runs(narrow):
-    """Contract: "preload" and "contact lost" stood at the right end, over the ringing curve."""
-    panel = ringing(400.0)
-    end, above = rule_place(panel, panel.rules[0], narrow)
-    assert above and end < 240 / 360
-    free, side = rule_place(ringing(-200.0), panel.rules[0], narrow)
-    assert side and free < 240 / 360
-    still = Panel("angle", "", (Line(np.array([0.0, 360.0]), np.full(2, 900.0), "", "#000"),), x_range=(0, 360), y_range=(0, 1000))  # fmt: skip
-    assert rule_place(still, panel.rules[0], narrow) == (1.0, True)
-    assert rule_place(still, Rule("y", 990.0, "solid"), narrow) == (1.0, False)
-    chart = Chart("spring", "", "", (panel,))
-    note = next(one for one in figure(chart)["narrow" if narrow else "layout"]["annotations"] if one["text"] == "preload 300 N")  # fmt: skip
-    assert (note["x"], note["yanchor"]) == (pytest.approx(end), "bottom")
-    written = re.search(r'<text x="([\d.]+)"[^>]*text-anchor="end">preload 300 N', svg(chart))
-    wide, _ = rule_place(panel, panel.rules[0])
-    assert written and float(written[1]) == pytest.approx(64 + wide * (960 - 64 - 22), abs=1.0)
-
-
-def test_the_last_number_of_an_axis_has_room_beside_the_panel():
-    """Contract: Plotly leaves out a number that the edge would cut; half of "15,000" is 20 px wide."""
-    line = Line(np.array([5000.0, 15000.0]), np.zeros(2), "card", "#000")
-    chart = Chart("control", "", "", (Panel("engine speed (rpm)", "", (line,)),))
-    for layout in ("layout", "narrow"):
-        assert figure(chart)[layout]["margin"]["r"] >= 24
-
-
-def test_what_has_no_dimension_has_no_unit_behind_it_and_bars_have_names():
-    """Contract: axes read "mode (1)" and "comparison (1)", and the bars above them 1 to 3."""
-    shares = np.array([[0.2, 0.8], [0.7, 0.3]])
-    modes = TrainModes("", "closed", 0.0, 0.0, np.array([412.3, 1034.0]), ("valve",), ("valve", "spring"), np.zeros((2, 1)), shares)  # fmt: skip
-    (drawn,) = train_modes_blocks(modes)
-    (panel,) = drawn.chart.panels
-    assert [name for _, name in panel.y_tick_labels] == ["412.3 Hz", "1034 Hz"]
-    assert [float(np.nanmax(one.x)) for one in panel.layers] == pytest.approx([70.0, 80.0])
-    row = Comparison("motion_period_count", None, "massless", "FE", "1", 2.0, 3.0, 1.0, "check", 1.0, "agrees")  # fmt: skip
-    (compared,) = comparison_blocks(row)[1].chart.panels
-    assert compared.y_tick_labels == ((1.0, "massless"),)
-    assert "(1)" not in f"{panel.x_label}{panel.y_label}{compared.x_label}{compared.y_label}"
-    low, high = compared.x_range
-    assert low < 1.0 and high > 3.0
