@@ -139,7 +139,7 @@ def test_what_is_within_is_taken():
 def test_runs_that_are_kept_as_they_come_are_found_and_go_with_the_rest(tmp_path):
     kept, run, other = UnfinishedRun(lambda: tmp_path), made.modal_run(), made.rod_run()
     assert kept.file_of(run) is None and kept.folder is None
-    kept.close()
+    kept.finish()
     kept.add(3, run)
     kept.add(7, run.reduced())
     place = kept.file_of(run)
@@ -157,16 +157,16 @@ def test_runs_that_are_kept_as_they_come_are_found_and_go_with_the_rest(tmp_path
         "label"
     ] == run.label
     assert load_netcdf(place).channel("seat_force") == pytest.approx(run.channel("seat_force"))
-    kept.moved_to(tmp_path / "elsewhere")
+    kept.begin(tmp_path / "elsewhere")
     assert kept.file_of(run) is None
-    kept.moved_to(tmp_path)
-    kept.close()
+    kept.begin(tmp_path)
+    kept.finish()
     assert (
         not list(tmp_path.glob("*.nc"))
         and not (tmp_path / "unfinished-runs.jsonl").exists()
         and kept.file_of(run) is None
     )
-    kept.close()
+    kept.finish()
 
 
 @pytest.mark.parametrize("word", ["massless", "multi-mass"])

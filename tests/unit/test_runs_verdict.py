@@ -10,6 +10,7 @@ import pytest
 from unit.cli_parts import SMALL, call
 from valvetrain.report.runs_verdict import runs_verdict
 from valvetrain.runs.headline_changes import HeadlineChange, headline_changes
+from valvetrain.runs.saved_runs import Inputs, save_run
 
 RPM = np.pi / 30
 
@@ -118,3 +119,19 @@ def test_the_command_ends_with_it(tmp_path, monkeypatch):
     assert data["verdict"].startswith("From A to B better: ") and "peak spring force" in data["verdict"]  # fmt: skip
     assert " ".join(said.stdout.split()).endswith(data["verdict"])
     assert "From A" not in call("compare-runs", "one", "one").stdout
+
+
+def test_a_failed_run_is_named_where_the_numbers_are_the_same(tmp_path, monkeypatch):
+    """Contract: a run that lacks files is no equal of a whole one."""
+    monkeypatch.chdir(tmp_path)
+    for name, failures in (("one", []), ("two", ["file 'curves.csv': No space left on device"])):
+        answer = {
+            "case": "small",
+            "created_at": "2026-01-01",
+            "completed": not failures,
+            "failures": failures,
+        }
+        save_run(tmp_path / name, Inputs("small", SMALL, {}, {}), answer)
+    said, data = call("compare-runs", "one", "two"), json.loads(call("compare-runs", "one", "two", "--json").stdout)  # fmt: skip
+    assert "curves.csv" in said.stdout and "B did not complete" in data["verdict"]
+    assert data["failed"] == {"a": [], "b": ["file 'curves.csv': No space left on device"]}

@@ -37,6 +37,7 @@ from valvetrain.cli.options import (
     SpringSetOption,
     UnitsOption,
     WorkersOption,
+    at_end,
     choose_case,
     folder_of,
     read_engine_speeds,
@@ -278,6 +279,7 @@ def answer_study(
     unfinished = UnfinishedRun(
         lambda: request.output or unfinished_folder(request.case.name, request.created_at), begun
     )
+    at_end(unfinished.release)
     stopped = False
     try:
         with progress_bar(request.case.name) as report:
@@ -379,11 +381,8 @@ def save_study(
         return failed
 
     def write(folder: Path) -> list[Path]:
-        if unfinished is None:
-            files = write_parts(study, folder, report, figures)
-        else:
-            unfinished.moved_to(folder)
-            files = write_parts(study, folder, report, figures, unfinished.file_of)
+        saved = () if unfinished is None else (unfinished.file_of,)
+        files = write_parts(study, folder, report, figures, *saved)
         pages.extend([files.page] if files.page else [])
         for sentence in files.gaps:
             gaps.add(sentence)
@@ -391,12 +390,9 @@ def save_study(
         return [*files.data, *files.figures, *pages]
 
     with busy("writing files"):
-        begun = None if unfinished is None else unfinished.folder
         folder, files = keep_run(
-            request, study.record.text, choices, data, write, made_by, begun, gaps
+            request, study.record.text, choices, data, write, made_by, unfinished, gaps
         )
-        if unfinished is not None and (folder / ANSWER).is_file():
-            gaps.part("list of finished runs", None, unfinished.close)
     page = pages[0] if pages else None
     data.update(folder=str(folder), files=files, page=None if page is None else str(page))
     return folder, page, all_failures()
@@ -409,25 +405,21 @@ def keep_run(
     data: Mapping[str, Any],
     write: Callable[[Path], list[Path]],
     made_by: Provenance | None = None,
-    unfinished: Path | None = None,
+    unfinished: UnfinishedRun | None = None,
     gaps: PartialFailures | None = None,
 ) -> tuple[Path, list[str]]:
-    """Make the folder of a run, let ``write`` fill it, and put inputs (``text``: the resolved case)
-    and ``run.json``.
+    """Make the folder of a run, mark it as unfinished, let ``write`` fill it, put inputs (``text``:
+    the resolved case) and ``run.json``, and remove the mark.
 
     ``data``: the JSON answer; ``made_by``: versions that ran (default: those here); ``unfinished``:
-    the folder the run had while it went on. The folder, and the paths of all files in it; parts
-    that fail are named in ``gaps``.
+    what the run saved while it went on. The folder, and the paths of all files in it; parts that
+    fail are named in ``gaps``.
     """
     from valvetrain.cli.outcome import plain
     from valvetrain.parameters.case import Case
+    from valvetrain.report.files import UnfinishedRun
     from valvetrain.runs.differences import DEFINITIONS, definitions
-    from valvetrain.runs.run_folders import (
-        finish_folder,
-        link_latest,
-        new_folder,
-        remove_unfinished,
-    )
+    from valvetrain.runs.run_folders import finish_folder, link_latest, new_folder
     from valvetrain.runs.saved_runs import Inputs, collect_inputs, save_run
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import collect_provenance
@@ -444,22 +436,17 @@ def keep_run(
         request.folder,
         choices_made,
     )
+    begun = unfinished or UnfinishedRun(lambda: folder)
+    at_end(begun.release)
+    stem = inputs.case, inputs.digest, request.created_at
     if request.output is not None:
         folder = request.output
-        if unfinished is None:
-            missing.part("what a killed run left in the folder", None, remove_unfinished, folder)
-    elif unfinished is not None:
-        folder = missing.part(
-            "folder of the run",
-            unfinished,
-            finish_folder,
-            unfinished,
-            inputs.case,
-            inputs.digest,
-            request.created_at,
-        )
+    elif begun.folder is not None:
+        part = "folder of the run"
+        folder = missing.part(part, begun.folder, finish_folder, begun.folder, *stem)
     else:
-        folder = new_folder(inputs.case, inputs.digest, request.created_at)
+        folder = new_folder(*stem)
+    missing.part("mark of the unfinished run", None, begun.begin, folder)
     written = [path.relative_to(folder).as_posix() for path in write(folder)]
     origin = made_by or collect_provenance(request.case.name, "")
     answer = plain(data) | {
@@ -479,6 +466,7 @@ def keep_run(
     )
     if saved is None:
         return folder, [str(folder / name) for name in written]
+    missing.part("mark of the unfinished run", None, begun.finish)
     if request.output is None:
         missing.part("link to the latest run", None, link_latest, folder)
     return folder, [str(folder / name) for name in (*saved.answer["files"], ANSWER)]

@@ -86,17 +86,6 @@ def _run_object(run: SavedRun) -> dict[str, Any]:
     }
 
 
-def _unfinished_object(one: UnfinishedFolder) -> dict[str, Any]:
-    return {
-        "created_at": one.created_at,
-        "case": one.case,
-        "state": "going on" if one.living else "killed",
-        "finished_runs": one.finished,
-        "command_line": list(one.command_line),
-        "folder": str(one.folder),
-    }
-
-
 def _show(console: Console, found: tuple[SavedRun, ...], folder: Path) -> None:
     from valvetrain.cli.outcome import plain_table
 
@@ -227,7 +216,9 @@ def compare_runs(
     failed = [
         name for name, run in zip("AB", (one, other), strict=True) if run.state != "completed"
     ]
-    verdict = runs_verdict(headline_changes(one.answer, other.answer), failed) if results else ""
+    verdict = ""
+    if results or failed:
+        verdict = runs_verdict(headline_changes(one.answer, other.answer), failed)
     data: dict[str, Any] = {
         "command": "compare-runs", "a": str(one.folder), "b": str(other.folder),
         "inputs": [{"key": key, "a": first, "b": second} for key, first, second in inputs],
@@ -238,7 +229,7 @@ def compare_runs(
             }
             for row in results
         ],
-        "verdict": verdict,
+        "failed": {"a": list(one.failures), "b": list(other.failures)}, "verdict": verdict,
     }  # fmt: skip
     deliver(
         Outcome(
@@ -271,7 +262,11 @@ def _show_compare_runs(
     if rows:
         console.print(plain_table(RESULT_HEADS, rows[:COMPARE_RUNS_MAX_ROWS], right=(2, 3, 5)))
     elif not results:
-        console.print("the results are the same")
+        alike = all(run.state == "completed" for run in pair)
+        console.print(f"the results {'' if alike else 'that are there '}are the same")
+    for name, run in zip("AB", pair, strict=True):
+        for sentence in run.failures[:RUNS_MAX_ROWS]:
+            console.print(f"{name} failed: {sentence}", soft_wrap=True)
     left, alone = (
         max(0, len(inputs) - COMPARE_RUNS_MAX_ROWS) + max(0, len(rows) - COMPARE_RUNS_MAX_ROWS),
         len(results) - len(rows),

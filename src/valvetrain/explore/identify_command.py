@@ -168,10 +168,11 @@ def _keep(
 
     def fill(folder: Path) -> list[Path]:
         written = [write_text(folder / "identification.toml", request.text)]
-        if folder.resolve() != points.resolve():
+        written += write_identification(found, folder, request.title)
+        if folder.resolve() != points.resolve():  # last: a killed command finds its points again
             shutil.move(str(points / FILE), folder / FILE)
             shutil.rmtree(points, ignore_errors=True)
-        return [*written, folder / FILE, *write_identification(found, folder, request.title)]
+        return [*written, folder / FILE]
 
     choices = {
         "identification": request.text,

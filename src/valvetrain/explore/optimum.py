@@ -5,7 +5,6 @@ be trusted.
 from __future__ import annotations
 
 import copy
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -385,13 +384,15 @@ def write_optuna(found: Optimum, path: Path) -> Path:
     """The trials as an Optuna study in a SQLite file, whole or not at all, as Optuna's own tools
     open it.
     """
-    with quiet_optuna() as optuna, tempfile.TemporaryDirectory(prefix="valvetrain.") as folder:
-        file = Path(folder) / "study.db"
-        storage = optuna.storages.RDBStorage(f"sqlite:///{file}")
+    with quiet_optuna() as optuna:
+        storage = optuna.storages.RDBStorage("sqlite://")  # in memory
         optuna_study(found, storage)
         storage.remove_session()
+        connection = storage.engine.raw_connection()
+        content: bytes = connection.driver_connection.serialize()
+        connection.close()
         storage.engine.dispose()
-        return write_bytes(path, file.read_bytes())
+        return write_bytes(path, content)
 
 
 def optuna_study(found: Optimum, storage: Any = None) -> Any:

@@ -151,25 +151,32 @@ class UnfinishedRun:
         path = self.folder / found if found is not None and self.folder is not None else None
         return path if path is not None and path.is_file() else None
 
-    def moved_to(self, folder: Path) -> None:
-        """Set the final folder."""
+    def begin(self, folder: Path) -> None:
+        """Write into ``folder``, the final one, which is marked unless this run has marked one."""
+        if self._handle is None:
+            self._handle = mark_unfinished(folder)
         self.folder = folder
 
-    def close(self) -> None:
+    def finish(self) -> None:
         """Remove the marks of an unfinished run after everything is written."""
         if self._handle is None or self.folder is None:
             return
         for _, name in self._files.values():
             (self.folder / name).unlink(missing_ok=True)
         (self.folder / RUNS_LIST).unlink(missing_ok=True)
-        os.close(self._handle)
-        self._handle = None
+        self.release()
+
+    def release(self) -> None:
+        """Give up the lock; a folder that is not finished keeps its mark."""
+        if self._handle is not None:
+            os.close(self._handle)
+            self._handle = None
 
     def _add(self, place: int, solution: Solution) -> None:
         begins = self.folder is None
-        if self.folder is None:
-            folder = self._make_folder()
-            self._handle, self.folder = mark_unfinished(folder), folder
+        folder = self.folder or self._make_folder()
+        if begins:
+            self.begin(folder)
         assert self._handle is not None
         row: dict[str, Any] = {
             "label": solution.label, "model": solution.model, "engine_speed": engine_speed_object(solution.engine_speed),
@@ -179,7 +186,7 @@ class UnfinishedRun:
             row["command_line"] = list(self._command_line)
         if solution.arrays.variables and len(solution.time):
             name = row["file"] = f"run-{place + 1:04d}.nc"
-            save_netcdf(solution, self.folder / name)
+            save_netcdf(solution, folder / name)
             self._files[place] = solution, name
         append_whole(self._handle, (json.dumps(row) + "\n").encode())
 

@@ -179,6 +179,11 @@ def comparison_part(desk: Desk, a: str, b: str) -> str:
         for label, run in (("A", one), ("B", other))
         if run.verdict
     )
+    said += "".join(
+        f'<p class="verdict"><span>Run {label} failed: </span>{escape(sentence)}</p>'
+        for label, run in (("A", one), ("B", other))
+        for sentence in run.failures[: answers.MAX_ROWS]
+    )
     return "".join(
         (
             f'<section id="verdicts">{said}{"".join(drawn)}</section>' if said or drawn else "",
