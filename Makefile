@@ -9,14 +9,14 @@ PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist 
 
 export PYTHON VENV LOWEST
 
-.PHONY: help run test test-fast test-processor test-development test-docs test-browser test-long validate validate-all bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults fuzz guides workbench
+.PHONY: help run test test-fast test-processor test-development test-docs test-browser test-long validate validate-all bench identify uncertainty lint docs pins clean environment-run environment-test parts mutants faults guides workbench
 
 help:
 	@echo "make run       set up, then run the published study CASE=$(CASE): table and report"
 	@echo "make test      set up, then run the tests (PYTHON=python3.12: by that interpreter; LOWEST=1: with the lowest versions allowed)"
 	@echo "make test-fast ROOM=springs  the tests that a change of one room (folder of src/valvetrain) can break, about a minute (ARGS=\"--list\")"
 	@echo "make test-processor  tests of limits and orders as another processor would round (OPENBLAS_CORETYPE=Prescott)"
-	@echo "make test-development  benchmarks, scripts, fuzzer and seeded faults run with their smallest inputs"
+	@echo "make test-development  benchmarks, scripts, faults and seeded faults run with their smallest inputs"
 	@echo "make test-browser  pages and workbench, looked at in a browser"
 	@echo "make test-docs the programs and commands of README, documentation and examples"
 	@echo "make test-long the tests that make test leaves out for their length (some minutes)"
@@ -26,10 +26,9 @@ help:
 	@echo "make bench     measure the speed of the main parts"
 	@echo "make identify  re-run the identification of the published case's unpublished numbers"
 	@echo "make uncertainty  error bars of the published case anew; after make identify or a change of the rod"
-	@echo "make lint      size of each folder (budget.toml), style and format (ruff), types (mypy) of the package, benchmarks, scripts, fuzz and mutants"
+	@echo "make lint      size of each folder (budget.toml), style and format (ruff), types (mypy) of the package, benchmarks, scripts, faults and mutants"
 	@echo "make mutants   seed faults into copies of the source and tell the share that the tests notice (ARGS=\"--changed\": lines changed since main, a minute; ARGS=\"--sample 40\")"
-	@echo "make faults    kill workers, parents and the solver at random moments, fill the disk; what was lost (ARGS=200: so many faults)"
-	@echo "make fuzz      ask about mutants of cases, runs of mutants and damaged result files (ARGS=1000, or ARGS=\"--files 500\")"
+	@echo "make faults    kill commands, fill disks, damage files and cases, attack a workbench for ten minutes (ARGS=\"--seed 2 --minutes 5\")"
 	@echo "make workbench  measure the workbench in a browser, and its longer tests: finite elements, both widths"
 	@echo "make guides    draw the pictures of docs/how-to anew and compute every number of the guides"
 	@echo "make pins      resolve the pinned versions anew (needs a network)"
@@ -83,14 +82,14 @@ mutants: environment-test
 	nice $(BIN)/python -m mutants $(ARGS)
 
 faults: environment-test
-	nice $(BIN)/python scripts/faults.py $(ARGS)
+	$(ONE_THREAD) nice $(BIN)/python -m faults $(ARGS)
 	VALVETRAIN_LONG=1 nice $(PYTEST) tests/unit/test_study_dask.py
 
 # Another processor rounds elsewhere: the tests of limits and orders with the kernels of OpenBLAS for one from 2004.
 test-processor: environment-test
 	OPENBLAS_CORETYPE=Prescott $(PYTEST) -m "not slow and not long and not chromium and not calculix" tests/order tests/limits $(ARGS)
 
-# Benchmarks, scripts, fuzzer and seeded faults, each with its smallest input; test by test, as one file takes most of the time.
+# Benchmarks, scripts, faults and seeded faults, each with its smallest input; test by test, as one file takes most of the time.
 test-development: environment-test
 	$(PYTEST) --dist worksteal tests/development $(ARGS)
 
@@ -104,9 +103,6 @@ test-browser: environment-test parts
 
 test-long: environment-test parts
 	VALVETRAIN_LONG=1 $(PYTEST) -m long $(ARGS)
-
-fuzz: environment-test
-	$(ONE_THREAD) nice $(BIN)/python -m fuzz $(ARGS)
 
 workbench: environment-test parts
 	$(BIN)/python scripts/measure_workbench.py $(ARGS)

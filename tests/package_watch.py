@@ -44,14 +44,14 @@ def replaced(before: dict[tuple[str, str], object]) -> list[str]:
 
 
 def from_tests(value: object) -> bool:
-    """Whether a function is written in the tests or the fuzzer; watches that stay for the whole
+    """Whether a function is written in the tests or the faults; watches that stay for the whole
     session are not meant.
     """
     value = getattr(value, "func", value)  # of a partial
     if type(value).__module__ == "unittest.mock":
         return True
     folder = Path(getattr(getattr(value, "__code__", None), "co_filename", "/")).parent
-    return HERE in folder.parents or folder == HERE.parent / "fuzz"
+    return HERE in folder.parents or folder == HERE.parent / "faults"
 
 
 @pytest.fixture(autouse=True, scope="module")

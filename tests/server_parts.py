@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import http.client
+import json
 import os
+import random
 import resource
 import signal
 import socket
@@ -14,7 +16,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from workbench_parts import wait_for
+from valvetrain.workbench.job_process import write_inputs
+from valvetrain.workbench.jobs import JobRequest
+from valvetrain.workbench.requests import request_json
+from valvetrain.workbench.workspace import Workspace
+from workbench_parts import SMALL, wait_for
+
+PAGE = {"accept": "text/html"}
+#: What a text of this begins with, and what is repeated in it -> kept from costing more than its length.
+PATHOLOGICAL = {
+    "deep": "[" + ".".join("a" * 100_000) + "]\n",
+    "speeds": SMALL.replace('"4000 rpm"', '"' + "4000," * 600_000 + '4000 rpm"'),
+    "tables": "[[a]]\n" * 500_000,
+    "dotted": "".join(f"a{row}.{'.'.join('b' * 30)} = 1\n" for row in range(9_000)),
+    "escapes": 'a = "' + "\\n" * 2_000_000 + '"\n',
+}
 
 
 class Server:
@@ -172,3 +188,55 @@ def filled(folder: Path) -> Path:
             except OSError:
                 continue
     return path
+
+
+def queue(folder: Path, name: str) -> None:
+    """Put a job into the queue, as a page does."""
+    workspace, request = Workspace(folder), JobRequest("run", "small", ("massless",))
+    write_inputs(workspace, name, request, workspace.text("small"))
+    with workspace.store.connected() as base:
+        base.execute(
+            "INSERT INTO jobs (id, case_name, kind, request, state, created_at) VALUES (?, ?, ?, ?, 'queued', ?)",
+            (name, request.case, request.kind, request_json(request), time.time()),
+        )
+
+
+def job(server: Server) -> dict[str, object]:
+    """The newest job of the small case."""
+    status, _, body = server.get("/job/small")
+    assert status == 200, (status, body[:200], server.told[-2000:])
+    return json.loads(body) or {}
+
+
+def case_in(folder: Path, name: str | bytes, content: bytes = SMALL.encode()) -> Path:
+    """A case that somebody put there."""
+    path = os.path.join(os.fsencode(folder), b"cases", os.fsencode(name))
+    os.makedirs(path)
+    with open(os.path.join(path, b"case.toml"), "wb") as stream:
+        stream.write(content)
+    return Path(os.fsdecode(path))
+
+
+def damaged_answer(text: str, seed: int) -> bytes:
+    """A damaged ``run.json``, by a series of kinds."""
+    dice = random.Random(seed)
+    answer = json.loads(text)
+    answer.pop("checksum", None)
+    kinds = (
+        lambda: text[: dice.randrange(len(text))].encode(),
+        lambda: text.encode("utf-16"),
+        lambda: bytes(dice.randrange(256) for _ in range(300)),
+        lambda: b"[" * 100_000,
+        lambda: b"[]" * (seed % 2),
+        lambda: text.replace("small", "other").encode(),
+        lambda: json.dumps(answer | {dice.choice([*answer]): dice.choice(VALUES)}).encode(),
+        lambda: json.dumps(answer | {dice.choice(OTHER): dice.choice(VALUES)}).encode(),
+    )
+    return kinds[seed % len(kinds)]()
+
+
+#: What a damaged entry holds, and entries that a run may lack.
+VALUES = (None, 7, -1e308, "x", "\ud800", "<b>", [], [None], {}, {"a": [1]}, True, "a" * 3000, [{}])
+OTHER = (
+    "runs", "quantities", "quantities_by_label", "failures", "title", "verdict", "choices", "files", "command", "created_at",
+)  # fmt: skip

@@ -55,8 +55,8 @@ def test_everything_that_make_and_the_documents_start_exists():
         for name in re.findall(r"(?<!/)\b(?:scripts|tests)/[\w./-]+", MAKEFILE)
         if not (ROOT / name).exists()
     ]
-    modules = set(re.findall(r"-m (benchmarks|fuzz|mutants)\b", MAKEFILE))
-    assert modules == {"benchmarks", "fuzz", "mutants"} and all(
+    modules = set(re.findall(r"-m (benchmarks|faults|mutants)\b", MAKEFILE))
+    assert modules == {"benchmarks", "faults", "mutants"} and all(
         (ROOT / name / "__main__.py").exists() for name in modules
     )
     pages = [

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import random
 import re
 import shutil
 import socket
@@ -19,11 +18,19 @@ from urllib.parse import quote
 
 import pytest
 
-from server_parts import Server, disk, filled, may_mount, served
+from server_parts import (
+    PAGE,
+    PATHOLOGICAL,
+    case_in,
+    damaged_answer,
+    disk,
+    filled,
+    job,
+    may_mount,
+    queue,
+    served,
+)
 from valvetrain.parameters.loading import LIBRARY
-from valvetrain.workbench.job_process import write_inputs
-from valvetrain.workbench.jobs import JobRequest
-from valvetrain.workbench.requests import request_json
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, kept, wait_for
 
@@ -31,36 +38,8 @@ pytest.importorskip("nicegui")
 pytestmark = pytest.mark.skipif(
     os.name != "posix" or not may_mount(), reason="makes disks of its own, which takes root"
 )
-PAGE = {"accept": "text/html"}
 #: Longest time of a page while others do what they can (s), on a machine that does other things too.
 PATIENCE = 3.0
-
-
-def queue(folder: Path, name: str) -> None:
-    """Put a job into the queue, as a page does."""
-    workspace, request = Workspace(folder), JobRequest("run", "small", ("massless",))
-    write_inputs(workspace, name, request, workspace.text("small"))
-    with workspace.store.connected() as base:
-        base.execute(
-            "INSERT INTO jobs (id, case_name, kind, request, state, created_at) VALUES (?, ?, ?, ?, 'queued', ?)",
-            (name, request.case, request.kind, request_json(request), time.time()),
-        )
-
-
-def job(server: Server) -> dict[str, object]:
-    """The newest job of the small case."""
-    status, _, body = server.get("/job/small")
-    assert status == 200, (status, body[:200], server.told[-2000:])
-    return json.loads(body) or {}
-
-
-def case_in(folder: Path, name: str | bytes, content: bytes = SMALL.encode()) -> Path:
-    """A case that somebody put there."""
-    path = os.path.join(os.fsencode(folder), b"cases", os.fsencode(name))
-    os.makedirs(path)
-    with open(os.path.join(path, b"case.toml"), "wb") as stream:
-        stream.write(content)
-    return Path(os.fsdecode(path))
 
 
 @pytest.fixture(scope="module")
@@ -158,16 +137,6 @@ def test_what_a_terminal_obeys_is_not_logged(server):
     assert max(map(len, server.told.splitlines())) < 1000
 
 
-#: What a text of this begins with, and what is repeated in it -> kept from costing more than its length.
-PATHOLOGICAL = {
-    "deep": "[" + ".".join("a" * 100_000) + "]\n",
-    "speeds": SMALL.replace('"4000 rpm"', '"' + "4000," * 600_000 + '4000 rpm"'),
-    "tables": "[[a]]\n" * 500_000,
-    "dotted": "".join(f"a{row}.{'.'.join('b' * 30)} = 1\n" for row in range(9_000)),
-    "escapes": 'a = "' + "\\n" * 2_000_000 + '"\n',
-}
-
-
 def test_folders_as_people_make_them_are_listed_with_what_is_wrong(room, server):
     """Each of them failed the start page for everybody."""
     odd = {
@@ -230,38 +199,13 @@ def test_scripts_in_the_report_of_a_stranger_do_not_run(room, server):
     shutil.rmtree(room / "bench" / "runs")
 
 
-def damaged(text: str, seed: int) -> bytes:
-    """A damaged ``run.json``, by a series of kinds."""
-    dice = random.Random(seed)
-    answer = json.loads(text)
-    answer.pop("checksum", None)
-    kinds = (
-        lambda: text[: dice.randrange(len(text))].encode(),
-        lambda: text.encode("utf-16"),
-        lambda: bytes(dice.randrange(256) for _ in range(300)),
-        lambda: b"[" * 100_000,
-        lambda: b"[]" * (seed % 2),
-        lambda: text.replace("small", "other").encode(),
-        lambda: json.dumps(answer | {dice.choice([*answer]): dice.choice(VALUES)}).encode(),
-        lambda: json.dumps(answer | {dice.choice(OTHER): dice.choice(VALUES)}).encode(),
-    )
-    return kinds[seed % len(kinds)]()
-
-
-#: What a damaged entry holds, and entries that a run may lack.
-VALUES = (None, 7, -1e308, "x", "\ud800", "<b>", [], [None], {}, {"a": [1]}, True, "a" * 3000, [{}])
-OTHER = (
-    "runs", "quantities", "quantities_by_label", "failures", "title", "verdict", "choices", "files", "command", "created_at",
-)  # fmt: skip
-
-
 def test_damaged_runs_are_listed_and_say_so(room, server):
     """They were missing without a word, or failed the page."""
     bench = Workspace(room / "bench")
     for seed in range(48):
         run_id = kept(bench, created=f"2026-01-01T00:00:{seed:02}+00:00", report_html="<p>\xe4")
         path = bench.runs_folder / run_id / "run.json"
-        path.write_bytes(damaged(path.read_text("utf-8"), seed))
+        path.write_bytes(damaged_answer(path.read_text("utf-8"), seed))
         report = path.with_name("report.html")
         report.write_bytes((b"", b"\xff\xfe" * 9, b'<section id="a">\n<footer>')[seed % 3])
         for place in ("run", "part", "rest"):

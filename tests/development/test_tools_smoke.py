@@ -1,4 +1,4 @@
-"""Every tool of the repository runs with its smallest input: benchmarks, scripts, fuzzer and seeded
+"""Every tool of the repository runs with its smallest input: benchmarks, scripts, faults and seeded
 faults (``make bench`` and so on).
 """
 
@@ -20,7 +20,7 @@ TOOLS = [
     *(path.stem for path in sorted((ROOT / "scripts").glob("*.py"))),
     *(
         f"{folder}.{path.stem}"
-        for folder in ("benchmarks", "fuzz", "mutants")
+        for folder in ("benchmarks", "faults", "mutants")
         for path in sorted((ROOT / folder).glob("[!_]*.py"))
     ),
 ]
@@ -107,10 +107,9 @@ def test_rows_are_printed_and_saved(tmp_path):
     )
 
 
-def test_the_fuzzer_asks(tmp_path):
-    assert "cases" in run(
-        "-m", "fuzz", "--cases", "3", "--runs", "0", "--files", "1", "--workers", "1"
-    )
+@pytest.mark.slow
+def test_faults_break_no_promise():
+    assert "| commands killed, then started again | 1 |" in run("-m", "faults", "--most", "1")
 
 
 def test_faults_are_listed():
@@ -152,8 +151,3 @@ def test_a_draw_at_the_values_of_the_beehive_is_the_beehive():
     (run,) = vt.simulate(case, "4200 rpm", spring_models=["finite-element"]).solutions
     for name in ("stage_1_minimum_force", "stage_2_peak_force"):
         assert found[f"4200 {name}"] == pytest.approx(run.quantities[name], rel=1e-3)
-
-
-@pytest.mark.long
-def test_one_fault_of_a_process_breaks_no_promise():
-    assert "1 faults, 0 of them" in run("scripts/faults.py", "1")

@@ -147,9 +147,10 @@ class UnfinishedRun:
 
     def file_of(self, solution: Solution) -> Path | None:
         """The file that a solution was saved to."""
-        found = next((name for saved, name in self._files.values() if saved is solution), None)
-        path = self.folder / found if found is not None and self.folder is not None else None
-        return path if path is not None and path.is_file() else None
+        for saved, name in self._files.values():
+            if saved is solution and self.folder and (self.folder / name).is_file():
+                return self.folder / name
+        return None
 
     def begin(self, folder: Path) -> None:
         """Write into ``folder``, the final one, which is marked unless this run has marked one."""

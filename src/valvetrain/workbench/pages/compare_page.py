@@ -122,8 +122,8 @@ def compare_page(desk: Desk, a: str, b: str) -> None:
             return
         with tag("form", classes="row end compare", action="/compare", method="get"):
             first, second = two_runs(runs, a, b)
-            for name, label, chosen in (("a", "Run A", first), ("b", "Run B", second)):
-                _choice(name, label, chosen, runs)
+            for name, chosen in (("a", first), ("b", second)):
+                _choice(name, chosen, runs)
             tag("button", "Compare", "button main", type="submit")
         if a and b:
             Results(f"/part-compare?a={quote(a)}&b={quote(b)}", whole=True)
@@ -146,9 +146,9 @@ def two_runs(runs: Sequence[Run], a: str, b: str) -> tuple[str, str]:
     return same.run_id, newest
 
 
-def _choice(name: str, label: str, chosen: str, runs: Sequence[Run]) -> None:
+def _choice(name: str, chosen: str, runs: Sequence[Run]) -> None:
     with tag("div", classes="labelled"):
-        tag("label", label, for_=f"run-{name}")
+        tag("label", f"Run {name.upper()}", for_=f"run-{name}")
         with tag("select", id=f"run-{name}", name=name):
             for run in runs:
                 selected = "selected" if run.run_id == chosen else None
@@ -175,14 +175,10 @@ def comparison_part(desk: Desk, a: str, b: str) -> str:
         if key in first and key in second
     ]
     said = "".join(
-        f'<p class="verdict"><span>Run {label}: </span>{escape(first_sentence(run.verdict))}</p>'
+        f'<p class="verdict"><span>Run {label}: </span>{escape(sentence)}</p>'
         for label, run in (("A", one), ("B", other))
-        if run.verdict
-    )
-    said += "".join(
-        f'<p class="verdict"><span>Run {label} failed: </span>{escape(sentence)}</p>'
-        for label, run in (("A", one), ("B", other))
-        for sentence in run.failures[: answers.MAX_ROWS]
+        for sentence in (first_sentence(run.verdict), *run.failures[: answers.MAX_ROWS])
+        if sentence
     )
     return "".join(
         (

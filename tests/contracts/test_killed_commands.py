@@ -1,0 +1,69 @@
+"""Each command with a folder of results is killed by SIGKILL behind its first file, and takes that
+folder back.
+
+Evidence: processes that end at that moment. ``python -m faults`` repeats it at any moment.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+from faults.commands import COMMANDS, OBSERVED, answer_in, words, write_inputs
+
+from unit.cli_parts import call, process_environment
+from valvetrain.registry import places
+
+pytestmark = pytest.mark.skipif(
+    os.name != "posix", reason="kills by signals, which Windows does not have"
+)
+#: Commands without a folder of results.
+WITHOUT = {"cases", "check", "compare-runs", "modes", "new", "runs", "serve", "static"}
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    return write_inputs(tmp_path_factory.mktemp("killed"))
+
+
+def killed(command, folder, behind):
+    """What the command left that ended behind that file."""
+    (folder / "temporary").mkdir(exist_ok=True)
+    done = subprocess.run(
+        [sys.executable, "-c", OBSERVED, str(behind), *words(command)],
+        cwd=folder, env=process_environment(TMPDIR=str(folder / "temporary")), capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == -9, (done.returncode, done.stderr)
+    return {path.name for path in (folder / "out").iterdir()}
+
+
+def test_no_command_is_left_out():
+    assert {*COMMANDS} | WITHOUT == {*places("commands")}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_killed_command_takes_its_folder_back(command, inputs, tmp_path, monkeypatch):
+    """Seven of them refused it for ever."""
+    for path in inputs.iterdir():
+        (tmp_path / path.name).symlink_to(path)
+    left = killed(command, tmp_path, 1)
+    assert left and "run.json" not in left and not list((tmp_path / "temporary").iterdir())
+    monkeypatch.chdir(tmp_path)
+    again = call(*words(command))
+    assert again.exit_code == 0, again.output
+    assert answer_in(tmp_path / "out")
+    names = [path.name for path in (tmp_path / "out").rglob("*")]
+    assert not [name for name in names if name.endswith((".part", "runs.jsonl"))], names
+
+
+@pytest.mark.slow
+def test_a_search_leaves_nothing_in_the_temporary_directory(inputs, tmp_path):
+    """The file of Optuna stayed there."""
+    for path in inputs.iterdir():
+        (tmp_path / path.name).symlink_to(path)
+    for behind in (2, 3, 4):
+        killed("optimise", tmp_path, behind)
+        assert not list((tmp_path / "temporary").iterdir())
