@@ -16,7 +16,6 @@ from synthetic_study import own_study, published_study, sweep_study, train_study
 from system_parts import program
 from valvetrain.report.page import charts, render
 from valvetrain.report.study import study_page
-from valvetrain.solution.definition import topics
 
 pytestmark = pytest.mark.chromium
 
@@ -31,9 +30,6 @@ window.addEventListener("error", (event) => seen.errors.push(String(event.messag
 window.addEventListener("unhandledrejection", (event) => seen.errors.push(String(event.reason)));
 </script>
 """
-#: A page of a narrow window shows its verdict, its picture and the titles of its sections: so many
-#: screens of 844 px at most.
-SCREENS = {"own": 5, "published": 5, "train": 5, "sweep": 3}
 #: Stands last: notes what is folded and follows a link, then opens every tab and every detail, as a reader would, then writes down what was seen.
 ASK = """
 <script>
@@ -166,35 +162,6 @@ def test_nothing_is_cut_off_and_nothing_scrolls_sideways(visit):
     assert seen["wider"] <= 0
     assert seen["outside"] == []
     assert seen["hidden"] == 0
-
-
-def test_a_narrow_page_folds_its_sections_and_a_link_opens_its_own(visit, request):
-    """Contract: verdict and picture first, the rest a touch away; a wide page shows everything."""
-    page, width, seen, _ = visit
-    name = request.node.callspec.params["visit"][0]
-    assert len(seen["folded"]) == len([one for one in page.sections if not one.folded])
-    assert seen["folded"] == [width < 900] * len(seen["folded"]) and seen["led"]
-    assert width > 900 or seen["height"] < 844 * SCREENS[name]
-
-
-def test_the_picture_begins_on_the_first_screen(visit):
-    """Contract: whatever the sentence and its figures say, a third of a screen is left to the picture."""
-    _, _, seen, _ = visit
-    assert 0 < seen["picture"] < 844 * 2 / 3
-
-
-def test_the_picture_of_a_train_leaves_half_of_the_first_screen_to_its_sentence(visit, request):
-    """Contract: under ten lines of a phone the panel of the force ended below the first screen."""
-    _, _, seen, _ = visit
-    if request.node.callspec.params["visit"][0] == "train":
-        assert 0 < seen["bottom"] - seen["picture"] < 460
-
-
-def test_the_first_screen_answers_in_order(visit):
-    _, _, seen, _ = visit
-    assert seen["cards"] and seen["cards"] == [
-        topic for topic in topics() if topic in seen["cards"]
-    ]
 
 
 def test_the_watch_catches_what_it_should(tmp_path):

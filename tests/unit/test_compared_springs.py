@@ -17,7 +17,6 @@ from valvetrain.quantities.stress import most_force_of_wire
 from valvetrain.report.run_clauses import judged_runs
 from valvetrain.report.springs_stress import wire_stress
 from valvetrain.report.study import study_page
-from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.runs import run as run_module
 from valvetrain.runs.compare_springs import compared, with_two_springs
 from valvetrain.runs.notes import beyond_wire_notes
@@ -107,18 +106,6 @@ def test_the_first_sentence_says_which_is_stressed_more(study):
             for one in runs.solutions
         ]  # fmt: skip
         assert found is not None and found.amplitude == pytest.approx(max(halves))
-
-
-def test_the_marks_of_its_picture_say_which_spring(study):
-    """Contract: every critical speed found is marked with the name of its spring."""
-    chart = regime_chart(study)
-    marks = {rule.label for rule in chart.panels[0].rules}
-    for row in study.critical_speeds:
-        if row.found:
-            word = "contact" if row.kind == "contact-loss" else row.kind
-            name = row.label.partition(",")[0]
-            assert f"{name} {word} {row.engine_speed / RPM:.0f}" in marks
-    assert {row.label for row in study.critical_speeds if row.found}
 
 
 def test_both_contact_losses_are_in_the_sentence(study):

@@ -1,6 +1,4 @@
-"""Bars in the cells of the terminal: whose they are, when they are left out, and how they give way
-to a narrow table.
-"""
+"""Bars in the cells of the terminal: whose they are, and when they are left out."""
 
 from __future__ import annotations
 
@@ -8,12 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from synthetic_study import train_run, train_study
-from valvetrain.cli.answers import show_study
-from valvetrain.cli.outcome import output_console
-from valvetrain.cli.published import NARROW, RESTS, ErrorBars, fitting
+from valvetrain.cli.published import RESTS, ErrorBars
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
-from valvetrain.solution.uncertainty import ErrorBars as StudyBars
 from valvetrain.solution.uncertainty import Uncertainty
 
 SPEED = 418.879
@@ -69,32 +63,6 @@ def test_no_bar_of_another_number_and_none_that_moves_no_digit(value, numerical,
     assert (
         "±" not in held.cells(row("peak_spring_force", value), (HeadlineColumn("stock", speed),))[0]
     )
-
-
-@pytest.mark.parametrize(("wide", "between"), [(NARROW, " "), (NARROW + 2, ""), (NARROW + 4, None)])
-def test_bars_stand_closer_in_a_table_of_eighty_columns_and_never_give_way(wide, between):
-    """Contract: trains of four labels lost them; None lets the table be parted."""
-    chosen = fitting(
-        bars("peak_spring_force", 965.0, 2.0),
-        lambda one: wide - {" ": 0, "": 2}[one.between] if one.rows else NARROW,
-    )
-    assert (chosen and chosen.between) == between
-
-
-def test_four_trains_side_by_side_keep_their_bars(tmp_path, monkeypatch):
-    """Contract: 0.208 ± 0.21 ms stood without its bar beside labels that fill the width."""
-    labels = [f"performance with a name, zeta {number}" for number in range(4)]
-    runs = [train_run(label=one) for one in labels]
-    value = runs[0].quantities["peak_retainer_force"]
-    name, speed, same = "peak_retainer_force", runs[0].engine_speed, (value, value)
-    rows = [
-        Uncertainty(name, speed, value, 2.0, None, value, 0.0, same, same, one) for one in labels
-    ]
-    study = replace(train_study(), solutions=tuple(runs), error_bars=StudyBars(tuple(rows)))
-    console = output_console()
-    with console.capture() as told:
-        show_study(console, study, tmp_path, None)
-    assert told.get().count("±") == 4
 
 
 def test_a_range_stands_below_its_value_and_a_mark_where_none_was_computed():

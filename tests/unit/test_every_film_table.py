@@ -10,7 +10,7 @@ import pytest
 from valvetrain.film import page as made
 from valvetrain.film.cycles import CoilPeak
 from valvetrain.film.surge import SurgeFit, SurgeLine
-from valvetrain.report.page import Figure, Grid, Text
+from valvetrain.report.page import Figure, Grid
 
 PEAKS = (
     CoilPeak(1, 2e-3, 4e-5, 1e-5, 7),
@@ -72,51 +72,6 @@ def sections(monkeypatch):
     return lambda *given, **more: {one.key: one for one in made.film_page(*given, **more).sections}
 
 
-def shape(section) -> list[str]:
-    """Figures by name, tables by their first head, sentences in full."""
-    return [
-        one.chart
-        if isinstance(one, Figure)
-        else one.headers[0]
-        if isinstance(one, Grid)
-        else one.html
-        for one in section.blocks
-    ]
-
-
-@pytest.mark.parametrize("beside", [False, True])
-@pytest.mark.parametrize("peaks", [(), PEAKS])
-@pytest.mark.parametrize("surge", [None, lines((500.0, 0.01))])
-def test_a_section_stands_where_there_is_something_to_tell(sections, beside, peaks, surge):
-    found = sections(film(peaks=peaks, surge=surge), model() if beside else None)
-    expected = {"motion": ["displacement", "space_time"] if beside else ["space_time"]}
-    expected |= {"peaks": ["peaks", "coil"]} if peaks else {}
-    apart = "Film less model, root mean square over the turn by coil: 0.01, 0.0346, 0.02 mm; most at coil 2."
-    expected |= {"model": ["line of the film", apart, "Of the model."]} if beside else {}
-    expected |= {
-        "surge": ["decay", "line", "spectrum"] if surge else ["decay", "spectrum"],
-        "found": ["First note.", "Second note."],
-    }
-    assert {key: shape(one) for key, one in found.items()} == expected and list(found) == list(
-        expected
-    )
-    assert not beside or found["model"].title == "Compared with the case beehive"
-
-
-def test_a_film_of_a_decay_opens_with_it(monkeypatch):
-    """No cam turns, so nothing is drawn over its angle; the page had no picture."""
-    for name in DRAWN:
-        monkeypatch.setattr(made, f"{name}_chart", name)
-    drawn = {"displacement": ()}
-    monkeypatch.setattr(
-        made, "figure_or_gap", lambda title, chart, *_: drawn.get(chart, (Figure(chart),))
-    )
-    page = made.film_page(film(phase=None))
-    assert [one.chart for one in page.picture] == ["decay"]
-    surge = next(one for one in page.sections if one.key == "surge")
-    assert shape(surge) == ["line", "spectrum"]
-
-
 def cells(section, first: str) -> list[list[str]]:
     (grid,) = (one for one in section.blocks if isinstance(one, Grid) and one.headers[0] == first)
     assert all(cell.tone == "number" for row, _ in grid.rows for cell in row)
@@ -171,30 +126,3 @@ def test_surge_lines_stand_beside_the_nearest_of_the_run_within_a_tenth(sections
     for motion, beside, rows in ((film(surge=None), model(), 0), (film(), model(surge=None), 2)):
         bare = cells(sections(motion, beside)["model"], "line of the film")[1:]
         assert len(bare) == rows and all(row[2:] == ["–", "–"] for row in bare)
-
-
-def test_facts_and_lead_say_what_was_filmed(monkeypatch, sections):
-    facts = dict(made.film_facts(film()))
-    assert facts == {
-        "film": "600 frames of 640 x 480 px, 8000 a second",
-        "coils": "3",
-        "place of a coil within": "0.05 px = 10 µm",
-        "cam speed": "1000 ±1.9 rpm, by the marker",
-        "turns": "7",
-    }
-    exact = SimpleNamespace(cam_speed=1000 * np.pi / 30, spread=0.0, by="lift")
-    assert (
-        dict(made.film_facts(film(phase=exact, peaks=())))["cam speed"] == "1000 rpm, by the lift"
-    )
-    still = dict(made.film_facts(film(phase=None)))
-    assert still["cam"] == "does not turn" and not {"cam speed", "turns"} & set(still)
-    assert dict(made.film_facts(film(peaks=())))["turns"] == "0"
-    for synthetic in (False, True):
-        page = made.film_page(film(), synthetic=synthetic)
-        assert (
-            page.lead.endswith("it was computed, not taken.") is synthetic
-            and page.title == "film.avi"
-        )
-        assert all(
-            not isinstance(one, Text) or one.tone == "note" for one in page.sections[-1].blocks
-        )

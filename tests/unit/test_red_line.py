@@ -11,7 +11,6 @@ from synthetic_study import train_study
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
-from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.solution.critical import (
     CriticalSpeed,
     CriticalSpeeds,
@@ -93,13 +92,6 @@ def test_a_sweep_without_search_says_it_of_its_runs():
     lost = replace(study.solutions[1], quantities={"loss_of_contact_duration": 1e-3})
     study = replace(study, solutions=(study.solutions[0], lost))
     assert "first at 7000 rpm, 800 rpm above the red line of 6200" in study.verdict
-
-
-def test_the_picture_of_a_sweep_marks_the_red_line():
-    """Contract: one rule across the upper panel."""
-    rules = regime_chart(sweep(6200, row(6598))).panels[0].rules
-    assert [rule.label for rule in rules if rule.label.startswith("red")] == ["red line 6200"]
-    assert not any("red" in rule.label for rule in regime_chart(sweep(None, row(6598))).panels[0].rules)  # fmt: skip
 
 
 def test_a_case_states_its_red_line_in_crank_speed():

@@ -25,14 +25,13 @@ from synthetic_study import (
 from valvetrain.errors import InputError
 from valvetrain.registry import find
 from valvetrain.registry import names as registered_names
-from valvetrain.report import page as page_module
 from valvetrain.report import study as write
 from valvetrain.report.json import study_json
 from valvetrain.report.page import Page, Section, charts, render, text
 from valvetrain.report.read_page import PageSentence, sections_of
 from valvetrain.report.study import study_page, write_study
 from valvetrain.report.table import comparison_table
-from valvetrain.report.text import number, percent, speed_text, unit_text
+from valvetrain.report.text import speed_text
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import Status
@@ -102,21 +101,6 @@ def test_every_page_alike_carries_values_runs_and_papers(written):
     assert (
         "On made-up springs" in html and "own drawing" in html and "The case file, resolved" in html
     )
-
-
-def test_only_a_published_case_speaks_of_a_source():
-    for name in ("own", "train", "sweep"):
-        html = own_words(render(study_page(STUDIES[name]()))).split("<script")[0]
-        assert not re.search(r"Stage|Node|[Pp]ublished|gu2021|source of|the source's", html), name
-
-
-def test_published_values_come_after_the_answers():
-    keys = [section.key for section in study_page(published_study()).sections]
-    assert keys[:3] == ["answers", "published", "gu2021"]
-    changed = study_page(replace(published_study(), comparisons=(), findings=(), notes=()))
-    assert "gu2021" not in [
-        section.key for section in changed.sections
-    ]  # other values or speeds: nothing of the source
 
 
 def test_files_are_read_back(tmp_path):
@@ -314,16 +298,6 @@ def test_a_page_without_charts_carries_no_plotting_library():
     assert len(render(Page("t", "k", "l", (), (Section("a", "A", (text("b"),)),)))) < 30_000
 
 
-def test_long_prose_stands_behind_a_word_to_click():
-    short, long = (
-        page_module.prose(("One. Two. Three.",), "more"),
-        page_module.prose(("One. Two.", "Three. Four."), "more"),
-    )
-    assert [block.kind for block in short] == ["text"] and [block.kind for block in long] == [
-        "details"
-    ]
-
-
 def test_one_json_shape_for_every_study():
     shapes = {name: study_json(make()) for name, make in STUDIES.items()}
     assert len({tuple(shape) for shape in shapes.values()}) == 1
@@ -361,29 +335,3 @@ def test_every_number_of_the_study_is_in_its_json():
 def test_sections_are_listed_once_and_load():
     keys = [find("sections", word).key for word in registered_names("sections")]
     assert len(set(keys)) == len(keys) and keys[0] == "answers"
-
-
-@pytest.mark.parametrize(
-    ("value", "shown"),
-    [
-        (289.0, "289"),
-        (0.0, "0"),
-        (-0.191, "−0.191"),
-        (1.03e8, "1.03·10⁸"),
-        (2.5e-6, "2.5·10⁻⁶"),
-        (826.013, "826"),
-        (None, "–"),
-    ],
-)
-def test_numbers_as_printed(value, shown):
-    assert number(value) == shown
-
-
-def test_names_and_units_as_printed():
-    assert [percent(share) for share in (-4e-4, 4e-4, -0.0123, 1.5)] == [
-        "0.0 %",
-        "0.0 %",
-        "−1.2 %",
-        "+150.0 %",
-    ]
-    assert (unit_text("mm/s^2"), unit_text("us"), unit_text("um")) == ("mm/s²", "µs", "µm")

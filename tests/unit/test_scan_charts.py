@@ -13,17 +13,13 @@ import pytest
 from unit.test_result_display import RPM, curve, solution
 from valvetrain.report.chart import Chart
 from valvetrain.scan.page import (
-    COIL,
     DESIGN,
     SCAN,
-    cloud_chart,
     curves_chart,
     difference_chart,
     force_chart,
     motion_chart,
     residual_chart,
-    section_chart,
-    wire_in_frame,
 )
 from valvetrain.scan.result import ScanCurves, WireSection
 
@@ -54,38 +50,6 @@ def scan(long_axis=4.2e-3, short_axis=3.8e-3, inclination=0.3):
 
 def layers(panel):
     return {one.name: one for one in panel.layers}
-
-
-def test_the_section_shows_its_points_its_ellipse_and_every_turn():
-    around, along = section_chart(scan()).panels
-    found = layers(around)
-    points, ellipse = found["point of the scan"], found["fitted ellipse"]
-    assert [points.x, points.y] == [
-        pytest.approx(1e3 * SHOWN[:, 0]),
-        pytest.approx(1e3 * SHOWN[:, 1]),
-    ]
-    long = np.cos(0.3) * ellipse.x + np.sin(0.3) * ellipse.y
-    short = np.cos(0.3) * ellipse.y - np.sin(0.3) * ellipse.x
-    assert (long / 2.1) ** 2 + (short / 1.9) ** 2 == pytest.approx(np.ones(len(long))) and np.max(
-        long
-    ) == pytest.approx(2.1)
-    assert (around.x_label, along.x_label, along.y_label) == (
-        "from the wire axis outward (mm)",
-        COIL,
-        "mean wire diameter (mm)",
-    )
-    found = layers(along)
-    marks, bars, whole = found["mean of a turn"], found["95 % of a turn"], found["whole wire"]
-    assert marks.x.tolist() == [0.5, 1.5, 2.5] and marks.y == pytest.approx([4.01, 4.02, 3.99])
-    assert bars.x.tolist() == [0.5] * 3 + [1.5] * 3 + [2.5] * 3
-    ends = [4.006, 4.014, np.nan, 4.014, 4.026, np.nan, 3.98, 4.0, np.nan]
-    assert bars.y == pytest.approx(ends, nan_ok=True)
-    assert (whole.x.tolist(), whole.y) == ([0.0, 5.0], pytest.approx([4.0, 4.0]))
-
-
-def test_a_round_wire_has_a_circle():
-    circle = layers(section_chart(scan(4e-3, 4e-3)).panels[0])["fitted circle"]
-    assert np.hypot(circle.x, circle.y) == pytest.approx(np.full(len(circle.x), 2.0))
 
 
 def test_the_curves_are_outer_diameter_height_and_pitch_with_two_deviations_either_way():
@@ -249,50 +213,3 @@ def test_the_force_of_both_stands_over_the_cam_angle_of_its_own_speed_and_model(
         motion_chart(found, 5000 * RPM, "rod") is None
         and motion_chart(found, 4200 * RPM, "chain") is None
     )
-
-
-def test_the_cloud_is_seen_from_the_front_and_from_the_side():
-    """A helix of radius 12 mm about an axis along x through (1, 2, 3) mm; the lower tip, to which
-    the first view is turned, points to y.
-    """
-    coil = np.linspace(0.0, 3.0, 181)
-    turn = 2 * np.pi * coil
-    axis = np.array([1e-3, 2e-3, 3e-3])
-    line = axis + np.column_stack([6e-3 * coil, 12e-3 * np.cos(turn), 12e-3 * np.sin(turn)])
-    curves = ScanCurves(
-        coil, np.full(181, 24e-3), *[6e-3 * coil + 1e-3] * 2, *[np.full(181, 6e-3)] * 3, line
-    )
-    made = SimpleNamespace(
-        curves=curves,
-        axis_point=axis,
-        axis_direction=np.array([1.0, 0.0, 0.0]),
-        shown=line[::30],
-        section=scan().section,
-        points_read=900,
-        points_fitted=800,
-    )
-    places = wire_in_frame(made)
-    fine = np.linspace(0, 3, 180)
-    assert places == pytest.approx(
-        np.column_stack(
-            [12e-3 * np.cos(2 * np.pi * fine), 12e-3 * np.sin(2 * np.pi * fine), 6e-3 * fine]
-        ),
-        abs=5e-6,
-    )
-    chart = cloud_chart(made)
-    assert chart.caption.startswith("900 points read, 800 fitted") and (
-        chart.columns,
-        chart.rows,
-    ) == (2, 1)
-    for panel, side in zip(chart.panels, (np.cos, np.sin), strict=True):
-        marks, wire = panel.layers
-        assert marks.x == pytest.approx(
-            12 * side(turn[::30]), abs=1e-9
-        ) and marks.y == pytest.approx(6 * coil[::30] + 1)
-        assert wire.x == pytest.approx(
-            12 * side(2 * np.pi * fine), abs=5e-3
-        ) and wire.y == pytest.approx(6 * fine + 1)
-        assert (
-            panel.x_range == pytest.approx((-20.96, 20.96), abs=1e-2)
-            and panel.y_label == "along the axis (mm)"
-        )

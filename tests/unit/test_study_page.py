@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import re
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +21,7 @@ from valvetrain.explore.study_page import (
 )
 from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyTable
-from valvetrain.report.page import Details, Grid, Text, charts, render
+from valvetrain.report.page import Text, charts, render
 from valvetrain.report.plotly_chart import figure
 from valvetrain.report.svg_chart import svg
 from valvetrain.solution.status import COMPLETED, Status
@@ -62,17 +61,6 @@ def made(kind="points", sampler="latin-hypercube", function=None, failed=()) -> 
 
 def titles(table) -> list[str]:
     return [chart.title for chart in charts(points_page(table))]
-
-
-def test_a_page_of_draws_has_scatter_map_and_main_effects():
-    found = " / ".join(titles(made()))
-    for words in (
-        "How the outputs scatter",
-        "Peak spring force below 10 kHz over both quantities",
-        "Peak spring force below 10 kHz over what is varied",
-    ):
-        assert words in found
-    assert "Peak valve lift over both" not in found  # it never changes
 
 
 def test_a_page_of_tolerances_has_the_shares_in_a_figure_and_a_table():
@@ -180,25 +168,6 @@ def test_a_surrogate_of_a_smooth_function_predicts_each_point_from_the_others():
     )
 
 
-def test_the_sentence_of_a_surrogate_is_of_its_ranges_and_its_picture_is_the_map():
-    """Known truth: five sixths of the variance by one of two even inputs; draws of a range are no scatter."""
-    pytest.importorskip("sklearn")
-
-    def model(unit):
-        compression, lift = ((column - column.mean()) / column.std() for column in unit.T)
-        return 800 + 10 * np.sqrt(5) * compression - 10 * lift
-
-    table = made("surrogate", function=model)
-    assert "draws" not in table.verdict and re.match(
-        r"The peak spring force below 10 kHz is [\d.]+ to [\d.]+ N over the ranges and rises most with installed "
-        r"<i>compression</i> \(8[2-4] % of its variance\); the surrogate errs by less than 0.1 % of its scatter\.$",
-        table.verdict,
-    )
-    assert ", less than 0.1 % of their scatter." in table.surrogates[0].sentence
-    assert titles(table)[0].startswith("Peak spring force below 10 kHz over both quantities")
-    assert any(title.startswith("How the outputs scatter") for title in titles(table)[1:])
-
-
 def test_the_colours_of_a_map_are_the_values_themselves():
     """Contract: the scale of forces near 800 N begins at the least of them and reads in N, not above it."""
     charts_of = [one for one in charts(points_page(made())) if "over both" in one.title]
@@ -209,21 +178,6 @@ def test_the_colours_of_a_map_are_the_values_themselves():
     axis = figure(charts_of[0])["layout"]["coloraxis"]
     assert (axis["cmin"], axis["cmax"]) == (heat.low, heat.top)
     assert f">{int(-(-heat.low // 10) * 10)}" in svg(charts_of[0])
-
-
-def test_a_figure_of_levels_has_room_for_its_first_and_last_dot():
-    """The dot at either end was half cut by the axis; one varied quantity is named in the title."""
-    text = TEXT.format(kind="points", sampler="grid").replace("count = 256", "levels = 5")
-    plan = read_plan(StudyText(text, "study", Path()))
-    inputs = plan.sampler.first(plan.varied, plan.options)
-    table = StudyTable(
-        plan, inputs, plan.runs * 25, np.repeat(inputs[:, :1], 2, 1), (COMPLETED,) * 25
-    )
-    chart = next(one for one in charts(points_page(table)) if "over what" in one.title)
-    for panel in chart.panels:
-        low, high = panel.x_range
-        marks = panel.layers[0]
-        assert low < marks.x.min() and marks.x.max() < high
 
 
 def test_a_surrogate_of_noise_says_that_it_does_not_stand_for_a_run():
@@ -251,11 +205,6 @@ def test_a_surrogate_of_few_points_is_not_made():
     )
 
 
-def test_a_row_stands_in_words():
-    table = made()
-    assert table.row_label(0).endswith("6000 rpm, massless") and "mm" in table.row_label(0)
-
-
 def many_runs(count: int, failed=()) -> StudyTable:
     """A grid of five levels each at ``count`` speeds from 3000 rpm on, 100 rpm apart."""
     speeds = ", ".join(f'"{3000 + 100 * place} rpm"' for place in range(count))
@@ -273,23 +222,6 @@ def many_runs(count: int, failed=()) -> StudyTable:
     ]
     values[list(failed)] = np.nan
     return StudyTable(plan, inputs, plan.runs * 25, values, tuple(statuses))
-
-
-@pytest.mark.parametrize(
-    ("count", "drawn", "notes"), [(12, 12, []), (13, 12, ["Figures of the first 12 runs follow."])]
-)
-def test_the_first_runs_have_figures_and_all_have_answers(count, drawn, notes):
-    sections = {one.key: one for one in points_page(many_runs(count)).sections}
-    assert list(sections) == ["answers", *(f"run-{place}" for place in range(drawn)), "asked"]
-    answers = sections["answers"]
-    (grid,) = (one for one in answers.blocks if isinstance(one, Grid))
-    (rest,) = (one for one in answers.blocks if isinstance(one, Details))
-    assert answers.title == "What comes out" and len(grid.rows) == 12
-    assert len(grid.rows) + len(rest.blocks[0].rows) == min(25 * count, 300)
-    runs = [f"{3000 + 100 * place} rpm, massless" for place in range(count)]
-    assert [row[0][3].text for row in grid.rows] == runs[:12]
-    assert [one.html for one in answers.blocks if isinstance(one, Text)] == notes
-    assert [sections[f"run-{place}"].title for place in range(drawn)] == runs[:drawn]
 
 
 @pytest.mark.parametrize(
@@ -466,38 +398,3 @@ vary = [{ key = "spring.precompression", values = ["7 mm", "9 mm", "11 mm"] }]
     assert clash_panel.layers[0].x.tolist() == pytest.approx([1.5, 3.5, 5.5])
     assert surge_panel.layers[0].y.tolist() == pytest.approx([19.0, 33.0, 24.0])
     assert [(one.first, one.last) for one in surge_panel.bands] == [(1.5, 1.8)]
-
-
-def test_the_picture_of_a_study_shows_what_its_sentence_is_about():
-    """The first output was drawn, which of springs side by side is what was put in."""
-    names = ("outer_coil_bind_clearance", "clash_energy")
-    table = listed([7.0, 9.0], [1.0, 1.1], [5.74e-3, 3.74e-3], names=names)
-    assert (
-        "clash energy" in table.verdict
-        and charts(points_page(table))[0].key == "clash_energy-values"
-    )
-
-
-def test_a_label_of_many_values_is_shortened_to_its_line():
-    label = "a name that is much too long for the side of a figure"
-    text = LIST.format(
-        first=["7 mm", "8 mm"], second=[1.0, 1.1], names=("peak_spring_force", "preload")
-    )
-    plan = read_plan(StudyText(text.replace('"compression"', f'"{label}"'), "study", Path()))
-    inputs = plan.sampler.first(plan.varied, plan.options)
-    values = np.array([[1.0, 2.0, 9e-3], [2.0, 3.0, 9e-3]])
-    table = StudyTable(plan, inputs, plan.runs * 2, values, (COMPLETED,) * 2)
-    (panel,) = charts(points_page(table))[0].panels
-    assert [word for _, word in panel.y_tick_labels] == [
-        "point 1: 7 mm, × 1",
-        "point 2: 8 mm, × 1.1",
-    ]
-
-
-def test_on_a_narrow_page_every_line_of_a_list_bears_its_label():
-    """The labels have no room beside the lines there, and without them no value has an owner."""
-    (chart, *_) = charts(points_page(listed([7.0, 8.0], [1.0, 1.1], [290.0, 310.0])))
-    drawn = figure(chart)
-    texts = [one["text"] for one in drawn["narrow"]["annotations"]]
-    assert "compression 7 mm, lift factor × 1" in texts
-    assert "compression 7 mm, lift factor × 1" in drawn["layout"]["yaxis"]["ticktext"]

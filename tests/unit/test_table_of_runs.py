@@ -1,6 +1,4 @@
-"""Unit: how it was computed: a row for each run and each spring at rest, then the versions, on the
-page of a study.
-"""
+"""Unit: how it was computed: a row for each run and each spring at rest, on the page of a study."""
 
 from __future__ import annotations
 
@@ -11,7 +9,7 @@ import pytest
 
 from synthetic_study import at_rest, own_study, rod_run
 from valvetrain.registry import find
-from valvetrain.report.page import Details, Grid, Text
+from valvetrain.report.page import Grid, Text
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
@@ -106,23 +104,3 @@ def test_a_spring_at_rest_that_did_not_end_says_so(place):
     ]
     grid, _ = blocks(study(rest=(replace(first, curve=None, modes=None),)))
     assert cells(grid)[2][2] == ("", "good")
-
-
-@pytest.mark.parametrize(("count", "folded"), [(0, None), (1, False), (12, False), (13, True)])
-def test_a_long_table_is_folded_and_an_empty_one_left_out(count, folded):
-    found = blocks(study(rest=(), solutions=study().solutions[:1] * count))
-    shown, versions = found[:-1], found[-1]
-    assert (
-        versions.html.startswith("Versions: ")
-        and [type(one) for one in shown] == {None: [], False: [Grid], True: [Details]}[folded]
-    )
-    if folded:
-        assert (
-            shown[0].summary == "Options and statistics of 13 runs"
-            and len(shown[0].blocks[0].rows) == 13
-        )
-
-
-def test_a_study_that_keeps_no_versions_says_so():
-    (words,) = blocks(Study(CaseRecord("own"), "run", (), provenance=Provenance("own", "")))
-    assert words.html == "Versions: not recorded."

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +15,6 @@ from synthetic_study import SPEED, modal_run, own_study, rod_run
 from valvetrain.compare_test import compare as compare_test
 from valvetrain.compare_test.comparison import SharedErrors
 from valvetrain.compare_test.page import write_compare_test
-from valvetrain.compare_test.summary import text_of_test
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import MeasuredValue, ValueTable
 
@@ -133,30 +131,3 @@ def test_the_files_of_cycles_hold_the_cam_angle_in_degrees_the_mean_and_every_ru
     assert len(found.runs) == 2 and list(told) == list(known)
     for name, column in known.items():
         assert told[name] == pytest.approx(column, rel=1e-8, abs=1e-6), name
-
-
-@pytest.mark.parametrize(
-    ("rpm", "source", "synthetic", "said"),
-    [
-        (9000.0, "", False, "spring force, 3 cycles of 8 angles at 9000 rpm of the crank"),
-        (
-            8999.995108,
-            "log.csv",
-            False,
-            "spring force, 3 cycles of 8 angles at 9000 rpm of the crank, log.csv",
-        ),  # measured, with noise
-        (
-            4132.5678,
-            "",
-            True,
-            "synthetic, not measured: spring force, 3 cycles of 8 angles at 4132.57 rpm of the crank",
-        ),
-        (0.0, "log.csv", False, "spring force, 3 cycles of 8 angles, log.csv"),
-    ],
-)
-def test_a_test_of_cycles_in_one_line(rpm, source, synthetic, said):
-    angle = np.arange(8) * np.pi / 4
-    test = MeasuredCycles(
-        "spring_force", "N", angle, np.full((3, 8), 500.0), rpm * np.pi / 60, source, synthetic
-    )
-    assert text_of_test(SimpleNamespace(test=test)) == said
