@@ -132,7 +132,7 @@ def plausible_page() -> str:
     for kind, ranges in TABLES.items():
         for one in ranges:
             low, high = (
-                ("" if math.isinf(value) else f"{value / one.scale:g} {one.unit}")
+                ("" if math.isinf(value) else f"{value / one.scale:g} {one.unit}".strip())
                 for value in (one.low, one.high)
             )
             names = ", ".join(

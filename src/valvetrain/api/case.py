@@ -131,7 +131,7 @@ class Case:
         ['operation.cycles']
         """
         made = {
-            path: REMOVED if value is None else as_table(value, tuple(path.split(".")))
+            path: REMOVED if value is None else as_table(value, tuple(file_key(path).split(".")))
             for path, value in (changes or {}).items()
         }
         new = object.__new__(Case)

@@ -59,11 +59,12 @@ _IN_OBJECT = re.compile(
 
 
 def file_key(key: str) -> str:
-    """A key as case files have it.
+    """A key as case files have it; places in a list are ``[0]`` or ``.0``.
 
-    >>> file_key("springs.0.wire.wire_diameter"), file_key("train.springs.nested.1.wire.pitch")
+    >>> file_key("springs.0.wire.wire_diameter"), file_key("train.springs.nested[1].wire.pitch")
     ('spring.wire_diameter', 'train.springs.nested.1.pitch')
     """
+    key = re.sub(r"\[(\d+)\]", r".\1", key)
     found = _IN_OBJECT.match(key)
     return key if found is None else f"{found['train'] or 'spring'}.{key[found.end() :]}"
 

@@ -38,6 +38,8 @@ from valvetrain.parameters.schema_types import (
 from valvetrain.parameters.spring_options import options_problem, options_table
 
 _CONTACT, _RUBBING = CoilContact(), Rubbing()
+#: Shorter compressions (m) come from rounding: the spring is installed at its free length.
+ROUNDING = 1e-9
 EndContact = Literal["lifting", "bonded"]
 END_CONTACT = Field(
     default=None,
@@ -195,6 +197,8 @@ class WireBlock(SpringModel):
             if self.installed_height is None
             else wire.free_length - self.installed_height
         )
+        if abs(compression) < ROUNDING:
+            compression = 0.0
         if compression < 0:
             remedy = f"its free length is {wire.free_length * 1e3:.4g} mm; lower installed_height or raise precompression"
             raise problem(f"the spring would be stretched, not compressed: {remedy}", (given,))

@@ -41,7 +41,9 @@ class PlausibleRange:
             return ""
         bound = self.high if not value < self.low else self.low
         side = "above" if bound == self.high else "below"
-        return f"{self.label} is {value / self.scale:.4g} {self.unit}, {side} {bound / self.scale:g} {self.unit}: {self.reason}"
+        found = f"{value / self.scale:.4g} {self.unit}".strip()
+        limit = f"{bound / self.scale:g} {self.unit}".strip()
+        return f"{self.label} is {found}, {side} {limit}: {self.reason}"
 
 
 def _range(
@@ -94,7 +96,7 @@ ACCELERATION = _range(
     "racing valves reach about 1e5 m/s²; no contact of a valvetrain survives much more",
 )
 MOTION = (MIN_LIFT, MAX_LIFT, SPEED, ACCELERATION)
-#: Of parts: a force that holds a part in its guide.
+#: Of parts: a force that holds a part in its guide, what rubs, and wires.
 GUIDE_FRICTION = _range(
     "the friction in a guide",
     "friction",
@@ -104,7 +106,12 @@ GUIDE_FRICTION = _range(
     1.0,
     "guides of valves and tappets take some 10 N",
 )
-PARTS = (GUIDE_FRICTION,)
+PARTS = (
+    GUIDE_FRICTION,
+    _range("the friction coefficient", "friction_coefficient", 0.0, 2.0, "", 1.0, "dry steel reaches 1, oiled valvetrains about 0.1"),
+    _range("the thinnest wire", "wire_diameter", 0.4e-3, math.inf, "mm", 1e-3, "wires of valve springs have 1 to 10 mm, those of models 0.5 mm"),
+    _range("the spring index (coil over wire diameter)", "spring_index", 0.0, 25.0, "", 1.0, "valve springs have about 4 to 12"),
+)  # fmt: skip
 #: Of runs: quantities and channels by name.
 FOUND = (
     _range("a speed of the motion", "retainer_velocity valve_velocity axial_velocity *_axial_velocity", -100.0, 100.0, "m/s", 1.0,

@@ -385,20 +385,30 @@ def refuse_speeds(problem: Problem, engine_speeds: Sequence[float]) -> None:
 
 def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None:
     """Raise :class:`InputError` for an implausible motion or part."""
-    gears = {
-        member.label: member.gear.parameters
-        for member in problem.members
-        if member.gear is not None
-    }
-    if engine_speeds and problem.moves:
+    if problem.moves:
         refuse_implausible_motion(problem.valve_lift, (speed / 2 for speed in engine_speeds))
-    for train in gears.values():
-        refuse_implausible_parts(
-            {
-                f"train.{part}.friction": getattr(getattr(train, part, None), "friction", 0.0)
-                for part in RUBBING
-            }
-        )
+    values: dict[str, float] = {}
+    for member in problem.members:
+        for spring in member.springs:
+            if (wire := spring.wire) is not None:
+                coil = np.linspace(0.0, wire.total_coils, 65)
+                values[f"spring '{spring.name}'.wire_diameter"] = float(
+                    np.min(wire.wire_diameter.value(coil))
+                )
+                values[f"spring '{spring.name}'.spring_index"] = float(np.max(wire.index(coil)))
+        if member.rubbing is not None:
+            values["rubbing.friction_coefficient"] = member.rubbing.coefficient
+        if member.gear is not None:
+            train = member.gear.parameters
+            for part in RUBBING:
+                values[f"train.{part}.friction"] = getattr(
+                    getattr(train, part, None), "friction", 0.0
+                )
+            for place, contact in train.contacts.items():
+                values[f"train.contacts.{place}.friction_coefficient"] = (
+                    contact.friction_coefficient
+                )
+    refuse_implausible_parts(values)
 
 
 def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str, str]:

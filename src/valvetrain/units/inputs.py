@@ -61,7 +61,7 @@ PLAUSIBLE: dict[str, Window] = {
     "mean_diameter": Window("length", 3e-3, 200e-3, "mm"),
     "pitch": Window("length", 0.2e-3, 100e-3, "mm"),
     "spring_length": Window("length", 3e-3, 1.0, "mm"),
-    "compression": Window("length", 1e-9, 0.5, "mm"),
+    "compression": Window("length", 0.0, 0.5, "mm"),
     "valve_lift": Window("length", 1e-9, 0.1, "mm"),
     "engine_speed": Window("angular speed", 10 * _RPM, 30_000 * _RPM, "rpm", 15_000 * _RPM),
     "cam_speed": Window("angular speed", 5 * _RPM, 15_000 * _RPM, "rpm", 7_500 * _RPM),
