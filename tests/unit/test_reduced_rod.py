@@ -192,10 +192,10 @@ def test_points_that_are_left_alone_meet_when_those_do_that_are_always_looked_at
     lift = Pulse().lift(340.0 * time)
     waiting = spring.initial_state(lift[0])
     watched, arrays = waiting.copy(), (spring.parameters(), spring.integers())
-    first_position_as_left = 2 * spring.unknowns + 4
+    accelerations_of_times = 2 * spring.unknowns + 7
     largest = 0.0
     for here, rate in zip(lift, np.gradient(lift, time_step), strict=True):
-        watched[first_position_as_left] = np.nan  # as if moved from outside: all points are due
+        watched[accelerations_of_times] = -1.0  # as if they had grown: all points are due
         forces = [spring.kernel(*arrays, one, here, rate, time_step) for one in (waiting, watched)]
         assert forces[0] == forces[1]
         largest = max(largest, forces[0][1])

@@ -256,8 +256,8 @@ class ReducedRod:
 
     @cached_property
     def _stable(self) -> float:
-        """:data:`STEP_SAFETY` times the largest step h of velocities damped at the half step before, 4 > 2 h C +
-        h^2 K, every contact closed.
+        """:data:`STEP_SAFETY` times the largest step h of a wire damped by velocities of half a step ago, 4 > 2 h C
+        + h^2 K, every contact closed; damped contacts carry longer ones.
         """
         t, d, step = self.tables, self.rod.dynamics, np.inf
         for stiffness, gradient in ((t.stiffness[k], t.gradient[k]) for k in (0, -1)):

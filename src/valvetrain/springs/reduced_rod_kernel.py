@@ -4,8 +4,13 @@ The potential energy in the coordinates z at the retainer displacement y is, wit
 W(y) + load(y) d + d K(y) d / 2 + sum of k max(0, o)^2 / 2, o = overlap(y) + G(y) d: the wire's
 elastic energy to second order about its equilibrium, contacts exact in o. Accelerations are its
 slope by z, the force on the retainer that by y, and the force on the seat follows from the
-momentum of the wire. Tables are straight between their lifts. Stiffness damping acts on the rate
-of the elastic forces, that of contacts on the rate of o; both at the half-step velocity.
+momentum of the wire. Tables are straight between their lifts.
+
+A contact presses with the mean of its force over the step about now, along the parabola of its overlap: a
+point that closes or opens within a step then presses for its part of it. Rate and bend of the parabola need
+the acceleration, which is computed first with the velocities of half a step ago. Stiffness damping acts on the
+rate of the elastic forces at velocities now, extrapolated from v (-1/2 step) and v (-5/2), which keeps the
+stable step of v (-1/2). Both damping forces are of second order in the step.
 
 ``integers`` = [m coordinates, p points, f fine lifts, c coarse lifts, fine per coarse, 1 where ends
 pull, q coil pairs], pair of each point (p; -1: a seat).
@@ -15,10 +20,11 @@ w, w), gradient (c, p, w), momentum (c, w); w is m and zeros up to a whole numbe
 and f' are so of p and f: in an aligned array (``aligned``) every row begins a cache line.
 ``state`` = z (m), velocities (m), then (``HEAD``) dissipated energy, clock (s), time until which
 strengths hold, nothing, first position and velocity as left, size of the accelerations and twice
-that with which times were set; forces and stored energies of the pairs (q each), times when the first
-of ``LINE`` points is due (p' / LINE), and when each is (p), points due now and their forces (p + LANES
-each), and scratch (``SCRATCH`` w) from the next cache line on. An open point is looked at again when
-it may have closed, and all are where positions were changed from outside.
+that with which times were set; velocities one and two steps ago (m each), forces and stored energies of
+the pairs (q each), times when the first of ``LINE`` points is due (p' / LINE), and when each is (p), points
+due now, their forces, overlaps and rates (p + LANES each), and scratch (``SCRATCH`` w) from the next cache
+line on. An open point is looked at again when it may have closed, and all are where positions were changed
+from outside.
 """
 
 from __future__ import annotations
@@ -67,19 +73,19 @@ def aligned(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def state_size(coordinates: int, points: int, pairs: int) -> int:
     """Length of the state buffer, scratch included."""
-    fixed = pairs_place(coordinates) + 2 * pairs + 4 * points + 2 * LANES
+    fixed = pairs_place(coordinates) + 2 * pairs + 6 * points + 4 * LANES
     return fixed + LINE + SCRATCH * row_size(coordinates)
 
 
 def pairs_place(coordinates: int) -> int:
     """Place in the state of the forces (N) of the coil pairs; their stored energies (J) follow."""
-    return 2 * coordinates + HEAD
+    return 4 * coordinates + HEAD
 
 
 @njit(**INNER)
 def _scratch_place(state, m, p, pairs):
     """First place of the scratch: a cache line begins there."""
-    fixed = 2 * m + HEAD + 2 * pairs + 4 * p + 2 * LANES
+    fixed = 4 * m + HEAD + 2 * pairs + 6 * p + 4 * LANES
     return fixed + (LINE - (state.ctypes.data // 8 + fixed) % LINE) % LINE
 
 
@@ -112,34 +118,38 @@ def _four_rows(values, at, next_at, count, apart, rate):
 
 
 @njit(**INNER)
-def _four_points(values, places, count, more, apart, next_apart, rate, next_rate):
-    """Rows of four points at a lift and, ``more`` further, at the next, times the shares of departure
-    there, and of its rate.
-    """
+def _four_points(values, places, count, more, vector, next_vector):
+    """Rows of four points at a lift and, ``more`` further, at the next, times the shares of a vector there."""
     p, q, r, s = places
     one, two = values[p : p + count], values[q : q + count]
     three, four = values[r : r + count], values[s : s + count]
     next_one, next_two = values[p + more : p + more + count], values[q + more : q + more + count]
     next_three, next_four = values[r + more : r + more + count], values[s + more : s + more + count]
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
-    rate_a, rate_b, rate_c, rate_d = 0.0, 0.0, 0.0, 0.0
     for i in range(count):
-        a += one[i] * apart[i] + next_one[i] * next_apart[i]
-        b += two[i] * apart[i] + next_two[i] * next_apart[i]
-        c += three[i] * apart[i] + next_three[i] * next_apart[i]
-        d += four[i] * apart[i] + next_four[i] * next_apart[i]
-        rate_a += one[i] * rate[i] + next_one[i] * next_rate[i]
-        rate_b += two[i] * rate[i] + next_two[i] * next_rate[i]
-        rate_c += three[i] * rate[i] + next_three[i] * next_rate[i]
-        rate_d += four[i] * rate[i] + next_four[i] * next_rate[i]
-    return (a, b, c, d), (rate_a, rate_b, rate_c, rate_d)
+        a += one[i] * vector[i] + next_one[i] * next_vector[i]
+        b += two[i] * vector[i] + next_two[i] * next_vector[i]
+        c += three[i] * vector[i] + next_three[i] * next_vector[i]
+        d += four[i] * vector[i] + next_four[i] * next_vector[i]
+    return a, b, c, d
+
+
+@njit(**INNER)
+def _rows(state, at, first, count):
+    """Places of the rows of four points that are listed in the state."""
+    return (
+        first + int(state[at]) * count,
+        first + int(state[at + 1]) * count,
+        first + int(state[at + 2]) * count,
+        first + int(state[at + 3]) * count,
+    )
 
 
 @njit(**INNER)
 def _push(values, places, forces, count, more, low, high):
     """Add the rows of four points, each times its force, to sums (count) at a lift and at the next."""
     p, q, r, s = places
-    f, g, h, k = forces
+    f, g, h, k = forces[0], forces[1], forces[2], forces[3]
     one, two = values[p : p + count], values[q : q + count]
     three, four = values[r : r + count], values[s : s + count]
     next_one, next_two = values[p + more : p + more + count], values[q + more : q + more + count]
@@ -148,6 +158,28 @@ def _push(values, places, forces, count, more, low, high):
         low[i] += f * one[i] + g * two[i] + h * three[i] + k * four[i]
     for i in range(count):
         high[i] += f * next_one[i] + g * next_two[i] + h * next_three[i] + k * next_four[i]
+
+
+@njit(**INNER)
+def _ramp(middle, reach):
+    """Mean of what is positive between ``middle`` - ``reach`` and + ``reach``."""
+    if middle >= reach:
+        return middle
+    return (middle + reach) ** 2 / (4.0 * reach) if middle > -reach else 0.0
+
+
+@njit(**INNER)
+def mean_force(overlap, closing, half_step, tau):
+    """Means over a step of max(0, o) and, where o > 0, of max(0, o + tau do/dt), by ``overlap`` o (m) and rate
+    ``closing`` (m/s) in its middle: elastic and whole force over the stiffness of a contact.
+    """
+    reach, damped = half_step * abs(closing), tau * closing
+    if overlap >= reach and overlap + damped >= reach:
+        return overlap, overlap + damped
+    elastic = _ramp(overlap, reach)
+    if closing > 0.0:
+        return elastic, elastic + max(overlap + reach, 0.0) / (2.0 * reach) * damped
+    return elastic, _ramp(overlap + damped, reach)
 
 
 @njit(**INNER)
@@ -183,17 +215,20 @@ def advance_reduced(
     gradient_at = stiffness_from + coarses * w * w + coarse * p * w
     momentum_at = stiffness_from + coarses * (w + p) * w + coarse * w
     head = 2 * m
-    pressed = head + HEAD
+    before = head + HEAD + m
+    pressed = before + m
     blocks = pressed + 2 * pairs
     due = blocks + padded // LINE
     now = due + p
     forces = now + p + LANES
+    deep, meets = forces + p + LANES, forces + 2 * (p + LANES)
     first = _scratch_place(state, m, p, pairs)
     apart, rate = state[first : first + w], state[first + w : first + 2 * w]
     slope, pull = state[first + 2 * w : first + 3 * w], state[first + 3 * w : first + 4 * w]
     shares, next_shares = state[first + 4 * w : first + 5 * w], state[first + 5 * w : first + 6 * w]
     rates, next_rates = state[first + 6 * w : first + 7 * w], state[first + 7 * w : first + 8 * w]
     sums, next_sums = state[first + 8 * w : first + 9 * w], state[first + 9 * w : first + 10 * w]
+    older, oldest = state[head + HEAD : before], state[before:pressed]
     position, speed = state[:m], state[m : 2 * m]
     rest, next_rest = parameters[rest_at : rest_at + w], parameters[rest_at + w : rest_at + 2 * w]
     load, next_load = parameters[load_at : load_at + w], parameters[load_at + w : load_at + 2 * w]
@@ -215,6 +250,12 @@ def advance_reduced(
         rates[i] = (1.0 - tc) * rate[i] - by_lift * apart[i]
     for i in range(w):
         next_rates[i] = tc * rate[i] + by_lift * apart[i]
+    moved = state[0] != state[head + 4] or state[m] != state[head + 5]
+    if moved:
+        for i in range(m):
+            older[i], oldest[i] = speed[i], speed[i]
+    for i in range(m):
+        rate[i] += 0.25 * (speed[i] - oldest[i])
     retainer = parameters[force_at + fine]
     growth = (parameters[force_at + fine + 1] - retainer) * per_fine
     retainer += tf * growth / per_fine + beta * growth * velocity
@@ -231,14 +272,11 @@ def advance_reduced(
         pull[i] = -(here + tc * grows + low + tf / per_fine * turned + viscous)
         retainer += apart[i] * (turned + 0.5 * grows * per_coarse)
         lost += viscous * rate[i]
-    clock = state[head + 1]
-    every = time_step == 0.0 or state[0] != state[head + 4] or state[m] != state[head + 5]
-    if every or clock >= state[head + 2] or state[head + 6] > state[head + 7]:
-        every = every or state[head + 6] > state[head + 7]
-        state[head + 7] = 2.0 * state[head + 6]
-    strength = state[head + 7]
+    clock, half_step = state[head + 1], 0.5 * max(time_step, 0.0)
+    every = time_step == 0.0 or moved or state[head + 6] > state[head + 7]
     if every or clock >= state[head + 2]:
-        state[head + 2] = clock + HORIZON
+        state[head + 7], state[head + 2] = 2.0 * state[head + 6], clock + HORIZON
+    strength = state[head + 7]
     for pair in range(2 * pairs):
         state[pressed + pair] = 0.0
     count, closed = 0, 0
@@ -258,56 +296,58 @@ def advance_reduced(
     next_lift = p * w
     for entry in range(0, count, LANES):
         at = now + entry
-        places = (
-            gradient_at + int(state[at]) * w, gradient_at + int(state[at + 1]) * w,
-            gradient_at + int(state[at + 2]) * w, gradient_at + int(state[at + 3]) * w,
-        )  # fmt: skip
-        moved, gone = _four_points(
-            parameters, places, w, next_lift, shares, next_shares, rates, next_rates
-        )
-        points = (int(state[at]), int(state[at + 1]), int(state[at + 2]), int(state[at + 3]))
+        places = _rows(state, at, gradient_at, w)
+        shift = _four_points(parameters, places, w, next_lift, shares, next_shares)
+        gone = _four_points(parameters, places, w, next_lift, rates, next_rates)
         for j in range(min(LANES, count - entry)):
-            c = points[j]
+            c = int(state[at + j])
             low = parameters[overlap_at + c]
             step = parameters[overlap_at + padded + c] - low
-            overlap = low + tf * step + moved[j]
+            overlap = low + tf * step + shift[j]
             closing = step * per_fine * velocity + gone[j]
-            if overlap <= 0.0:
+            if overlap + half_step * abs(closing) <= 0.0:
                 if time_step > 0.0:
                     wait = _wait(overlap, closing, strength, parameters[reach_at + c])
-                    state[due + c] = clock + wait
+                    state[due + c] = clock + wait - half_step
                 block = blocks + c // LINE
                 state[block] = min(state[block], state[due + c])
                 continue
             state[due + c], state[blocks + c // LINE] = clock, clock
-            elastic = parameters[HEADER + c] * overlap
-            force = max(0.0, elastic + tau * parameters[HEADER + c] * closing)
-            retainer += force * step * per_fine
-            lost += (force - elastic) * closing
-            if integers[INTEGERS + c] >= 0:
-                state[pressed + integers[INTEGERS + c]] += force
-                state[pressed + pairs + integers[INTEGERS + c]] += 0.5 * elastic * overlap
-            state[now + closed], state[forces + closed] = c, force
+            state[now + closed], state[deep + closed], state[meets + closed] = c, overlap, closing
             closed += 1
-    if closed:
+    for more in range(LANES - 1):
+        state[now + closed + more], state[forces + closed + more] = state[now], 0.0
+    # first without bends, whose accelerations give them
+    for last in range(2 if closed else 0):
         for i in range(w):
-            sums[i] = 0.0
-        for i in range(w):
-            next_sums[i] = 0.0
-        for more in range(LANES - 1):
-            state[now + closed + more], state[forces + closed + more] = state[now], 0.0
+            sums[i], next_sums[i] = 0.0, 0.0
         for entry in range(0, closed, LANES):
             at, by = now + entry, forces + entry
-            places = (
-                gradient_at + int(state[at]) * w, gradient_at + int(state[at + 1]) * w,
-                gradient_at + int(state[at + 2]) * w, gradient_at + int(state[at + 3]) * w,
-            )  # fmt: skip
-            loads = (state[by], state[by + 1], state[by + 2], state[by + 3])
-            _push(parameters, places, loads, w, next_lift, sums, next_sums)
+            places = _rows(state, at, gradient_at, w)
+            bends = (0.0, 0.0, 0.0, 0.0)
+            if last:
+                bends = _four_points(parameters, places, w, next_lift, shares, next_shares)
+            for j in range(min(LANES, closed - entry)):
+                c, stiffness = int(state[at + j]), parameters[HEADER + int(state[at + j])]
+                overlap = state[deep + entry + j] + half_step * half_step / 6.0 * bends[j]
+                closing = state[meets + entry + j] + half_step * bends[j]
+                elastic, force = mean_force(overlap, closing, half_step, tau)
+                state[by + j] = stiffness * force
+                if last:
+                    step = parameters[overlap_at + padded + c] - parameters[overlap_at + c]
+                    retainer += stiffness * force * step * per_fine
+                    lost += stiffness * (force - elastic) * closing
+                    pair = integers[INTEGERS + c]
+                    if pair >= 0:
+                        state[pressed + pair] += stiffness * force
+                        state[pressed + pairs + pair] += 0.5 * stiffness * elastic * elastic
+            _push(parameters, places, state[by : by + LANES], w, next_lift, sums, next_sums)
         for i in range(w):
-            grows = next_sums[i] - sums[i]
-            pull[i] -= sums[i] + tc * grows
-            retainer += per_coarse * apart[i] * grows
+            guess = pull[i] - sums[i] - tc * (next_sums[i] - sums[i])
+            shares[i], next_shares[i] = (1.0 - tc) * guess, tc * guess
+            if last:
+                pull[i] = guess
+                retainer += per_coarse * apart[i] * (next_sums[i] - sums[i])
     seat, size = 0.0, 0.0
     momentum = parameters[momentum_at : momentum_at + w]
     next_momentum = parameters[momentum_at + w : momentum_at + 2 * w]
@@ -323,7 +363,7 @@ def advance_reduced(
             old = speed[i]
             kicked = half * old + time_step * pull[i]
             taken += (old * old + kicked * kicked) * (1.0 - half * half)
-            speed[i] = half * kicked
+            oldest[i], older[i], speed[i] = older[i], old, half * kicked
         for i in range(m):
             position[i] += time_step * speed[i]
         state[head] += time_step * lost + 0.5 * taken
@@ -341,12 +381,14 @@ def forces_at(parameters, integers, states, overlaps, work, displacements, veloc
     """
     m, p, pairs = integers[0], integers[1], integers[6]
     pull = _scratch_place(work, m, p, pairs) + 3 * ((m + LINE - 1) // LINE * LINE)
-    head, blocks = 2 * m, 2 * m + HEAD + 2 * pairs
+    head, oldest, blocks = 2 * m, 3 * m + HEAD, 4 * m + HEAD + 2 * pairs
     due = blocks + (p + LINE - 1) // LINE
     work[head + 2] = math.inf
     for n in range(states.shape[0]):
         for i in range(2 * m):
             work[i] = states[n, i]
+        for i in range(m):
+            work[oldest + i] = work[m + i]
         # nothing was moved from outside, and open points are not due
         work[head + 4], work[head + 5] = work[0], work[m]
         for c in range(p):
