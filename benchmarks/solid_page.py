@@ -44,25 +44,20 @@ so that the rod is checked against them in every test run without the solver.
 ## Use
 
     from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.solid.deck import write_mesh
-    from valvetrain.springs.solid.spec import SolidOptions, solid_spring
+    from valvetrain.continuum.mesh_file import write_mesh
+    from validation.calculix.jobs import SolidSpring
+    from valvetrain.continuum.mesh import MeshOptions
 
     spring = load_case("gu2021-beehive-blind").springs[0]
-    model = solid_spring(spring, SolidOptions(elements_per_coil=24, core=2))
+    model = SolidSpring(spring.wire, MeshOptions(24, 2, ends="bonded"))
     curve = model.static_curve(7e-3)            # StaticCurve, coils closing
     modes = model.modes(7e-3)                   # ModalResult about the compressed state
     write_mesh(model.mesh, "spring.vtu")        # needs meshio: pip install "valvetrain[mesh]"
 
-From the command line
+This needs a clone, not only the package. Solids of the package itself are bricks of our own in motion
+([theory](theory/solid-in-motion.md)), as in `valvetrain run --spring solid`.
 
-    valvetrain compare gu2021-beehive-blind --spring finite-element,modal-varied,solid
-
-sets static curve and modes about the installed state side by side, in one page with its data files (`--json` for programs). The solid is
-the reference there. The expected time is printed before it begins; `--solid-elements-per-coil`, `--solid-core` and
-`--solid-rings` refine the mesh, `--solid-time-limit` bounds each run. Modes are paired by the agreement of their shapes. With an
-`--engine-speed` the solid moves too, by bricks of our own ([theory](theory/solid-in-motion.md)), as in `valvetrain run --spring solid`.
-
-`valvetrain.springs.solid.transient.run_transient` moves the retainer by a lift law in CalculiX, minutes per millisecond, and gives a
+`validation.calculix.transient.run_transient` moves the retainer by a lift law in CalculiX, minutes per millisecond, and gives a
 `Solution` (an independent check of motion; its first increments may carry a jolt, whose cause was not found).
 
 Each run happens in a temporary folder within
@@ -71,7 +66,7 @@ command that installs it.
 
 ## Model
 
-Swept O-grid over the round section, arcs along the circle, area equal to the circle's (`valvetrain.springs.solid`). Element
+Swept O-grid over the round section, arcs along the circle, area equal to the circle's (`valvetrain.continuum.mesh`). Element
 C3D20R (quadratic hexahedron, reduced integration). Steel with E 206 GPa, G 79.6 GPa, 7850 kg/m3. Uniform springs: wire 3.8 mm,
 pitch 7 mm, both wire ends cut at right angles and clamped over the whole section, the upper one moved along the axis without turning;
 large displacements. "Limit" is the Richardson limit of the three meshes, with the observed order p.

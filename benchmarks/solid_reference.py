@@ -26,6 +26,17 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from validation.calculix import deck as steps
+from validation.calculix.deck import SolidContact
+from validation.calculix.jobs import SolidSpring
+from validation.calculix.results import (
+    fibre_stress,
+    last_field,
+    read_fields,
+    read_printed,
+    wire_torque,
+)
+from validation.calculix.transient import TransientJob, run_transient
 
 from valvetrain.cam import build_lift_law
 from valvetrain.continuum.mesh import MeshOptions
@@ -36,17 +47,6 @@ from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import save_netcdf
-from valvetrain.springs.solid import deck as steps
-from valvetrain.springs.solid.deck import SolidContact
-from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.results import (
-    fibre_stress,
-    last_field,
-    read_fields,
-    read_printed,
-    wire_torque,
-)
-from valvetrain.springs.solid.transient import TransientJob, run_transient
 
 STORE = Path("build/solid-reference")
 #: level -> (elements per coil, core cells per side, rings); h falls as 1 : 1/2 : 1/3.

@@ -87,16 +87,6 @@ def gone(mark: str, limit: float = 30.0) -> None:
     wait_until(lambda: not marked(mark), f"processes {marked(mark)} end", limit)
 
 
-def stand_in_solver(folder: Path) -> tuple[Path, Path]:
-    """A program that stands for the solid solver and never ends, and the file where it leaves its
-    process id.
-    """
-    program, note = folder / "ccx", folder / "solver.pid"
-    program.write_text(f"#!/bin/sh\necho $$ > '{note}'\nsleep 600 &\nwait\n")
-    program.chmod(0o755)
-    return program, note
-
-
 def lives(process_id: int) -> bool:
     """Whether a process is there."""
     try:

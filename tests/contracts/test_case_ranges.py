@@ -75,7 +75,7 @@ def takes(read: TypeAdapter, unit: str, number: float) -> bool:
 ABOVE_ZERO = """
 spring: free_length installed_height total_coils; material: youngs_modulus shear_modulus density; spring.damping: ratio_frequency
 card: preload_height rate open_lift open_height free_length mass installed_height solid_height wire_diameter mean_diameter outer_diameter active_coils
-guide: bore rod stiffness; options.finite-element: time_step; options.solid: time_limit
+guide: bore rod stiffness; options.finite-element: time_step
 train.follower: face_diameter; operation: red_line
 train.cam: base_radius width youngs_modulus; train.lever: drive_arm valve_arm inertia stiffness; train.pushrod: mass stiffness
 train.pushrod: length outer_diameter wall_thickness youngs_modulus density
@@ -103,10 +103,10 @@ BETWEEN = {
     "options.multi-mass.masses_per_coil": (1, 2000), "options.multi-mass.elements": (1, 2000), "options.modal-uniform.modes": (1, 500),
     "options.finite-element.coil_friction": (0, 1),
     "options.finite-element.elements_per_coil": (4, 1000), "options.reduced-rod.elements_per_coil": (8, 200),
-    "options.solid.elements_per_coil": (4, 1000), "options.solid.bricks_per_coil": (8, 400), "options.solid.brick_core": (2, 16),
+    "options.solid.bricks_per_coil": (8, 400), "options.solid.brick_core": (2, 16),
     "options.solid.brick_rings": (1, 16), "options.solid.mass_scaling": (0, 20),
     "options.solid.coil_friction": (0, 1), "options.solid.seat_friction": (0, 1),
-    "options.solid.core": (1, 40), "options.solid.rings": (1, 40), "operation.output_step": (math.degrees(1e-4), math.degrees(0.5)),
+    "operation.output_step": (math.degrees(1e-4), math.degrees(0.5)),
     "operation.force_bandwidth": (100.0, 50e3),
     "train.lever.ratio": (0.1, 10), "cam-card.rocker_ratio": (0.2, 5), "polydyne.ramp_blend": (0.01, 1), "ramped.ramp_blend": (0.01, 1),
     "cam-card.ramp_blend": (0.01, 1), "shaped.ramp_blend": (0.01, 0.99), "ramped.nose_acceleration": (None, 0),

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from validation.calculix.jobs import SolidSpring
 
 import valvetrain as vt
 from valvetrain.cosserat.batch import simulate_batch
@@ -32,7 +33,6 @@ from valvetrain.runs.critical_speeds import read_options
 from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Status
 from valvetrain.spring_card.card import CatalogueCard, SpringLoad
-from valvetrain.springs.solid.jobs import SolidSpring
 
 SOURCE = Path(vt.__file__).parent
 SPRING = vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)

@@ -11,29 +11,24 @@ import subprocess
 import sys
 import threading
 import time
-import uuid
 
 import pytest
 import typer
 
 from fault_parts import (
-    MARK,
     SWEEP,
     gone,
     killed_always,
     killed_once,
-    lives,
     marked,
     square,
-    stand_in_solver,
     started,
 )
-from unit.cli_parts import SMALL, process, process_environment, wait_until
+from unit.cli_parts import process, process_environment, wait_until
 from valvetrain.cli.guard import GuardedGroup, interrupted
 from valvetrain.errors import RunFailedError
 from valvetrain.runs.stopping import PointsStopped, Stopped, listening
 from valvetrain.runs.workers import map_cases, map_points, result_of, threads
-from valvetrain.springs.solid import guardian
 
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc"
@@ -163,50 +158,6 @@ def test_a_sweep_that_is_killed_leaves_its_finished_runs_and_the_next_run_mends_
         for one in whole
     )
     assert not (tmp_path / "out" / ROWS).exists() and not list((tmp_path / "out").glob(".*.part"))
-
-
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_the_solid_solver_and_its_folder_go_with_their_parent(tmp_path, number):
-    program, note = stand_in_solver(tmp_path)
-    work = tmp_path / "work"
-    work.mkdir()
-    (tmp_path / "small.toml").write_text(SMALL)
-    words = (
-        "compare",
-        "small.toml",
-        "--spring",
-        "solid",
-        "--solid-elements-per-coil",
-        "6",
-        "--output",
-        "out",
-    )
-    with started(*words, folder=tmp_path, CCX=str(program), TMPDIR=str(work)) as (run, mark):
-        wait_until(lambda: note.exists() and bool(note.read_text().strip()), "the solver starts")
-        run.send_signal(number)
-        run.communicate(timeout=60)
-        wait_until(lambda: not lives(int(note.read_text())) and not marked(mark), "the solver ends")
-        wait_until(lambda: not list(work.glob("valvetrain-solid-*")), "its folder goes")
-    assert run.returncode == (-9 if number == signal.SIGKILL else 143)
-
-
-def test_a_solver_that_is_killed_alone_leaves_nothing_that_it_started(tmp_path):
-    """The stand-in is a shell that waits for a child; killed by somebody else, its child must go
-    too.
-    """
-    program, note = stand_in_solver(tmp_path)
-    command = [sys.executable, guardian.__file__, str(tmp_path / "work"), str(program)]
-    mark = uuid.uuid4().hex
-    with subprocess.Popen(
-        command, stdin=subprocess.PIPE, env=process_environment(**{MARK: mark})
-    ) as guard:
-        wait_until(
-            lambda: note.exists() and bool(note.read_text().strip()) and len(marked(mark)) == 3,
-            "solver and child start",
-        )
-        os.kill(int(note.read_text()), signal.SIGKILL)
-        assert guard.wait(60) == 128 + signal.SIGKILL
-        gone(mark)
 
 
 def test_a_request_to_stop_that_the_interpreter_drops_is_still_heard(monkeypatch):

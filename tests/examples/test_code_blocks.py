@@ -62,7 +62,7 @@ SLOW = (
 #: parts are computed by other tests.
 HOURS = {
     "valvetrain optimise examples/optimise-beehive.toml", "valvetrain refine gu2021-beehive-blind [--json]",
-    "valvetrain refine tdi-pushrod [--json]", "valvetrain compare gu2021-beehive-blind --spring finite-element,modal-varied,solid",
+    "valvetrain refine tdi-pushrod [--json]",
 }  # fmt: skip
 
 

@@ -74,19 +74,3 @@ def test_one_cell_is_found_by_running_it():
     found = dict(tool._command(case, "run", ["massless", "wave-rod-clash"]))
     assert found["massless"] == "" and "coil gaps" in found["wave-rod-clash"]
     assert math.isclose(tool.ENGINE_SPEED * 30 / math.pi, 2000)
-
-
-@pytest.mark.long
-@pytest.mark.calculix
-def test_solids_stand_in_a_comparison_of_a_spring_alone():
-    from valvetrain.runs.compare import compare_study
-
-    case = load_case("clamped-helix", {"spring.options.solid.elements_per_coil": 6})
-    study = compare_study(case, spring_models=["solid", "massless"])
-    solid = study.at_rest("solid")
-    assert (
-        solid is not None
-        and solid.curve.status.completed
-        and solid.modes.status.completed
-        and not study.failures
-    )

@@ -6,16 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from validation.wires import ring_section
-
-from valvetrain.continuum.mesh import MeshOptions, SolidMesh, sweep_spring
-from valvetrain.errors import InputError
-from valvetrain.parameters.curves import Constant
-from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END, SpringDefinition
-from valvetrain.springs.solid import deck as steps
-from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.results import (
+from validation.calculix import deck as steps
+from validation.calculix.jobs import SolidSpring
+from validation.calculix.results import (
     FibreStress,
     NodalField,
     fibre_stress,
@@ -23,6 +16,13 @@ from valvetrain.springs.solid.results import (
     read_printed,
     wire_torque,
 )
+from validation.wires import ring_section
+
+from valvetrain.continuum.mesh import MeshOptions, SolidMesh, sweep_spring
+from valvetrain.errors import InputError
+from valvetrain.parameters.curves import Constant
+from valvetrain.parameters.material import OTEVA_90_SC
+from valvetrain.parameters.spring import OPEN_END, SpringDefinition
 
 WIRE, INDEX, PITCH = 3.8e-3, 6.0, 7e-3
 TWIST, PULL = 500.0, 120.0  # MPa

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from validation.calculix.deck import SolidContact, model_text
+from validation.calculix.jobs import SolidSpring
+from validation.calculix.results import read_printed
+from validation.calculix.solver import run_deck
+from validation.calculix.transient import TransientJob, run_transient
 
 from valvetrain.continuum.mesh import FaceSet, MeshOptions, SolidMesh, connect_sections
 from valvetrain.continuum.section import disc_section
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
-from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.runs.solid import force_error
-from valvetrain.springs.solid.calculix import run_deck
-from valvetrain.springs.solid.deck import SolidContact, model_text
-from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.results import read_printed
-from valvetrain.springs.solid.spec import SolidOptions, solid_spring
-from valvetrain.springs.solid.transient import TransientJob, run_transient
 
 pytestmark = pytest.mark.calculix
 
@@ -205,16 +202,3 @@ def test_closing_coils_stiffen_the_spring_and_carry_its_force():
     # Penalty contact gives way by micrometres; arcs of a quarter circle leave the circle by some
     # more.
     assert -0.03e-3 < curve.coil_gap[-1].min() < 0.03e-3
-
-
-@pytest.mark.long
-def test_the_error_bar_of_a_mesh_holds_the_limit_of_three():
-    """The default mesh of a uniform spring at 7 mm gives 272.63 N, 0.70 % below the limit of three
-    meshes (docs/solid-reference.md).
-    """
-    spring = load_case("uniform-spring").springs[0]
-    model = solid_spring(spring, SolidOptions())
-    curve = model.static_curve(7e-3, points=4)
-    error = force_error(model, curve, 7e-3)
-    assert curve.force[-1] == pytest.approx(272.633, rel=1e-4)
-    assert 274.5536 / curve.force[-1] - 1 == pytest.approx(error, rel=0.1)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from validation.calculix.jobs import SolidSpring
 from validation.wires import ring_section
 
 from valvetrain.continuum.mesh import MeshOptions
@@ -20,7 +21,6 @@ from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.springs.solid.jobs import SolidSpring
 
 DATA = tomllib.loads(Path(__file__).with_name("solid_reference.toml").read_text())
 UNIFORM = {entry["name"]: entry for entry in DATA["uniform"]}

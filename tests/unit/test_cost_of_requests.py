@@ -15,7 +15,6 @@ from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
 from valvetrain.lift.band import band_cost
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.compare import FINE_STEPS, STEPS
 from valvetrain.runs.cost import Cost, memory_text
 from valvetrain.runs.measured_cost import REPEATED
 from valvetrain.runs.request_cost import (
@@ -23,7 +22,6 @@ from valvetrain.runs.request_cost import (
     RunRequest,
     refine_cost,
     request_cost,
-    solid_statics_cost,
     spring_cost,
     static_cost,
 )
@@ -102,40 +100,6 @@ def test_a_comparison_costs_its_own_models_alone(name, measured):
     solid among them, were counted, and a curve of 160 steps for 64 (estimates 51 s and 8 s)."""
     told = request_cost(RunRequest("compare", load_case(name), None, (), (), 1))
     assert measured / 2 < REPEATED * told.seconds < 2 * measured
-
-
-def test_solids_are_part_of_what_a_comparison_costs():
-    """A default spring was told to take 33 s and took 29; a mesh of 6.4 million elements a coil had
-    no bound but the solver's time.
-    """
-    case = load_case("uniform-spring")
-    told = solid_statics_cost(case.springs[0])
-    assert 29 / 3 < told.seconds < 3 * 29
-    asked = [
-        RunRequest("compare", case, None, (*models, "finite-element"), (), 1)
-        for models in ((), ("solid",))
-    ]
-    without, beside = map(request_cost, asked)
-    finer, coarser = (
-        spring_cost(case.springs[0], "finite-element", steps) for steps in (FINE_STEPS, STEPS)
-    )
-    curve = finer.seconds - coarser.seconds  # beside a solid the curve has more steps
-    assert beside.seconds == pytest.approx(without.seconds + told.seconds + curve)
-    said = sentence(
-        call(
-            "compare",
-            "uniform-spring",
-            "--spring",
-            "finite-element,solid",
-            "--solid-elements-per-coil",
-            "1000",
-            "--solid-core",
-            "40",
-            "--solid-rings",
-            "40",
-        )
-    )
-    assert "TB, beyond the bound of 10 min and 2 GB" in said and "--limit '" in said
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from validation.calculix.solver import run_deck
 
 import synthetic_study as made
 import valvetrain as vt
@@ -20,7 +21,6 @@ from valvetrain.report.files import UnfinishedRun
 from valvetrain.solution.channels import Variable, spring_channels
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, check_masses
-from valvetrain.springs.solid.calculix import run_deck
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import shear_stress_factor
 from valvetrain.springs.wire_from_card import wire_from_card

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from validation.calculix.transient import TransientJob
 
 import valvetrain as vt
 from valvetrain.cam.arcs import Tangent, ThreeArc, half_event
@@ -45,7 +46,6 @@ from valvetrain.runs.error_bars import observed_order
 from valvetrain.springs.chain_layout import uniform_chain
 from valvetrain.springs.massless import massless_table
 from valvetrain.springs.nested import RadialRubbing
-from valvetrain.springs.solid.transient import TransientJob
 
 NAN = math.nan
 SPRING = cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)

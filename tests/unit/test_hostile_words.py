@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from validation.calculix.jobs import SolidSpring
 
 from browser.test_report_browser import browse
 from synthetic_study import modal_run, own_study, record, rod_run, train_run, train_study
@@ -24,7 +25,6 @@ from valvetrain.report.plotly_chart import in_script
 from valvetrain.report.study import study_page, write_study
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import quoted
-from valvetrain.springs.solid.jobs import SolidSpring
 
 COMMENT = "<!--<script>"
 BREAKS_OUT = "</script><script>lost()</script>"

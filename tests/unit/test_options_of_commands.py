@@ -202,9 +202,3 @@ def test_a_varied_quantity_has_the_distribution_that_was_given(
     found = space.points([[0.5], [0.158655], [1e-4], [1 - 1e-4]])[:, 0] / 1e3
     assert found[:2] == pytest.approx([middle, sixth], rel=4e-3)
     assert least <= found[2] < found[3] <= most
-
-
-@pytest.mark.calculix
-def test_the_solid_spring_is_as_its_table_says(answer):
-    parts = ("--solid-elements-per-coil", "4")
-    assert "solid" in answer("compare", "small.toml", "--spring", "solid", *parts)

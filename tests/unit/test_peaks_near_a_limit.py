@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from valvetrain.explore.measure import CAUTION, _nearing, _rise
-from valvetrain.springs.solid.calculix import _time_reached
 
 
 @pytest.mark.parametrize(
@@ -63,23 +62,3 @@ def test_middles_finer_than_the_resolution_are_not_asked_for():
         _nearing(SPEEDS, [-3.0, -2.0, -1e-9, -1e-9], 10.0) == [1600.0, 2000.0]
         and _nearing(SPEEDS, [-1.0, -1.0, -1.0, -1.0], 10.0) == []
     )
-
-
-@pytest.mark.parametrize(
-    ("text", "time"),
-    [
-        (None, 0.0),
-        ("", 0.0),
-        ("SUMMARY OF JOB INFORMATION\n  STEP INC ATT ITRS TOT TIME STEP TIME INC TIME\n", 0.0),
-        (
-            "head\n 1 1 1 4 0.100000E-01 0.100000E-01 0.1E-01\n 1 2 1 3 0.250000E-01 0.25E-01 0.15E-01\n",
-            0.025,
-        ),
-        (" 1 2 1\n", 0.0),
-    ],
-)
-def test_the_time_that_a_solver_has_reached_is_that_of_its_last_line(text, time, tmp_path):
-    """Fifth column of the status file; a last line that is cut tells nothing."""
-    if text is not None:
-        (tmp_path / "job.sta").write_text(text)
-    assert _time_reached(str(tmp_path)) == time

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from validation.calculix.jobs import axial_modes
 
 import valvetrain as vt
 from valvetrain.errors import InputError
@@ -19,11 +20,7 @@ from valvetrain.integrate.run import run
 from valvetrain.parameters.overrides import set_value
 from valvetrain.parameters.train_schema import LeverModel
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.runs import solid as of_solids
 from valvetrain.solution.modes import TrainModes
-from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.springs.solid.jobs import axial_modes
-from valvetrain.springs.solid.spec import SolidOptions
 from valvetrain.system.prescribed import PrescribedSpring
 
 DEG = np.pi / 180
@@ -114,68 +111,6 @@ def test_nothing_is_multiplied_or_shifted_in_a_table_that_is_not_there():
     with pytest.raises(InputError, match="the case has no 'train' there"):
         set_value(tree, "train.valve.mass", lambda before: before)
     assert tree == {"spring": {"wire_diameter": "4 mm"}}
-
-
-class Meshed:
-    """A solid whose force at 10 mm is 400 N and 8 N more for each halving of its mesh, ended by
-    ``status``.
-    """
-
-    def __init__(self, per_coil: int, status: Status = COMPLETED) -> None:
-        self.options, self.status, self.asked = SolidOptions(elements_per_coil=per_coil), status, []
-
-    def __replace__(self, options: SolidOptions) -> Meshed:
-        other = Meshed(options.elements_per_coil, self.status)
-        other.asked = self.asked
-        return other
-
-    def static_curve(self, compression: float, points: int):
-        self.asked.append((self.options.elements_per_coil, compression, points))
-        force = 400 + 8 * (24 / self.options.elements_per_coil) ** 2
-        return SimpleNamespace(
-            status=self.status,
-            force=np.array([0.0, force]),
-            compression=np.array([0.0, compression]),
-        )
-
-
-STOPPED = Status("diverged", "it diverged")
-
-
-@pytest.mark.parametrize(
-    ("per_coil", "reached", "first", "second", "known"),
-    [
-        (24, 12e-3, COMPLETED, COMPLETED, True),
-        (24, 10e-3, COMPLETED, COMPLETED, True),
-        (24, 9e-3, COMPLETED, COMPLETED, False),
-        (24, 12e-3, STOPPED, COMPLETED, False),
-        (24, 12e-3, COMPLETED, STOPPED, False),
-        (4, 12e-3, COMPLETED, COMPLETED, False),
-    ],
-)
-def test_the_error_of_a_mesh_is_taken_from_a_second_one_where_both_came_to_their_end(
-    per_coil, reached, first, second, known, monkeypatch
-):
-    """1.25 |f - f_coarse| / (f (r^2 - 1)) with f = 408 N (24 per coil), 418 N (16) and r = 1.5."""
-    monkeypatch.setattr(
-        of_solids,
-        "replace",
-        lambda one, **new: (
-            one.__replace__(**new) if isinstance(one, Meshed) else SolidOptions(**new)
-        ),
-    )
-    curve = SimpleNamespace(
-        status=first,
-        compression=np.array([0.0, reached]),
-        force=np.array([0.0, 408.0 * reached / 10e-3]),
-    )
-    model = Meshed(per_coil, second)
-    found = of_solids.force_error(model, curve, 10e-3)
-    assert (found is not None) is known
-    if known:
-        assert found == pytest.approx(
-            1.25 * 10 / (408 * (1.5**2 - 1)), rel=1e-6
-        ) and model.asked == [(16, 10e-3, 4)]
 
 
 @pytest.mark.parametrize("count", [1, 5, 6, 7, 9])

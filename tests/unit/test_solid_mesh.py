@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from validation.calculix.deck import _row, _wrapped, seat_plates
 
 from valvetrain.continuum import mesh as hexahedra
 from valvetrain.continuum.mesh import MeshOptions, layer_coils, sweep_spring
@@ -15,7 +16,6 @@ from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.springs.solid.deck import _row, _wrapped, seat_plates
 
 
 @pytest.fixture

@@ -9,21 +9,21 @@ import tempfile
 
 import numpy as np
 import pytest
-
-from valvetrain.continuum.mesh import MeshOptions
-from valvetrain.errors import InputError, MissingExtraError
-from valvetrain.parameters.constructors import cylindrical
-from valvetrain.springs.solid.calculix import find_solver, run_deck
-from valvetrain.springs.solid.deck import (
+from validation.calculix.deck import (
     Printout,
     SolidContact,
     frequency_step,
     static_step,
     write_mesh,
 )
-from valvetrain.springs.solid.jobs import SolidSpring, axial_modes
-from valvetrain.springs.solid.results import last_field, read_fields, read_printed
-from valvetrain.springs.solid.transient import MOTION_CONTACT, TransientJob, transient_deck
+from validation.calculix.jobs import SolidSpring, axial_modes
+from validation.calculix.results import last_field, read_fields, read_printed
+from validation.calculix.solver import find_solver, run_deck
+from validation.calculix.transient import MOTION_CONTACT, TransientJob, transient_deck
+
+from valvetrain.continuum.mesh import MeshOptions
+from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.parameters.constructors import cylindrical
 
 PRINTED = """
      E I G E N V A L U E   O U T P U T
@@ -168,7 +168,7 @@ def test_deck_lines_are_short_and_name_every_part(model):
 
 
 def test_every_contact_pair_lies_one_turn_apart(model):
-    from valvetrain.springs.solid.deck import contact_pairs
+    from validation.calculix.deck import contact_pairs
 
     pairs = contact_pairs(model.mesh, model.contact)
     assert len(pairs) == 10
@@ -230,15 +230,15 @@ def test_error_exit_becomes_a_status_with_the_solvers_reason(stand_in, model):
 
 
 def test_a_motion_that_fails_is_a_solution_with_a_status(stand_in):
+    from validation.calculix.transient import run_transient
+
     from valvetrain.cam.build import build_lift_law
     from valvetrain.parameters.loading import load_case
-    from valvetrain.runs.solid import solid_of
-    from valvetrain.springs.solid.transient import run_transient
 
     work = stand_in("printf ' *ERROR in arpack: no room\n'\nexit 201\n")
     case = load_case("gu2021-beehive-blind")
     job = TransientJob(build_lift_law(case.lift_law), 800.0, 7e-3, 1.5, 2.0)
-    solution = run_transient(solid_of(case.springs[0]), job, case.name)
+    solution = run_transient(SolidSpring(case.springs[0].wire), job, case.name)
     assert solution.status.code == "not-converged" and "no room" in solution.status.message
     assert solution.model == "solid" and solution.engine_speed == 800.0 and len(solution.time) == 0
     assert solution.statistics["elements"] > 0 and list(work.iterdir()) == []

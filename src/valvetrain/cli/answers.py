@@ -320,13 +320,10 @@ def _rest_tables(study: Study) -> Iterator[Table]:
             if one is reference or one.spring != study.rest[0].spring
             else [_percent(*pair) for pair in zip(cells, first, strict=True)]
         )
-        error = one.facts.get("force error of the mesh")
         label = [
             _cell(value) + (f" ({share})" if share else "")
             for value, share in zip(cells, compared or [""] * 5, strict=True)
         ]
-        if isinstance(error, float):
-            label[0] += f" ±{100 * error:.2g} %"
         rows.append((one.model if several == 1 else f"{one.spring}, {one.model}", *label))
     if rows:
         table = plain_table(

@@ -355,10 +355,7 @@ def _sensor_value(key: str, value: str) -> Any:
 
 
 #: Options of the command line -> what they set in the table of every spring.
-IN_EVERY_SPRING = {
-    "--elements-per-coil": "options.finite-element.elements_per_coil", "--solid-elements-per-coil": "options.solid.elements_per_coil",
-    "--solid-core": "options.solid.core", "--solid-rings": "options.solid.rings", "--solid-time-limit": "options.solid.time_limit",
-}  # fmt: skip
+IN_EVERY_SPRING = {"--elements-per-coil": "options.finite-element.elements_per_coil"}
 
 
 def choose_case(

@@ -11,7 +11,6 @@ import typer
 from valvetrain.cli.outcome import tell
 from valvetrain.cli.run_answer import StudyRequest, answer_study, run_command
 from valvetrain.errors import InputError
-from valvetrain.runs.cost import duration_text
 
 SOLID = "solid"
 #: Models that a run of the solid alone shows next to it.
@@ -140,57 +139,13 @@ def sweep(
     )
 
 
-SolidElementsOption = Annotated[
-    int | None,
-    typer.Option(
-        "--solid-elements-per-coil",
-        metavar="N",
-        help="Solid elements along a coil (default: 12).",
-        show_default=False,
-    ),
-]
-SolidCoreOption = Annotated[
-    int | None,
-    typer.Option(
-        "--solid-core",
-        metavar="N",
-        help="Solid cells across the section's core (default: 1).",
-        show_default=False,
-    ),
-]
-SolidRingsOption = Annotated[
-    int | None,
-    typer.Option(
-        "--solid-rings",
-        metavar="N",
-        help="Rings of solid cells around the core (default: 1).",
-        show_default=False,
-    ),
-]
-SolidTimeOption = Annotated[
-    str | None,
-    typer.Option(
-        "--solid-time-limit",
-        metavar="TIME",
-        help="Longest run of the solver, such as '30 min' (default).",
-        show_default=False,
-    ),
-]
-
-
 def register_compare(app: typer.Typer) -> None:
     """Add the command."""
     app.command("compare")(compare)
 
 
 @run_command
-def compare(
-    request: StudyRequest,
-    solid_elements_per_coil: SolidElementsOption = None,
-    solid_core: SolidCoreOption = None,
-    solid_rings: SolidRingsOption = None,
-    solid_time_limit: SolidTimeOption = None,
-) -> None:
+def compare(request: StudyRequest) -> None:
     """Run a case by several spring models, side by side; a spring alone by solid finite elements
     too.
     """
@@ -198,22 +153,7 @@ def compare(
     from valvetrain.cli.run_answer import refuse_beyond
     from valvetrain.runs.compare import compare_study
 
-    solid = SOLID in request.spring_models
-    given = (solid_elements_per_coil, solid_core, solid_rings, solid_time_limit)
-    if any(value is not None for value in given) and not solid:
-        raise InputError(
-            "options of the solid model need the solid model; add --spring finite-element,solid",
-            "--solid-...",
-        )
-    if solid and request.case.train is not None:
-        name = request.case.name
-        raise InputError(
-            f"solid finite elements run for a spring alone, and case '{name}' is a train; leave solid out",
-            "--spring",
-        )
     refuse_beyond(request)
-    if solid:
-        _tell_cost(request)
     announce_compilation(
         *(("train",) if request.case.train is not None else ("statics", "transient"))
     )
@@ -233,23 +173,6 @@ def compare(
             error_bars=True,
         ),
     )
-
-
-def _tell_cost(request: StudyRequest) -> None:
-    """Print the estimated cost of the statics of solids by CalculiX and refuse one beyond the limits;
-    a missing solver is an error too.
-    """
-    from valvetrain.runs.cost import Cost, refuse_cost
-    from valvetrain.runs.solid import solid_cost, solid_of
-
-    for spring in request.case.springs:
-        cost = solid_cost(spring)
-        longest = solid_of(spring).time_limit
-        refuse_cost(Cost(min(cost.statics, longest)), request.limits, fewer="solid elements")
-        tell(
-            f"solid finite elements: {cost.elements} elements, {cost.unknowns} unknowns; statics and modes take about "
-            f"{duration_text(cost.statics)}"
-        )
 
 
 def register_run_up(app: typer.Typer) -> None:

@@ -1,11 +1,8 @@
-"""A case by several spring models side by side: at rest and in motion, solid finite elements
-included.
-"""
+"""A case by several spring models side by side: at rest and in motion."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
@@ -15,11 +12,10 @@ from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.prepared import law_lift
 from valvetrain.runs.run import run_problem
-from valvetrain.runs.solid import Cancel, solid_rest
 from valvetrain.runs.statics import reach_of, statics_by_model
 from valvetrain.runs.stopping import StudyStopped
 from valvetrain.runs.train_runs import Finished
-from valvetrain.runs.workers import Progress, result_of
+from valvetrain.runs.workers import Progress
 from valvetrain.solution.later import replaced
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.static import SpringAtRest
@@ -40,9 +36,8 @@ SPRING_MODELS = (
     "finite-element",
 )
 TRAIN_MODELS = ("massless", "multi-mass", "modal-uniform", "wave-rod", "reduced-rod")
-#: Steps of the curves next to that of a solid (straight lines between them are exact to 0.01 % of
-#: the force), and of others.
-FINE_STEPS, STEPS = 160, 64
+#: Steps of the curves at rest.
+STEPS = 64
 
 
 def compare_study(
@@ -62,34 +57,25 @@ def compare_study(
     """The case by each of ``spring_models`` (:data:`SPRING_MODELS` or :data:`TRAIN_MODELS` by
     default): its runs, and every spring at rest by each model.
 
-    Solids move where ``engine_speeds`` are given. A model that cannot represent a spring is a
-    status in its runs. Raises :class:`InputError` for what cannot be built and when no model can
-    run, :class:`MissingExtraError` for solids without their solver.
+    A model that cannot represent a spring is a status in its runs. Raises :class:`InputError` for
+    what cannot be built and when no model can run.
     """
     chosen = tuple(dict.fromkeys(spring_models)) or _default_models(case, spring_sets)
-    in_motion = engine_speeds is not None and case.train is None
-    moving = tuple(
-        word
-        for word in chosen
-        if not spring_model(word, "spring_models").no_motion and (word != SOLID or in_motion)
-    )
-    problem = build(case, spring_models=moving or ("finite-element",), spring_set=spring_sets)
-    if problem.kind == TRAIN and len(moving) < len(chosen):
+    if case.train is not None and SOLID in chosen:
         raise InputError(
             f"solid finite elements are compared as a spring alone, and case '{case.name}' is a train; leave solid out, or run it by them",
             "spring_models",
         )
+    moving = tuple(word for word in chosen if not spring_model(word, "spring_models").no_motion)
+    problem = build(case, spring_models=moving or ("finite-element",), spring_set=spring_sets)
     speeds = (
         (problem.engine_speeds if engine_speeds is None else tuple(engine_speeds)) if moving else ()
     )
-    with_solid = SOLID in chosen
-    if with_solid and engine_speeds is None:
-        speeds = ()  # solids are compared at rest; their motion takes minutes and an engine speed
     study = run_problem(
         problem,
         speeds,
         workers=workers,
-        progress=None if with_solid else progress,
+        progress=progress,
         created_at=created_at,
         command="compare",
         limits=limits,
@@ -104,16 +90,7 @@ def compare_study(
     failures, stopped = PartialFailures(study.gaps), False
     try:
         for spring in problem.springs:
-            _by_each_model(
-                study,
-                problem,
-                spring,
-                chosen,
-                lift,
-                with_solid,
-                progress,
-                (rest, failures),
-            )
+            _by_each_model(study, problem, spring, chosen, lift, (rest, failures))
     except KeyboardInterrupt:
         stopped = True
     done = replaced(
@@ -139,69 +116,26 @@ def _default_models(case: Case, spring_sets: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def comparison_reach(spring: InstalledSpring) -> float:
-    """Compression (m) of curves next to solids: a tenth, or a twentieth of the travel, beyond the
-    installed state.
-    """
-    assert spring.wire is not None
-    travel, installed = spring.wire.free_length - spring.wire.solid_height, spring.precompression
-    return float(min(installed + max(0.1 * installed, 0.05 * travel), 0.97 * travel))
-
-
 def _by_each_model(
     study: Study,
     problem: Problem,
     spring: InstalledSpring,
     chosen: tuple[str, ...],
     lift: float,
-    with_solid: bool,
-    progress: Progress | None,
     into: tuple[list[SpringAtRest], PartialFailures],
 ) -> None:
-    """One spring at rest by every model that can represent it, solid and rod first."""
+    """One spring at rest by every model that can represent it, the rod first."""
     rest, failures = into
-    reach = (
-        comparison_reach(spring)
-        if with_solid
-        else reach_of(spring, lift)
-        if spring.wire is not None
-        else spring.precompression + lift
-    )
-    compressions = np.linspace(0.0, max(reach, 1e-6), (FINE_STEPS if with_solid else STEPS) + 1)
+    reach = reach_of(spring, lift) if spring.wire is not None else spring.precompression + lift
+    compressions = np.linspace(0.0, max(reach, 1e-6), STEPS + 1)
     own = next((one for one in study.rest if one.spring == spring.name), None)
-    order = [word for word in ("finite-element", *chosen) if word != SOLID and word in chosen]
-    cancel = Cancel(
-        None
-        if progress is None
-        else lambda reached: progress(min(1.0, max(0.0, reached) / 2), "solid finite elements")
-    )
 
     def by(word: str) -> SpringAtRest:
-        return statics_by_model(
-            spring,
-            word,
-            problem.model_of(word, spring, own),
-            compressions,
-            20 if with_solid else 12,
-        )
+        return statics_by_model(spring, word, problem.model_of(word, spring, own), compressions, 12)
 
-    found: list[SpringAtRest] = []
-    jobs: dict[str, Future[SpringAtRest]] = {}
-    with ThreadPoolExecutor(2) as pool:
-        try:
-            if with_solid:
-                jobs["solid finite elements at rest"] = pool.submit(
-                    solid_rest, spring, reach, cancel
-                )
-            for word in dict.fromkeys(order):
-                if not spring_model(word).why_not(spring):
-                    one = failures.part(f"spring '{spring.name}' at rest by {word}", None, by, word)
-                    found += [one] if one is not None else []
-            for part, job in jobs.items():
-                result = failures.part(f"spring '{spring.name}', {part}", None, result_of, job)
-                found[:0] = [result] if result is not None else []
-        except BaseException:
-            cancel.flag.set()  # the solver's own loop sees it and stops the solver
-            raise
-        finally:
-            rest += found
+    order = [word for word in ("finite-element", *chosen) if word in chosen]
+    for word in dict.fromkeys(order):
+        spec = spring_model(word)
+        if not spec.no_statics and not spec.why_not(spring):
+            one = failures.part(f"spring '{spring.name}' at rest by {word}", None, by, word)
+            rest += [one] if one is not None else []

@@ -44,9 +44,7 @@ ALONE = {ROD: 0.6, "wave-rod": 0.4, "wave-rod-clash": 0.4}
 #: Runs on the own mesh that take as long as all variants of a refinement, of a spring and of a
 #: train; bytes over those of a run.
 SPRING_VARIANTS, TRAIN_VARIANTS, FINER_BYTES = 8.0, 13.0, 3.0
-#: Solid finite elements: name, unknowns per element, bytes per unknown, and solver runs of the
-#: statics (one for the error bar).
-SOLID, SOLID_UNKNOWNS, SOLID_BYTES, SOLID_RUNS = "solid", 15.0, 1e4, 2
+SOLID = "solid"
 #: Solids in motion: time step (s) over the size of a brick (m) in the section, seconds per brick and
 #: step, and for the statics of a brick (s); the coarser mesh of the error bar adds two thirds.
 BRICK_STEP, BRICK_TIME, BRICK_REST, COARSER_BRICKS = 1.8e-4, 1e-7, 4e-3, 1 + 2 / 3
@@ -263,15 +261,14 @@ def _compared_cost(request: Request) -> Cost:
     if request.command != "compare" or request.case.train is not None:
         return Cost()
     # This imports the finite-element spring, which a sweep of a train never needs.
-    from valvetrain.runs.compare import FINE_STEPS, STEPS
+    from valvetrain.runs.compare import STEPS
 
     return _sum(
-        solid_statics_cost(spring)
-        if model == SOLID
-        else spring_cost(spring, model, FINE_STEPS if SOLID in models else STEPS)
+        spring_cost(spring, model, STEPS)
         for models, springs in planned(request)
         for spring in springs
         for model in models
+        if not spring_model(model).no_statics
     )
 
 
@@ -295,20 +292,6 @@ def refine_cost(case: Case, engine_speeds: Sequence[float] | None, workers: int 
     models, variants = ((ROD,), SPRING_VARIANTS) if case.train is None else ((), TRAIN_VARIANTS)
     runs = request_cost(RunRequest("run", case, speeds, models, (), workers), whole=False)
     return Cost(runs.seconds * variants, runs.bytes * FINER_BYTES)
-
-
-def solid_statics_cost(spring: InstalledSpring) -> Cost:
-    """Cost of one installed wire at rest by solids: curve, modes and the coarser mesh of the error
-    bar.
-    """
-    from valvetrain.springs.solid.installed import COARSER_MESH, statics_seconds
-
-    options = spring_model(SOLID).read_options(spring.options_of(SOLID)).model_dump()
-    coils = spring.wire.total_coils if spring.wire is not None else TYPICAL_COILS
-    cells = options["core"] ** 2 + 4 * options["core"] * options["rings"]
-    unknowns = SOLID_UNKNOWNS * (coils * options["elements_per_coil"] * cells)
-    seconds = min(COARSER_MESH * statics_seconds(unknowns), SOLID_RUNS * options["time_limit"])
-    return Cost(seconds, SOLID_BYTES * unknowns)
 
 
 def static_cost(

@@ -205,10 +205,7 @@ def curve_by_model(
     if reason := spec.why_not(spring):
         raise InputError(reason, "spring_model")
     if spec.no_statics:
-        raise InputError(
-            f"{name} is run by compare, or by SolidSpring.static_curve; choose another model",
-            "spring_model",
-        )
+        raise InputError(f"{spec.no_statics}; choose another model", "spring_model")
     rod_result = (
         _by_rod(spring_model(WIRE).build(spring), end, None, 8) if spec.needs_rest else None
     )

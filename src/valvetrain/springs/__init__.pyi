@@ -8,6 +8,5 @@ from valvetrain.springs.modal_varied import ModalVaried as ModalVaried
 from valvetrain.springs.multi_mass import MultiMassSpring as MultiMassSpring
 from valvetrain.springs.nested import NestedSprings as NestedSprings
 from valvetrain.springs.reduced_rod import ReducedRod as ReducedRod
-from valvetrain.springs.solid.jobs import SolidSpring as SolidSpring
 from valvetrain.springs.wave_rod import WaveRod as WaveRod
 from valvetrain.springs.wave_rod_clash import WaveRodWithClash as WaveRodWithClash

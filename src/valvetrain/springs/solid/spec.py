@@ -1,35 +1,27 @@
-"""The solid finite-element model in the registry: a wire of bricks in motion, and the same wire in
-CalculiX for statics and modes.
-"""
+"""The solid finite-element model in the registry: a wire of bricks in motion."""
 
 from __future__ import annotations
 
 from pydantic import Field
 
 from valvetrain.coil_contact.law import law_of
-from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.continuum.transient import SolidDynamics
 from valvetrain.continuum.wire import SolidContactLaw, SolidMeshSize
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.schema_types import PositiveTime
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.spring_options import SpringOptions
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.contract import SpringModel
-from valvetrain.springs.solid.deck import SolidContact
-from valvetrain.springs.solid.jobs import SolidSpring
 from valvetrain.springs.solid.model import ALONE, SolidModel
 from valvetrain.springs.spec import SpringModelSpec
 
 
 class SolidOptions(SpringOptions):
-    """Options of solid finite elements: those of the bricks in motion, and those of the statics and
-    modes by CalculiX, whose elements have twenty nodes.
-    """
+    """Options of solid finite elements."""
 
     bricks_per_coil: int = Field(
-        default=24, ge=8, le=400, description="slices of bricks along a turn of the wire, in motion"
+        default=24, ge=8, le=400, description="slices of bricks along a turn of the wire"
     )
     brick_core: int = Field(
         default=2, ge=2, le=16, description="bricks across the square core of the section"
@@ -55,28 +47,6 @@ class SolidOptions(SpringOptions):
         le=1,
         description="Coulomb friction of free wire on its seats in motion; none at rest",
     )
-    elements_per_coil: int = Field(
-        default=12, ge=4, le=1000, description="slices along one turn of the wire in CalculiX"
-    )
-    core: int = Field(
-        default=1, ge=1, le=40, description="cells across the core of the section in CalculiX"
-    )
-    rings: int = Field(
-        default=1, ge=1, le=40, description="rings of cells around the core in CalculiX"
-    )
-    time_limit: PositiveTime = Field(
-        default=1800.0, description="longest time one solution of CalculiX may take"
-    )
-
-
-def solid_spring(spring: InstalledSpring, options: SolidOptions) -> SolidSpring:
-    """The model of an installed wire in CalculiX: inactive end turns fixed, coils in contact, seat
-    planes where the spring has them.
-    """
-    wire = _wire_of(spring)
-    contact = SolidContact(seats=spring.seats != "clamps")
-    mesh = MeshOptions(options.elements_per_coil, options.core, options.rings, ends="bonded")
-    return SolidSpring(wire, mesh, contact, options.time_limit)
 
 
 def _wire_of(spring: InstalledSpring) -> SpringDefinition:
@@ -123,7 +93,7 @@ SPEC = SpringModelSpec(
     shows=("sections", "clash", "stress"),
     alone=ALONE,
     driver="finite-element",
-    no_statics="solid finite elements are run by compare",
+    no_statics="solid finite elements are run in motion, by run, compare or sweep",
     processor_time=500.0,
     knows="the wire as a body, its sections deform, all coils in contact, seats",
     leaves_out="its own effect on a train, ends that lift, guides, friction at rest, a retainer that deforms",

@@ -7,21 +7,16 @@ printout is also Abaqus syntax.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.continuum.mesh import FaceSet, MeshOptions, SolidMesh
-from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.solution.atomic import atomic_path
 
 Array = NDArray[np.float64]
 
@@ -318,51 +313,3 @@ def dynamic_step(
         f"*STEP, NLGEOM, INC=100000\n*DYNAMIC, ALPHA={alpha:.4g}\n{times}\n"
         f"*BOUNDARY\nSEAT, 1, 3\nRETAINER, 1, 2\n*BOUNDARY, AMPLITUDE={amplitude}\nRETAINER, 3, 3, 1.\n{printout.text()}\n*END STEP\n"
     )
-
-
-#: File ending -> name of the format in meshio.
-FORMATS = {".vtu": "vtu", ".vtk": "vtk", ".msh": "gmsh", ".xdmf": "xdmf", ".med": "med"}
-MESHIO_HINT = "export of solid meshes needs the package meshio, which is not installed: install it with 'pip install \"valvetrain[mesh]\"'"
-
-
-def write_mesh(
-    mesh: SolidMesh,
-    path: str | os.PathLike[str],
-    point_data: Mapping[str, NDArray[np.float64]] | None = None,
-) -> Path:
-    """Write ``mesh`` (m) with its coil number and ``point_data`` (one row per node); the file
-    ending chooses the format.
-
-    Raises :class:`MissingExtraError` without meshio and :class:`InputError` for an ending or data
-    that do not fit.
-    """
-    meshio = _meshio()
-    target = Path(path)
-    form = FORMATS.get(target.suffix.lower())
-    if form is None:
-        raise InputError(
-            f"mesh file '{target.name}' has an ending that names no format; use one of {', '.join(FORMATS)}"
-        )
-    data = {"coil_number": mesh.coil, **(point_data or {})}
-    for name, values in data.items():
-        if len(values) != len(mesh.coordinates):
-            raise InputError(
-                f"point data '{name}' has {len(values)} rows for {len(mesh.coordinates)} nodes; give one row per node"
-            )
-    kind = "hexahedron20" if mesh.quadratic else "hexahedron"
-    content = meshio.Mesh(
-        mesh.coordinates,
-        [(kind, mesh.elements)],
-        point_data={k: np.asarray(v, dtype=float) for k, v in data.items()},
-    )
-    with atomic_path(target) as temporary:
-        meshio.write(temporary, content, file_format=form)
-    return target
-
-
-def _meshio() -> Any:
-    try:
-        import meshio
-    except ImportError as error:
-        raise MissingExtraError(MESHIO_HINT) from error
-    return meshio

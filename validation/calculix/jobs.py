@@ -10,16 +10,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.continuum.mesh import MeshOptions, SolidMesh, sweep_spring
-from valvetrain.errors import InputError
-from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.status import Status
-from valvetrain.springs.solid import axis_motion
-from valvetrain.springs.solid import deck as steps
-from valvetrain.springs.solid.calculix import SolverOutput, Watch, run_deck
-from valvetrain.springs.solid.deck import (
+from validation.calculix import axis_motion
+from validation.calculix import deck as steps
+from validation.calculix.deck import (
     MILLIMETRE,
     SolidContact,
     comment,
@@ -27,7 +20,14 @@ from valvetrain.springs.solid.deck import (
     model_text,
     seats_text,
 )
-from valvetrain.springs.solid.results import Printed, read_printed
+from validation.calculix.results import Printed, read_printed
+from validation.calculix.solver import SolverOutput, run_deck
+from valvetrain.continuum.mesh import MeshOptions, SolidMesh, sweep_spring
+from valvetrain.errors import InputError
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.solution.modes import ModalResult
+from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.status import Status
 from valvetrain.units import Given, si
 
 Array = NDArray[np.float64]
@@ -42,8 +42,7 @@ class SolidSpring:
     """Solid finite-element model of ``spring``. ``contact`` None leaves coils free to pass through
     each other.
 
-    ``time_limit`` (s) and ``threads`` bound each run of the solver; ``watch`` is called with the solver
-    time that a run has reached.
+    ``time_limit`` (s) and ``threads`` bound each run of the solver.
 
     >>> import valvetrain as vt
     >>> solid = SolidSpring(vt.load_case("uniform-spring").springs[0].wire)
@@ -57,7 +56,6 @@ class SolidSpring:
     time_limit: float = 300.0
     threads: int = 1
     name: str = "solid"
-    watch: Watch | None = field(default=None, compare=False, repr=False)
 
     @cached_property
     def mesh(self) -> SolidMesh:
@@ -102,7 +100,6 @@ class SolidSpring:
             time_limit=self.time_limit,
             threads=self.threads,
             read_fields=read_fields,
-            watch=self.watch,
         )
 
     def static_curve(self, compression: Given, points: int = 20) -> StaticCurve:

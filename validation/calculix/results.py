@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.calculix.deck import MILLIMETRE
 from valvetrain.continuum.mesh import SolidMesh
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.solid.deck import MILLIMETRE
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.calculix.deck import SolidContact
 from valvetrain.continuum.mesh import SolidMesh
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.springs.solid.deck import SolidContact
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

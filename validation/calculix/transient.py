@@ -11,17 +11,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from validation.calculix import axis_motion
+from validation.calculix import deck as steps
+from validation.calculix.deck import MILLIMETRE, SolidContact
+from validation.calculix.jobs import SolidSpring
+from validation.calculix.results import read_printed
+from validation.calculix.solver import SolverOutput
 from valvetrain.errors import InputError
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import Provenance, collect_provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
-from valvetrain.springs.solid import axis_motion
-from valvetrain.springs.solid import deck as steps
-from valvetrain.springs.solid.calculix import SolverOutput
-from valvetrain.springs.solid.deck import MILLIMETRE, SolidContact
-from valvetrain.springs.solid.jobs import SolidSpring
-from valvetrain.springs.solid.results import read_printed
 
 Array = NDArray[np.float64]
 
