@@ -14,7 +14,6 @@ from validation.calculix.deck import (
     SolidContact,
     frequency_step,
     static_step,
-    write_mesh,
 )
 from validation.calculix.jobs import SolidSpring, axial_modes
 from validation.calculix.results import last_field, read_fields, read_printed
@@ -22,6 +21,7 @@ from validation.calculix.solver import find_solver, run_deck
 from validation.calculix.transient import MOTION_CONTACT, TransientJob, transient_deck
 
 from valvetrain.continuum.mesh import MeshOptions
+from valvetrain.continuum.mesh_file import write_mesh
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.parameters.constructors import cylindrical
 

@@ -61,6 +61,11 @@ def compare_study(
     what cannot be built and when no model can run.
     """
     chosen = tuple(dict.fromkeys(spring_models)) or _default_models(case, spring_sets)
+    if SOLID in chosen and case.train is None and case.lift_law is None:
+        raise InputError(
+            f"case '{case.name}' holds no lift law, and solid finite elements are compared in motion; add a [lift_law] table or leave solid out",
+            "spring_models",
+        )
     if case.train is not None and SOLID in chosen:
         raise InputError(
             f"solid finite elements are compared as a spring alone, and case '{case.name}' is a train; leave solid out, or run it by them",

@@ -121,8 +121,7 @@ def static_study(
             if reason := spec.why_not(spring):
                 raise InputError(reason, "spring_models")
             if spec.no_statics:
-                remedy = f"its curve and modes are compared with the rod's by 'valvetrain compare CASE --spring {WIRE},{name}'"
-                raise InputError(f"{spec.no_statics}: {remedy}", "spring_models")
+                raise InputError(f"{spec.no_statics}; choose {WIRE}", "spring_models")
             if spec.needs_rest and rod_result is None:
                 rod_result = _by_rod(problem.model_of(WIRE, spring), end, None, max(modes, 8))
             if attached_mass is not None and name != WIRE:
