@@ -11,7 +11,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from valvetrain.cli.outcome import PLAIN_WIDTH, plain_table
-from valvetrain.cli.published import ErrorBars, Ranges, fitting
+from valvetrain.cli.published import NARROW, ErrorBars, Ranges, fitting
 from valvetrain.parameters.summary import number, unit_text
 from valvetrain.report.headlines import (
     HeadlineColumn,
@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 #: Runs shown side by side in 100 columns; further runs follow below, up to this many.
 MAX_COLUMNS, MAX_TABLE_ROWS = 4, 24
+#: Letters of a label before it takes a second line, where its table would be too wide.
+LABEL = 34
 #: Runs up to which what does not fit side by side is in a second table.
 TWICE = 12
 
@@ -134,10 +136,13 @@ def _side_by_side(
     ]
     shown = [row for row in rows if row.name not in names_for("page")]
 
-    def width(chosen: ErrorBars) -> int:
+    def width(chosen: ErrorBars, label: int = LABEL) -> int:
         lines = [
             headers,
-            *([row.label, unit_text(row.unit), *chosen.cells(row, columns)] for row in shown),
+            *(
+                [row.label[:label], unit_text(row.unit), *chosen.cells(row, columns)]
+                for row in shown
+            ),
             *(["", "", *chosen.ranges(row, columns)] for row in shown),
         ]
         return (
@@ -155,7 +160,9 @@ def _side_by_side(
             yield from _side_by_side(study, columns[place], [_of(row, place) for row in rows], bars)
         return
     table = plain_table(headers, (), right=range(2, len(headers)))
-    table.columns[0].no_wrap = table.columns[1].no_wrap = True
+    table.columns[1].no_wrap = True
+    if width(close or bars, PLAIN_WIDTH) > NARROW:
+        table.columns[0].max_width = LABEL
     for row in rows:
         if row.name not in names_for("page"):
             table.add_row(row.label, unit_text(row.unit), *(close or bars).cells(row, columns))

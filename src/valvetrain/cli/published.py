@@ -139,9 +139,11 @@ def tally(rows: Sequence[Comparison], role: str) -> str:
 
 
 #: Columns of a terminal that no table of a few runs exceeds.
-NARROW = 80
+NARROW = 100
 #: Mark behind a number that contact constants decide and whose range was not computed.
 RESTS = "*"
+#: Mark behind a number whose error bar is not resolved.
+UNRESOLVED = "(?)"
 #: Digits of a value that are shown, and of its bar.
 DIGITS, BAR_DIGITS = 4, 2
 #: Smallest bar that is shown; a power of ten would be as wide as a column.
@@ -193,7 +195,7 @@ class ErrorBars:
         if bar < max(last / 2, MIN_BAR):
             return label + mark
         if not held.resolved:
-            return f"{label}{mark} ({NOT_RESOLVED})"
+            return f"{label}{mark} {UNRESOLVED}"
         return f"{label}{self.between}±{self.between}{number(bar, BAR_DIGITS)}{mark}"
 
     def ranges(self, row: HeadlineRow, columns: Sequence[HeadlineColumn]) -> list[str]:
@@ -216,7 +218,10 @@ class ErrorBars:
             factors = zip(CONSTANTS, (STIFFNESS_FACTORS, DAMPING_FACTORS), strict=True)
             texts = (f"{name} × {low:g} to {high:g}" for name, (low, high) in factors)
             lines.append(f"range: the value over {' and '.join(texts)}")
-        if any(RESTS in cell for row in rows for cell in self.cells(row, columns)):
+        cells = [cell for row in rows for cell in self.cells(row, columns)]
+        if any(UNRESOLVED in cell for cell in cells):
+            lines.append(f"{UNRESOLVED} the error bar is {NOT_RESOLVED}")
+        if any(RESTS in cell for cell in cells):
             lines.append(
                 f"{RESTS} contact constants that nobody knows decide this number; 'valvetrain refine' computes its range"
             )
