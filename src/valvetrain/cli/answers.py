@@ -5,7 +5,6 @@ where there are any, then the folder of all results.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
@@ -94,7 +93,7 @@ def _tables(study: Study) -> Iterator[Table]:
             yield _over_speeds(study, columns[first : first + MAX_COLUMNS], rows, first)
     elif len(columns) <= MAX_COLUMNS:
         if rows:
-            yield from _side_by_side(study, columns, rows, bars)
+            yield _side_by_side(study, columns, rows, bars)
     else:
         same = [
             (row.label, row.unit, _range(row.values))
@@ -121,9 +120,9 @@ def _tables(study: Study) -> Iterator[Table]:
 
 def _side_by_side(
     study: Study, columns: Sequence[HeadlineColumn], rows: Sequence[HeadlineRow], bars: ErrorBars
-) -> Iterator[Table]:
-    """A row per question, a column per run, in two tables where one would be too wide for the error bars; ranges
-    below their values, and the largest clash of each run below the number of clashes.
+) -> Table:
+    """A row per question, a column per run; ranges below their values, and the largest clash of each
+    run below the number of clashes.
     """
     speeds = (
         "" if column.engine_speed is None else f"\n{rpm(column.engine_speed):g} rpm"
@@ -154,35 +153,19 @@ def _side_by_side(
         )
 
     close = fitting(bars, width)
-    if close is None and len(columns) > 1:
-        half = (len(columns) + 1) // 2
-        for place in (slice(None, half), slice(half, None)):
-            yield from _side_by_side(study, columns[place], [_of(row, place) for row in rows], bars)
-        return
     table = plain_table(headers, (), right=range(2, len(headers)))
     table.columns[1].no_wrap = True
-    if width(close or bars, PLAIN_WIDTH) > NARROW:
+    if width(close, PLAIN_WIDTH) > NARROW:
         table.columns[0].max_width = LABEL
     for row in rows:
         if row.name not in names_for("page"):
-            table.add_row(row.label, unit_text(row.unit), *(close or bars).cells(row, columns))
+            table.add_row(row.label, unit_text(row.unit), *close.cells(row, columns))
             if any(ranges := bars.ranges(row, columns)):
                 table.add_row("  range", "", *ranges)
         if row.name == "clash_count":
             for label, unit, cells in largest_clash_rows(study, columns):
                 table.add_row(f"  {label}", unit, *cells)
-    yield table
-
-
-def _of(row: HeadlineRow, place: slice) -> HeadlineRow:
-    """A row of some of the columns."""
-    return replace(
-        row,
-        values=row.values[place],
-        engine_speeds=row.engine_speeds[place],
-        cells=row.cells[place],
-        passed=row.passed[place],
-    )
+    return table
 
 
 def _over_speeds(

@@ -146,16 +146,21 @@ RESTS = "*"
 UNRESOLVED = "(?)"
 #: Digits of a value that are shown, and of its bar.
 DIGITS, BAR_DIGITS = 4, 2
+#: Share of a value from which an error bar is shown where there is no space for smaller ones.
+LARGE = 0.05
 #: Smallest bar that is shown; a power of ten would be as wide as a column.
 MIN_BAR = 1e-4
 
 
 @dataclass(frozen=True)
 class ErrorBars:
-    """Uncertainties by quantity; ``between`` is the text around the ± sign."""
+    """Uncertainties by quantity; ``between`` is the text around the ± sign, ``least`` the share of a
+    value up to which its bar is left to the page and to JSON.
+    """
 
     rows: Mapping[str, Sequence[Uncertainty]] = field(default_factory=dict)
     between: str = " "
+    least: float = 0.0
 
     @classmethod
     def of(cls, study: Study) -> ErrorBars:
@@ -192,7 +197,7 @@ class ErrorBars:
         mark = RESTS if held.rests_on_contact_constants else ""
         bar = float(shown(row.name, held.numerical)[0])
         last = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
-        if bar < max(last / 2, MIN_BAR):
+        if bar < max(last / 2, MIN_BAR, self.least * abs(value)):
             return label + mark
         if not held.resolved:
             return f"{label}{mark} {UNRESOLVED}"
@@ -236,10 +241,12 @@ class Ranges(ErrorBars):
         return self.ranges(row, columns)
 
 
-def fitting(bars: ErrorBars, width: Callable[[ErrorBars], int]) -> ErrorBars | None:
-    """The bars with spaces, or without, so that the ``width`` of their table is at most :data:`NARROW`, or what
-    values alone take; None where neither fits.
+def fitting(bars: ErrorBars, width: Callable[[ErrorBars], int]) -> ErrorBars:
+    """The bars as they fit into :data:`NARROW` columns by the ``width`` of their table: with spaces,
+    without, or those above :data:`LARGE` alone.
     """
-    room = max(NARROW, width(ErrorBars()))
-    closer = (replace(bars, between=between) for between in (" ", ""))
-    return next((one for one in closer if width(one) <= room), None)
+    *closer, last = (
+        replace(bars, between=between, least=least)
+        for between, least in ((" ", 0.0), ("", 0.0), ("", LARGE))
+    )
+    return next((one for one in closer if width(one) <= NARROW), last)
