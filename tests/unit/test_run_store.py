@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from unit.cli_parts import SMALL, call
 from valvetrain.errors import InputError
 from valvetrain.report.run_summary import result_rows
 from valvetrain.runs.cost import estimate
@@ -353,3 +354,15 @@ def test_cost_grows_as_the_work_does():
     assert cost.bytes == pytest.approx(12 * 8 * 720 * 100)
     assert estimate(**usual, whole=False).bytes < cost.bytes / 3
     assert (cost + cost).seconds == 2 * cost.seconds
+
+
+def test_a_failed_run_is_named_where_the_numbers_are_the_same(tmp_path, monkeypatch):
+    """Contract: a run that lacks files is no equal of a whole one."""
+    monkeypatch.chdir(tmp_path)
+    lost = "file 'curves.csv': No space left on device"
+    for name, failures in (("one", []), ("two", [lost])):
+        answer = {"case": "small", "created_at": "2026-01-01", "completed": not failures, "failures": failures}  # fmt: skip
+        save_run(tmp_path / name, Inputs("small", SMALL, {}, {}), answer)
+    assert "curves.csv" in call("compare-runs", "one", "two").stdout
+    data = json.loads(call("compare-runs", "one", "two", "--json").stdout)
+    assert data["failed"] == {"a": [], "b": [lost]}

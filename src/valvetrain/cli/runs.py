@@ -206,19 +206,11 @@ def compare_runs(
     first.
     """
     from valvetrain.cli.outcome import Outcome, deliver, measured
-    from valvetrain.report.runs_verdict import runs_verdict
     from valvetrain.runs.differences import input_differences, result_differences
-    from valvetrain.runs.headline_changes import headline_changes
     from valvetrain.runs.saved_runs import find_run
 
     one, other = find_run(a, folder), find_run(b, folder)
     inputs, results = input_differences(one, other), result_differences(one, other)
-    failed = [
-        name for name, run in zip("AB", (one, other), strict=True) if run.state != "completed"
-    ]
-    verdict = ""
-    if results or failed:
-        verdict = runs_verdict(headline_changes(one.answer, other.answer), failed)
     data: dict[str, Any] = {
         "command": "compare-runs", "a": str(one.folder), "b": str(other.folder),
         "inputs": [{"key": key, "a": first, "b": second} for key, first, second in inputs],
@@ -229,14 +221,11 @@ def compare_runs(
             }
             for row in results
         ],
-        "failed": {"a": list(one.failures), "b": list(other.failures)}, "verdict": verdict,
+        "failed": {"a": list(one.failures), "b": list(other.failures)},
     }  # fmt: skip
     deliver(
         Outcome(
-            data,
-            lambda console: _show_compare_runs(console, (one, other), inputs, results),
-            (),
-            verdict,
+            data, lambda console: _show_compare_runs(console, (one, other), inputs, results), ()
         )
     )
 
