@@ -9,7 +9,11 @@ from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import read_cycles
 from valvetrain.measured.force_height import ForceHeight, read_force_height
+from valvetrain.measured.lift_file import LiftAnswers, lifts_in
 from valvetrain.measured.value_table import values_in
+from valvetrain.rig.channels import RigAnswers
+from valvetrain.rig.cycles import cycles_in
+from valvetrain.rig.reader import Recording, RigChannel
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.spring_card import tester
 from valvetrain.spring_card.tester import card_from_table, spring_from_tester
@@ -163,3 +167,62 @@ def test_values_that_no_valvetrain_has_are_refused_on_reading(tmp_path, unit, va
         read_cycles(tmp_path / "a.csv")
     with pytest.raises(InputError, match=r"outside .* of valvetrains"):
         values_in(f"quantity,unit,value,scatter\nraw_peak_spring_force,{unit},{value},1 %", "a.csv")
+
+
+LIFT = LiftAnswers(
+    angle_of="cam",
+    lift_of="tappet",
+    lift_unit="mm",
+    columns=("angle", "lift", "velocity", "acceleration"),
+)
+
+
+@pytest.mark.parametrize("column", [0, 1, 2, 3])
+@pytest.mark.parametrize("value", ["1e308", "-1e308", "1e200", "1e-320"])
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_table_of_lifts_is_read_or_refused_without_a_warning_of_numpy(column, value):
+    rows = [
+        [f"{angle}", f"{angle * (60 - angle) / 100}", f"{60 - 2 * angle}", "-2"]
+        for angle in range(60)
+    ]
+    for place in (30, 31):
+        rows[place][column] = value
+    text = "\n".join(" ".join(row) for row in rows)
+    try:
+        lifts_in(text.encode(), "lift.txt", LIFT)
+    except InputError as error:
+        assert column < 2, error
+
+
+@pytest.mark.parametrize("value", [1e308, -1e308, 1e200, 3e8, 1e-320])
+@pytest.mark.parametrize("channel", [0, 1])
+@pytest.mark.parametrize("count", [1, 3, 2000])
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_recording_is_read_or_refused_without_a_warning_of_numpy(value, channel, count):
+    time = np.arange(2000) / 5e3
+    made = [0.3 + 0.05 * np.sin(40 * time), np.degrees(40 * time) % 720]
+    made[channel][900 : 900 + count] = value
+    if count == 2000:
+        made[channel][:] = value
+    channels = tuple(
+        RigChannel(name, unit, values, 0.0, 2e-4)
+        for name, unit, values in zip(
+            ("Spring force", "Crank angle"), ("kN", "deg"), made, strict=True
+        )
+    )
+    answers = RigAnswers(angle_of="crank", encoder="Crank angle")
+    try:
+        cycles_in(Recording("csv", channels), "rig.csv", answers)
+    except InputError:
+        return
+    assert value == 1e-320, "a spike of this size is no measurement"
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_points_of_every_kind_of_nan_are_read_without_a_warning_of_numpy(tmp_path):
+    whole, place = points(b"")
+    signalling = b"\x01\x00\xa0\x7f"
+    (tmp_path / "a.ply").write_bytes(whole[:place] + signalling + whole[place + 4 :])
+    assert np.isnan(np.concatenate(list(open_cloud(tmp_path / "a.ply").blocks))).sum() == 1
+    (tmp_path / "a.stl").write_bytes(mesh()[:96] + signalling + mesh()[100:])
+    assert np.isnan(np.concatenate(list(open_cloud(tmp_path / "a.stl").blocks))).sum() == 1

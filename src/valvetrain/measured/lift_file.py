@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.measured.lift_formats import COLUMN_NAMES, LiftColumns, LiftFormat
+from valvetrain.measured.ranges import refuse_beyond
 from valvetrain.measured.tables import read_content
 from valvetrain.solution.display import Shown
 from valvetrain.units import dimension_of, unit_factor
@@ -142,6 +143,8 @@ class LiftAnswers:
 #: Larger files are no tables of lifts.
 MAX_BYTES = 5_000_000
 TURN = 2 * np.pi
+#: Stations closer than this (rad) are one.
+STEP = 1e-9
 #: Columns that are lifts.
 LOBES = ("lift", "intake", "exhaust")
 
@@ -203,6 +206,8 @@ def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredL
     else:
         rows = found.rows
     lobes = {word: rows[:, place] * scale for place, word in enumerate(columns) if word in LOBES}
+    for word, lifts in lobes.items():
+        refuse_beyond(lifts, "m", f"the {word} in {name[:80]}")
     for word in ("velocity", "acceleration"):
         if word in columns:
             notes.append(
@@ -342,10 +347,10 @@ def _cam_angles(found: LiftColumns, columns: tuple[str, ...], known: _AnswerShee
 
 def _check_angles(angles: Array, name: str) -> None:
     steps = np.diff(angles)
-    if not (np.all(steps > 0) or np.all(steps < 0)):
+    if not (np.all(steps > STEP) or np.all(steps < -STEP)):
         sign = 1.0 if angles[-1] > angles[0] else -1.0
         place = next(
-            index for index, (one, two) in enumerate(pairwise(sign * angles)) if two <= one
+            index for index, (one, two) in enumerate(pairwise(sign * angles)) if two <= one + STEP
         )
         raise InputError(
             f"the angles of {name[:80]} do not run one way at row {place + 2} ({np.degrees(angles[place + 1]):g} cam deg); correct it"
@@ -369,10 +374,9 @@ def _agreement_note(values: Array, word: str, angles: Array, lifts: Array) -> st
     if word == "acceleration":
         slope = np.gradient(slope, angles)
     size = float(np.dot(slope, slope))
+    values = values / max(float(np.abs(values).max()), 1e-300)
     scale = float(np.dot(values, slope)) / size if size else 0.0
-    apart = float(
-        np.sqrt(np.mean((values - scale * slope) ** 2)) / max(float(np.abs(values).max()), 1e-300)
-    )
+    apart = float(np.sqrt(np.mean((values - scale * slope) ** 2)))
     verdict = "agrees with" if scale > 0 and apart < 0.05 else "does not fit"
     return f"the {word} column {verdict} the derivative of the lift (rms {100 * apart:.1f} % of its peak) and is not used"
 

@@ -14,16 +14,17 @@ RANGES = {
 
 
 def refuse_beyond(values: ArrayLike, unit: str, what: str) -> None:
-    """Refuse ``values`` (SI, of ``unit``) whose largest size no valvetrain has; zeros, NaN and units without a range pass.
+    """Refuse ``values`` (SI, of ``unit``) whose largest size no valvetrain has; zeros and NaN pass.
 
     Raises :class:`InputError` with ``what`` was measured.
 
     >>> refuse_beyond([320.0, 0.0], "N", "spring_force")
     """
-    low, high = RANGES.get(unit, (0.0, np.inf))
+    low, high = RANGES.get(unit, (0.0, 1e12))
     size = np.abs(np.asarray(values, dtype=float))
     largest = float(np.max(size, initial=0.0, where=~np.isnan(size)))
     if largest and not low <= largest <= high:
         raise InputError(
-            f"{what} reaches {largest:.4g} {unit}, outside {low:g} to {high:g} {unit} of valvetrains; check the numbers and their unit"
+            f"{what} reaches {f'{largest:.4g} {unit}'.strip()}, outside {low:g} to {f'{high:g} {unit}'.strip()} of valvetrains; "
+            "check the numbers and their unit"
         )

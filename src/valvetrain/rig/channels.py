@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.measured.ranges import refuse_beyond
 from valvetrain.rig.reader import Recording, RigChannel
 from valvetrain.solution.definition import BY_LAST_WORD
 from valvetrain.units import DIMENSIONS, Given, dimension_of, parse_quantity, si, unit_factor
@@ -209,6 +210,8 @@ def choose_channels(recording: Recording, answers: RigAnswers, file_name: str) -
             questions[0][0],
         )
     assert shaft is not None
+    for one in (*channels.values(), shaft):
+        refuse_beyond(one.values, "", f"channel '{one.name[:80]}' of {file_name[:80]}")
     scales = {quantity: _scale(quantity, one, answers) for quantity, one in channels.items()}
     even = {
         id(one): _cut(_even(one, recording, answers, notes), answers.span)  # type: ignore[arg-type]

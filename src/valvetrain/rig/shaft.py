@@ -219,7 +219,7 @@ def shaft_through(
         _, window = np.unique(window, return_inverse=True)
         count = np.bincount(window)
         knots = np.bincount(window, times) / count, np.bincount(window, cam_angles) / count
-    if not np.all(np.diff(knots[1]) > 0):
+    if not np.all(np.diff(knots) > 0):
         raise InputError(
             f"the angle of '{name[:80]}' does not rise: the shaft stops or turns back; cut the recording to what turns"
         )

@@ -285,7 +285,9 @@ def _binary(path: Path, head: _Head, row: np.dtype[np.void], names: list[str]) -
             rows = np.frombuffer(
                 stream.read(row.itemsize * min(PLY_AT_A_TIME, head.count - first)), row
             )
-            yield np.column_stack([rows[one].astype(float) for one in names])
+            with np.errstate(invalid="ignore"):  # NaN of any kind are counted later
+                block = np.column_stack([rows[one].astype(float) for one in names])
+            yield block
 
 
 def _text(path: Path, name: str, head: _Head, places: list[int]) -> Iterator[Array]:
@@ -382,7 +384,9 @@ def _stl(path: Path, name: str, size: int) -> Iterator[Array]:
             )
         for first in range(0, count, CLOUDS_AT_A_TIME):
             data = stream.read(FACET * min(CLOUDS_AT_A_TIME, count - first))
-            yield np.frombuffer(data, _FACET)["corners"].reshape(-1, 3).astype(float)
+            with np.errstate(invalid="ignore"):
+                block = np.frombuffer(data, _FACET)["corners"].reshape(-1, 3).astype(float)
+            yield block
 
 
 def _marked(path: Path, name: str, mark: bytes) -> Iterator[Array]:
