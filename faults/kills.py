@@ -4,6 +4,7 @@ and the command takes its folder back.
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import shutil
@@ -134,12 +135,13 @@ def _runs_lost(folder: Path) -> list[str]:
     from valvetrain.runs.run_folders import LIST, whole_lines
     from valvetrain.solution.netcdf import load_netcdf
 
-    _, runs = noted(folder)
-    listed = b"\n".join(whole_lines(folder / "out" / LIST)).decode()
-    text = listed + str(answer_in(folder / "out").get("runs", ""))
+    rows = [*map(json.loads, whole_lines(folder / "out" / LIST))]
+    rows += answer_in(folder / "out").get("runs", [])
     for path in (folder / "out").glob("run-*.nc"):
         load_netcdf(path)
-    return [f"run {label} at {speed} rpm is lost" for label, speed in runs if label not in text]
+    moving = [row for row in rows if "label" in row and row.get("engine_speed")]
+    saved = {(row["label"], f"{row['engine_speed']['value']:.6f}") for row in moving}
+    return [f"run {label} at {speed} rpm is lost" for label, speed in {*noted(folder)[1]} - saved]
 
 
 def full_disk(command: str, folder: Path, chance: random.Random) -> tuple[str, list[str]]:
@@ -149,7 +151,8 @@ def full_disk(command: str, folder: Path, chance: random.Random) -> tuple[str, l
     disk = folder / "disk"
     disk.mkdir(exist_ok=True)
     size = chance.randrange(8_000, 300_000)
-    script = f"mount -t tmpfs -o size={size} none '{disk}' && ln -s '{disk}/out' out && \"$@\"; code=$?; cp -r '{disk}/.' left; exit $code"
+    begin = f"mount -t tmpfs -o size={size} none '{disk}' && mkdir '{disk}/out' && ln -s '{disk}/out' out"
+    script = f"{begin} && \"$@\"; code=$?; cp -r '{disk}/.' left; exit $code"
     for name in ("left", "out"):
         shutil.rmtree(folder / name, ignore_errors=True)
     done = subprocess.run(
