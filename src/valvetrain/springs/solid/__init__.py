@@ -1,3 +1,1 @@
-"""Solid finite elements of a coil spring: swept mesh, Abaqus/CalculiX deck, runs with ``ccx`` and
-their results.
-"""
+"""Solid finite elements of a coil spring in motion: bricks along the wire, as a spring model."""
