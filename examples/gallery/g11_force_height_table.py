@@ -17,7 +17,7 @@ forces = (
     40e3 * (55e-3 - heights) * (1 + 2e-3 * np.random.default_rng(1).standard_normal(len(heights)))
 )
 table = vt.measured.ForceHeight(heights, forces)
-card = vt.card_of_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm")
+card = vt.spring_card.card_from_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm")
 
 found = vt.spring_card.spring_from_tester(table, card, installed_height=46e-3)
 (rate, rate_deviation), (preload, preload_deviation) = found.rate, found.preload
