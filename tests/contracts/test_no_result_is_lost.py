@@ -13,14 +13,10 @@ from importlib import resources
 import numpy as np
 import pytest
 
-import valvetrain as vt
 import valvetrain.quantities.evaluate as evaluate
 from synthetic_study import own_study, rod_run
 from unit.cli_parts import call
-from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import load_case
-from valvetrain.parameters.material import OTEVA_90_SC
-from valvetrain.parameters.spring import OPEN_END
 from valvetrain.registry import names as registered_names
 from valvetrain.report import page, plotly_chart
 from valvetrain.report import study as build
@@ -28,7 +24,6 @@ from valvetrain.report import study as write
 from valvetrain.report.files import FreeNames
 from valvetrain.report.page import charts, gaps_of, render
 from valvetrain.report.study import write_parts
-from valvetrain.runs.prepared import surge_frequency
 from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
@@ -357,30 +352,3 @@ def test_a_damping_that_one_model_refuses_costs_that_model_alone(tmp_path, dampi
         for run in json.loads((tmp_path / "out" / "run.json").read_text())["runs"]
     }
     assert result.exit_code == 1 and states == {"modal-varied": "refused", "massless": "completed"}
-
-
-def test_a_spring_that_no_uniform_spring_stands_for_is_told_without_a_surge_frequency():
-    """A wire of 4 micrometres passes ``check``, so the rate that no spring has must not end its
-    run.
-    """
-    whole = vt.parameters.SpringDefinition(
-        vt.parameters.Constant("4 mm"),
-        vt.parameters.Constant("24 mm"),
-        vt.parameters.Constant("8 mm"),
-        6.0,
-        OTEVA_90_SC,
-        OPEN_END,
-        OPEN_END,
-    )
-    assert surge_frequency(InstalledSpring(wire=whole, precompression=7e-3)) == pytest.approx(
-        500, rel=0.5
-    )
-    assert (
-        surge_frequency(
-            InstalledSpring(
-                wire=whole.replace(wire_diameter=vt.parameters.Constant("4 um")),
-                precompression=7e-3,
-            )
-        )
-        is None
-    )

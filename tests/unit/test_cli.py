@@ -300,7 +300,7 @@ def test_modes_agree_with_the_library():
         ),
         (("compare", "job-c", "--limit", "much"), "write a time such as '2 h'"),
         (("run", "job-c", "--spring-set", "stock"), "has no spring sets"),
-        (("compare", "vaz-ohc", "--spring", "solid"), "for a spring alone"),
+        (("compare", "vaz-ohc", "--spring", "solid"), "as a spring alone"),
         (("new", "job-c"), "is a case of the library"),
         (("new", "a\nb"), "cannot be the name of a file"),
         (("new", "."), "cannot be the name of a file"),

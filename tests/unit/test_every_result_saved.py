@@ -149,7 +149,7 @@ def test_a_study_is_whole_with_failed_runs_critical_speeds_and_static_curves(tmp
 
 def test_methods_and_function_write_the_same(tmp_path):
     run = JOB.run("2000 rpm", model="massless")
-    assert vt.load(run.save(tmp_path / "run.csv")).identical(run)
+    assert vt.load(run.save(tmp_path / "run.nc")).identical(run)
     curve = JOB.static(spring_model="massless")
     assert content(vt.load(curve.save(tmp_path / "curve.nc"))) == content(curve)
     assert vt.load(curve.save(tmp_path / "curve.nc")).force_at("7.5 mm") == curve.force_at("7.5 mm")

@@ -15,7 +15,7 @@ from valvetrain.units.inputs import PLAUSIBLE
 #: it.
 WINDOWS = {
     "wire_diameter": (1e-3, "mm", 0.2, 20), "mean_diameter": (1e-3, "mm", 3, 200), "pitch": (1e-3, "mm", 0.2, 100),
-    "spring_length": (1e-3, "mm", 3, 1000), "compression": (1e-3, "mm", 1e-6, 500), "valve_lift": (1e-3, "mm", 1e-6, 100),
+    "spring_length": (1e-3, "mm", 3, 1000), "compression": (1e-3, "mm", 0, 500), "valve_lift": (1e-3, "mm", 1e-6, 100),
     "engine_speed": (np.pi / 30, "rpm", 10, 30000), "cam_speed": (np.pi / 30, "rpm", 5, 15000),
     "cam_angle": (np.pi / 180, "deg", 1e-9 * 180 / np.pi, 1440), "spring_rate": (1e3, "N/mm", 0.1, 5000),
     "modulus": (1e9, "GPa", 0.1, 2000),
@@ -29,7 +29,7 @@ def test_a_value_in_its_usual_unit_is_believed_and_doubted_outside_its_window(na
     scale, unit, low, high = WINDOWS[name]
     for value in (1.01 * low, 0.99 * high):
         assert si(f"{value!r} {unit}", name, "the value") == pytest.approx(value * scale)
-    for value in (0.9 * low, 1.1 * high):
+    for value in (*([0.9 * low] if low else []), 1.1 * high):
         with pytest.warns(UnusualValueWarning, match="the value"):
             assert si(f"{value!r} {unit}", name, "the value") == pytest.approx(value * scale)
         with pytest.raises(InputError, match="the value"):
