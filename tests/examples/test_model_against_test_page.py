@@ -58,5 +58,5 @@ def test_the_commands_of_the_page_say_what_it_says(tmp_path_factory, monkeypatch
 
 
 def test_every_name_of_the_page_exists():
-    names = re.search(r"From Python: (.*?)\. How", PAGE, re.DOTALL)
+    names = re.search(r"From Python: (.*?)\.\n", PAGE, re.DOTALL)
     assert names and set(re.findall(r"`(\w+)`", names[1])) <= set(PUBLIC)
