@@ -6,14 +6,27 @@ import time
 from collections.abc import Callable
 
 
-def quickest(work: Callable[[], object], repeats: int = 3) -> float:
-    """Processor time of the quickest of some repeats, as seconds of a machine on which two million
-    additions take 24 ms; a slower machine's are shortened, a faster one's are as measured.
+def slowness(repeats: int = 3) -> float:
+    """How many times longer simple work takes here than on a machine on which two million additions
+    take 24 ms; 1 on a faster one.
     """
-    times, additions = [], []
+    return max(1.0, min(_spent(_additions) for _ in range(repeats)) / 24e-3)
+
+
+def quickest(work: Callable[[], object], repeats: int = 3) -> float:
+    """Processor time of the quickest of some repeats, as seconds of that machine."""
+    times, slow = [], []
     for _ in range(repeats):
-        for into, job in ((additions, lambda: sum(range(2_000_000))), (times, work)):
-            begun = time.process_time()
-            job()
-            into.append(time.process_time() - begun)
-    return min(times) / max(1.0, min(additions) / 24e-3)
+        slow.append(slowness(1))
+        times.append(_spent(work))
+    return min(times) / min(slow)
+
+
+def _additions() -> int:
+    return sum(range(2_000_000))
+
+
+def _spent(work: Callable[[], object]) -> float:
+    begun = time.process_time()
+    work()
+    return time.process_time() - begun

@@ -251,12 +251,14 @@ def test_failed_write_leaves_the_old_file_and_no_other(tmp_path, monkeypatch, fa
 
 
 def test_csv_broken_off_in_the_middle_leaves_nothing(tmp_path, monkeypatch):
-    def written(_, row):
-        if row == 1:
-            raise KeyboardInterrupt
-        return "0.0"
+    rows = iter(["[0.0]"])
 
-    monkeypatch.setattr(textfile, "_row", written)
+    def written(_):
+        if (row := next(rows, None)) is None:
+            raise KeyboardInterrupt
+        return row
+
+    monkeypatch.setattr(textfile, "repr", written, raising=False)
     with pytest.raises(KeyboardInterrupt):
         textfile.save_csv(_solution(), tmp_path / "run.csv")
     assert list(tmp_path.iterdir()) == []

@@ -62,8 +62,10 @@ def show_study(
             legend = (control_legend(study), CRITICAL_LEGEND if some else "")
             if any(legend):
                 console.print(f"\n{' '.join(filter(None, legend))}")
-        elif told := _legend(study):
-            console.print(f"\n{told}")
+        else:
+            rows = [row for row in headline_rows(study) if row.name not in names_for("page")]
+            if told := ErrorBars.of(study).legend(rows, headline_columns(study)):
+                console.print(f"\n{told}")
         _show_published(console, study, published)
     finally:  # the folder is printed even where a table fails
         console.print(f"results  {folder}", soft_wrap=True)
@@ -74,12 +76,6 @@ def show_study(
     if not of_models and (figures := key_figures(study)):  # next to the verdict
         between = "\n" if len(study.labels) > 1 else "; "
         console.print(between.join(f"{name} {value}" for name, value in figures))
-
-
-def _legend(study: Study) -> str:
-    """What ranges and marks of the tables mean; empty without them."""
-    rows = [row for row in headline_rows(study) if row.name not in names_for("page")]
-    return ErrorBars.of(study).legend(rows, headline_columns(study))
 
 
 def _tables(study: Study) -> Iterator[Table]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -50,15 +49,11 @@ def save_csv(solution: Solution, path: str | os.PathLike[str]) -> Path:
         temporary.open("w", encoding="utf-8", newline="\n") as stream,
     ):
         stream.write(f"{','.join(header)}\n")
-        stream.writelines(f"{_row(blocks, row)}\n" for row in range(len(solution.time)))
+        for row in range(len(solution.time)):
+            # the list writes its numbers as ``repr`` does, faster than one by one
+            cells = repr([value for block in blocks for value in block[row].tolist()])[1:-1]
+            stream.write(f"{cells.replace(', ', ',')}\n")
     return Path(path)
-
-
-def _row(blocks: list[np.ndarray[Any, Any]], row: int) -> str:
-    """One row of all blocks; the list writes its numbers as ``repr`` does, faster than one by one."""
-    return repr([value for block in blocks for value in block[row].tolist()])[1:-1].replace(
-        ", ", ","
-    )
 
 
 def _column_labels(arrays: ChannelArrays, name: str) -> list[str]:
