@@ -67,7 +67,8 @@ bench: environment-run
 	$(ONE_THREAD) $(BIN)/python -m benchmarks $(ARGS)
 
 identify: environment-run
-	$(BIN)/valvetrain identify examples/identify-beehive.toml --limit "12 h" $(ARGS)
+	$(BIN)/python -m pip install -qq --no-input --no-deps --no-build-isolation -e examples/beehive
+	$(BIN)/valvetrain identify examples/beehive/identify.toml --limit "12 h" $(ARGS)
 
 uncertainty: environment-run
 	$(BIN)/python scripts/write_uncertainty.py $(CASE) $(ARGS)

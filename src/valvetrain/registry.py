@@ -34,6 +34,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "lift_formats": ("valvetrain.lift_formats", "form of lift files"),
     "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
     "samplers": ("valvetrain.samplers", "sampler"),
+    "evaluators": ("valvetrain.evaluators", "evaluator of points"),
 }  # fmt: skip
 
 #: Kind -> word -> place. The order is the order of tables and menus.
@@ -312,6 +313,10 @@ def find(kind: str, word: str, where: str = "") -> Any:
                 where,
             )
         near = difflib.get_close_matches(word[:60], known, n=2, cutoff=0.5)
+        if not known:
+            raise InputError(
+                f"{noun} '{word[:40]}' is unknown; install the package that brings it", where
+            )
         hint = f"did you mean {' or '.join(near)}?" if near else f"use one of {', '.join(known)}"
         raise InputError(f"{noun} '{word[:40]}' is unknown; {hint}", where)
     return _load(kind, word, known[word])

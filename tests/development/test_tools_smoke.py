@@ -135,19 +135,3 @@ def test_the_accuracy_of_scans_and_films_is_measured(tmp_path, capsys):
     film_accuracy.damping(films=1)
     printed = capsys.readouterr().out
     assert "4000 points" in printed and "damping: rms" in printed
-
-
-def test_a_draw_at_the_values_of_the_beehive_is_the_beehive():
-    import identify_beehive
-
-    import valvetrain as vt
-    from valvetrain.sources.gu2021_identification import library_values
-
-    values = library_values()
-    found = identify_beehive.predict(8, list(values), list(values.values()))
-    case = vt.load_case(
-        "gu2021-beehive-blind", {"spring.options.finite-element.elements_per_coil": 8}
-    )
-    (run,) = vt.simulate(case, "4200 rpm", spring_models=["finite-element"]).solutions
-    for name in ("stage_1_minimum_force", "stage_2_peak_force"):
-        assert found[f"4200 {name}"] == pytest.approx(run.quantities[name], rel=1e-3)

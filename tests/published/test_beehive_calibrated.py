@@ -9,7 +9,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from beehive_page import (
+from beehive_study.page import (
     AIMS,
     EQUATIONS,
     PAGE,
@@ -61,7 +61,7 @@ def test_the_page_prints_every_value_as_it_comes_out(study: Study) -> None:
         )
         if not near or (cells[2] == "yes") != aim.met(value):
             stale.append(aim)
-    assert not stale, "run python scripts/beehive_page.py"
+    assert not stale, "run python -m beehive_study.page"
     met = sum(aim.met(value_of(study, aim)) for aim in AIMS)
     always = sum(met_at_every_phase(study, aim) for aim in AIMS)
     assert re.findall(r"\d+", between("values"))[:3] == [str(met), str(len(AIMS)), str(always)]
@@ -73,7 +73,7 @@ NUMBER = re.compile(r"\d+(?:\.\d+)?")
 def test_sentences_of_numbers_are_as_they_come_out(study: Study) -> None:
     for mark, text in (("spike", spike_text(study)), ("unused", unused_text(study))):
         found, made = (np.array(NUMBER.findall(one), dtype=float) for one in (between(mark), text))
-        assert found == pytest.approx(made, rel=0.1, abs=2.5), "run python scripts/beehive_page.py"
+        assert found == pytest.approx(made, rel=0.1, abs=2.5), "run python -m beehive_study.page"
 
 
 def test_the_range_of_a_comparison_is_what_samples_at_every_phase_show(study: Study) -> None:
@@ -102,7 +102,7 @@ def test_what_the_blind_spring_computes_stands_beside_the_fitted_number(study: S
     """Contract: the stored file is what the blind case gives now, and every comparison has it."""
     blind = vt.simulate("gu2021-beehive-blind", workers=1)
     stored, now = (tomllib.loads(one) for one in (STORED.read_text("utf-8"), blind_file(blind)))
-    assert stored.pop("case") == now.pop("case"), "run python scripts/beehive_page.py"
+    assert stored.pop("case") == now.pop("case"), "run python -m beehive_study.page"
     assert {head: set(values) for head, values in stored.items()} == {
         head: set(values) for head, values in now.items()
     }

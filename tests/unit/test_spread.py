@@ -1,18 +1,12 @@
-"""What the calibration data leave open: the file that ships belongs to its case and its
-identification, and speaks of nothing else.
-"""
+"""What the calibration data leave open: the file that ships belongs to its case, and speaks of nothing else."""
 
 from __future__ import annotations
 
 import math
-import runpy
-import tomllib
-from pathlib import Path
 
 import pytest
 
-from valvetrain.explore.identification_file import read_request
-from valvetrain.parameters.loading import LIBRARY, load_case
+from valvetrain.parameters.loading import load_case
 from valvetrain.runs.stored_error_bars import (
     SPREAD_LABELS,
     Spread,
@@ -25,10 +19,7 @@ from valvetrain.runs.stored_error_bars import (
 )
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity, same_speed
-from valvetrain.sources.gu2021_identification import SPEC
 
-ROOT = Path(__file__).resolve().parents[2]
-SCRIPT = runpy.run_path(str(ROOT / "scripts" / "identify_beehive.py"))
 RPM = math.pi / 30
 SPEEDS = tuple(speed * RPM for speed in (4200.0, 5600.0, 8000.0))
 
@@ -175,62 +166,3 @@ def test_every_told_range_stands_in_its_unit_beside_the_published_value_of_its_o
         == f"5600 rpm, what the calibration data leave open (5 to 95 %): {'; '.join(parts)}."
     )
     assert spread_sentences_of(rows, published, {8000}) == ()
-
-
-def test_shipped_spread_is_that_of_this_identification():
-    """Fails when unknowns, priors or targets have changed since the spread was computed; run the
-    identification again then.
-    """
-    content = tomllib.loads(
-        (Path(str(LIBRARY)) / "gu2021-beehive-blind.spread").read_text(encoding="utf-8")
-    )
-    assert content["case"]["identification"] == SCRIPT["method_digest"](
-        read_request(SCRIPT["FILE"])
-    )
-
-
-#: Measurement -> the published value behind it: what produced it and its quantity in the case,
-#: whose role is therefore "calibration".
-PUBLISHED = {
-    "node_2_installed_gap": ("solid finite elements", "coil_1_2_installed_gap"),
-    "free_swing_force_range": ("solid finite elements", "stage_1_force_range"),
-    "modal_stage_2_peak_force": ("analytical modal", "stage_2_peak_force"),
-    "node_2_stage_3_peak_acceleration": ("solid finite elements", "node_2_peak_acceleration"),
-}
-
-
-def test_targets_are_the_values_whose_role_is_calibration(case):
-    """The case says of each published value what it was used for, and the identification uses these
-    and no other.
-    """
-    said = {
-        (value.model, value.quantity) for value in case.published if value.role == "calibration"
-    }
-    targets = {datum.name: datum for datum in read_request(SCRIPT["FILE"]).data}
-    published = {name: PUBLISHED.get(name, ("solid finite elements", name)) for name in targets}
-    assert said == set(published.values()) and set(PUBLISHED) <= set(targets)
-    for name, (model, quantity) in published.items():
-        (value,) = [
-            one
-            for one in case.published
-            if (one.model, one.quantity, one.role) == (model, quantity, "calibration")
-        ]
-        assert value.used_for.startswith("target of the identification")
-        if name != "node_2_installed_gap":  # between no gap and the 0.07 mm of the 4200 rpm run
-            target = targets[name]
-            assert target.value == pytest.approx(value.value)
-
-
-def test_the_search_computes_every_target_of_the_shipped_case():
-    """On a coarse mesh, beside the numbers of docs/beehive.md: the script and the package read one
-    case alike.
-    """
-    request = read_request(SCRIPT["FILE"])
-    names = tuple(one.name for one in request.unknowns)
-    found = SPEC.points(names, {"elements_per_coil": 12})(SPEC.values(names))
-    assert found is not None and {datum.key for datum in request.data} <= set(found)
-    assert found["preload"] == pytest.approx(288.9, rel=2e-3) and found[
-        "stage_2_peak_force"
-    ] == pytest.approx(816.5, rel=2e-3)
-    # the free swing to 120 degrees, not the study's Stage I, whose range is 18.9 N
-    assert found["free_swing_force_range"] == pytest.approx(14.7, abs=0.3)

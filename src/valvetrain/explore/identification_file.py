@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from valvetrain.errors import InputError
 from valvetrain.explore.ensembles import EVALUATIONS, LANES, LIVE_POINTS, PRECISION, STEPS
+from valvetrain.explore.evaluator import PointEvaluator
 from valvetrain.explore.files import DISTRIBUTIONS, VaryModel, correlation_of, varied_of_table
 from valvetrain.explore.least_squares import SIDE
 from valvetrain.explore.measurements import Target, read_measurement, read_station
@@ -125,7 +126,7 @@ _OPERATIONS = ("value", "factor", "offset")
 class Request:
     """An identification as a file requests it.
 
-    ``evaluator``: name of a published study that computes points in its own way, empty for the case
+    ``evaluator``: name of a package's evaluator of points (:class:`PointEvaluator`), empty for the case
     itself; ``options`` are its numbers.
     ``from_case``: whether the values of the case are a start too. ``identity``: digest of all that
     outcomes depend on but the version.
@@ -232,16 +233,14 @@ def parse_request(text: str, name: str, folder: Path, where: str = "") -> Reques
     numbers = tuple((key, options.plain(key)) for key in list(options.table))
     if numbers and not evaluator:
         raise InputError("belongs to an evaluator; name it, or leave the table out", "options")
-    source = (
-        find("sources", evaluator, "evaluator").points_of_identification() if evaluator else None
-    )
+    own: PointEvaluator | None = find("evaluators", evaluator, "evaluator") if evaluator else None
     unknowns, varied = [], []
     for one, part in _quantities(whole):
         unknown, keys = _unknown(one, part, case, bool(evaluator))
         unknowns.append(unknown)
         varied.append(keys)
-    if source is not None:
-        source.points(
+    if own is not None:
+        own.points(
             tuple(one.name for one in unknowns), dict(numbers)
         )  # refuses names and options it does not know
     found = [

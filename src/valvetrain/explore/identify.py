@@ -19,6 +19,7 @@ from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.damping_found import damping_meanings
 from valvetrain.explore.draws import Report, silent
 from valvetrain.explore.engine import Engine, Evaluation
+from valvetrain.explore.evaluator import PointEvaluator
 from valvetrain.explore.executors import LocalExecutor
 from valvetrain.explore.identification_file import Request, Search, read_request
 from valvetrain.explore.identified import Identified
@@ -277,9 +278,9 @@ def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Ev
     computes it under conditions of which nothing is fitted, for the draws alone (None where there
     are none)."""
     if request.evaluator:
-        source = find("sources", request.evaluator, "evaluator").points_of_identification()
-        named = source.points(tuple(one.name for one in request.unknowns), dict(request.options))
-        with StandingPool(_of_source, named, workers) as pool:
+        own: PointEvaluator = find("evaluators", request.evaluator, "evaluator")
+        named = own.points(tuple(one.name for one in request.unknowns), dict(request.options))
+        with StandingPool(_own_point, named, workers) as pool:
             yield lambda points: pool.map([tuple(map(float, point)) for point in points]), None
         return
     first, later = request.parts
@@ -288,7 +289,7 @@ def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Ev
         yield CaseEvaluator(pool, 0), CaseEvaluator(pool, 1) if later else None
 
 
-def _of_source(evaluate: Callable[[Sequence[float]], Outcome], point: Sequence[float]) -> Outcome:
+def _own_point(evaluate: Callable[[Sequence[float]], Outcome], point: Sequence[float]) -> Outcome:
     return evaluate(point)
 
 
@@ -297,8 +298,8 @@ def values_of_case(request: Request) -> tuple[float, ...]:
     zero. Raises :class:`InputError` for one
     that cannot be read from it."""
     if request.evaluator:
-        source = find("sources", request.evaluator, "evaluator").points_of_identification()
-        return tuple(source.values(tuple(one.name for one in request.unknowns)))
+        own: PointEvaluator = find("evaluators", request.evaluator, "evaluator")
+        return tuple(own.values(tuple(one.name for one in request.unknowns)))
     try:
         return tuple(nominal(request.case, row[0]) for row in request.varied)
     except InputError as error:

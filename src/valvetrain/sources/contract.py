@@ -4,12 +4,10 @@ paper.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 
 from valvetrain import registry
-from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.compare import compare
 from valvetrain.quantities.cycle import Array, Frame
@@ -30,22 +28,6 @@ class Origin:
 
 
 @dataclass(frozen=True)
-class PointsOfSource:
-    """Evaluator of a study for the points of an identification.
-
-    ``points(names, options)``: for the unknown quantities of those names, a function of their
-    values (SI) that returns numbers by name (SI), None for an impossible point; it pickles.
-    ``values(names)``: those of its shipped case.
-    """
-
-    points: Callable[
-        [Sequence[str], Mapping[str, float]],
-        Callable[[Sequence[float]], Mapping[str, float] | None],
-    ]
-    values: Callable[[Sequence[str]], tuple[float, ...]]
-
-
-@dataclass(frozen=True)
 class SourceStudy:
     """One published study; ``key``: its citation key and its name in the registry.
 
@@ -57,9 +39,7 @@ class SourceStudy:
     ``origins``: the same -> mark. ``counted``: names of its angles that are numbered through a
     cycle. ``window_names``: its names of the windows about the lift event
     (`valvetrain.quantities.signal`); ``point_names``: its names of points on the wire, by coil
-    number. ``case``: the library case that holds what it publishes. ``identification``: location
-    (``"module:attribute"``) of its :class:`PointsOfSource`, loaded on first use; empty for a study
-    without one.
+    number. ``case``: the library case that holds what it publishes.
     """
 
     key: str
@@ -74,18 +54,6 @@ class SourceStudy:
     window_names: Mapping[Window, str] = field(default_factory=dict)
     point_names: Mapping[float, str] = field(default_factory=dict)
     case: str = ""
-    identification: str = ""
-
-    def points_of_identification(self) -> PointsOfSource:
-        """The object of :attr:`identification`. Raises :class:`InputError` for a study without one."""
-        if not self.identification:
-            raise InputError(
-                f"source study '{self.key}' computes no points of its own; leave it out",
-                "evaluator",
-            )
-        module, _, attribute = self.identification.partition(":")
-        found: PointsOfSource = getattr(import_module(module), attribute)
-        return found
 
 
 def published_by(key: str) -> tuple[PublishedValue, ...]:

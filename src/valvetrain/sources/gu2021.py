@@ -303,5 +303,4 @@ SPEC = SourceStudy(
     window_names=dict(zip(WINDOWS, ("Stage I", "Stage II", "Stage III"), strict=True)),
     point_names={1.0: "node 1", 2.0: "node 2"},
     case="gu2021-beehive",
-    identification="valvetrain.sources.gu2021_identification:SPEC",
 )

@@ -1,7 +1,7 @@
 """Tables and sentences of docs/beehive.md from runs, and what the blind spring computes of the values that
 the calibrated one was fitted to.
 
-    python scripts/beehive_page.py            writes them between their marks (two minutes)
+    python -m beehive_study.page              writes them between their marks (two minutes)
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import valvetrain as vt
+from beehive_study.modal import forces_of_equation_5
 from valvetrain.cam.build import build_lift_law
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
@@ -26,11 +27,10 @@ from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.study import Study
 from valvetrain.sources.gu2021 import by_phase
-from valvetrain.sources.gu2021_modal import forces_of_equation_5
 from valvetrain.sources.gu2021_reading import sampled
 
 Array = NDArray[np.float64]
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[3]
 PAGE = ROOT / "docs" / "beehive.md"
 STORED = ROOT / "src" / "valvetrain" / "parameters" / "library" / "gu2021-beehive.blind"
 CASE, BLIND = "gu2021-beehive", "gu2021-beehive-blind"
@@ -279,7 +279,7 @@ def blind_file(blind: Study) -> str:
     """Content of the file next to the calibrated case: what the blind spring computes of each printed value."""
     lines = [
         f"# What {BLIND} computes of the values that {CASE} was fitted to or checked with; SI units, written by",
-        "# scripts/beehive_page.py.", "", "[case]", f'digest = "{load_case(CASE).record().digest}"',
+        "# python -m beehive_study.page.", "", "[case]", f'digest = "{load_case(CASE).record().digest}"',
         f'blind = "{load_case(BLIND).record().digest}"',
     ]  # fmt: skip
     heads: dict[str, dict[str, float]] = {}

@@ -19,13 +19,13 @@ from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.static import Equilibrium, compress
 from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.errors import InputError
+from valvetrain.explore.evaluator import PointEvaluator
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.installed_spring import DampingParameters
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
 from valvetrain.quantities.statics import slope_change
-from valvetrain.sources.contract import PointsOfSource
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.modal_varied import ModalVaried
 
@@ -264,4 +264,4 @@ def case_values(p: Mapping[str, float]) -> dict[str, object]:
     }
 
 
-SPEC = PointsOfSource(points, lambda names: tuple(float(library_values()[name]) for name in names))
+SPEC = PointEvaluator(points, lambda names: tuple(float(library_values()[name]) for name in names))

@@ -1,10 +1,10 @@
 """Rewrite the identified values of the beehive case and their spread from its identification
-(examples/identify-beehive.toml).
+(examples/beehive/identify.toml).
 
-Hours of work; ``valvetrain identify examples/identify-beehive.toml`` shows the same search without
+Hours of work; ``valvetrain identify examples/beehive/identify.toml`` shows the same search without
 touching the library.
 
-    python scripts/identify_beehive.py FOLDER [--workers 2] [--draws 48]
+    python -m beehive_study.refit FOLDER [--workers 2] [--draws 48]
 
 FOLDER keeps every point as it is computed: started again with the same folder, the search goes on
 where it was cut.
@@ -22,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
+from beehive_study.identification import case_values
 from valvetrain.errors import InputError
 from valvetrain.explore.identification_file import Request, read_request
 from valvetrain.explore.identified import Identified
@@ -31,9 +32,8 @@ from valvetrain.parameters.writing import write_case_values
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import digest, write_text
-from valvetrain.sources.gu2021_identification import case_values
 
-FILE = Path(__file__).resolve().parents[1] / "examples" / "identify-beehive.toml"
+FILE = Path(__file__).resolve().parents[1] / "identify.toml"
 
 
 def method_digest(request: Request) -> str:
@@ -86,7 +86,7 @@ def tell_spread(
             o for o in pool.map(partial(predict, elements, found.names), found.values[:count]) if o
         ]
     lines = [
-        "# Spread of the beehive's results over what its calibration data leave open; written by scripts/identify_beehive.py.",
+        "# Spread of the beehive's results over what its calibration data leave open; written by beehive_study.refit.",
         f"# Percentiles 5, 50, 95 over {len(outcomes)} draws of the linearised posterior, {elements} elements per coil, SI units.",
         "", "[case]", f'digest = "{load_case("gu2021-beehive-blind").record().digest}"', f'identification = "{method_digest(request)}"',
     ]  # fmt: skip
