@@ -8,7 +8,6 @@ import base64
 import io
 import json
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -295,58 +294,6 @@ def test_it_plays_at_the_stated_share_of_real_time_and_stops(visit):
     assert visit.handle("playing()") is False and last[0] > 5
 
 
-def test_the_picture_turns_by_keys_and_colours_change(visit):
-    page = visit.page
-    visit.settle()
-    before = page.locator(".vtm canvas").screenshot()
-    page.locator(".vtm canvas").focus()
-    for _ in range(4):
-        page.keyboard.press("ArrowLeft")
-    visit.settle()
-    turned = page.locator(".vtm canvas").screenshot()
-    page.get_by_label("colour").select_option("velocity")
-    visit.settle()
-    assert len({before, turned, page.locator(".vtm canvas").screenshot()}) == 3
-    assert "(m/s)" in page.locator(".vtm-scale").inner_text()
-
-
-def test_dragging_turns_and_moves_the_picture_and_the_wheel_zooms(visit):
-    page, canvas = visit.page, visit.page.locator(".vtm canvas")
-    frame = canvas.bounding_box()
-    x, y = frame["x"] + frame["width"] / 2, frame["y"] + frame["height"] / 2
-
-    def drag():
-        page.mouse.move(x, y)
-        page.mouse.down()
-        page.mouse.move(x + 60, y - 40)
-        page.mouse.up()
-
-    def shift_drag():
-        page.keyboard.down("Shift")
-        drag()
-        page.keyboard.up("Shift")
-
-    def wheel():
-        canvas.focus()
-        page.mouse.move(x, y)
-        page.mouse.wheel(0, -300)
-        page.wait_for_timeout(100)
-
-    canvas.focus()
-    page.keyboard.press("0")
-    visit.settle()
-    pictures = [canvas.screenshot()]
-    for act in (drag, shift_drag, wheel):
-        act()
-        visit.settle()
-        pictures.append(canvas.screenshot())
-    assert len(set(pictures)) == 4
-    page.get_by_role("button", name="show the whole").click()
-    canvas.focus()
-    visit.settle()
-    assert canvas.screenshot() == pictures[0]
-
-
 #: Duration, width, height and pictures (as bytes of RGBA) of a film at shares of its duration.
 WATCH = """async ([address, shares]) => {
   const video = document.createElement("video"), event = (name) => new Promise((done) => video.addEventListener(name, done, { once: true }));
@@ -425,32 +372,6 @@ def test_the_report_mounts_it_and_nothing_scrolls_sideways(browser, report, tmp_
     visit.context.close()
 
 
-class Words(HTMLParser):
-    """Whether what is fed holds a picture, and its attributes."""
-
-    def __init__(self):
-        super().__init__()
-        self.labels = []
-
-    def handle_starttag(self, tag, attrs):
-        if tag == "svg" and ("role", "img") in attrs:
-            self.labels.append(dict(attrs).get("aria-label", ""))
-
-
-def test_without_scripts_a_still_picture_and_a_sentence_stand(browser, report, study, tmp_path):
-    visit = Visit(browser, report, tmp_path, java_script_enabled=False)
-    assert (
-        visit.page.locator(".moving svg").is_visible()
-        and "Scripts are off" in visit.page.locator(".moving").inner_text()
-    )
-    visit.context.close()
-    words = Words()
-    words.feed(report)
-    cycle = reported_cycle(study.solutions[0])
-    peak = np.degrees(cycle.cam_angle[np.argmax(cycle.channel("seat_force"))])
-    assert words.labels == [f"finite-element rod, 5600 rpm at cam angle {peak:.1f} degrees"]
-
-
 def test_without_webgl_the_still_picture_stays_and_the_forces_move(browser, report, tmp_path):
     visit = Visit(
         browser,
@@ -467,17 +388,6 @@ def test_without_webgl_the_still_picture_stays_and_the_forces_move(browser, repo
     visit.settle()
     assert shown_angle(visit.page) == pytest.approx(42, abs=0.2) and visit.said == []
     visit.context.close()
-
-
-def test_the_script_is_one_text_that_evaluates_nothing():
-    text = motion_script()
-    assert (
-        "</script" not in text
-        and "import(" not in text
-        and "new Function" not in text
-        and "eval(" not in text
-    )
-    assert len(text) < 60_000
 
 
 def test_the_data_are_whole_json(study):

@@ -157,13 +157,6 @@ def test_every_chart_is_drawn_and_nothing_goes_wrong(visit):
     assert seen["refused"] == [] and seen["loaded"] == []
 
 
-def test_nothing_is_cut_off_and_nothing_scrolls_sideways(visit):
-    _, _, seen, _ = visit
-    assert seen["wider"] <= 0
-    assert seen["outside"] == []
-    assert seen["hidden"] == 0
-
-
 def test_the_watch_catches_what_it_should(tmp_path):
     """One page on which everything goes wrong at once."""
     body = """<div style='width:3000px;height:2px'></div><img src='https://example.invalid/a.png'>

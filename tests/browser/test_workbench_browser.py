@@ -22,7 +22,6 @@ from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from workbench_browser_parts import (
     CASE,
     Bench,
-    axe,
     nothing_serious,
     open_case,
     opened,
@@ -345,28 +344,6 @@ def test_nothing_is_cut_off_and_axe_finds_nothing_serious(bench, finished, width
         nothing_serious(page)
     page.context.close()
     assert [line for line in seen if "404" not in line] == []
-
-
-def test_dark_is_kept_and_colours_every_figure(bench, page, finished):
-    page.goto(f"{bench.url}/run/{finished}")
-    shown(page)
-    turn = page.locator("#theme")
-    assert (turn.get_attribute("aria-pressed"), turn.inner_text()) == ("false", "Dark: off")
-    turn.click()
-    page.wait_for_function("document.documentElement.dataset.theme === 'dark'")
-    page.reload()
-    shown(page)
-    page.wait_for_selector(".plot .main-svg", state="attached")
-    assert (turn.get_attribute("aria-pressed"), turn.inner_text()) == ("true", "Dark: on"), (
-        "after a reload too"
-    )
-    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 20, 20)"
-    assert "invert" in page.evaluate("getComputedStyle(document.querySelector('.plot')).filter")
-    assert not [
-        one["id"]
-        for one in axe.Axe().run(page).response["violations"]
-        if one["id"] == "color-contrast"
-    ]
 
 
 def test_every_page_carries_the_policy_and_asks_nothing_of_the_network(bench, page, finished):

@@ -12,12 +12,11 @@ from typing import Any
 
 import pytest
 
-from workbench_browser_parts import CUT, Bench, nothing_serious, open_case, opened, shown, watched
+from workbench_browser_parts import Bench, nothing_serious, open_case, opened, shown, watched
 
 pytestmark = pytest.mark.chromium
 CASE = "my-pushrod"
 PRELOAD = "train.springs.card.0.preload"
-DRAWN = "(one) => one.complete && one.naturalWidth > 1"
 
 
 @pytest.fixture(scope="module")
@@ -33,42 +32,6 @@ def case(bench) -> None:
         page.goto(bench.url)
         page.get_by_role("button", name="A pushrod and rocker").click()
         page.wait_for_url(f"**/case/{CASE}")
-
-
-def test_every_card_of_the_start_page_shows_its_parts_to_scale(bench):
-    with watched(bench) as page:
-        page.goto(bench.url)
-        cards = page.locator("ul.cases > li")
-        assert cards.count() == page.locator("ul.cases img").count() >= 12
-        for picture in page.locator("ul.cases img").all():
-            picture.scroll_into_view_if_needed()
-            page.wait_for_function(DRAWN, arg=picture.element_handle())
-
-
-def paths(bench: Bench, page: Any) -> str:
-    """What the picture of the case draws."""
-    page.wait_for_function(DRAWN, arg=page.locator(".case-drawn img").element_handle())
-    return page.request.get(bench.url + page.get_attribute(".case-drawn img", "src")).text()
-
-
-def test_the_picture_beside_the_form_follows_a_value(bench):
-    with watched(bench) as page:
-        open_case(bench, page, CASE)
-        before = paths(bench, page)
-        source = page.get_attribute(".case-drawn img", "src")
-        page.get_by_label("Find a quantity").fill("pushrod")
-        field = page.locator("[id='field-train-springs-card-0-installed_height']")
-        page.get_by_label("Find a quantity").fill("installed height")
-        field.fill("1.9 in")
-        field.press("Enter")
-        page.wait_for_function(
-            "(before) => document.querySelector('.case-drawn img').getAttribute('src') !== before",
-            arg=source,
-        )
-        assert before != paths(bench, page)
-        field.fill("1.80 in")
-        field.press("Enter")
-        page.wait_for_timeout(300)
 
 
 @pytest.mark.parametrize("width", [1400, 390])
@@ -160,42 +123,6 @@ def test_comparing_offers_two_different_runs(bench):
         verdict = page.locator(".verdict")
         assert verdict.count() == 1 and "coil bind" in verdict.inner_text()
         assert verdict.bounding_box()["y"] < 200, "first on its page"
-
-
-@pytest.mark.parametrize("width", [1400, 390])
-def test_the_sentence_of_a_run_stands_below_the_button_and_in_every_list(bench, width):
-    """On a phone the result of a run lay 2400 px below the button, and the picture of a run below its files."""
-    seen: list[str] = []
-    page = bench.page(width, seen)
-    open_case(bench, page, CASE)
-    newest = page.locator(".newest strong")
-    newest.wait_for(timeout=30_000)
-    assert "coil bind" in newest.inner_text()
-    assert newest.bounding_box()["y"] < 800
-    assert newest.bounding_box()["y"] > page.locator("#run-button").bounding_box()["y"]
-    page.locator(".results[data-shown]").wait_for(state="attached", timeout=30_000)
-    run = page.get_attribute(".results", "data-shown").removeprefix("/part/")
-    page.goto(f"{bench.url}/runs")
-    assert "coil bind" in page.locator("table.runs td").last.inner_text()
-    assert page.evaluate(CUT) == {"found": [], "wider": 0}
-    page.goto(f"{bench.url}/run/{run}")
-    shown(page)
-    picture = page.locator(".results .plot").first.bounding_box()
-    assert picture["y"] < 620 and page.locator(".jump").bounding_box()["height"] < (
-        90 if width > 900 else 60
-    )
-    nothing_serious(page)
-    page.goto(f"{bench.url}/compare")
-    page.get_by_role("button", name="Compare").click()
-    shown(page)
-    assert page.locator("#verdicts .verdict").count() == 2
-    assert (
-        page.locator("#verdicts").bounding_box()["y"]
-        < page.locator("#inputs-differ").bounding_box()["y"]
-    )
-    nothing_serious(page)
-    page.context.close()
-    assert not seen
 
 
 def test_a_study_varies_about_the_value_of_the_case_and_is_not_offered_to_compare(bench):

@@ -89,8 +89,3 @@ def test_the_line_of_a_page_fits_the_registry(page):
     assert entry_points(page)[group] == {word: f"{module.rpartition('.')[2]}:{attribute}"}
     code = blocks(page, "python")[0]
     assert re.search(rf"^({attribute} = |def {attribute}\()", code, re.MULTILINE)
-
-
-def test_every_row_of_the_architecture_page_that_has_a_page_links_it():
-    told = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    assert PAGES and all(f"(extend/{page.name})" in told for page in PAGES)

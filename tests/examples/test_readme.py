@@ -49,23 +49,8 @@ def test_the_page_of_public_names_lists_every_one():
     assert not set(PUBLIC) - names
 
 
-def test_the_readme_is_read_in_two_minutes():
-    """At most 500 words, programs and addresses of links apart; sentence and picture first."""
-    text = re.sub(r"```.*?```|!\[.*?\]\(.*?\)|\]\([^)]*\)", "", README, flags=re.DOTALL)
-    assert len([word for word in text.split() if re.search(r"\w", word)]) <= 500
-    top = "\n".join(README.splitlines()[:12])
-    assert "computes" in top and "![" in top and "make run" in top and "make test" in top
-
-
 def test_the_table_of_spring_models_is_the_one_of_the_registry():
     assert write_pages.models_table() in PAGES[0]
-
-
-def test_the_picture_stands_in_the_repository():
-    (picture,) = re.findall(r"!\[[^]]+\]\(([^)]+)\)", README)
-    assert (ROOT / picture) == write_pages.README_PICTURE
-    text = (ROOT / picture).read_text(encoding="utf-8")
-    assert text.startswith("<svg") and len(text) < 40_000
 
 
 def test_the_readme_names_every_command():

@@ -52,10 +52,3 @@ def test_chapters_of_the_validation_book_are_there(path):
     lists = re.findall(r"[Cc]hapters? ([A-Z][\w ]+?)(?: of|\)| \()", text_of(path))
     named = {chapter.strip() for words in lists for chapter in words.split(" and ")}
     assert not [chapter for chapter in named if f"\n## {chapter}\n" not in BOOK]
-
-
-def test_the_index_names_every_page():
-    index = text_of(ROOT / "docs" / "theory" / "README.md")
-    assert not [
-        path.name for path in THEORY if path.name != "README.md" and f"]({path.name})" not in index
-    ]

@@ -52,14 +52,6 @@ def test_the_curve_of_the_spring_passes_through_the_marks_of_its_card():
         assert np.interp(-across, -x, y) == pytest.approx(down, abs=0.5)
 
 
-def test_every_command_of_the_page_is_a_step():
-    assert (
-        len(re.findall(r"^```bash$", PAGE, re.MULTILINE))
-        == 6
-        == sum(bool(one["command"]) for one in write_pages.STEP.finditer(PAGE))
-    )
-
-
 def test_the_gain_that_the_page_tells_is_that_of_its_tables():
     """20 lbf more: the nominal speeds of float and of the first loss of contact."""
     gain = {}
@@ -74,10 +66,3 @@ def test_the_gain_that_the_page_tells_is_that_of_its_tables():
     assert [gain["Float speed"], gain["Contact-loss speed"]] == [
         float(value) for value in told.groups()
     ]
-
-
-def test_the_pictures_of_the_page_are_there():
-    pictures = re.findall(r"\]\((pictures/[^)]+)\)", PAGE)
-    assert len(pictures) == 3 and all(
-        (ROOT / "docs" / one).read_text(encoding="utf-8").startswith("<svg") for one in pictures
-    )

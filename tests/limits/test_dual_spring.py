@@ -138,19 +138,6 @@ def test_turns_of_neither_are_asked_for():
         part(RATE, PRELOAD, half(OUTER, turns=False), half(INNER, turns=False))
 
 
-def test_a_run_says_how_the_loads_were_parted():
-    text = template_text("pushrod", cards=True).split("[[train.springs.card]]")[0]
-    law = text.replace('spring_set = "card"', 'spring_set = "dual"')
-    springs = (
-        PAIR.replace("[[spring]]", "[[train.springs.dual]]")
-        .replace("OUTER", "")
-        .replace("INNER", "")
-    )
-    springs = springs.replace("PRELOAD", "800.0").replace("RATE", "66000.0")
-    study = vt.simulate(parse_case(law + springs, "own"), "3000 rpm")
-    assert any(note.startswith("Total loads parted by the rates") for note in study.notes)
-
-
 def test_a_pair_is_detuned_by_the_turns_of_one_which_leave_the_loads_of_both(tmp_path):
     """Closed form: the rate of a spring goes as 1 / turns, its mass as turns; a study of detuning varied the
     mass, which a pair refuses.

@@ -13,9 +13,7 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import UnusualValueWarning
 from valvetrain.parameters.loading import parse_case
-from valvetrain.report.chart import Line, Panel, label_heights
-from valvetrain.report.page import charts, gaps_of
-from valvetrain.report.sections import cam_contact, lift_by_speed, piston, strength
+from valvetrain.report.sections import piston, strength
 from valvetrain.system.build import build, lift_law_of
 
 #: Four valves of 250 cm3: bucket tappets on a cam of 14 mm, cards of cam and springs in crank degrees.
@@ -132,26 +130,6 @@ def test_margin_is_the_spring_less_the_inertia_over_the_nose(study):
     assert found == pytest.approx(spring + inertia + weight, rel=0.05)
 
 
-def test_the_page_shows_them_and_names_what_is_missing(study):
-    known = {"lift-by-speed", "spring-margin", "cam-pressure", "piston"}
-    page = vt.report.study_page(study)
-    assert known <= {one.key for one in page.sections} and not gaps_of(page)
-    keys = [chart.key for chart in charts(page)]
-    assert "lift-by-speed-1" in keys and "cam-pressure-2" in keys and "piston-2" in keys
-    captions = {chart.key: chart.caption for chart in charts(page)}
-    assert (
-        "MPa at" in captions["cam-pressure-1"] and "crank degrees after it" in captions["piston-1"]
-    )
-
-
-def test_without_geometry_a_sentence_says_what_to_give():
-    case = vt.Case(BIKE, name="bike").set({"train.model": "lumped"})
-    lumped = case.compare("6000 rpm", "massless")
-    (block,) = cam_contact.pressure_blocks(lumped)
-    assert "train.model" in block.html and "train.cam.width" in block.html
-    assert lift_by_speed.blocks(lumped) == () and strength.blocks(lumped) == ()
-
-
 def test_a_bucket_asks_for_no_rocker_ratio_and_refuses_another_one():
     case = vt.Case(BIKE, name="bike")
     assert parse_case(BIKE).lift_law.values["maximum_lift"] == pytest.approx(8.3e-3)
@@ -187,18 +165,3 @@ def test_stress_beside_the_strength_of_the_wire():
     share = found["open_uncorrected_shear_stress"] / found["permitted_shear_stress"]
     assert point.y[0] == pytest.approx(share * chart.panels[0].rules[0].value)
     assert f"{100 * share:.3g} %" in chart.caption
-
-
-def test_labels_of_two_springs_on_an_order_map_do_not_overlap():
-    """Lines that end close to each other, some below the top: labels a step apart, in their order,
-    within the panel.
-    """
-    ends = [5.0, 5.2, 5.3, 39.9, 40.0]
-    lines = tuple(
-        Line(np.array([1e3, 8e3]), np.array([30.0, end]), str(end), "#000000", direct=str(end))
-        for end in ends
-    )
-    panel = Panel("", "", lines, x_range=(1e3, 8e3), y_range=(0.5, 40.5))
-    heights = [label_heights(panel)[place] for place in range(len(ends))]
-    assert np.all(np.diff(heights) >= 0.054 * 40) and max(heights) <= 40.5
-    assert heights[0] == 5.0  # the lowest stays at its line

@@ -18,7 +18,7 @@ from valvetrain.quantities.contact_patches import contact_patches, hertz_of
 from valvetrain.quantities.signal import fine_filtered, fine_series
 from valvetrain.report.motion.project import motion_data
 from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.page import Figure, Grid
+from valvetrain.report.page import Figure
 from valvetrain.report.sections.coils import coils_blocks
 from valvetrain.runs.run import run_study
 from valvetrain.solution.channels import FINE, spring_channels
@@ -26,7 +26,6 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 
-RPM = np.pi / 30
 SPRING = """
 [spring]
 name = "short"
@@ -319,18 +318,6 @@ def test_the_moving_picture_shows_stress_over_the_section(coils):
     assert stress.max() == pytest.approx(inner.max(), rel=0.1)
     packed = motion_data(moving)["variants"][0]["springs"][0]["colours"][0]
     assert packed["fibres"] == 8 and len(b64decode(packed["d"])) == surface.around.size
-
-
-def test_the_page_maps_and_lists_patches_of_coils(coils):
-    """Contract: the clash map is of force per length, its largest the first row of the table of
-    patches; turns that never part are named."""
-    blocks = coils_blocks(coils)
-    maps = {one.chart.key: one.chart for one in blocks if isinstance(one, Figure)}
-    heat = next(chart for key, chart in maps.items() if key.startswith("clash")).panels[0].layers[0]
-    (grid,) = (one for one in blocks if isinstance(one, Grid))
-    assert heat.unit == "N/mm" and not any(key.startswith("seats") for key in maps)
-    assert float(grid.rows[0][0][4].text) == pytest.approx(heat.z.max(), rel=1e-3)
-    assert "bonded to the seat" in grid.caption and "never touches seat or retainer" in grid.caption
 
 
 def test_a_cone_lies_on_its_seat(cone):

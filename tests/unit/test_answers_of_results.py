@@ -10,9 +10,8 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
+from valvetrain.solution.critical import CriticalSpeed
 from valvetrain.solution.modes import SpringModes
-from valvetrain.solution.provenance import CaseRecord
 
 RPM = math.pi / 30
 SPRING = vt.Spring(
@@ -23,36 +22,6 @@ SPRING = vt.Spring(
 
 def critical(**values):
     return CriticalSpeed("own", "float", 5e-5, 3000 * RPM, 9000 * RPM, RPM, **values)
-
-
-def test_a_speed_that_is_never_reached_is_said_in_words():
-    never = critical(nominal_engine_speed=math.inf)
-    assert math.isnan(never.engine_speed)
-    study = vt.Study(CaseRecord("own"), critical_speeds=CriticalSpeeds((never,)))
-    for shown in (repr(never), repr(study), study._repr_html_()):
-        assert "none up to 9000" in shown and "nan" not in shown and "inf" not in shown
-
-
-def test_a_study_says_until_when_control_is_lost_and_where_again():
-    found = critical(
-        found=True,
-        begins=Crossing(SpeedBracket(5000 * RPM, 5006 * RPM)),
-        ends=Crossing(SpeedBracket(5500 * RPM, 5506 * RPM)),
-        again=(SpeedBracket(7000 * RPM, 9000 * RPM),),
-    )
-    study = vt.Study(CaseRecord("own"), critical_speeds=CriticalSpeeds((found,)))
-    assert "until 5500–5506, again 7000–9000" in repr(study)
-
-
-def test_a_study_and_its_run_say_that_nothing_damps_the_spring():
-    case = vt.Case(
-        spring=SPRING, lift_law=lambda angle: 8e-3 * max(0.0, 1 - ((angle - 3.1) / 1.1) ** 2) ** 4
-    )
-    study = case.compare("2000 rpm", ["modal-uniform"])
-    (run,) = study.solutions
-    assert any("no damping" in note for note in run.notes)
-    assert "no damping" in repr(study) and "no damping" in repr(run)
-    assert "no damping" in study._repr_html_()
 
 
 def test_every_mode_of_a_spring_has_a_kind_and_surge_follows_from_it():

@@ -6,9 +6,8 @@ import math
 from dataclasses import replace
 
 import pytest
-from validation import __main__ as book
 from validation import explained
-from validation.row import BookCase, Row
+from validation.row import Row
 
 MET = Row(
     "rates", "rate of a wire", "en13906-1", "4 mm wire", 41000.0, 41010.0, "N/m", 20.0, "rounding"
@@ -49,54 +48,6 @@ def test_a_row_is_met_missed_or_fails(row, status):
     assert row.status == status and (
         math.isnan(row.computed) or row.difference == row.computed - row.expected
     )
-
-
-def test_the_command_tells_each_case_and_each_row_that_fails(monkeypatch, capsys, tmp_path):
-    cases = (
-        BookCase("rates_of_wires", lambda: [MET, BARE]),
-        BookCase("long", lambda: [MISSED, FAILS], slow=True),
-    )
-    monkeypatch.setattr(book, "book", lambda: cases)
-    assert book.main(["--page", str(tmp_path / "page.md")]) == 1
-    told = capsys.readouterr().out.splitlines()
-    assert told[0].startswith("rates_of_wires: 2 rows, 1 fail, ") and told[0].endswith(" s")
-    assert told[1].startswith("long: 2 rows, 1 fail, ")
-    assert float(told[0].split(", ")[2].split()[0]) < 5
-    assert told[2:] == [
-        "FAILS: rates, lost: expected 41000, computed nan N/m, tolerance 20",
-        "FAILS: sources, worse: expected 41000, computed 41300 1, tolerance 20, band of the explained miss 41050 to 41200",
-        "4 rows, 2 fail",
-    ]
-    assert (tmp_path / "page.md").read_text(encoding="utf-8") == book.page(
-        [MET, BARE, MISSED, FAILS]
-    )
-    monkeypatch.setattr(book, "book", lambda: (BookCase("good", lambda: [MET]), cases[1]))
-    assert book.main(["--quick"]) == 0
-    assert capsys.readouterr().out.splitlines()[1:] == ["1 rows, 0 fail"]
-    assert [row.name for row in book.run_book()] == ["rate of a wire", "a|b", "worse"]
-
-
-def test_one_chapter_is_run_with_those_that_share_its_tables(monkeypatch):
-    """``--only laws --page`` left the rows of followers out of the tables of both."""
-    cases = {one.rows.__module__.rpartition(".")[2] for one in book.book()}
-    assert set(book.TABLES) | set(book.TABLES.values()) <= cases
-    for only in ("laws", "followers"):
-        chosen = []
-        monkeypatch.setattr(book, "book", lambda chosen=chosen: tuple(recorded(chosen)))
-        book.run_book(only=only)
-        assert set(chosen) == {"laws", "followers"}
-
-
-def recorded(chosen: list[str]):
-    """A case of every chapter that writes down its chapter when it is run."""
-    for chapter in book.CHAPTERS:
-
-        def rows(chapter: str = chapter) -> list[Row]:
-            chosen.append(chapter)
-            return []
-
-        rows.__module__ = f"validation.{chapter}"
-        yield BookCase(chapter, rows)
 
 
 #: Bands that are wider than the rule, about numbers that follow the sampling or a difference of two

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
-import re
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from valvetrain.cam.cam_card import CamCard
-from valvetrain.cli.cam_facts import cam_facts, cam_rows, check_verdict
-from valvetrain.cli.case_facts import case_quantities
+from valvetrain.cli.cam_facts import cam_facts
 from valvetrain.cli.main import app
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
@@ -105,90 +102,6 @@ def test_ramp_velocity_and_durations_are_those_of_the_card():
     assert math.degrees(found[card.duration_lift]) == pytest.approx(236)
 
 
-@pytest.mark.parametrize(
-    ("face", "lash", "words"),
-    [
-        ("28 mm", "0.2 mm", "Ready to run: the lash opens on the ramp, at 0.0127 mm/deg; the contact stays 3.58 mm within the face;"),
-        ("20 mm", "0.2 mm", "Ready to run, but the contact runs 0.417 mm off the face, which needs a diameter of 20.8 mm; the lash"),
-        ("", "0.2 mm", "the follower's face needs a diameter of 20.8 mm"),
-        ("28 mm", "0.4 mm", "Ready to run, but the lash takes 0.4 mm of the lobe, above its ramp, so that the valve strikes its seat"),
-    ],
-)  # fmt: skip
-def test_the_sentence_says_where_lash_and_contact_are(face, lash, words):
-    """Contract: doubts first; a bucket of 10.42 mm per radian on faces of 28 and 20 mm."""
-    text = template_text("direct", cards=True).replace('lash = "0.2 mm"', f'lash = "{lash}"')
-    text = text.replace('face_diameter = "28 mm"', f'face_diameter = "{face}"' if face else "")
-    if lash != "0.2 mm":
-        text = text.replace("[lift_law]", '[lift_law]\nramp_lift = "0.3 mm"', 1)
-    case = parse_case(text, "bucket")
-    problem = build(case)
-    cam, _ = cam_facts(case, problem)
-    sentence = check_verdict(case, problem, case_quantities(case, problem), cam)
-    assert words in sentence
-    assert sentence.endswith(" are left to coil bind.")
-
-
-def test_a_coil_bind_that_no_card_lets_check_is_named():
-    """Contract: a card without solid height leaves the coil bind unchecked, and the sentence says so."""
-    text = re.sub(r"(?m)^solid_height = .*$", "", template_text("pushrod"))
-    case = parse_case(text, "pushrod")
-    problem = build(case)
-    cam, _ = cam_facts(case, problem)
-    sentence = check_verdict(case, problem, case_quantities(case, problem), cam)
-    assert sentence.endswith("coil bind is not checked, for no spring states a solid height.")
-
-
-def test_the_spring_of_a_pair_without_solid_height_is_named():
-    """Contract: the room that is left is that of the spring whose card states it."""
-    case = parse_case(template_text("pushrod"), "pushrod")
-    found = {"rigid_maximum_valve_lift": 12e-3, "outer_coil_bind_lift": 15e-3}
-    sentence = check_verdict(case, build(case), found, {})
-    assert (
-        "3 mm are left to coil bind of the outer spring; the inner one is not checked" in sentence
-    )
-
-
-def test_a_law_without_ramps_is_told_where_its_lash_opens():
-    """Contract: 0.1 mm of lash on a polynomial flank."""
-    case = parse_case(template_text("direct"), "bucket")
-    problem = build(case)
-    cam, _ = cam_facts(case, problem)
-    sentence = check_verdict(case, problem, {}, cam)
-    assert "cam_ramp_lift" not in cam and "for the lift law states no ramp" in sentence
-
-
-def test_the_terminal_ends_with_table_and_sentence(tmp_path):
-    """Contract: rows alike on both flanks are one, JSON holds the same numbers in SI."""
-    path = tmp_path / "v8.toml"
-    path.write_text(template_text("pushrod"), encoding="utf-8")
-    lines = CliRunner().invoke(app, ["check", str(path)]).stdout.splitlines()
-    assert "Lift law and cam" in "\n".join(lines) and lines[-1].endswith("to coil bind.")
-    ramp = [line.split() for line in lines if line.startswith("Ramp velocity")]
-    assert ramp == [["Ramp", "velocity", "0.0127", "mm/deg"]]
-    assert any(line.split()[-3:] == ["288", "crank", "deg"] for line in lines)
-    data = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).stdout)
-    assert data["quantities"]["cam_ramp_lift"] == {"value": pytest.approx(1e-4), "unit": "m"}
-    assert data["durations"][0]["lift"]["value"] == pytest.approx(0.006 * INCH)
-    assert math.degrees(data["durations"][0]["crank_angle"]["value"]) == pytest.approx(288)
-    assert " ".join(" ".join(lines).split()).endswith(data["verdict"])
-
-
-def test_a_lift_law_alone_and_a_spring_alone_are_said_so():
-    """Contract: what there is; opening and closing apart where they differ."""
-    law = parse_case(
-        '[lift_law]\nkind = "harmonic"\nlift_of = "valve"\nmaximum_lift = "9 mm"\nopening_start = "100 deg"\n'
-        'opening_end = "180 deg"\nclosing_start = "180 deg"\nclosing_end = "280 deg"\n'
-    )
-    cam, durations = cam_facts(law, None)
-    rows = dict((label, (text, unit)) for label, text, unit in cam_rows(cam, durations))
-    # harmonic: L pi / (2 beta) on each flank
-    assert rows["Largest velocity of the lift law, opening"] == ("0.1767", "mm/deg")
-    assert rows["Largest velocity of the lift law, closing"] == ("0.1414", "mm/deg")
-    assert check_verdict(law, None, {}, cam) == "A lift law alone."
-    spring = parse_case(template_text("spring"), "spring")
-    assert cam_facts(parse_case(spring.text.split("[lift_law]")[0]), None) == ({}, {})
-
-
 def check_text(path, *options: str) -> str:
     return " ".join(CliRunner().invoke(app, ["check", str(path), *options]).stdout.split())
 
@@ -239,26 +152,3 @@ def test_mass_stiffness_and_length_of_a_pushrod_are_those_of_one_tube(new, said,
     path.write_text(template_text("pushrod").replace(OWN_TUBE, new, 1), encoding="utf-8")
     end = check_text(path).partition("Ready to run")[2]
     assert end.startswith(f", but {said}" if said else ": the cam")
-
-
-def test_check_prints_the_loads_of_a_wire_and_both_lifts(tmp_path):
-    """Closed form: the load with the valve closed is G d^4 / (8 D^3 n) times 8.1 mm but for the tilt of
-    the coils, the rate from there is between both; of a bucket the valve lifts less by the lash."""
-    path = tmp_path / "spring.toml"
-    path.write_text(template_text("spring"), encoding="utf-8")
-    found = re.search(
-        r"([\d.]+) N with the valve closed, ([\d.]+) N at the full lift of 9 mm, rate ([\d.]+) N/mm to ([\d.]+) N/mm",
-        check_text(path),
-    )
-    closed, full, first, last = map(float, found.groups())
-    assert closed == pytest.approx(43.236 * 8.1, rel=0.02) and first < (full - closed) / 9 < last
-    assert "lbf with the valve closed" in check_text(path, "--units", "imperial")
-    path.write_text(template_text("direct", cards=True), encoding="utf-8")
-    text = check_text(path)
-    assert "masses, forces and power are per valve" in text
-    assert "the lobe lifts 9.2 mm, the valve 9 mm (less the lash of 0.2 mm)" in text
-    assert "560 N at the full lift of 9 mm" in text  # as its card says
-    path.write_text(template_text("pushrod"), encoding="utf-8")
-    assert "N with the valve closed" in check_text(path)  # of the set 'wire'
-    path.write_text(template_text("finger", cards=True), encoding="utf-8")
-    assert "9.6 mm at zero lash, the valve lifts" in check_text(path)

@@ -79,38 +79,6 @@ def test_run_compare_and_sweep_share_their_options():
         assert not [option for option in shared if option not in shown], command
 
 
-def test_the_shell_completes_the_names_of_cases(tmp_path):
-    asked = {
-        "_VALVETRAIN_COMPLETE": "complete_bash",
-        "COMP_WORDS": "valvetrain run gu2021-b",
-        "COMP_CWORD": "2",
-    }
-    answer = process("run", folder=tmp_path, **asked)
-    assert answer.stdout.split() == ["gu2021-beehive", "gu2021-beehive-blind"], answer.stderr
-
-
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_completion_prints_a_script_that_knows_the_commands(tmp_path, shell):
-    script = process(
-        "--show-completion",
-        shell,
-        folder=tmp_path,
-        _TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION="1",
-    )
-    assert script.returncode == 0 and "_VALVETRAIN_COMPLETE" in script.stdout
-    asked = {
-        "_VALVETRAIN_COMPLETE": "complete_bash",
-        "COMP_WORDS": "valvetrain comp",
-        "COMP_CWORD": "1",
-    }
-    assert process(folder=tmp_path, **asked).stdout.split() == [
-        "compare",
-        "compare-springs",
-        "compare-runs",
-        "compare-test",
-    ]
-
-
 def test_an_own_command_of_a_package_that_cannot_be_loaded_is_left_out_with_a_sentence(tmp_path):
     found = tmp_path / "broken-1.0.dist-info"
     found.mkdir()
@@ -121,15 +89,6 @@ def test_an_own_command_of_a_package_that_cannot_be_loaded_is_left_out_with_a_se
         result.returncode == 0
         and "note: command 'mend' cannot be loaded from nowhere:register" in result.stderr
     )
-
-
-@pytest.mark.parametrize("command", ["run", "static", "modes", "compare", "sweep"])
-def test_help_shows_every_default(command):
-    shown = " ".join(re.sub("[│╭╮╰╯─]", " ", call(command, "--help").output).split())
-    assert "(default: " in shown
-    assert not re.search(
-        r" \.(?= |$)", shown
-    )  # what the markup of the help would take for a style leaves an empty place
 
 
 def test_cases_lists_every_case_and_prints_the_file_of_one():

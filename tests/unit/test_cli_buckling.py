@@ -7,10 +7,6 @@ import json
 import pytest
 
 from unit.cli_parts import call
-from valvetrain.parameters.loading import load_case
-from valvetrain.report.page import render
-from valvetrain.report.study import study_page
-from valvetrain.runs.statics import static_study
 
 SLENDER = """
 [spring]
@@ -89,10 +85,3 @@ def test_a_bore_too_narrow_is_refused_with_its_place(slender):
         and "spring.guide" in result.stderr
         and "outer diameter is 11 mm; widen the bore" in result.stderr
     )
-
-
-def test_the_page_shows_where_it_buckles(slender):
-    page = render(
-        study_page(static_study(load_case("slender.toml"), largest_compression=0.018, steps=6))
-    )
-    assert "beyond this compression the spring is bent sideways" in page and "buckles" in page

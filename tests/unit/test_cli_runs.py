@@ -145,25 +145,6 @@ def test_a_folder_of_ones_own_is_written_directly_and_a_foreign_one_refused(smal
     )
 
 
-def test_published_values_stand_behind_one_line(small):
-    brief = call("run", "told.toml", *QUICK)
-    assert brief.exit_code == 0, brief.stderr
-    assert "published values; " in brief.stdout and "--published prints" in brief.stdout
-    whole = call("run", "told.toml", "--published", *QUICK).stdout
-    lines = (
-        r"preload +FE +130 N .*within tolerance",
-        r"peak spring force.* 1 N .*misses",
-        r"seating velocity.*not computed",
-    )
-    for line in lines:
-        assert re.search(line, whole, re.IGNORECASE), line
-    assert max(map(len, whole.splitlines())) <= 100
-    changed = ("run", "told.toml", "--set", "spring.damping.ratio=0.03", *QUICK)
-    assert "published" not in call(*changed).stdout
-    why = "No published value is compared: 'spring.damping.ratio' was changed"
-    assert why in call(*changed, "--published").stdout
-
-
 def test_run_options_change_speeds_models_folder_and_values(small):
     result = call(
         "run",
@@ -215,21 +196,6 @@ def test_compare_shows_every_model_at_rest_and_in_motion(small):
         rows = re.findall(rf"^{model} +[−–\d]", result.stdout, re.MULTILINE)
         assert len(rows) == 2, model  # at rest and in motion
     assert len(result.stdout.splitlines()) < 40
-
-
-def test_a_sweep_tells_the_worst_and_its_speed(small):
-    result = call(
-        "sweep",
-        "small.toml",
-        "--engine-speed",
-        "6000:9000:1000",
-        "--spring",
-        "massless,multi-mass",
-        *QUICK,
-    )
-    assert result.exit_code == 0, result.stderr
-    assert re.search(r"Surge amplitude, 0 to peak +N +\S+ at \d000 +\S+ at \d000", result.stdout)
-    assert re.search(r"Engine speeds run +4 +4", result.stdout)
 
 
 def test_quiet_prints_nothing_but_errors(small):
@@ -323,13 +289,6 @@ def test_a_large_request_says_what_it_will_take_and_a_bound_can_be_raised(small,
         r"this will take about .* on an idle machine with its error bars and .*\n", result.stderr
     )
     assert call(*words, "--limit", "1 d, 1 TB", "--quiet").stderr == ""
-
-
-def test_open_shows_the_page_in_a_browser(small, monkeypatch):
-    opened = []
-    monkeypatch.setattr("webbrowser.open", opened.append)
-    result = call("run", "small.toml", "--spring", "massless", "--workers", "1", "--open", "--json")
-    assert opened == [(small / json.loads(result.stdout)["page"]).resolve().as_uri()]
 
 
 def test_a_run_that_diverges_writes_what_it_has_and_ends_with_1(small):

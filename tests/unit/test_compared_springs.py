@@ -108,12 +108,6 @@ def test_the_first_sentence_says_which_is_stressed_more(study):
         assert found is not None and found.amplitude == pytest.approx(max(halves))
 
 
-def test_both_contact_losses_are_in_the_sentence(study):
-    """Contract: as of float, of loss of contact."""
-    speeds = [study.critical_speeds.of("contact-loss", label) for label in study.labels]
-    assert all(one is not None for one in speeds) and "contact" in study.verdict
-
-
 def test_a_stopped_search_is_said_first_and_ranks_nothing(both, monkeypatch):
     """Contract: the verdict of the page begins with it; no spring is worst by what is unknown."""
 
@@ -134,19 +128,3 @@ def test_a_stopped_search_is_said_first_and_ranks_nothing(both, monkeypatch):
     assert study_page(study).verdict == study.verdict
     swept = replace(study, command="sweep")
     assert swept.verdict.startswith("Interrupted") and "orst (" not in swept.verdict
-
-
-def test_half_a_search_says_which_is_missing(study):
-    """Contract: a float that was not computed loses to none."""
-    rows = tuple(row for row in study.critical_speeds if row.label == study.labels[0])
-    half = replace(study, critical_speeds=replace(study.critical_speeds, rows=rows))
-    assert "float of stiff not computed" in half.verdict and "floats later" not in half.verdict
-
-
-def test_a_speed_that_one_of_both_has_alone_ranks_nothing(study):
-    """Property: leaving out the last run of one spring leaves its comparison at the other speed."""
-    lost = study.solutions[-1]
-    rest = tuple(one for one in study.solutions if one is not lost)
-    common = tuple(one for one in rest if one.engine_speed != lost.engine_speed)
-    some = [replace(study, solutions=one, between=()).verdict for one in (rest, common)]
-    assert some[0] == some[1]

@@ -11,11 +11,8 @@ import numpy as np
 import pytest
 
 from synthetic_study import train_study
-from valvetrain.quantities.forces import bind_clearances
 from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE
 from valvetrain.report.control import control_of, controlled_to
-from valvetrain.report.headlines import headline_rows
-from valvetrain.report.key_figures import key_figures
 from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.runs.critical_search import Search, SpeedSample
 from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed
@@ -23,7 +20,6 @@ from valvetrain.solution.critical import (
     CriticalSpeed,
     CriticalSpeeds,
     Crossing,
-    RangeMember,
     SpeedBracket,
 )
 from valvetrain.solution.provenance import CaseRecord
@@ -109,62 +105,6 @@ def test_what_is_wide_or_floats_or_bounces_or_comes_often_ends_control(rows):
     assert study.verdict.startswith(f"Controlled to {begin / RPM:.0f} rpm, ")
 
 
-def test_a_short_range_below_two_motions_ends_control():
-    """Contract: "controlled to 7300 rpm apart from 6200" stood above a loss that falling speed regains at 6190 alone."""
-    ways = Crossing(bracket(6195, 6200), bracket(7290, 7300), bracket(6190, 6200))
-    found = replace(lost("contact-loss", 6200, 6210, bracket(7300, 8000)), begins=ways)
-    said = sweep(found).verdict
-    assert said.startswith(
-        "Controlled to 6200 rpm, where contact is lost at the cam, until 6210 and again from 7300 rpm; from 6190 to 7300 rpm both "
-        "motions exist: rising speed keeps control, falling speed does not regain it"
-    )
-    narrow = replace(found, begins=replace(ways, rising=bracket(6210, 6220)))
-    assert sweep(narrow).verdict.startswith("Controlled to 7300 rpm,") and "both motions" not in sweep(narrow).verdict  # fmt: skip
-
-
-def test_extremes_are_those_of_the_speeds_in_use_and_then_those_beyond():
-    """Contract: the surge and the largest stress were those of 8000 rpm, where nobody runs the engine."""
-    runs = tuple(
-        run(speed, surge_amplitude_force=surge, open_nominal_shear_stress=surge * 1e7)
-        for speed, surge in ((4000, 40.0), (6000, 50.0), (8000, 90.0))
-    )
-    study = sweep(lost("contact-loss", 7000), runs=runs)
-    assert "Worst surge amplitude 50 N at 6000 rpm, beyond control 90 N at 8000 rpm" in study.verdict  # fmt: skip
-    told = dict(key_figures(study))
-    assert told["shear stress"] == "500 MPa at 6000 rpm (beyond control 900 MPa at 8000 rpm)"
-    row = next(one for one in headline_rows(study) if one.name == "surge_amplitude_force")
-    assert row.values == (50.0,) and row.beyond is not None
-    assert (row.beyond.label, row.beyond.values) == ("beyond control", (90.0,))
-    line = replace(study, record=replace(study.record, red_line=6500 * RPM))
-    assert dict(key_figures(line))["shear stress"] == "500 MPa at 6000 rpm (beyond the red line 900 MPa at 8000 rpm)"  # fmt: skip
-
-
-def test_a_range_says_what_it_is_over_and_is_rounded_outwards():
-    """It was "with other damping or division", 8106 where the table had 8105."""
-    members = RangeMember("model", "own", 6400.4 * RPM), RangeMember("mesh", "×1.5", 7000.2 * RPM)
-    said = sweep(lost("contact-loss", 7000, members=members)).verdict
-    assert "(6400 to 7001: model, mesh)" in said
-    members = RangeMember("damping", "×0.6", 6400 * RPM), RangeMember("model", "own", math.inf)
-    never = sweep(lost("contact-loss", 7000, members=members)).verdict
-    assert "(6400 to above 8000: damping, model)" in never and "never" not in never
-
-
-def test_speeds_of_which_nothing_is_known_are_said_beside_control():
-    """Ends that would pull between the speeds of a sweep left "controlled up to 8000 rpm" alone."""
-    never = CriticalSpeed(LABEL, "contact-loss", 0.0, 4000 * RPM, 8000 * RPM, 10 * RPM)
-    said = sweep(replace(never, pulled=(bracket(6340, 6450),))).verdict
-    assert "6340 to 6450" in said and "6340" not in sweep(never).verdict
-
-
-def test_ends_that_would_lift_are_said_where_they_do():
-    """ "From 6500 rpm" rested on the one resonance that was run there."""
-    pull = (Event("end-pull", 4.0, 0.01, 1e-3, 0.0, "N", "retainer"),)
-    some = sweep(runs=(run(6000), run(6500, events=pull), run(7000), run(7500)))
-    assert " At 6500 rpm the ends of the spring would lift" in some.verdict
-    many = [run(speed, events=pull if speed > 6000 else ()) for speed in range(6000, 8000, 250)]
-    assert " From 6250 to 7750 rpm the ends of the spring would lift" in sweep(runs=tuple(many)).verdict  # fmt: skip
-
-
 def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
     """The speeds of a sweep made the width of a range above the first one."""
 
@@ -188,42 +128,6 @@ def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
     assert controlled_to(study, LABEL) == second.lower_engine_speed
 
 
-def test_a_pair_says_which_of_its_springs_binds_first():
-    """The clearance of both was named without the spring that has it."""
-    names = {"coil_bind_clearance": 1.3e-4, "outer_coil_bind_clearance": 3.6e-3, "inner_coil_bind_clearance": 1.3e-4}  # fmt: skip
-    said = Study(CaseRecord("own"), "run", (run(6000, **names),)).verdict
-    assert "only 0.13 mm clear of coil bind (inner spring first)" in said.lower()
-    outer = {name: value for name, value in names.items() if "inner" not in name}
-    alone = Study(CaseRecord("own"), "run", (run(6000, **outer | {"coil_bind_clearance": 3.6e-3}),))
-    assert "lear of coil bind by 3.6 mm (outer spring; the other is not checked)" in alone.verdict
-    assert bind_clearances((), 0.01) == {}
-
-
 def two(light: dict[str, float], heavy: dict[str, float], *rows: CriticalSpeed) -> Study:
     runs = tuple(run(speed, name, **values) for name, values in (("light", light), ("heavy", heavy)) for speed in (4000, 8000))  # fmt: skip
     return Study(CaseRecord("own"), "compare-springs", runs, critical_speeds=CriticalSpeeds(rows))
-
-
-@pytest.mark.parametrize(("share", "tells"), [(1.01, False), (1.04, False), (1.08, True)])
-def test_a_small_difference_of_stress_does_not_tell_which_breaks_first(share, tells):
-    """One per cent of stress amplitude was "so of equal wires it breaks first"."""
-    stress = {
-        "open_nominal_shear_stress": 900e6,
-        "closed_nominal_shear_stress": 300e6,
-        "minimum_spring_force": 200.0,
-        "peak_spring_force": 600.0,
-    }
-    more = {name: value * (share if "stress" in name else 1.0) for name, value in stress.items()}
-    said = two(stress, more).verdict
-    assert ("heavy is stressed more, so of equal wires it breaks first" in said) == tells
-    assert ("stress does not show which breaks first (amplitude" in said.lower()) != tells
-
-
-def test_speeds_behind_ends_that_would_lift_are_doubtful_from_the_first_word():
-    """Contract: "controlled to 7000 rpm" stood firm, two sentences before the model was doubted at 6500."""
-    pull = (Event("end-pull", 4.0, 0.01, 1e-3, 0.0, "N", "retainer"),)
-    runs = (run(6000), run(6500, events=pull), run(7500))
-    said = sweep(lost("contact-loss", 7000), runs=runs).verdict
-    assert said.startswith("Doubtful where ends of the spring would lift (at 6500 rpm): controlled to 7000 rpm")  # fmt: skip
-    beyond = (run(6000), run(6500), run(7500, events=pull))
-    assert sweep(lost("contact-loss", 7000), runs=beyond).verdict.startswith("Controlled to 7000")

@@ -51,30 +51,6 @@ def test_costs_add_and_nothing_costs_nothing():
 
 
 @pytest.mark.parametrize(
-    ("seconds", "told"),
-    [
-        (0.2, "1 s"),
-        (59.0, "59 s"),
-        (89.0, "89 s"),
-        (90.0, "1.5 min"),
-        (5399.0, "90 min"),
-        (5400.0, "1.5 h"),
-        (129600.0, "1.5 d"),
-        (129000.0, "35.8 h"),
-    ],
-)
-def test_a_time_as_people_say_it(seconds, told):
-    assert duration_text(seconds) == told
-
-
-@pytest.mark.parametrize(
-    ("size", "told"), [(1.0, "1 MB"), (999e6, "999 MB"), (1e9, "1 GB"), (2.34567e9, "2.35 GB")]
-)
-def test_a_memory_as_people_say_it(size, told):
-    assert memory_text(size) == told
-
-
-@pytest.mark.parametrize(
     ("cost", "limits", "words"),
     [
         (

@@ -16,7 +16,6 @@ from unit.cli_parts import call
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
-from valvetrain.report.clauses import figure
 from valvetrain.runs.compare_springs import with_two_springs
 from valvetrain.runs.measured_cost import sweep_seconds
 from valvetrain.runs.request_cost import RunRequest, planned
@@ -132,23 +131,6 @@ def test_two_springs_run_in_the_engine_under_their_own_names():
     assert both.train.springs["soft"][0].damping.ratio == 0.016
     with pytest.raises(InputError, match=r"no \[train\]"):
         with_two_springs(parse_case(SOFT), parse_case(SOFT), parse_case(STIFF))
-
-
-def test_the_sentence_says_which_is_better_and_by_what():
-    """The sweep of the two as sets of one file gives the same numbers."""
-    engine = vt.Case(template_text("direct"), name="engine")
-    pair = vt.Case(SOFT), vt.Case(STIFF)
-    study = engine.compare_springs(*pair, "5000, 6000 rpm", "modal-uniform", critical_speeds=False)
-    every = (*study.solutions, *study.between)
-    worst = {
-        run.spring_set: max(
-            one.quantities["surge_amplitude_force"] for one in every if one.label == run.label
-        )
-        for run in study.solutions
-    }
-    low, high = sorted(worst.values())
-    better = min(worst, key=lambda name: worst[name])
-    assert f"{better} surges less ({figure(low)} N against {figure(high)} N)" in study.verdict
 
 
 def test_a_sweep_runs_the_spring_set_that_the_case_names_as_a_run_does():

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
-from valvetrain.cli.published import RESTS, ErrorBars
+from valvetrain.cli.published import ErrorBars
 from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
 from valvetrain.solution.uncertainty import Uncertainty
 
@@ -63,21 +61,6 @@ def test_no_bar_of_another_number_and_none_that_moves_no_digit(value, numerical,
     assert (
         "±" not in held.cells(row("peak_spring_force", value), (HeadlineColumn("stock", speed),))[0]
     )
-
-
-def test_a_range_stands_below_its_value_and_a_mark_where_none_was_computed():
-    """Contract: both were in JSON and on the page alone."""
-    value = bars("peak_clash_force", 988.0, 2.0).rows["peak_clash_force"][0]
-    clash = row("peak_clash_force", 988.0)
-    ranged = ErrorBars({"peak_clash_force": [replace(value, contact_stiffness=(979.0, 989.0))]})
-    assert ranged.ranges(clash, (STOCK,)) == ["979 to 989"]
-    assert "1" in ranged.legend([clash], (STOCK,)) and RESTS not in ranged.cells(clash, (STOCK,))[0]
-    bare = ErrorBars({"peak_clash_force": [value]})
-    assert bare.ranges(clash, (STOCK,)) == [""] and RESTS in bare.cells(clash, (STOCK,))[0]
-    assert bare.legend([clash], (STOCK,))
-    smooth = row("peak_spring_force", 965.0)
-    held = bars("peak_spring_force", 965.0, 2.0)
-    assert RESTS not in held.cells(smooth, (STOCK,))[0] and not held.legend([smooth], (STOCK,))
 
 
 @pytest.mark.parametrize(

@@ -45,24 +45,6 @@ def model(**changes: object) -> SimpleNamespace:
     return SimpleNamespace(**told | changes)
 
 
-def test_the_coil_that_moves_most_is_drawn_first_and_noise_is_no_motion():
-    """The first panel was a coil on its seat whose scale of its own made ten micrometres a motion."""
-    angle = np.radians(np.arange(0.0, 360.0, 30.0))
-    moved = np.array([1e-5, 2e-3, 9e-3]) * np.sin(angle / 2)[:, None] ** 2
-    motion = SimpleNamespace(cycles=[SimpleNamespace(values=row[None, :]) for row in moved.T])
-    beside = SimpleNamespace(
-        cam_angle=angle,
-        displacement=moved,
-        turns=(0.6, 1.6, 2.6),
-        model="multi-mass",
-        spring="outer",
-    )
-    panels = made.overlay_chart(motion, beside).panels
-    assert [panel.title.split(" (")[0] for panel in panels] == ["coil 3", "coil 2", "coil 1"]
-    assert [panel.y_range is None for panel in panels] == [True, True, False]
-    assert panels[2].y_range[1] == pytest.approx(0.02 * 9.0)
-
-
 @pytest.fixture
 def sections(monkeypatch):
     """Sections of a page by key; a figure is its name."""

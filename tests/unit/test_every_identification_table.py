@@ -20,7 +20,7 @@ from valvetrain.explore.identified import (
 )
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.explore.space import Prior
-from valvetrain.report.page import Details, Grid, Text
+from valvetrain.report.page import Grid
 
 NUMBER = "number"
 RATE = Unknown("rate", Prior("uniform", 25e3, 40e3, source="drawing"), "N/mm")
@@ -93,49 +93,6 @@ def read(grid: Grid) -> tuple[list[list[str]], list[list[str]]]:
     ]
 
 
-def test_what_was_found() -> None:
-    (grid,) = grids(identified(), "found").values()
-    assert grid.headers == (
-        "quantity",
-        "likeliest",
-        "2.5 %",
-        "97.5 %",
-        "",
-        "prior",
-        "learned from data",
-    )
-    words, tones = read(grid)
-    assert words == [
-        ["Rate", "32", "30", "35", "N/mm", "25 to 40", "93 %"],
-        ["Spring mass", "51", "47", "56", "g", "50 × 1.2", "8 %"],
-    ]
-    assert tones == [["", NUMBER, NUMBER, NUMBER, "", "quiet", NUMBER]] * 2
-
-
-def test_branches_a_search_cut_short_and_warnings_stand_by_what_was_found() -> None:
-    def said(found: Identified) -> list[tuple[str, str]]:
-        return [(one.html, one.tone) for one in blocks(found, "found") if isinstance(one, Text)]
-
-    alert = ("The data hardly determine the mass of 32000.", "alert")
-    assert said(identified()) == [alert]
-    assert said(identified(whole=False)) == [
-        ("The search was stopped before its end; this is what it had.", "alert"),
-        alert,
-    ]
-    two = identified(branches=(branch(0.75, 3.25, 32e3), branch(0.25, 5.5, 37e3)))
-    assert said(two) == [
-        ("Branch 1: probability 0.750, misfit 3.25.", ""),
-        ("Branch 2: probability 0.250, misfit 5.5.", ""),
-        alert,
-        ("The data hardly determine the mass of 37000.", "alert"),
-    ]
-    tables = [read(one)[0][0][1] for one in blocks(two, "found") if isinstance(one, Grid)]
-    assert tables == ["32", "37"]
-    first, second, folded = blocks(two, "told")
-    assert isinstance(first, Grid) and isinstance(second, Grid)
-    assert isinstance(folded, Details) and folded.summary == "branch 2" and len(folded.blocks) == 2
-
-
 def test_measured_beside_predicted() -> None:
     """Red are percentiles beyond 2.5 and 97.5 only: a value that no draw computes has none."""
     grid = grids(identified(), "measured")["measurement"]
@@ -165,71 +122,3 @@ def test_measured_beside_predicted() -> None:
         ("fitted",),
         ("fitted",),
     ]
-
-
-def test_the_sentence_on_what_lies_far_off_names_it() -> None:
-    def said(found: Identified) -> list[str]:
-        return [
-            one.html
-            for one in blocks(found, "measured")
-            if isinstance(one, Text) and one.tone == "alert"
-        ]
-
-    assert said(identified()) == [
-        "Outside 2.5 to 97.5 % of their predictions: Load: force at 12 mm (99.1), Height (2.4)."
-    ]
-    many = tuple(
-        Predicted(Datum(f"load_{place}", 1.0, 1.0), 2.0, 2.0, 2.0, 2.0, 0.1) for place in range(9)
-    )
-    names = ", ".join(f"Load {place} (0.1)" for place in range(8))
-    computed = {one.datum.key: np.ones(4) for one in many}
-    assert said(identified(predicted=many, computed=computed)) == [
-        f"Outside 2.5 to 97.5 % of their predictions: {names} and more."
-    ]
-    assert said(identified(predicted=identified().predicted[1:2] * 2)) == []
-
-
-def test_conflicts_and_predictions() -> None:
-    found = grids(identified(), "measured")
-    words, tones = read(found["missed"])
-    assert found["missed"].headers == ("missed", "scatters", "met by", "cost", "missed instead")
-    assert words == [
-        ["Load: force at 12 mm", "-3.1", "17 points", "4.25", "Height (+2.2)"],
-        ["Height", "+2.6", "0 points", "–", "–"],
-    ]
-    assert tones == [["", "number bad", NUMBER, NUMBER, ""]] * 2
-    words, tones = read(found["not measured"])
-    assert found["not measured"].headers == (
-        "not measured",
-        "likeliest",
-        "2.5 %",
-        "50 %",
-        "97.5 %",
-        "",
-    )
-    assert words == [["Peak force", "801", "790", "802", "815.5", "N"]] and tones == [
-        ["", *[NUMBER] * 4, ""]
-    ]
-    bare = grids(identified(conflicts=(), predictions=()), "measured")
-    assert list(bare) == ["measurement"]
-
-
-def test_what_each_measurement_contributes_and_what_was_known_before() -> None:
-    brought, lost = (one for one in blocks(identified(), "told") if isinstance(one, Grid))
-    assert brought.headers == lost.headers == ("measurement", "rate", "spring mass")
-    assert (
-        "Share of each measurement" in brought.caption and "without the measurement" in lost.caption
-    )
-    assert read(brought) == (
-        [["Load", "61", "·"], ["Height", "39", "100"]],
-        [["", NUMBER, NUMBER]] * 2,
-    )
-    assert read(lost) == ([["Load", "52", "·"], ["Height", "17", "80"]], [["", NUMBER, NUMBER]] * 2)
-    (priors,) = (one for one in blocks(identified(), "priors") if isinstance(one, Grid))
-    words, tones = read(priors)
-    assert priors.headers == ("quantity", "prior", "", "", "source")
-    assert words == [
-        ["rate", "uniform", "25 to 40", "N/mm", "drawing"],
-        ["spring mass", "lognormal", "50 × 1.2", "g", ""],
-    ]
-    assert tones == [["", "", "", "", "quiet"]] * 2

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from known_figures import STUDIES
+from numbered_studies import STUDIES
 from synthetic_study import (
     CITED,
     at_rest,
@@ -587,101 +587,6 @@ def test_stored_runs_hold_every_wire_point_and_text_files_every_half_turn(writte
         few.time
     ) == len(mine.time)
     np.testing.assert_array_equal(few.channel("axial_position"), mine.channel("axial_position"))
-
-
-def traces(figure) -> dict[str, tuple[np.ndarray, np.ndarray, str]]:
-    return {
-        trace.name: (np.asarray(trace.x), np.asarray(trace.y), trace.yaxis or "y")
-        for trace in figure.data
-    }
-
-
-def axes(figure) -> dict[str, str | None]:
-    layout = figure.layout
-    return {
-        name: getattr(layout, name).title.text or None
-        for name in ("xaxis", "xaxis2", "yaxis", "yaxis2")
-        if name in layout
-    }
-
-
-def test_quick_plots_draw_what_their_axes_name():
-    run, degrees = rod_run(), np.arange(1440) / 2
-    figure = run.plot()
-    drawn = traces(figure)
-    assert set(drawn) == {"seat force", "retainer force", "static retainer force", "valve lift"}
-    for name, factor, axis in (
-        ("seat_force", 1, "y"),
-        ("retainer_force", 1, "y"),
-        ("static_retainer_force", 1, "y"),
-        ("valve_lift", 1e3, "y2"),
-    ):
-        x, y, where = drawn[name.replace("_", " ")]
-        np.testing.assert_allclose(x, degrees, atol=1e-9)
-        np.testing.assert_allclose(y, factor * run.channel(name))
-        assert where == axis
-    assert axes(figure) == {
-        "xaxis": None,
-        "xaxis2": "cam angle (deg)",
-        "yaxis": "force (N)",
-        "yaxis2": "valve lift (mm)",
-    }
-    bare = replace(run, channels=run.channels.drop_vars(["valve_lift"]))
-    assert axes(bare.plot()) == {"xaxis": "cam angle (deg)", "yaxis": "force (N)"}
-
-
-def test_quick_plots_of_studies_at_one_speed_and_over_several():
-    one = own_study((rod_run(), modal_run())).plot()
-    rod, modal = "finite-element rod", "modal model with varied stiffness"
-    assert set(traces(one)) == {"at rest, same lift", rod, modal} and axes(one) == {
-        "xaxis": "cam angle (cam degrees)",
-        "yaxis": "spring force (N)",
-    }
-    last = modal_run().channel("seat_force")[-720:]
-    np.testing.assert_array_equal(traces(one)[modal][1], last)
-    study = STUDIES["sweep"]()
-    several = study.plot()
-    assert axes(several)["yaxis"] == "spring force: peak, dashed the minimum (N)"
-    runs = sorted(
-        (run for run in study.solutions if run.label == "stock"), key=lambda run: run.engine_speed
-    )
-    x, y, _ = traces(several)["stock"]
-    np.testing.assert_allclose(x, np.linspace(2000, 8000, 12))
-    np.testing.assert_allclose(y, [run.quantities["peak_spring_force"] for run in runs])
-    clash = tuple(
-        replace(
-            run,
-            quantities={"peak_clash_force": 9.0, "clash_energy": run.quantities["clash_energy"]},
-        )
-        for run in study.solutions
-    )
-    other = replace(study, solutions=clash).plot()
-    assert axes(other)["yaxis"].startswith("peak clash force")
-    energy = tuple(replace(run, quantities={"clash_energy": 2e-3}) for run in study.solutions)
-    drawn = replace(study, solutions=energy).plot()
-    assert axes(drawn)["yaxis"] == "clash energy (mJ)" and traces(drawn)["stock"][1][
-        3
-    ] == pytest.approx(2.0)
-
-
-def test_quick_plots_of_springs_at_rest():
-    rod, _ = at_rest()
-    figure, steps = rod.curve.plot(), np.linspace(0, 18, 40)
-    for name, y, axis in (("force", 41 * steps, "y"), ("stiffness", np.full(40, 41.0), "y2")):
-        np.testing.assert_allclose(traces(figure)[name][0], steps)
-        np.testing.assert_allclose(traces(figure)[name][1], y)
-        assert traces(figure)[name][2] == axis
-    assert axes(figure) == {
-        "xaxis": None,
-        "xaxis2": "compression (mm)",
-        "yaxis": "force (N)",
-        "yaxis2": "stiffness (N/mm)",
-    }
-    modes = rod.modes.plot()
-    assert list(traces(modes)) == ["631 Hz", "1120 Hz", "1639 Hz"]
-    np.testing.assert_array_equal(traces(modes)["1120 Hz"][1], rod.modes.shape[2, :, 2])
-    np.testing.assert_array_equal(traces(modes)["1120 Hz"][0], np.arange(0, 7.25, 0.5))
-    assert axes(modes) == {"xaxis": "coil number", "yaxis": "axial displacement"}
 
 
 def test_an_event_without_clashes_is_no_clash_in_the_count():

@@ -15,7 +15,6 @@ from synthetic_study import at_rest, critical_speeds, own_study, published_study
 from unit import (
     test_every_film_table,
     test_every_identification_table,
-    test_every_notebook_table,
     test_every_rig_table,
     test_pages_of_measured_parts,
     test_study_page,
@@ -28,6 +27,7 @@ from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import ValueTable
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.solution.display import Shown
+from valvetrain.solution.modes import TrainModes
 
 DEGREES = np.arange(360.0)
 LOBE = 9e-3 * np.clip(1 - ((DEGREES - 180) / 60) ** 2, 0, None) ** 3
@@ -88,6 +88,14 @@ def optimum():
     )
 
 
+def train_modes() -> TrainModes:
+    share = np.array([[0.62, 0.2, 0.18], [0.1, 0.7, 0.2]])
+    frequencies, parts = np.array([500.0, 912.34]), ("valve", "spring", "rod")
+    return TrainModes(
+        "own", "open", 1.5, 9e-3, frequencies, ("valve",), parts, np.ones((2, 1)), share
+    )
+
+
 def from_card():
     low, high = (
         vt.spring_card.SpringLoad("46 mm", "350 N"),
@@ -105,9 +113,20 @@ def from_tester():
 
 
 def scan_compared() -> Shown:
-    parts = test_pages_of_measured_parts
-    told = parts.compared(parts.curve(40e3), parts.curve(41e3))
-    told.numbers = ()
+    """Design first; installed heights of 40 and 41 mm at 6 and 5 mm of precompression."""
+    compression = np.linspace(0.0, 10e-3, 5)
+    curves = (
+        SimpleNamespace(
+            compression=compression, force=rate * compression, stiffness=np.full(5, rate), path=None
+        )
+        for rate in (40e3, 41e3)
+    )
+    cases = tuple(
+        SimpleNamespace(springs=(SimpleNamespace(installed_height=high, precompression=low),))
+        for high, low in ((40e-3, 6e-3), (41e-3, 5e-3))
+    )
+    rest = tuple(SimpleNamespace(rest=(SimpleNamespace(curve=one),)) for one in curves)
+    told = SimpleNamespace(cases=cases, rest=rest, runs=None, numbers=())
     return stand_in("ScanComparison", told)
 
 
@@ -117,7 +136,7 @@ RESULTS = {
     "Study": (own_study, "engine speed", "spring force (N)"),
     "StaticCurve": (lambda: at_rest()[0].curve, "compression", "stiffness (N/mm)"),
     "ModalResult": (lambda: at_rest()[0].modes, "natural frequency", "axial displacement"),
-    "TrainModes": (test_every_notebook_table.train, "moving", "share of kinetic energy (%)"),
+    "TrainModes": (train_modes, "moving", "share of kinetic energy (%)"),
     "CriticalSpeeds": (critical_speeds, "contact-loss", "engine speed (rpm)"),
     "Comparison": (lambda: published_study().comparisons[0], "published", "(N)"),
     "UncertaintyStudy": (error_bars, "Statics and modes", "share of the value (%)"),

@@ -12,18 +12,12 @@ import pytest
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.report.chart import Line
 from valvetrain.report.columns import text_table
-from valvetrain.report.page import Figure, Grid, Text
 from valvetrain.rig.alignment import LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.page import (
     COLUMNS,
-    alignment_chart,
-    cycles_chart,
     data_of,
-    facts_of,
     peak_rows,
-    rig_page,
-    sentences_of,
     shown_unit,
     spectrum_chart,
     speed_chart,
@@ -130,53 +124,6 @@ def test_rows_tell_the_mean_and_the_extremes_of_the_cycles():
     ]
 
 
-def test_facts_are_those_of_the_kept_cycles():
-    assert facts_of(result()) == (
-        ("cycles", "3 of 4"),
-        ("cam speed", "1010 rpm (1000 to 1020)"),
-        ("band", "2 kHz, 5 kHz"),
-        ("angles per revolution", "360"),
-        ("read as", "CSV"),
-    )
-    assert facts_of(result(synthetic=True))[-1] == ("data", "synthetic")
-
-
-OUT = "cycle 3 (at 2.0000 s) is far off; it was left out"
-LAST = (OUT, "first note", "second note")
-
-
-@pytest.mark.parametrize(
-    ("changes", "sentences"),
-    [
-        ({}, LAST),
-        ({"synthetic": True}, ("the recording is synthetic: computed, not measured", *LAST)),
-        (
-            {"offset": np.radians(12.5)},
-            ("the mark of the rig is at 12.500 cam deg, as stated", *LAST),
-        ),
-        (
-            {"retained": (0, 1, 2, 3), "notes": ()},
-            (OUT.replace("left out", "retained as requested"),),
-        ),
-        ({"outliers": ()}, LAST[1:]),
-        (
-            {"shaft": SimpleNamespace(scatter=np.radians(0.034))},
-            ("the channel of the angle scatters by 0.034 cam deg about its spline", *LAST),
-        ),
-        (
-            {"alignment": LAID, "offset": np.radians(28.5), "offset_uncertainty": np.radians(0.06)},
-            (
-                "the mark of the rig is at 28.500 ± 0.12 cam deg of the case (95 %), by the lift; the flanks alone give 28.000 and 29.000; "
-                "measured lift over that of the case 1.2500",
-                *LAST,
-            ),
-        ),
-    ],
-)
-def test_sentences_say_how_it_was_read(changes, sentences):
-    assert sentences_of(result(**changes)) == sentences
-
-
 def test_the_answer_in_json_is_in_si():
     found = data_of(result(offset=0.3, offset_uncertainty=0.02, alignment=LAID))
     assert {name: (one["value"], one["unit"]) for name, one in found["quantities"].items()} == {
@@ -254,103 +201,8 @@ def test_the_answer_in_json_is_in_si():
     )
 
 
-@pytest.mark.parametrize("laid", [None, LAID])
-@pytest.mark.parametrize("synthetic", [False, True])
-def test_the_page_holds_its_sections_in_order(laid, synthetic):
-    page = rig_page("own", result(alignment=laid, synthetic=synthetic))
-    titles = {
-        "figures": "Figures of the cycles", "cycles": "Cycles over the cam angle", "alignment": "Aligned to the cam by its lift",
-        "speed": "Speed of the cam", "raw": "As recorded", "spectra": "Spectrum before and after the low-pass", "notes": "How it was read",
-    }  # fmt: skip
-    due = {key: title for key, title in titles.items() if laid is not None or key != "alignment"}
-    assert [(one.key, one.title) for one in page.sections] == list(due.items())
-    blocks = {one.key: one.blocks for one in page.sections}
-    charts = {
-        key: [one.chart.key for one in held if isinstance(one, Figure)]
-        for key, held in blocks.items()
-    }
-    assert charts == {key: [] for key in due} | {
-        "cycles": ["cycles-strain"],
-        "speed": ["speed"],
-        "raw": ["raw"],
-        "spectra": ["spectrum-valve_lift", "spectrum-strain"],
-    } | ({"alignment": ["alignment"]} if laid is not None else {})
-    assert [one.chart.key for one in page.picture] == ["cycles-valve_lift"]
-    (grid,) = blocks["figures"]
-    assert (
-        isinstance(grid, Grid)
-        and grid.headers == text_table(COLUMNS, ())[0]
-        and [tuple(one.text for one in row) for row, _ in grid.rows]
-        == text_table(COLUMNS, peak_rows(result()))[1]
-    )
-    assert all(
-        [bool(one.tone) for one in row] == [False, False, True, True, True, False, True, True]
-        for row, _ in grid.rows
-    )
-    said = [one.html for one in blocks["notes"] if isinstance(one, Text)]
-    assert said[-2:] == ["First note.", "Second note."] and (page.title, page.kicker) == (
-        "own",
-        "Rig data",
-    )
-    assert page.lead.startswith(
-        "Synthetic recording: computed, not measured. "
-        if synthetic
-        else "Means over the retained cycles."
-    )
-    assert page.facts == facts_of(result(synthetic=synthetic))
-
-
 def lines(panel) -> dict[str, Line]:
     return {one.name: one for one in panel.layers if isinstance(one, Line)}
-
-
-def test_cycles_their_mean_and_their_scatter_are_drawn_in_the_unit_of_the_page():
-    """Scatter over pieces of two degrees; the band of the mean where there is one."""
-    above, below = cycles_chart(result().channels[0]).panels
-    assert (above.y_label, below.y_label) == (
-        "valve lift (mm)",
-        "scatter (mm)",
-    ) and above.x_range == below.x_range == (0.0, 360.0)
-    single = [one for one in above.layers if isinstance(one, Line) and one.name == "single cycles"]
-    assert len(single) == 3 and [one.in_legend for one in single] == [True, False, False]
-    assert np.interp(DEGREES, lines(above)["mean"].x, lines(above)["mean"].y) == pytest.approx(
-        1e3 * LIFT.mean(axis=0), abs=1e-3
-    )
-    scatter, band = (
-        lines(below)["standard deviation over cycles"],
-        lines(below)["95 % of the mean within"],
-    )
-    pairs = 1e3 * np.std(LIFT, axis=0, ddof=1).reshape(-1, 2)
-    assert scatter.x == pytest.approx(np.arange(0.5, 360, 2)) and scatter.y == pytest.approx(
-        np.sqrt((pairs**2).mean(axis=1))
-    )
-    even = 1e-3 * np.arange(0.0, 360, 2)
-    assert band.y == pytest.approx(np.sqrt((even**2 + (even + 1e-3) ** 2) / 2))
-    above, below = cycles_chart(result().channels[1]).panels
-    assert (above.y_label, below.y_label) == ("strain (µm/m)", "scatter (µm/m)") and set(
-        lines(below)
-    ) == {"standard deviation over cycles"}
-    many = channel("oddity", "1", np.tile(LIFT, (5, 1)), np.full(360, np.inf), 2e3)
-    chart = cycles_chart(many)
-    assert (
-        len(chart.panels[0].layers) == 13
-        and "Band up to 2 kHz; the first 12 of 15 cycles are drawn." in chart.caption
-    )
-    assert [panel.y_label for panel in chart.panels] == ["oddity", "scatter"]
-
-
-def test_the_lift_of_the_case_is_drawn_with_gain_and_base():
-    chart = alignment_chart(
-        result(alignment=LAID, offset=np.radians(28.5), offset_uncertainty=np.radians(0.06))
-    )
-    above, below = chart.panels
-    assert lines(above)["measured, median of the cycles"].y == pytest.approx([1.0, 3.0, 6.0, 2.0])
-    assert lines(above)["lift of the case, with gain and base"].y == pytest.approx(
-        [0.1, 2.6, 5.1, 1.35]
-    )
-    assert lines(below)["measured minus case"].y == pytest.approx([900.0, 400.0, 900.0, 650.0])
-    assert lines(below)["measured minus case"].x == pytest.approx([0.0, 90.0, 180.0, 270.0])
-    assert "28.500 ± 0.12 cam degrees (95 %), gain 1.2500, base 100 µm" in chart.caption
 
 
 def test_speeds_stand_at_the_middle_of_their_cycles():

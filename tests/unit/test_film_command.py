@@ -4,30 +4,16 @@ from __future__ import annotations
 
 import csv
 import json
-import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 import film_parts as made
 import valvetrain as vt
 from unit.cli_parts import call as invoke
-from valvetrain.film import command
 from valvetrain.film.model import FilmedModel, alias_text
-from valvetrain.film.page import (
-    displacement_chart,
-    film_json,
-    film_page,
-    named_cycles,
-    write_film,
-)
 from valvetrain.film.surge import alias_of, fit_surge
-from valvetrain.film.tables import PEAK_COLUMNS, peak_columns
-from valvetrain.report.columns import RowColumn
-from valvetrain.report.page import charts, gaps_of, render
 
 cv2 = pytest.importorskip("cv2")
 FILM = (
@@ -154,28 +140,6 @@ def test_the_files_hold_a_column_a_turn(answer):
     assert len(tracks) == 301 and len(tracks[0]) == 2 + 3 * 6
 
 
-def test_the_page_shows_every_figure_and_says_that_the_film_is_synthetic(answer):
-    home, _ = answer
-    page = (home / "out" / "report.html").read_text()
-    for words in (
-        "Displacement of the coil sections",
-        "Space-time picture",
-        "Peak displacement along the spring",
-        "Free decay",
-        "Spectrum with the surge lines",
-        "synthetic",
-        "camera drifted",
-    ):
-        assert words in page
-    ours = re.sub(
-        r"<script>.*?</script>",
-        lambda part: "" if len(part[0]) > 1_000_000 else part[0],
-        page,
-        flags=re.DOTALL,
-    )  # not Plotly's
-    assert "http://" not in ours.split("</script>")[-1] and 'src="http' not in ours
-
-
 NAMES = tuple(f"outer_coil_{turn}_70_displacement" for turn in range(6))
 
 
@@ -199,67 +163,6 @@ def model():
         412.0,
         alias_text(412.0, 2000.0),
     )
-
-
-def test_the_page_lays_the_model_over_the_film():
-    motion, beside = made.turning_motion(), model()
-    page = film_page(motion, beside)
-    assert not gaps_of(page) and "synthetic" not in page.lead
-    keys = {chart.key: chart for chart in charts(page)}
-    assert list(keys) == ["overlay", "displacement", "space-time", "peaks", "decay", "spectrum"]
-    overlay = keys["overlay"]
-    assert len(overlay.panels) == 6 and [layer.name for layer in overlay.panels[0].layers] == [
-        "film, mean of the turns",
-        "model multi-mass chain",
-    ]
-    for chart in keys.values():
-        assert all("(" in panel.x_label or "coil" in panel.x_label for panel in chart.panels)
-    assert "model.csv" not in render(page) and "1236 Hz at 764 Hz" in render(page)
-    assert [one.quantity for one in named_cycles(motion, beside)] == list(NAMES)
-    shown = [one.heading for one in peak_columns(beside) if one.text]
-    assert len(shown) == 6 and len([one for one in peak_columns(None) if one.text]) == 4
-
-
-def test_a_column_added_to_the_list_is_on_page_and_terminal_in_csv_and_json(tmp_path):
-    """One entry; the model's columns stay last."""
-    motion = made.turning_motion()
-    added = RowColumn(
-        "peak in wires", lambda row: f"{row.peak.mean / 4e-3:.3f}", "peak.mean", "in_wires", "wires"
-    )
-    PEAK_COLUMNS.append(added)
-    try:
-        page, data = render(film_page(motion, None)), film_json(motion, None)
-        write_film(motion, None, tmp_path)
-        console = Console(record=True, width=200)
-        command._show(console, motion, None, tmp_path)
-    finally:
-        PEAK_COLUMNS.remove(added)
-    assert "peak in wires" in page and "peak in wires" in console.export_text()
-    assert data["peaks"][0]["in_wires"] == motion.peaks[0].mean
-    assert "wires" in (tmp_path / "peaks.csv").read_text().splitlines()[0].split(",")
-
-
-@pytest.mark.parametrize(
-    ("dwell", "shaded"),
-    [
-        ((100, 250), [(100, 250)]),
-        ((165, 360), [(165, 360)]),
-        ((200, 405), [(200, 360), (0, 45)]),
-        ((0, 90), [(0, 90)]),
-    ],
-)
-def test_the_closed_valve_is_shaded_where_the_dwell_lies(dwell, shaded):
-    """One stretch of cam degrees, or two where the dwell goes over the end of the turn; the first
-    alone carries the words.
-    """
-    motion = replace(made.turning_motion(), dwell=tuple(np.radians(dwell)))
-    (panel,) = displacement_chart(motion).panels
-    assert [(band.first, band.last) for band in panel.bands] == [
-        pytest.approx(one) for one in shaded
-    ]
-    assert [band.label for band in panel.bands] == ["valve closed", ""][
-        : len(shaded)
-    ] and panel.x_range == (0, 360)
 
 
 def test_aliases_are_where_sampling_folds_them():

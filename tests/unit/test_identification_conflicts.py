@@ -4,12 +4,9 @@ told by answer, page and terminal.
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 
-from unit.cli_parts import call
 from valvetrain.explore.identification_summary import conflict_cells
 from valvetrain.explore.identified import conflicts_of
 from valvetrain.explore.identify import identify
@@ -159,69 +156,3 @@ forces = "380 N"
 scatter = "4 N"
 spring_model = "massless"
 """
-
-
-def test_answer_page_and_terminal_tell_them(tmp_path):
-    """388 N at 12 mm ask for 32.3 N/mm, 380 N at 10 mm for 38: no rate meets both."""
-    (tmp_path / "card.toml").write_text(CARD)
-    (tmp_path / "two.toml").write_text(FILE)
-    done = call(
-        "identify",
-        str(tmp_path / "two.toml"),
-        "--json",
-        "--workers",
-        "1",
-        "--output",
-        str(tmp_path / "out"),
-    )
-    told = json.loads(done.stdout)["conflicts"]
-    (branch,) = json.loads(done.stdout)["branches"]
-    rate = branch["quantities"]["rate"]["best"]["value"]
-    off = {"at_12": (0.012 * rate - 388) / 4, "at_10": (0.010 * rate - 380) / 4}
-    assert {one["measurement"]: one["scatters"] for one in told} == pytest.approx(off)
-    (instead,) = next(one for one in told if one["measurement"] == "at_12")["missed_instead"]
-    assert instead["measurement"] == "at_10" and instead["scatters"] < off["at_10"]
-    assert abs(off["at_12"]) > 2 and abs(off["at_10"]) > 2 and off["at_12"] * off["at_10"] < 0
-    page = (tmp_path / "out" / "report.html").read_text()
-    assert "missed instead" in page and f"{off['at_10']:+.1f}" in page
-    (tmp_path / "two.toml").write_text(FILE.replace("380 N", "800 N"))
-    (never,) = (
-        one
-        for one in json.loads(
-            call(
-                "identify",
-                str(tmp_path / "two.toml"),
-                "--json",
-                "--workers",
-                "1",
-                "--output",
-                str(tmp_path / "out3"),
-            ).stdout
-        )["conflicts"]
-        if one["measurement"] == "at_10"
-    )
-    assert (never["points_that_meet_it"], never["cost"], never["missed_instead"]) == (0, None, [])
-    (tmp_path / "two.toml").write_text(FILE)
-    again = call(
-        "identify",
-        str(tmp_path / "two.toml"),
-        "--workers",
-        "1",
-        "--output",
-        str(tmp_path / ("wide" * 20)),
-    )
-    assert f"results in {tmp_path / ('wide' * 20)}\n" in again.stdout, "a path is broken nowhere"
-    assert "missed instead" in again.stdout and f"{off['at_12']:+.1f}" in again.stdout
-    assert "2 of 2 measured values are missed, most at " in " ".join(again.stdout.split())
-
-
-def test_sentence_and_table_count_the_same_values_of_one_measurement(tmp_path):
-    """388 N at 12 mm ask for 32.3 N/mm, 380 N at 10 mm for 38, as two values of one curve: one row for both."""
-    (tmp_path / "card.toml").write_text(CARD)
-    head = FILE.partition("[measurements.at_12]")[0]
-    curve = 'compressions = "10, 12 mm"\nforces = "380, 388 N"\nscatter = "4 N"\nspring_model = "massless"\n'
-    (tmp_path / "one.toml").write_text(f"{head}[measurements.curve]\n{curve}")
-    folder = str(tmp_path / "out")
-    told = call("identify", str(tmp_path / "one.toml"), "--workers", "1", "--output", folder)
-    told = " ".join(told.stdout.split())
-    assert "(worst of 2 missed)" in told and "2 of 2 measured values are missed, most curve" in told

@@ -12,7 +12,6 @@ import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,11 +20,8 @@ import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
 from valvetrain.explore.optimise import SearchInterrupted
 from valvetrain.explore.optimum import case_text, write_optuna
-from valvetrain.explore.optimum_page import answer_rows, optimum_page
-from valvetrain.explore.optimum_summary import _seeds, sentences
-from valvetrain.parameters.templates import template_text
+from valvetrain.explore.optimum_summary import sentences
 
-LBF = 4.4482216152605
 #: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in
 #: a few that cannot be built.
 SEARCH = """
@@ -129,22 +125,6 @@ def test_the_answer_is_one_json_object_and_the_files_hold_the_same(kept):
     page = (folder / "report.html").read_text()
     assert all(one in page for one in data["sentences"][:2]) and "What small steps do" in page
     assert json.loads((folder / "optimum.json").read_text())["designs"] == data["designs"]
-
-
-def test_the_answer_for_people_says_the_same(kept):
-    folder, _ = kept
-    text = call(
-        "optimise", str(folder.parent / "light.toml"), "--workers", "1", "--output", str(folder)
-    ).stdout
-    assert (
-        "The least that meets every bound: wire mass" in text
-        and "The case itself misses: estimated rate at least" in text
-    )
-    assert (
-        f"{light().feasible} of 41 designs, the case among them, meet every bound" in text
-        and "2 searches from different seeds end at" in text
-    )
-    assert "40 trials and the case, 0 points computed" in text
 
 
 def test_the_case_file_of_the_best_has_its_numbers_to_the_last_bit(kept):
@@ -394,91 +374,3 @@ def test_another_model_says_what_it_makes_of_the_best():
         one.case.objectives[0] == pytest.approx(9000 * np.pi / 30)
         and found.case.objectives[0] < one.case.objectives[0]
     )
-
-
-@pytest.mark.parametrize(("failures", "told"), [(0, 0), (1, 1), (8, 8), (9, 9), (20, 9)])
-def test_the_page_names_eight_trials_that_failed_and_counts_the_others(failures, told):
-    """Numbers and reasons of the first eight; beyond them one sentence says how many more there
-    are.
-    """
-    found = light()
-    failed = [one.number for one in found.trials if not one.feasible][:failures]
-    reasons = {number: f"reason {place}" for place, number in enumerate(failed)}
-    trials = [
-        replace(one, measured=replace(one.measured, failure=reasons.get(one.number, "")))
-        for one in found.trials
-    ]
-    page = optimum_page(replace(found, trials=tuple(trials)))
-    blocks = [
-        block.html
-        for section in page.sections
-        if section.key == "failed"
-        for block in section.blocks
-    ]
-    assert len(blocks) == told
-    assert blocks[:8] == [
-        f"Trial {number}: {reason}" for number, reason in list(reasons.items())[:8]
-    ]
-    assert blocks[8:] == (
-        [f"And {failures - 8} more; trials.csv has them all."] if failures > 8 else []
-    )
-
-
-@pytest.mark.parametrize(
-    ("values", "unit", "words"),
-    [
-        ((0.04,), "g", None),
-        (
-            (0.04, 0.043),
-            "g",
-            "2 searches from different seeds end at 40, 43 g: the search itself is worth ±1.5 g.",
-        ),
-        (
-            (0.05, 0.04, 0.047),
-            "g",
-            "3 searches from different seeds end at 50, 40, 47 g: the search itself is worth ±5 g.",
-        ),
-        (
-            (0.04, 0.04),
-            "g",
-            "2 searches from different seeds end at 40, 40 g: the search itself is worth ±0 g.",
-        ),
-        (
-            (0.005, 0.0061),
-            "",
-            "2 searches from different seeds end at 5, 6.1: the search itself is worth ±0.55.",
-        ),
-    ],
-)
-def test_the_worth_of_a_search_is_half_the_range_of_its_seeds_in_the_unit_of_tables(
-    values, unit, words
-):
-    measure = SimpleNamespace(unit=unit, shown=lambda value: 1e3 * value)
-    plan = SimpleNamespace(objectives=(SimpleNamespace(measure=measure),))
-    found = _seeds(SimpleNamespace(best_by_seed=dict(enumerate(values, start=1)), plan=plan))
-    assert found == ([] if words is None else [words])
-
-
-def test_the_verdict_gives_the_loads_found_as_typed_and_lists_none_twice(tmp_path):
-    """The objective alone was told, in N, and the open load was listed again in lbf."""
-    (tmp_path / "mine.toml").write_text(template_text("pushrod"))
-    keys = "".join(
-        f'[[vary]]\nkey = "train.springs.card.0.{key}"\nlow = "{low} lbf"\nhigh = "{high} lbf"\nlabel = "{label}"\n'
-        for key, low, high, label in (
-            ("preload", 90, 150, "seat load"),
-            ("open_load", 250, 420, "open load"),
-        )
-    )
-    (tmp_path / "loads.toml").write_text(
-        'title = "Loads"\ncase = "mine.toml"\n[[objective]]\nquantity = "card_open_force"\ndirection = "minimise"\n'
-        f'[[constraint]]\nquantity = "card_rate"\nat_least = "20 N/mm"\n{keys}[search]\ntrials = 6\n'
-    )
-    found = vt.optimise(tmp_path / "loads.toml", workers=1)
-    preload, load = found.best.trial.values / LBF
-    assert load < 340
-    assert f"he open load falls from 350 lbf of the case to {load:.4g} lbf" in found.verdict
-    rate = (load - preload) / 0.55  # over the lift of the card, 1.80 less 1.25 in
-    assert f", with seat load {preload:.4g} lbf, rate {rate:.4g} lbf/in" in found.verdict
-    labels = [row[0] for row in answer_rows(found)]
-    assert labels == ["seat load", "open load", "Rate of the card"]  # as typed
-    assert sentences(found)[1].endswith("of 7 designs, the case among them, meet every bound.")

@@ -64,15 +64,6 @@ def test_balanced_is_nearest_to_the_best_of_both_and_the_ends_are_the_best_by_ea
     assert words == [(3, "balanced"), (1, "best wire mass"), (4, "best estimated surge frequency")]
 
 
-def test_the_table_of_the_front_marks_the_chosen_designs_and_no_other():
-    assert front_table(search(MADE)) == [
-        ["1", "10", "100", "3.01", "best wire mass"],
-        ["2", "20", "200", "3.02", ""],
-        ["3", "30", "350", "3.03", "balanced"],
-        ["4", "40", "380", "3.04", "best estimated surge frequency"],
-    ]
-
-
 @pytest.mark.parametrize(("designs", "listed"), [(40, 40), (41, 21), (90, 30)])
 def test_a_long_front_is_thinned_evenly(designs, listed):
     found = search([(1e3, 1.0), *((10.0 + place, 100.0 + place) for place in range(designs))])

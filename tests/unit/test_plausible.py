@@ -7,11 +7,9 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from quantity_pages import plausible_page
 
 import valvetrain as vt
 from unit.cli_parts import SMALL, call, sentence
@@ -22,7 +20,6 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.plausible import (
     FOUND,
-    TABLES,
     implausible,
     lift_extremes,
     plausible_rest,
@@ -169,14 +166,6 @@ def test_each_range_of_results_holds_its_quantities(name, value):
         and not limits[0].why_not(0.01 * limits[0].high)
     )
     assert limits[0].why_not(math.nan)
-
-
-def test_the_page_shows_every_range_with_its_reason():
-    page = (Path(__file__).resolve().parents[2] / "docs" / "plausible.md").read_text(
-        encoding="utf-8"
-    )
-    assert page == plausible_page()
-    assert all(limit.reason in page for limits in TABLES.values() for limit in limits)
 
 
 def test_a_static_curve_of_nonsense_is_named_and_keeps_its_numbers(tmp_path):

@@ -7,7 +7,6 @@ from __future__ import annotations
 import re
 
 from valvetrain.cli.answers import published_summary
-from valvetrain.cli.published import short_verdict
 from valvetrain.quantities.compare import compare
 from valvetrain.report.run_verdict import published_sentences
 from valvetrain.solution.provenance import PublishedValue
@@ -45,18 +44,3 @@ def test_a_number_in_doubt_is_told_apart():
 def test_a_number_that_is_not_in_doubt_counts():
     assert "doubt" not in published_summary(rows(""))
     assert "Furthest: peak lever rotation speed" in published_sentences(rows(""))
-
-
-def test_the_verdict_names_the_doubt_and_the_row_keeps_its_use():
-    speed, force = rows("too slow for its own lift")
-    assert (
-        speed.verdict == "in doubt, too slow for its own lift: differs by +400.0 %"
-        and short_verdict(speed) == "in doubt"
-    )
-    assert (speed.doubt, speed.used_for, force.doubt, force.used_for) == (
-        "too slow for its own lift",
-        "",
-        "",
-        "the rate",
-    )
-    assert force.verdict == "differs by +10.0 %"

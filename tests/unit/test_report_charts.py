@@ -15,11 +15,10 @@ from valvetrain.report.chart import (
     Line,
     Marks,
     Panel,
-    stems,
     thin,
 )
 from valvetrain.report.plotly_chart import figure, packed, to_json, unpacked
-from valvetrain.report.svg_chart import png, svg
+from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import quoted, table
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -68,25 +67,6 @@ def test_svg_draws_the_numbers_where_they_belong():
     )
 
 
-def test_svg_breaks_lines_at_gaps_and_escapes_words():
-    text = svg(_chart(Line(np.arange(4.0), np.array([0, 1, np.nan, 2.0]), "<a & b>", "#123456")))
-    ElementTree.fromstring(text)
-    assert "&lt;a &amp; b&gt;" in text
-    assert any(
-        item.get("d", "").count("M") == 2
-        for item in ElementTree.fromstring(text).iter(f"{SVG}path")
-    )
-
-
-def test_png_is_read_back_by_another_reader(tmp_path):
-    from PIL import Image
-
-    pixels = np.random.default_rng(1).integers(0, 256, (5, 7, 3), dtype=np.uint8)
-    (tmp_path / "a.png").write_bytes(png(pixels))
-    with Image.open(tmp_path / "a.png") as image:
-        np.testing.assert_array_equal(np.asarray(image.convert("RGB")), pixels)
-
-
 def test_thinning_keeps_every_spike_and_the_ends():
     x = np.arange(100_000.0)
     y = np.sin(x / 1000)
@@ -105,26 +85,3 @@ def test_tables_write_units_and_quote():
     assert quoted(None) == ""
     with pytest.raises(InputError, match="length"):
         table(("a", "", [1.0]), ("b", "", [1.0, 2.0]))
-
-
-def test_lines_keep_every_vertex():
-    traces = figure(_chart(Line(np.arange(5.0), np.arange(5.0), "a", "#000000")))["data"]
-    assert traces[0]["line"]["simplify"] is False
-
-
-def test_words_from_outside_are_no_markup_in_a_figure():
-    mark = Marks(
-        np.ones(1), np.ones(1), "<!--<script>", "#000000", labels=("<b>x</b>",), hints=("<i>h</i>",)
-    )
-    drawn = figure(_chart(mark, title="<img src=x>"))
-    assert drawn["data"][0]["name"] == "&lt;!--&lt;script&gt;" and drawn["data"][0]["text"] == [
-        "&lt;b&gt;x&lt;/b&gt;"
-    ]
-    assert drawn["data"][0]["customdata"] == ["&lt;i&gt;h&lt;/i&gt;"]
-    assert any("&lt;img" in note["text"] for note in drawn["layout"]["annotations"])
-
-
-def test_stems_reach_from_their_base_to_the_value():
-    x, y = stems(np.array([1.0, 2.0]), np.array([5.0, -3.0]))
-    np.testing.assert_array_equal(x, [1, 1, np.nan, 2, 2, np.nan])
-    np.testing.assert_array_equal(y, [0, 5, np.nan, 0, -3, np.nan])

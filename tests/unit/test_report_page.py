@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from synthetic_study import (
-    modal_run,
     own_study,
     published_study,
     record,
@@ -24,11 +23,9 @@ from synthetic_study import (
 )
 from valvetrain.errors import InputError
 from valvetrain.registry import find
-from valvetrain.registry import names as registered_names
 from valvetrain.report import study as write
 from valvetrain.report.json import study_json
 from valvetrain.report.page import Page, Section, charts, render, text
-from valvetrain.report.read_page import PageSentence, sections_of
 from valvetrain.report.study import study_page, write_study
 from valvetrain.report.table import comparison_table
 from valvetrain.report.text import speed_text
@@ -92,15 +89,6 @@ def test_page_loads_nothing_from_outside_and_every_entry_leads_to_its_section(wr
         == {chart.key for chart in charts(study_page(written[0]))}
     )
     assert not re.search(r"/(home|work|tmp|usr|root)/", own_words(html))
-
-
-def test_every_page_alike_carries_values_runs_and_papers(written):
-    keys = [section.key for section in study_page(written[0]).sections]
-    assert keys[0] == "answers" and keys[-3:] == ["case", "runs", "references"]
-    html = own_words(written[1].page.read_text(encoding="utf-8"))
-    assert (
-        "On made-up springs" in html and "own drawing" in html and "The case file, resolved" in html
-    )
 
 
 def test_files_are_read_back(tmp_path):
@@ -193,20 +181,6 @@ def test_words_from_outside_are_escaped():
     )
 
 
-def test_a_failed_run_is_said_on_top():
-    failed = Status(
-        "diverged", "the velocity grew without bound", 0.01, "coil 2.3", "shorten the step"
-    )
-    run = rod_run(status=failed)
-    cut = replace(run, channels=run.channels.isel(sample=slice(0, 900)), events=())
-    html = render(study_page(own_study((cut, modal_run()))))
-    assert "1 of 2 completed" in html
-    assert (
-        "diverged: the velocity grew without bound, at time 0.01 s at coil 2.3; shorten the step"
-        in html
-    )
-
-
 @pytest.mark.parametrize("keep", [0, 1, 2, 5, 100])
 def test_runs_that_ended_at_once_do_not_break_the_page(tmp_path, keep):
     run = rod_run(status=Status("diverged", "at once"))
@@ -235,33 +209,6 @@ def test_a_section_or_figure_that_fails_is_named_and_the_rest_stands(monkeypatch
         "The section &#x27;Valve motion&#x27; could not be drawn: ValueError: no such luck" in html
     )
     assert 'id="at-rest"' in html and 'id="references"' in html
-
-
-def test_a_figure_that_cannot_be_rendered_is_a_named_gap(monkeypatch):
-    from valvetrain.report import plotly_chart
-
-    whole = plotly_chart.to_json
-
-    def broken(chart, opening):
-        if chart.key == "force-seat":
-            raise ValueError("no such luck")
-        return whole(chart, opening)
-
-    monkeypatch.setattr(plotly_chart, "to_json", broken)
-    html = render(study_page(own_study()))
-    assert (
-        '{"gap": "The figure could not be drawn: ValueError: no such luck"}' in html
-        and "data-force-retainer" in html
-    )
-    gaps = [
-        part
-        for section in sections_of(html, "report.html")
-        for part in section.parts
-        if isinstance(part, PageSentence)
-    ]
-    assert [part.text for part in gaps if "drawn" in part.text] == [
-        "The figure could not be drawn: ValueError: no such luck"
-    ]
 
 
 def test_page_of_nothing_but_a_case(tmp_path):
@@ -330,8 +277,3 @@ def test_every_number_of_the_study_is_in_its_json():
             else runs[key.label, round(key.engine_speed * 30 / np.pi)]
         )
         assert held[key.name]["value"] == pytest.approx(value), Quantity(*([key.name]))
-
-
-def test_sections_are_listed_once_and_load():
-    keys = [find("sections", word).key for word in registered_names("sections")]
-    assert len(set(keys)) == len(keys) and keys[0] == "answers"

@@ -21,18 +21,12 @@ from synthetic_study import (
     train_run,
     train_study,
 )
-from valvetrain.parameters.loading import load_case
 from valvetrain.registry import find
 from valvetrain.report.chart import Chart, HeatMap, Line, Marks
 from valvetrain.report.headlines import headline_rows
-from valvetrain.report.json import unit_of_number
-from valvetrain.report.page import Grid, Text, charts, render
-from valvetrain.report.sections import coils, sweep
-from valvetrain.report.sections.published import uncertainty_grid, uncertainty_table
+from valvetrain.report.page import Grid, Text, charts
+from valvetrain.report.sections import sweep
 from valvetrain.report.study import study_page
-from valvetrain.runs.stored_error_bars import load_uncertainty
-from valvetrain.solution.provenance import CaseRecord
-from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 
@@ -96,33 +90,12 @@ def test_a_clash_map_is_where_and_as_hard_as_the_clash(own):
     assert np.all(heat.z[heat.y > 2.6] == 0)
 
 
-def test_clash_map_thins_by_the_largest_force():
-    force_map = np.zeros((400, 1500))
-    force_map[123, 777] = 9.0
-    thinned = coils._largest(coils._largest(force_map, 1, 720), 0, 160)
-    assert thinned.shape[0] <= 160 and thinned.shape[1] <= 720 and thinned.max() == 9.0
-
-
 def test_coil_positions_are_millimetres_of_the_wire(own):
     mine = lines(own["coil-coils-2-1-spring"])
     np.testing.assert_allclose(
         mine["coil number 7"].y, 1e3 * rod_run().channel("axial_position")[-720:, -1]
     )
     assert "(mm)" in own["coil-coils-2-1-spring"].panels[0].y_label
-
-
-def test_motion_is_told_once_and_in_its_units(own):
-    chart = own["motion-2"]
-    assert [panel.y_label for panel in chart.panels] == [
-        "valve lift (mm)",
-        "velocity, opening positive (m/s)",
-        "acceleration, opening positive (m/s²)",
-    ]
-    assert [len(panel.layers) for panel in chart.panels] == [1, 1, 1]
-    np.testing.assert_allclose(chart.panels[0].layers[0].y, 1e3 * LIFT, atol=1e-9)
-    np.testing.assert_array_equal(
-        chart.panels[2].layers[0].y, rod_run().channel("retainer_acceleration")[-720:]
-    )
 
 
 def test_every_train_channel_stands_under_its_own_name(train):
@@ -157,65 +130,6 @@ def test_every_train_channel_stands_under_its_own_name(train):
     } & set(shown)
 
 
-def test_springs_of_a_pair_show_their_own_coils(train):
-    outer, inner = (
-        lines(train[f"coil-coils-1-1-{spring}"])["coil number 3"].y for spring in ("outer", "inner")
-    )
-    np.testing.assert_allclose(outer, 2 * inner)
-
-
-def test_rigid_channels_stand_under_kinematics(train):
-    shown = {panel.y_label: panel.layers[0].y for panel in train["kinematics-1"].panels}
-    np.testing.assert_allclose(shown["hertz pressure (MPa)"], 660.0)
-    np.testing.assert_allclose(
-        shown["valve lift (mm)"], 1e3 * train_run().channel("rigid_valve_lift")
-    )
-
-
-@pytest.mark.parametrize(
-    ("left_out", "drawn_from"),
-    [
-        (((), ()), {"valve lift": 0, "contact force": 0, "hertz pressure": 0}),
-        ((("hertz_pressure",), ()), {"valve lift": 0, "contact force": 0, "hertz pressure": 1}),
-        (
-            (("valve_lift", "contact_force"), ("hertz_pressure",)),
-            {"hertz pressure": 0, "valve lift": 1, "contact force": 1},
-        ),
-        (
-            (("valve_lift", "contact_force", "hertz_pressure"), ("valve_lift",)),
-            {"contact force": 1, "hertz pressure": 1},
-        ),
-    ],
-)
-def test_a_rigid_channel_is_drawn_from_the_first_run_that_has_it(left_out, drawn_from):
-    """A spring set without a contact of Hertz has no pressure, an older run not every channel."""
-    runs = [train_run(), train_run(label="race, multi-mass", spring_set="race")]
-    for place, names in enumerate(left_out):
-        channels = runs[place].channels.drop_vars([f"rigid_{name}" for name in names])
-        rigid = [name for name in channels.data_vars if name.startswith("rigid_")]
-        runs[place] = replace(
-            runs[place],
-            channels=channels.assign({name: (1 + place) * channels[name] for name in rigid}),
-        )
-    (chart,) = [
-        one
-        for one in drawn(replace(train_study(), solutions=tuple(runs))).values()
-        if one.key == "kinematics-1"
-    ]
-    assert [panel.layers[0].name for panel in chart.panels] == list(drawn_from)
-    for panel, place in zip(chart.panels, drawn_from.values(), strict=True):
-        (line,) = panel.layers
-        channel = train_run().channel(f"rigid_{line.name.replace(' ', '_')}")
-        np.testing.assert_allclose(
-            line.y / np.max(np.abs(line.y)), channel / np.max(np.abs(channel)), err_msg=line.name
-        )
-        assert np.max(line.y) == pytest.approx(
-            (1 + place)
-            * np.max(channel)
-            * {"mm": 1e3, "N": 1.0, "MPa": 1e-6}[panel.y_label[:-1].rsplit("(")[1]]
-        )
-
-
 def test_static_curves_by_model_with_their_marks(own):
     chart, curve = own["static-1"], at_rest()[0].curve
     force, stiffness, apart = (lines(chart, place) for place in range(3))
@@ -225,20 +139,6 @@ def test_static_curves_by_model_with_their_marks(own):
     np.testing.assert_allclose(apart["multi-mass chain"].y[1:], -2.0)
     rules = {rule.label: rule.value for rule in chart.panels[0].rules}
     assert rules == pytest.approx({"installed": 7.0, "full lift": 16.0, "solid": 17.25})
-
-
-@pytest.mark.parametrize(
-    ("command", "key"), [("run", "static-1"), ("static", "static-1"), ("modes", "modes-orders")]
-)
-def test_the_page_of_a_spring_at_rest_opens_with_its_curve_or_its_modes(command, key):
-    """Library cases of a spring at rest had no picture below their verdict."""
-    study = replace(own_study(), solutions=(), command=command)
-    page = study_page(study)
-    assert page.verdict and [one.chart.key for one in page.picture] == [key]
-    assert sorted(one.key for one in charts(page) if one.key.endswith("-1")) == [
-        "modes-1",
-        "static-1",
-    ]
 
 
 def test_modes_and_frequencies_side_by_side(own):
@@ -262,13 +162,6 @@ def test_orders_are_bars_of_their_amplitude_with_the_surge_marked(train):
     assert [rule.value for rule in panel.rules] == pytest.approx(
         [560 * 4 * np.pi / SPEED]
     ) and panel.rules[0].label == "surge 560 Hz"
-
-
-def test_orders_without_named_ones_come_from_the_channel():
-    panel = drawn(own_study())["orders"].panels[1]
-    bars = next(layer for layer in panel.layers if layer.name == "finite-element rod")
-    thirteen = int(np.argmin(np.abs(bars.x[::3] - 13)))
-    assert bars.y[1::3][thirteen] == pytest.approx(12.0, rel=0.2)
 
 
 def test_stress_along_the_wire_and_over_the_cycle(own):
@@ -330,16 +223,6 @@ def test_a_sweep_answers_with_the_worst_value_and_its_speed():
     assert rows["surge_frequency"].engine_speeds == (None, None) and rows[
         "float_engine_speed"
     ].values[0] == pytest.approx(701 * 30 / np.pi)
-
-
-def test_the_five_largest_clashes_are_named_and_all_are_counted():
-    grid = next(
-        block
-        for block in find("sections", "answers").blocks(own_study())
-        if isinstance(block, Grid)
-    )
-    assert "5 of 7 clashes" in grid.rows[0][0][0].text and len(grid.rows) == 6
-    assert [cell.text for cell in grid.rows[1][0]] == ["1–2", "250", "251", "31", "17", "345"]
 
 
 def test_heights_of_solid_and_rod_stand_beside_the_source():
@@ -413,68 +296,6 @@ def test_figures_of_a_source_are_drawn_for_its_case_only():
     assert spikes.x[[0, -1]] == pytest.approx([225, 320], abs=0.6) and len(spikes.x) > 4 * 180
 
 
-def test_uncertainty_stands_beside_the_values_it_belongs_to():
-    record, section = load_case("gu2021-beehive-blind").record(), find("sections", "uncertainty")
-    rows = load_uncertainty(record)
-    values = {row.quantity: row.value for row in rows if row.engine_speed is None}
-    held = tuple(row for row in rows if row.engine_speed is None)
-    study = replace(published_study(), record=record, solutions=(), still={"": values})
-    study = replace(study, error_bars=ErrorBars(held))
-    words, grid, *_ = section.blocks(study)
-    assert (
-        isinstance(words, Text)
-        and isinstance(grid, Grid)
-        and sum(len(cells) > 1 for cells, _ in grid.rows) == len(values)
-    )
-    assert section.blocks(replace(study, error_bars=ErrorBars())) == ()
-    assert uncertainty_table(rows)["value"].tolist() == [row.value for row in rows]
-    assert len(uncertainty_grid(rows).rows) > len(rows)
-
-
-@pytest.mark.parametrize("make", [own_study, published_study, train_study, sweep_study])
-def test_every_axis_says_its_unit_and_every_figure_what_it_is(make):
-    for chart in drawn(make()).values():
-        assert chart.caption and chart.title
-        for panel in chart.panels:
-            assert "(" in panel.x_label or "coil number" in panel.x_label, panel.x_label
-            if "angle" in panel.x_label:
-                assert "cam degrees" in panel.x_label or "crank degrees" in panel.x_label
-            named = ("(", "order", "coil number", "largest 1", "one row")
-            assert panel.row_labels or any(word in panel.y_label for word in named), panel.y_label
-
-
-def test_a_changed_run_says_nothing_that_its_source_says():
-    changed = replace(published_study(), comparisons=(), findings=(), notes=())
-    words = render(
-        study_page(
-            replace(changed, record=replace(changed.record, remarks=("Said of the original.",)))
-        )
-    )
-    assert "Said of the original." not in words and changed.record.description[:40] not in words
-    assert "Said of the original." in render(
-        study_page(
-            replace(own_study(), record=CaseRecord("own", remarks=("Said of the original.",)))
-        )
-    )
-
-
-def test_options_and_statistics_of_a_run_have_units():
-    assert [
-        unit_of_number(name)
-        for name in (
-            "mass_damping",
-            "output_step",
-            "elements_per_coil",
-            "wall_time_per_cycle_duration",
-        )
-    ] == [
-        "1/s",
-        "rad",
-        "1",
-        "s",
-    ]
-
-
 def test_what_is_nothing_but_rounding_is_shown_as_nil():
     study = own_study()
     runs = tuple(
@@ -487,11 +308,3 @@ def test_what_is_nothing_but_rounding_is_shown_as_nil():
         if row.name == "surge_amplitude_force"
     )
     assert set(row.values) == {0.0}
-
-
-def test_runs_that_end_alike_are_told_once():
-    study = own_study()
-    ended = Status("refused", "a rod needs the gaps of its wire", remedy="choose another model")
-    runs = tuple(replace(run, status=ended) for run in study.solutions)
-    told = replace(study, solutions=runs).failures
-    assert len(told) == len(study.labels) and all("at time" not in words for words in told)

@@ -90,19 +90,6 @@ def quantities() -> Quantities:
     )
 
 
-MAKERS = [solution, curve, modes, study, quantities]
-
-
-@pytest.mark.parametrize("make", MAKERS)
-def test_text_is_short_and_the_table_is_escaped(make):
-    text, page = repr(make()), make()._repr_html_()
-    assert 1 <= len(text.splitlines()) <= 6
-    assert max(map(len, text.splitlines())) < 160
-    assert "<div>" in page and page.endswith("</table></div>")
-    assert ("<svg" in page) == hasattr(make(), "plot")
-    assert "<b>" not in page and "<i>" not in page
-
-
 def test_results_are_asked_in_the_units_of_the_field():
     assert curve().force_at("7.5 mm") == curve().force_at(7.5e-3) == pytest.approx(300.0)
     assert curve().stiffness_at("0.2 inch") == pytest.approx(40e3)
@@ -140,36 +127,6 @@ def test_without_pandas_one_sentence_says_what_to_do(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(MissingExtraError, match="needs pandas, which is not installed; install it"):
         solution().to_pandas()
-
-
-@pytest.mark.parametrize("make", [solution, curve, modes, study])
-def test_plots_are_figures_of_the_numbers(make):
-    import plotly.graph_objects
-
-    figure = make().plot()
-    assert isinstance(figure, plotly.graph_objects.Figure)
-    assert figure.layout.xaxis.title.text or figure.layout.xaxis2.title.text
-    assert "<b>" not in figure.layout.title.text and "<i>" not in figure.layout.title.text
-    assert all(len(trace.x) == len(trace.y) > 1 for trace in figure.data)
-
-
-def test_a_plot_draws_what_was_computed():
-    force, lift = solution().plot().data
-    assert np.array_equal(force.y, solution().channel("seat_force"))
-    assert np.allclose(lift.y, solution().channel("valve_lift") * 1e3)
-    assert force.x[-1] == pytest.approx(360.0)
-    rod, chain = study().plot().data
-    assert (rod.name, chain.name) == ("rod", "chain")
-    assert np.allclose(rod.x, [4200, 5600]) and np.allclose(rod.y, 800.0)
-    one_speed = replace(study(), solutions=study().solutions[:1])
-    assert len(one_speed.plot().data[0].x) == 360  # one revolution
-
-
-def test_what_holds_nothing_to_draw_is_refused():
-    with pytest.raises(InputError, match="run it whole"):
-        solution().reduced().plot()
-    with pytest.raises(InputError, match="holds no runs"):
-        Study(CaseRecord("own")).plot()
 
 
 def test_results_load_no_plotting_until_asked():

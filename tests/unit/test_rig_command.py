@@ -88,25 +88,6 @@ def test_an_outlier_may_stay(folder):
     assert len(found.retained) == 6 and found.outliers[0][0] == 3
 
 
-def test_all_open_questions_are_one_sentence(tmp_path):
-    (tmp_path / "own.csv").write_text(
-        "a;b\n" + "\n".join(f"{place};{place % 7}" for place in range(500)), encoding="utf-8"
-    )
-    out = call("rig", str(tmp_path / "own.csv"))
-    assert out.exit_code == 2 and out.output.count("\n") <= 6
-    said = " ".join(out.output.split())
-    for words in (
-        "which channels are measured",
-        "which channel gives the angle",
-        "cam or the crank",
-    ):
-        assert words in said
-    more = ("--channel", "spring_force=a", "--pulses", "b", "--angle-of", "cam")
-    said = " ".join(call("rig", str(tmp_path / "own.csv"), *more).output.split())
-    for words in ("how many teeth", "the sampling rate", "the unit of spring_force"):
-        assert words in said
-
-
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

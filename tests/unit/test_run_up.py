@@ -19,7 +19,6 @@ from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.templates import TEMPLATES
 
 ENGINE = str(TEMPLATES / "pushrod.toml")
-RPM = math.pi / 30
 #: Quantity -> largest difference of a slow run-up from the steady state at the same speed, as a
 #: share.
 BANDS = {
@@ -136,32 +135,6 @@ def test_workers_and_python_refusals():
     )
     assert one.labels == two.labels and len(one.labels) == 2
     assert all(a.identical(b) for a, b in zip(one.solutions, two.solutions, strict=True))
-
-
-def test_the_terminal_says_from_where_contact_is_lost(tmp_path):
-    """Stock springs of tdi-pushrod lose contact from 6860 and float from 7070 rpm in steady motion;
-    one turn here is 90 rpm.
-    """
-    asked = (
-        "run-up",
-        "tdi-pushrod",
-        "--spring-set",
-        "stock",
-        "--from",
-        "6500 rpm",
-        "--to",
-        "7700 rpm",
-        "--duration",
-        "0.25 s",
-    )
-    told = {
-        line.split("  ")[0].strip(): line.split()[-1]
-        for line in call(*asked, "--output", str(tmp_path / "up")).stdout.splitlines()
-        if line
-    }
-    assert (
-        6800 < float(told["Contact-loss speed"]) < 7000 and 7000 < float(told["Float speed"]) < 7400
-    )
 
 
 def test_a_model_that_cannot_run_floats_at_no_speed():

@@ -13,8 +13,8 @@ from unit.cli_parts import call as invoke
 from valvetrain.errors import InputError
 from valvetrain.measured.force_height import ForceHeight, read_force_height
 from valvetrain.parameters.loading import load_case
-from valvetrain.spring_card.card import GROUND, CatalogueCard, SpringLoad, Winding
-from valvetrain.spring_card.fit import _left_free, forces_at, spring_from_card
+from valvetrain.spring_card.card import CatalogueCard, SpringLoad
+from valvetrain.spring_card.fit import forces_at, spring_from_card
 from valvetrain.spring_card.page import _card_chart, _tester_chart
 from valvetrain.spring_card.tester import card_from_table, spring_from_tester
 
@@ -84,20 +84,6 @@ def test_two_cards_make_springs_of_two_names(tmp_path, monkeypatch):
         (file,) = (path for path in data["files"] if path.endswith("spring.toml"))
         names.append(load_case(file).name)
     assert names == ["soft", "PAC 1905", "spring-card"]
-
-
-def test_the_terminal_tells_card_spring_and_what_was_left_open(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    shown = invoke(*CARD, *LOADS)
-    words = " ".join(shown.stdout.split())
-    for part in (
-        "force at the first height 350",
-        "rate between the two 40",
-        "active coils",
-        "No material is given",
-    ):
-        assert part in words
-    assert len(shown.stdout.splitlines()) < 40
 
 
 def test_inches_and_pounds_are_the_same_card(tmp_path, monkeypatch):
@@ -256,43 +242,3 @@ def test_a_table_and_loads_are_not_taken_together(tmp_path, monkeypatch):
     ):
         shown = invoke(*CARD, str(table(tmp_path)), *more)
         assert shown.exit_code == 2 and words in " ".join(shown.output.split())
-
-
-OF_ENDS = (
-    "no turns, mass or solid height",
-    "the turns are those of the solid height",
-    "no solid height is given",
-    "do not fit together",
-)
-
-
-@pytest.mark.parametrize(
-    ("told", "ground", "said"),
-    [
-        ((), GROUND, 0),
-        (("solid_height",), 0.6, 1),
-        (("solid_height",), GROUND, 1),
-        (("mass",), GROUND, 2),
-        (("total_coils",), GROUND, 2),
-        (("mass", "total_coils"), GROUND, 2),
-        (("mass", "solid_height"), GROUND, 3),
-        (("total_coils", "solid_height"), GROUND, 3),
-        (("mass", "solid_height"), 0.6, None),
-        (("total_coils", "solid_height"), 0.9, None),
-    ],
-)
-def test_what_a_card_leaves_open_of_turns_and_ends_is_said_once(told, ground, said):
-    """Ground turns of textbooks where a solid height is told as well mean that it asked for others,
-    which no end has.
-    """
-    given = {"mass": 0.09, "total_coils": 7.0, "solid_height": 29e-3}
-    loads = {
-        "installed_load": SpringLoad("46 mm", "350 N"),
-        "open_load": SpringLoad("34 mm", "830 N"),
-    }
-    card = CatalogueCard(
-        wire_diameter=4.4e-3, outer_diameter=32e-3, **loads, **{name: given[name] for name in told}
-    )
-    free = _left_free(card, Winding(7.0, 1.0, ground, 54e-3))
-    found = [place for place, words in enumerate(OF_ENDS) for one in free if words in one]
-    assert found == ([] if said is None else [said])

@@ -73,17 +73,6 @@ def test_the_answer_is_one_json_object_with_every_point_and_its_status(file):
     assert kept["verdict"] == data["verdict"] != ""  # as run.json has it
 
 
-def test_the_answer_for_people_says_the_same(file):
-    text = call("study", str(file), "--workers", "1").stdout
-    table = table_of()
-    assert (
-        f"{np.count_nonzero(~table.completed)} of 16 points failed" in text
-        and "16 points computed" in text
-    )
-    again = call("study", str(file), "--workers", "1").stdout
-    assert "0 points computed, 16 read from the store" in again
-
-
 def test_a_file_in_which_nothing_comes_out_is_a_failure(file):
     file.write_text(study_text().replace('"9 mm"', '"18 mm"'))
     answer = call("study", str(file), "--workers", "1")

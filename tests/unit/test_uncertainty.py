@@ -23,7 +23,6 @@ from valvetrain.runs.refine import refine_springs
 from valvetrain.runs.run import run_study
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.quantity import Quantity
-from valvetrain.solution.uncertainty import Uncertainty
 
 RPM, DEG = 2 * np.pi / 60, np.pi / 180
 
@@ -206,16 +205,6 @@ def test_shipped_file_belongs_to_its_case_and_to_no_other():
         )
 
 
-def test_sentences_speak_of_the_speeds_that_were_run():
-    case, speeds = load_case("gu2021-beehive-blind"), np.array([4200, 5600, 8000]) * RPM
-    record, numbers = case.record(), stored(case)
-    sentences = stored_error_bars.uncertainty_sentences(record, speeds, numbers)
-    assert len(sentences) == 3 and all(
-        "main clash" in sentence and "24, 36, 54 elements" in sentence for sentence in sentences
-    )
-    assert stored_error_bars.uncertainty_sentences(record, speeds[1:2], numbers) == sentences[1:2]
-
-
 def test_shipped_preload_and_mode_are_those_of_this_version():
     """Fails when rod or case have changed since scripts/write_uncertainty.py was run; run it again
     then.
@@ -265,92 +254,3 @@ def test_a_missing_mesh_leaves_two_grids_of_their_own_ratio(finer, expected):
     else:
         assert found.uncertainty == pytest.approx(expected) and found.observed_order is None
     assert convergence(10.0, (None, None), (1.0, 1.5, 2.25)) is None
-
-
-def bar(quantity, value, numerical, speed=8000 * RPM, label="finite-element", **more):
-    told = {
-        "observed_order": 2.0,
-        "extrapolated": value,
-        "step_part": numerical,
-        "contact_stiffness": (0.9 * value, 1.2 * value),
-    }
-    return Uncertainty(
-        quantity,
-        speed,
-        value,
-        numerical,
-        damping=(value, value),
-        label=label,
-        **(told | more),
-    )
-
-
-CLASH = {
-    "main_clash_below_5_khz_peak_force": (800.0, 12.0, "height below 5 kHz 800 N ± 12 N"),
-    "main_clash_peak_force": (1200.0, 41.0, "raw 1200 N ± 41 N"),
-    "main_clash_cam_angle": (186.4 * DEG, 0.5 * DEG, "at 186.4 cam deg ± 0.5 cam deg"),
-    "main_clash_impulse": (0.0123, 0.0004, "impulse 12.3 mN s ± 0.4 mN s"),
-}  # fmt: skip
-TRAIN = {
-    "peak_spring_force": (700.0, 7.0, "peak spring force 700 N ± 7 N"),
-    "peak_cam_contact_force": (1500.0, 15.0, "peak cam force 1500 N ± 15 N"),
-    "peak_seat_contact_force": (2000.0, 20.0, "peak seat force 2000 N ± 20 N"),
-    "seating_velocity": (0.25, 0.01, "seating velocity 0.25 m/s ± 0.01 m/s"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    "left_out",
-    [None, "main_clash_cam_angle", "main_clash_impulse"],
-)
-def test_the_sentence_on_a_clash_tells_every_part_that_is_stored(left_out):
-    """Nine tenths to twelve tenths of the heights over the contact stiffness, as made up here."""
-    rows = [bar(name, *CLASH[name][:2]) for name in CLASH if name != left_out]
-    parts = "; ".join(words for name, (_, _, words) in CLASH.items() if name != left_out)
-    (sentence,) = stored_error_bars.sentences_of(rows, (24, 36), (4200 * RPM, 8000 * RPM))
-    assert sentence == (
-        f"8000 rpm, main clash of coils 1 and 2, numerical uncertainty from 24, 36 elements per coil: {parts}. Contact stiffness from 0.5 "
-        "to 2 times the case's moves the height from 720 to 960 N below 5 kHz and from 1080 to 1440 N raw."
-    )
-
-
-@pytest.mark.parametrize(
-    "coarse", [(), ("peak_cam_contact_force",), ("peak_spring_force", "seating_velocity")]
-)
-def test_the_sentence_on_a_variant_of_a_train_tells_every_number_and_what_large_bars_come_from(
-    coarse,
-):
-    """A bar of a tenth of its number, of which the step makes a hundredth, is explained; one that
-    the step makes is not.
-    """
-    rows = [
-        bar(
-            name,
-            value,
-            value / 10 if name in coarse else error,
-            5600 * RPM,
-            "stock, multi-mass",
-            step_part=value / 1000,
-        )
-        for name, (value, error, _) in TRAIN.items()
-    ]
-    rows += [
-        bar("peak_spring_force", 900.0, 90.0, 5600 * RPM, "race, multi-mass"),
-        bar("preload", 300.0, 1.0, None, "stock, multi-mass"),
-    ]
-    one, other = stored_error_bars.sentences_of(rows, (), (5600 * RPM,))
-    words = {name: told for name, (_, _, told) in TRAIN.items()}
-    large = {
-        "peak_spring_force": "peak spring force 700 N ± 70 N",
-        "peak_cam_contact_force": "peak cam force 1500 N ± 150 N",
-        "seating_velocity": "seating velocity 0.25 m/s ± 0.025 m/s",
-    }
-    parts = "; ".join(large[name] if name in coarse else words[name] for name in words)
-    begun, _, reason = one.partition(" More than 5 % of ")
-    assert begun == f"5600 rpm, stock, multi-mass, with numerical uncertainty: {parts}."
-    names = ", ".join(large[name].partition(f" {TRAIN[name][0]:g}")[0] for name in coarse)
-    assert reason.partition(" depends on ")[0] == names
-    assert (
-        other
-        == "5600 rpm, race, multi-mass, with numerical uncertainty: peak spring force 900 N ± 90 N."
-    )

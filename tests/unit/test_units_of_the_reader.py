@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 import json
 
-import numpy as np
 import pint
 import pytest
 from typer.testing import CliRunner
 
-import valvetrain as vt
 from valvetrain.cli.main import app
 from valvetrain.errors import InputError
 from valvetrain.parameters.templates import template_text
-from valvetrain.report.chart import Chart, HeatMap, Line, Panel, Rule
-from valvetrain.report.clauses import amount_text, quantity_text
-from valvetrain.report.motion.project import motion_data
-from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.reader_charts import chart_for_reader
 from valvetrain.report.text import amount
 from valvetrain.solution.definition import definition_of, shown, tables
 from valvetrain.units import dimension_of, dimension_powers
@@ -26,7 +18,6 @@ from valvetrain.units.reader import (
     IMPERIAL,
     for_reader,
     reader_factor,
-    reader_text,
     reader_unit,
     request_units,
     shown_system,
@@ -104,54 +95,6 @@ def test_nothing_is_converted_outside_of_what_a_reader_sees():
         request_units("metric")
 
 
-def test_texts_are_in_pounds_and_inches(imperial):
-    """Closed form: 1000 N = 224.8 lbf, 12.7 mm = 0.5 in, 100 N/mm = 571 lbf/in, 1 GPa = 145 ksi."""
-    assert quantity_text("peak_spring_force", 1000.0) == "225 lbf"
-    assert quantity_text("coil_bind_clearance", 12.7e-3) == "0.5 in"
-    assert quantity_text("bounce_height", 50e-6) == "0.00197 in"
-    assert amount(100.0, "N/mm") == "571 lbf/in" and amount_text(1000.0, "MPa") == "145 ksi"
-    assert amount(62.0, "g") == "62 g" and amount(30.0, "deg") == "30 deg"
-
-
-@pytest.mark.parametrize(
-    ("metric", "pounds"),
-    [
-        ("they make 51.2 of 60 N/mm", "they make 292.4 of 342.6 lbf/in"),
-        ("537 to 611 N, 7240–7371 rpm", "120.7 to 137.4 lbf, 7240–7371 rpm"),
-        ("coils 1 and 2 at 584 ± 226 N", "coils 1 and 2 at 131.3 ± 50.81 lbf"),
-        ("from −3 to −1.5 mm", "from −0.1181 to −0.05906 in"),
-        ("2e10 N/m2, 3 mm^2 and N of 3", "2e10 N/m2, 3 mm^2 and N of 3"),
-    ],
-)
-def test_numbers_of_a_note_that_share_a_unit_are_all_converted(imperial, metric, pounds):
-    """Closed form: 4.4482 N a pound; of a range only the last number was converted."""
-    assert reader_text(metric) == pounds
-
-
-def test_axes_of_figures_are_scaled_with_all_that_is_on_them(imperial):
-    """Contract: curves, rules, ranges, numbers of ticks and maps; angles as they are."""
-    angle, lift = np.array([0.0, 90.0]), np.array([0.0, 25.4])
-    panel = Panel(
-        "cam angle (deg)", "lift (mm), each on its own zero", (Line(angle, lift, "a", "#000"),),
-        rules=(Rule("y", 12.7, "bind"), Rule("x", 45.0)), x_range=(0, 360), x_step=30, y_range=(0.0, 50.8),
-        y_tick_labels=((0.0, "0"), (25.4, "25.4"), (12.7, "half")),
-    )  # fmt: skip
-    force = Panel("speed (rpm)", "order", (HeatMap(angle, lift, np.ones((2, 2)), "surge", "N"),))
-    found = chart_for_reader(Chart("k", "t", "c", (panel, force)))
-    first, second = found.panels
-    assert first.y_label == "lift (in), each on its own zero" and first.x_label == panel.x_label
-    assert first.layers[0].y == pytest.approx([0.0, 1.0]) and first.layers[0].x is not None
-    assert [rule.value for rule in first.rules] == pytest.approx([0.5, 45.0])
-    assert first.y_range == pytest.approx((0.0, 2.0)) and first.x_step == 30
-    assert [text for _, text in first.y_tick_labels] == ["0", "1", "half"]
-    assert second.layers[0].unit == "lbf" and second.layers[0].z[0, 0] == pytest.approx(0.2248, rel=1e-3)  # fmt: skip
-
-
-def test_figures_are_untouched_in_si():
-    chart = Chart("k", "t", "c", (Panel("x", "force (N)", ()),))
-    assert chart_for_reader(chart) is chart
-
-
 def test_a_run_is_read_in_pounds_and_saved_in_si(tmp_path):
     """Contract: terminal, sentence and page in lbf and in; JSON, CSV and the saved verdict as without."""
     texts, saved, files = {}, {}, {}
@@ -211,24 +154,3 @@ def test_refusals_are_read_in_the_units_requested_and_quote_the_input_as_it_is(t
         template_text("pushrod").replace('"60 kN/mm"', '"60 mm"'), encoding="utf-8"
     )  # of the stem
     assert "60 mm" in CliRunner().invoke(app, ["check", str(path), "--units", "imperial"]).stderr
-
-
-def test_the_player_shows_pounds_and_inches():
-    """Contract: forces, lift and colours of the motion stayed SI on a page in inches and pounds."""
-    study = vt.simulate("job-c", "4000 rpm", spring_models=["finite-element"], workers=1)
-    (plain,) = motion_data(moving_picture(study))["variants"]
-    request_units("imperial")
-    with for_reader():
-        (read,) = motion_data(moving_picture(study))["variants"]
-    request_units("si")
-    assert read["units"] == {"lift": "in", "force": "lbf"} and plain["units"]["force"] == "N"
-
-    def force(one):
-        return np.frombuffer(base64.b64decode(one["forces"][0]["values"]), "<f4")
-
-    assert force(read) * 4.4482216 == pytest.approx(force(plain), rel=1e-5)
-    colours = [
-        {one["key"]: one for one in found["springs"][0]["colours"]} for found in (plain, read)
-    ]
-    assert colours[1]["stress"]["unit"] == "ksi"
-    assert colours[1]["stress"]["high"] * 6.894757 == pytest.approx(colours[0]["stress"]["high"])

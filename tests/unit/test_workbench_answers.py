@@ -6,7 +6,6 @@ a known curve.
 
 from __future__ import annotations
 
-import json
 import re
 
 import numpy as np
@@ -17,9 +16,8 @@ from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.parameters.loading import parse_case
 from valvetrain.report.json import study_json
-from valvetrain.report.page import Cards, Figure, Grid, Motion, Text, _all, render
-from valvetrain.report.plotly_chart import figure
-from valvetrain.report.read_page import PageFigure, PageMotion, PageSentence, PageTable, sections_of
+from valvetrain.report.page import render
+from valvetrain.report.read_page import sections_of
 from valvetrain.runs.saved_runs import Inputs, save_run
 from valvetrain.workbench.answers import against, compare, saved_study
 from valvetrain.workbench.pages.html import test_part as shown_test
@@ -62,48 +60,6 @@ def runs(study, tmp_path_factory):
         save_run(folder, Inputs("small", f'name = "small"\n{text}'), answer)
         found.append(workspace.run(f"small/{name}"))
     return found
-
-
-def test_every_figure_and_table_of_a_page_is_read_back(read):
-    """Nothing is lost or invented: figures with their data, tables cell by cell, in the order of
-    the page.
-    """
-    page, (first, *back) = read
-    assert first.key == "opening" and first.parts[0].text == page.verdict
-    assert [(one.key, one.title) for one in back] == [(one.key, one.title) for one in page.sections]
-    for drawn, found in zip(page.sections, back, strict=True):
-        blocks = list(_all(drawn.blocks))
-        charts = [block.chart for block in blocks if isinstance(block, Figure)]
-        parts = [part for part in found.parts if isinstance(part, PageFigure)]
-        assert [part.plotly for part in parts] == [figure(chart) for chart in charts]
-        assert [(part.key, part.title, part.caption) for part in parts] == [
-            (one.key, one.title, " ".join(one.caption.split())) for one in charts
-        ]
-        moving = [block for block in blocks if isinstance(block, Motion)]
-        played = [part for part in found.parts if isinstance(part, PageMotion)]
-        told = [
-            (one.key, one.title, " ".join(one.caption.split()), json.loads(one.data), one.still)
-            for one in moving
-        ]
-        assert [
-            (part.key, part.title, part.caption, part.data, part.still) for part in played
-        ] == told
-        grids = [block for block in blocks if isinstance(block, Grid)]
-        cards = [card for block in blocks if isinstance(block, Cards) for card in block.cards]
-        tables = [part for part in found.parts if isinstance(part, PageTable)]
-        assert len(tables) == len(grids) + len(cards)
-        due = {
-            tuple(tuple(" ".join(cell.text.split()) for cell in cells) for cells, _ in grid.rows)
-            for grid in grids
-        }
-        assert due <= {table.rows for table in tables}
-        texts = [block for block in blocks if isinstance(block, Text)]
-        assert len([part for part in found.parts if isinstance(part, PageSentence)]) >= len(texts)
-
-
-def test_parts_behind_tabs_know_their_tab(read):
-    (energy,) = [one for one in read[1] if one.key == "energy"]
-    assert {part.tab for part in energy.parts} == {"3000 rpm", "4000 rpm"}
 
 
 def test_words_of_a_case_are_words_and_no_markup(read):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import tomllib
-from dataclasses import replace
 
 import pytest
 
@@ -17,11 +16,8 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.loading import LIBRARY, parse_case
 from valvetrain.parameters.templates import TEMPLATES
-from valvetrain.units import parse_quantity, si_speeds, to_unit
+from valvetrain.units import to_unit
 from valvetrain.workbench.form import Field, check, fields, read_change
-from valvetrain.workbench.live import LiveResult
-from valvetrain.workbench.pages.elements import live_lines
-from valvetrain.workbench.pages.forms import engine_speed, sliding
 from workbench_parts import SMALL
 from yardstick import quickest
 
@@ -77,44 +73,12 @@ def test_every_value_of_a_case_stands_in_its_form_and_is_taken_back(path):
             )
 
 
-def test_an_angle_of_a_cam_card_says_whose_degrees():
-    """Contract: the field said "Duration, deg"."""
-    text = (TEMPLATES / "pushrod.toml").read_text("utf-8")
-    assert flat(text)["lift_law.duration"].label == "duration in crank degrees"
-    of_cam = flat(text.replace('angle_of = "crank"', 'angle_of = "cam"'))
-    assert of_cam["lift_law.advertised_duration"].label == "advertised duration in cam degrees"
-
-
-def test_values_of_the_beehive_as_its_file_has_them():
-    form = flat((LIBRARY / "gu2021-beehive-blind.toml").read_text("utf-8"))
-    wire = form["spring.wire_diameter"]
-    assert (wire.kind, wire.unit, wire.number, wire.required) == (
-        "number",
-        "mm",
-        3.7709,
-        True,
-    ) and wire.source.startswith("identified")
-    assert (
-        wire.slider is not None and wire.slider[0] < 3.77 < wire.slider[1] and wire.slider[2] == 0.1
-    )
-    assert form["spring.pitch"].kind == "curve" and form["spring.pitch"].number is None
-    assert form["spring.hand"].choices == ("right", "left")
-    assert form["spring.options.multi-mass.masses_per_coil"].limits == (1.0, 2000.0)
-    assert form["operation.cycles"].default_text == ""
-
-
 def test_options_of_the_reduced_rod_are_shown_of_wires_alone():
     """Contract: it is the default of wires in trains, and no card has one."""
     shown = {
         key for key in flat((TEMPLATES / "pushrod.toml").read_text("utf-8")) if "reduced" in key
     }
     assert shown == {"train.springs.wire.0.options.reduced-rod.elements_per_coil"}
-
-
-def test_a_live_curve_says_by_which_model_the_case_is_drawn():
-    """Contract: under a slider a wire in a train runs by the chain, its runs by the reduced rod."""
-    curve = LiveResult((0.0, 1.0), (2.0, 3.0), (0.0, 0.0), model="multi-mass")
-    assert [line.name for line in live_lines(curve, None, None)] == ["the case, multi-mass chain"]
 
 
 def test_a_value_keeps_the_unit_it_is_written_in():
@@ -170,62 +134,3 @@ def test_a_form_of_a_text_that_is_none():
         fields("x = [")
     assert [group.key for group in fields("")] == ["", "operation"]
     assert parse_case(SMALL).springs
-
-
-@pytest.mark.parametrize(
-    ("speeds", "value", "ends"),
-    [
-        ("4200 rpm", 4200.0, (1250.0, 6300.0)),
-        ("4200, 8000, 5600 rpm", 8000.0, (2400.0, 12000.0)),
-        ("100 rad/s", 955.0, (300.0, 1450.0)),
-        ("1000:3000:500 rpm", 3000.0, (900.0, 4500.0)),
-        (None, None, None),
-    ],
-)
-def test_the_slider_of_the_speed_stands_about_the_highest_speed_in_rpm(speeds, value, ends):
-    """Ends at 0.3 and 1.5 of it, to 50 rpm; the value with its unit is the speed of the case, to a
-    revolution per minute.
-    """
-    case = parse_case(SMALL)
-    wanted = () if speeds is None else si_speeds(speeds)
-    shown = engine_speed(replace(case, operation=replace(case.operation, engine_speeds=wanted)))
-    if speeds is None:
-        assert shown == []
-        return
-    (one,) = shown
-    assert (one["value"], one["unit"], (one["low"], one["high"]), one["step"]) == (
-        value,
-        "rpm",
-        ends,
-        50.0,
-    )
-    assert parse_quantity(f"{one['value']} {one['unit']}", "angular speed") == pytest.approx(
-        max(wanted), abs=0.06
-    )
-
-
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
-def test_a_slider_shows_what_stands_in_the_form_in_its_unit(path):
-    """Every quantity of a slider is that of the field of the same key: number, unit, ends about the
-    number.
-    """
-    groups = fields(path.read_text("utf-8"))
-    by_key = {field.key: field for group in groups for field in group.fields}
-    shown = sliding(groups)
-    assert shown and len({one["key"] for one in shown}) == len(shown)
-    for one in shown:
-        field = by_key[one["key"]]
-        assert (
-            (one["value"], one["unit"]) == (field.number, field.unit)
-            and one["low"] <= one["value"] <= one["high"]
-            and one["step"] > 0
-        )
-
-
-def test_an_arrow_on_a_slider_moves_a_number_by_what_can_be_felt():
-    """Fifteen presses move it by a tenth at least and by half at most; a preload of 130 lbf moved by 1.5 lbf."""
-    form = flat('[spring]\npreload = "130 lbf"\nrate = "32 N/mm"\nmass = "42 g"\n')
-    for key in ("spring.preload", "spring.rate", "spring.mass"):
-        slider, number = form[key].slider, form[key].number
-        assert slider is not None and number is not None
-        assert 0.1 * number <= 15 * slider[2] <= 0.8 * number, key
