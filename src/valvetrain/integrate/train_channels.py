@@ -341,8 +341,12 @@ class Scatter:
         return found | dict(zip(LANDING_ENDS, ends, strict=True))
 
 
-def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
-    """Headline numbers (SI) of one cycle alone, as docs/quantities.md names them."""
+def cycle_numbers(
+    system: TrainSystem, record: CycleRecord, window: tuple[float, float] = (0.0, 2 * np.pi)
+) -> dict[str, float]:
+    """Headline numbers (SI) of one cycle alone, as docs/quantities.md names them; ``window``: begin and end
+    (cam rad) of the stretch in which a loft counts.
+    """
     peaks = peak_forces(record)
     found = {name: value for name, value in peaks.items() if not name.endswith("_duration")}
     found["cycle_work_energy"] = float(record.work[0])
@@ -359,7 +363,9 @@ def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
         if place in mechanism.drive:
             found[f"minimum_{load_name(one)}"] = float(record.least_forces[place])
     if cam is not None and mechanism.kinematics is not None:
-        opened = mechanism.kinematics.valve_lift(record.cam_angle) > 0
+        begin, end = window
+        inside = (record.cam_angle - begin) % (2 * np.pi) <= end - begin
+        opened = inside & (mechanism.kinematics.valve_lift(record.cam_angle) > 0)
         found["loft_gap"] = float(np.max(record.gaps[opened, cam], initial=0.0))
         found["nose_cam_contact_force"] = float(record.nose_forces[cam])
     if seat_place is None:
@@ -403,7 +409,7 @@ def scatter_of(
         end, record = bare.cycle(state, judged=False)
         state = replace(end, cam_angle=0.0)
         lifts.append(record.q[:, valve])
-        numbers.append(cycle_numbers(runner.system, record))
+        numbers.append(cycle_numbers(runner.system, record, runner.options.window))
         landings.append(landing_angle(runner.system, record))
         on_cam = on_cam or record.touches_cam(runner.system)
         if unless_equal and len(numbers) == 2 and numbers[0].keys() == numbers[1].keys():

@@ -197,9 +197,8 @@ def energy_quantities(solution: Solution, cycle: Cycle | None) -> dict[str, floa
 ORDERS = 40
 #: Surge shows in the cam orders within this share of its own, below and above.
 SURGE_BAND = (0.5, 1.5)
-#: An order is said to make the surge where it is this many times the next largest, and this share of
-#: the largest force: below that the order is chance.
-CLEAR_RATIO, SURGES = 1.05, 2e-3
+#: Share of the largest force below which no order makes the surge: it is chance.
+SURGES = 2e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,9 +314,8 @@ def surge_quantities(cycle: Cycle, frame: Frame) -> dict[str, float]:
     if amplitude is not None and max(first, 1) <= last < len(amplitude):
         band = amplitude[max(first, 1) : last + 1]
         size = found["surge_amplitude_force"] = float(np.max(band))
-        others = np.delete(band, np.argmax(band))
         load = float(np.max(np.abs(cycle.channel("seat_force"))))
-        if size > max(CLEAR_RATIO * np.max(others, initial=0.0), SURGES * load):
+        if size > SURGES * load:
             found["surge_amplitude_cam_order"] = float(max(first, 1) + np.argmax(band))
     return found
 

@@ -41,7 +41,7 @@ def with_angle(one: QuantityRow) -> tuple[QuantityRow, QuantityRow]:
 
 #: Of a spring and its place before anything runs.
 AT_REST: tuple[QuantityRow, ...] = (
-    both("preload", "preload", "Static force at the installed precompression."),
+    both("preload", "preload", "Static force at the installed precompression; in a train of all its springs, valve closed."),
     both("installed_rate", "installed rate", "Slope of the static curve at the installed precompression."),
     both("installed_nominal_shear_stress", "installed nominal shear stress",
         "Shear by EN 13906-1 under the preload, k 8 F D / (pi d^3) with k = (w + 0.5) / (w - 0.75), at the worst place of the "
@@ -192,8 +192,8 @@ RUNS: tuple[QuantityRow, ...] = (
         "angle, and need not be equal to it.", sense=LESS, topic=SURGE, uses=ALL, remark="0 to peak"),
     both("surge_amplitude_cam_order", "cam order of the surge amplitude",
         "Cam order whose amplitude is the surge amplitude; times the cam frequency it is the frequency at which the spring swings, "
-        "which differs from that at rest where coils close or part. Absent where no order leads by 5 % or the surge is below 0.2 % of the "
-        "largest force.", topic=SURGE, uses=("study", "one speed")),
+        "which differs from that at rest where coils close or part. Absent of a surge "
+        "below 0.2 % of the largest force.", topic=SURGE, uses=("study", "one speed")),
     train("surge_order_{n}_engine_speed", "surge at cam order {n}, engine speed",
         "Engine speed at which cam order {n} of the lift meets the surge frequency, among those run and a quarter beyond."),
     both("surge_order_{n}_force", "surge at cam order {n}",
@@ -306,12 +306,12 @@ TRAINS: tuple[QuantityRow, ...] = (
         "Bounces after the first touch of the seat, however low; the bounce speed and verdicts count those above 0.1 mm.",
         sense=LESS, topic=CONTACT, uses=("brief", "sweep", "study")),
     train("loft_gap", "loft",
-        "Largest gap at the cam while the rigid valve is open.", sense=LESS, topic=CONTACT, uses=("curve", "study")),
-    train("loft_count", "losses of contact", "Times the cam contact opens while the rigid valve is open.", sense=LESS),
+        "Largest gap at the cam while the rigid valve is open by more than a tenth of its lift.", sense=LESS, topic=CONTACT, uses=("curve", "study")),
+    train("loft_count", "losses of contact", "Lofts while the rigid valve is open by more than a tenth of its lift.", sense=LESS),
     train("loft_duration", "time of loft",
-        "Time in all in which the cam contact is open while the rigid valve is open.", sense=LESS),
+        "Time in all of the lofts while the rigid valve is open by more than a tenth of its lift.", sense=LESS),
     train("loss_of_contact_duration", "time without contact",
-        "Time in all in which any contact of the drive carries no force while the rigid valve is open.", sense=LESS, topic=CONTACT,
+        "Time in all without contact in the drive while the rigid valve is open by more than a tenth of its lift.", sense=LESS, topic=CONTACT,
         uses=("brief", "study")),
     train("float_excess_lift", "lift above the rigid lift",
         "Largest lift above the rigid lift over the nose, off the cam.", sense=LESS, uses=("curve",)),

@@ -5,7 +5,7 @@ with its cause.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,7 +89,13 @@ def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
     return tuple(sorted(found, key=lambda event: event.cam_angle))
 
 
-def lost_spans(events: Sequence[Event], turn: float) -> list[Span]:
+def counted_losses(events: Iterable[Event]) -> list[Event]:
+    """The losses of contact that count, the largest gap first."""
+    counted = (event for event in events if event.kind in LOSSES and event.counts)
+    return sorted(counted, key=lambda event: -event.size)
+
+
+def lost_spans(events: Iterable[Event], turn: float) -> list[Span]:
     """Cam angles in which any contact of the drive is lost; ``turn``: time (s) of a cam revolution."""
     return [
         span_of(event.cam_angle, event.cam_angle + event.duration / turn * TURN)
@@ -99,23 +105,23 @@ def lost_spans(events: Sequence[Event], turn: float) -> list[Span]:
 
 
 def marginal_duration(events: Iterable[Event]) -> float:
-    """Time (s) of the losses of contact by gaps up to :data:`MARGINAL`, each of which another division
-    of the springs may not have.
+    """Time (s) of the losses of contact that count by gaps up to :data:`MARGINAL`, each of which another
+    division of the springs may not have.
     """
-    lost = (event for event in events if event.kind in LOSSES)
-    return sum(event.duration for event in lost if event.size < MARGINAL)
+    return sum(one.duration for one in counted_losses(events) if one.size < MARGINAL)
 
 
 def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
     """Loft at the cam and losses of contact elsewhere while the rigid valve is open: wide open by any
-    gap, as the search over engine speed counts them; size is the largest gap (m).
+    gap, as the search over engine speed counts them; size is the largest gap (m). They count where the valve is
+    wide open and the contact carries no force there at some step.
     """
     logged = solution.statistics.get(CONTACTS_LOGGED) == 1
     if logged and not any(event.kind in LOGGED for event in solution.events):
         return [
             event for event in solution.events if event.kind in LOSSES
         ]  # found before, when the log was there
-    found = []
+    found, least_forces = [], drive_forces(solution)
     for place in rigid.drive:
         if not solution.has(f"{place}_gap"):
             continue
@@ -127,10 +133,12 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
             for part in shared([(begin, end)], rigid.open_spans):
                 whole = part[1] - part[0] >= (end - begin) * (1 - 1e-9)
                 size = largest if whole else _largest_within(solution.cam_angle, gap, part)
-                least = 0.0 if shared([part], rigid.wide_open) else SMALLEST_GAP
-                if size > least:
+                wide = bool(shared([part], rigid.wide_open))
+                if size > (0.0 if wide else SMALLEST_GAP):
                     details = _loss_details(solution, rigid, place, part, end)
-                    found.append(_event(solution, kind, part, size, name, details))
+                    one = _event(solution, kind, part, size, name, details)
+                    counts = wide and least_forces.get(place, 0.0) <= 0
+                    found.append(replace(one, counts=counts))
         found += _unloaded(solution, rigid, place, found)
     return found
 

@@ -18,10 +18,12 @@ from valvetrain.mechanism.rigid import RigidKinematics
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_value
 from valvetrain.quantities.train_events import (
+    LOFT,
     SMALLEST_GAP,
     TURN,
     RigidCycle,
     Span,
+    counted_losses,
     covered,
     lost_spans,
     span_of,
@@ -82,7 +84,7 @@ def train_quantities(
     values = {
         "peak_rigid_valve_lift": rigid.top, "lift_loss_displacement": rigid.top - counted.get("peak_valve_lift", ring_peak(lift)),
         "valve_open_duration": turn / TURN * covered(_open_spans(solution, events)),
-        "loss_of_contact_duration": turn / TURN * covered(lost_spans(events, turn)),
+        "loss_of_contact_duration": turn / TURN * covered(lost_spans(counted_losses(events), turn)),
     }  # fmt: skip
     if "peak_valve_acceleration" not in counted:
         values["peak_valve_acceleration"] = float(
@@ -170,8 +172,9 @@ def margin_quantities(rigid: RigidTable) -> dict[str, float]:
 
 def _event_numbers(events: Sequence[Event]) -> dict[str, float]:
     seatings, bounces, lofts, floats = (
-        of_kind(events, kind) for kind in ("seating", "bounce", "loft", "float")
+        of_kind(events, kind) for kind in ("seating", "bounce", LOFT, "float")
     )
+    lofts = tuple(event for event in lofts if event.counts)
     first = next((event for event in seatings if event.details.get("touch") == 1), None)
     values = {
         "bounce_count": float(len(bounces)), "bounce_height": max((event.size for event in bounces), default=0.0),

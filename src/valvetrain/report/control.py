@@ -8,8 +8,8 @@ import math
 from dataclasses import dataclass
 
 from valvetrain.quantities.loss_cause import leading_loss
+from valvetrain.quantities.train_events import counted_losses
 from valvetrain.report.clauses import Runs, joined
-from valvetrain.report.contact_lost import losses_while_open, time_lost
 from valvetrain.report.run_clauses import cause_phrase, cause_text
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
@@ -197,7 +197,7 @@ def _first_angle(lost: Loss, runs: Runs) -> str:
         return f"contact opens at {math.degrees(lost.row.cam_angle):.0f} cam deg"
     for run in runs.solutions:
         places = lost.row.place.split(", ")
-        events = [one for one in losses_while_open(run) if one.where in places]
+        events = [one for one in counted_losses(run.events) if one.where in places]
         if run.engine_speed >= lost.begin and events:
             angle = math.degrees(events[0].cam_angle) % 360
             return f"contact opens at {angle:.0f} cam deg (run at {_speed(run)})"
@@ -328,7 +328,7 @@ def _cause_in(run: Solution, kind: str, limit: float, place: str = "", size: boo
     where it has one there.
     """
     events = (
-        losses_while_open(run)  # of a force of zero alone the gap is none
+        counted_losses(run.events)  # of a force of zero alone the gap is none
         if kind == "contact-loss"
         else [one for one in run.events if one.kind == kind and one.size > limit]
     )
@@ -368,9 +368,15 @@ def first_losses(runs: Runs) -> dict[str, Solution]:
     """
     first: dict[str, Solution] = {}
     for run in sorted(runs.solutions, key=lambda one: one.engine_speed):
+        values = run.quantities
         for kind, value, limit in (
-            ("contact-loss", time_lost(run), 0.0),
-            ("float", run.quantities.get("float_excess_lift", 0.0), FLOAT_LIFT),
+            # a turn of a run-up has no such time, but its loft (m)
+            (
+                "contact-loss",
+                values.get("loss_of_contact_duration", values.get("loft_gap", 0.0)),
+                0.0,
+            ),
+            ("float", values.get("float_excess_lift", 0.0), FLOAT_LIFT),
         ):
             if value > limit:
                 first.setdefault(kind, run)

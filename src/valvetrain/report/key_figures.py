@@ -8,8 +8,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from valvetrain.quantities.table import EVENT_LIFTS
 from valvetrain.report.clauses import (
     Runs,
@@ -53,8 +51,6 @@ EACH = OF_RUNS | {
 }
 #: Share of the work below which a gap of the energy balance is given as that.
 CLOSED = 1e-5
-#: Lift (m) up to which a valve is on its seat.
-SHUT = 1e-5
 #: Work of the cam in one cycle, and what leaves a train that repeats: of contacts and guides, of springs.
 CYCLE_ENERGIES = ("cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy")
 PRELOAD = "begins at rest, at a preload of"
@@ -76,7 +72,7 @@ def key_figures(study: Study) -> tuple[tuple[str, str], ...]:
         return (*_of_each(study), *line) if len(study.labels) <= MAX_LABELS else line
     figures = list(_figures(runs, worst))
     several = len(runs.solutions) > 1
-    starts = {quantity_text("preload", _preload(runs, run)) for run in runs.solutions}
+    starts = {quantity_text("preload", runs.value(run, "preload")) for run in runs.solutions}
     alike = len({id(run) for _, run, _ in figures}) == 1
     named = (
         (
@@ -224,21 +220,6 @@ def _imbalance(run: Solution) -> float:
     return abs(work - lost - heat) / work if repeats else math.nan
 
 
-def _preload(runs: Runs, run: Solution) -> float:
-    """Force (N) of the springs at rest with the valve closed, from which a run begins; NaN where it is not
-    known.
-    """
-    lift, force = "valve_lift", "static_retainer_force"
-    if run.provenance.system != TRAIN:
-        return runs.value(run, "preload")
-    if not run.has(lift, force) or runs.labels > 1:  # of several sets each has its own
-        return math.nan
-    # the seat gives way under the load: at no lift, not at the lowest
-    off = np.abs(run.channel(lift))
-    shut = int(np.argmin(off))
-    return float(run.channel(force)[shut]) if off[shut] < SHUT else math.nan
-
-
 def _also_open(runs: Runs, run: Solution) -> str:
     """Durations of lobe and rigid valve at the same heights, which a card may mean; empty where none is
     known, or where runs differ in them.
@@ -285,6 +266,6 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
         least = 100 * max(gap, CLOSED)
         step += f", energy closes to {figure(least, 2)} %{' or better' if gap < CLOSED else ''}"
     yield "stable time step", stepped, step
-    preload = _preload(runs, stepped)
+    preload = runs.value(stepped, "preload")
     if math.isfinite(preload):
         yield PRELOAD, stepped, quantity_text("preload", preload)

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from valvetrain.quantities.train_events import counted_losses
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Panel, Rule, thin
 from valvetrain.report.clash_clauses import FINEST
-from valvetrain.report.contact_lost import losses_while_open
 from valvetrain.report.motion.parts import Variant
 from valvetrain.report.motion.project import motion_json, still_svg
 from valvetrain.report.motion.scene import moving_picture
@@ -218,11 +218,11 @@ def _first_shown(study: Study, variants: tuple[Variant, ...], worst: Solution | 
     """
     if worst is None:
         return variants[0]
-    flies = bool(losses_while_open(worst))
+    flies = bool(counted_losses(worst.events))
     alike = {
         run.label
         for run in _drawn_runs(study)[1]
-        if run.spring_set == worst.spring_set and bool(losses_while_open(run)) == flies
+        if run.spring_set == worst.spring_set and bool(counted_losses(run.events)) == flies
     }
     known = [
         one for one in variants if one.engine_speed == worst.engine_speed and one.label in alike

@@ -14,6 +14,8 @@ from valvetrain.quantities.train_events import (
     CAUSE_INERTIA,
     CAUSE_SURGE,
     CAUSE_VIBRATION,
+    LOSSES,
+    counted_losses,
 )
 from valvetrain.report.clash_clauses import clash_clauses, strike_count
 from valvetrain.report.clauses import (
@@ -25,13 +27,6 @@ from valvetrain.report.clauses import (
     figure,
     joined,
     quantity_text,
-)
-from valvetrain.report.contact_lost import (
-    DURATION,
-    GAP,
-    loss_near_seat,
-    losses_while_open,
-    worst_loss,
 )
 from valvetrain.runs.notes import on_assumed_ramp, rings
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT
@@ -49,6 +44,7 @@ CAUSES = {
     CAUSE_VIBRATION: "the train vibrates",
 }
 SEATING = "seating_velocity"
+DURATION, GAP = "loss_of_contact_duration", "loft_gap"
 SURGE_ORDER = "surge_amplitude_cam_order"
 #: Crank angle (rad) of the open valve above which its loss to flex is named.
 FLEX_ANGLE = math.radians(1.0)
@@ -189,14 +185,12 @@ def _is_solid(bind: Sequence[Clause]) -> bool:
 
 def _contact_clauses(runs: Runs) -> Iterator[Clause]:
     """Loft, float, bounce and clearance to the piston."""
-    loft, lost = worst_loss(runs, GAP), worst_loss(runs, DURATION)
+    loft, lost = runs.worst(GAP, False), runs.worst(DURATION, False)
     if lost is not None and lost.value > 0:
         time = runs.text(lost)
         gap = f"loft of {runs.text(loft)}, " if loft is not None and loft.value > 0 else ""
         places, flight = _places_lost(runs, lost), _flight(runs, loft)
         why = _why_lost(runs, lost)
-        if lost.value < (lost.run or runs.solutions[0]).quantities.get(DURATION, 0.0):
-            why = f" while the valve is open{why}"  # the number of the table counts the ramps too
         yield Clause(
             f"{gap}{time} without contact{places}{why}{flight}"
             if gap
@@ -239,10 +233,15 @@ def _on_ramps(runs: Runs) -> str:
     """`` while the valve is open (7.77 µm near its seat)`` of contacts that open near the seat alone, which
     loses no control.
     """
-    found = loss_near_seat(runs)
-    if found is None:
+    near = [
+        (one, run)
+        for run in runs.solutions
+        for one in run.events
+        if one.kind in LOSSES and not one.counts
+    ]
+    if not near:
         return ""
-    event, run = found
+    event, run = max(near, key=lambda pair: pair[0].size)
     gap = quantity_text(GAP, event.size)
     angle = f"at {math.degrees(event.cam_angle) % 360:.0f} cam deg"
     where = f" at the {event.where}" if event.where != "cam" else ""
@@ -285,7 +284,7 @@ def _shorter(runs: Runs, run: Solution) -> float:
 def _losses(runs: Runs, found: Worst) -> list[Event]:
     """Losses of contact in the run of a value, the largest gap first."""
     run = found.run or runs.solutions[0]
-    return losses_while_open(run)
+    return counted_losses(run.events)
 
 
 def _places_lost(runs: Runs, lost: Worst) -> str:
@@ -364,7 +363,7 @@ def above_solid(runs: Runs, peak: Worst) -> str:
 
 def _force_clauses(runs: Runs) -> Iterator[Clause]:
     """The least force at the cam, or of the spring, and the largest of a spring alone."""
-    lofting = worst_loss(runs, DURATION)
+    lofting = runs.worst(DURATION, False)
     cam = runs.worst("minimum_cam_contact_force", True, lofting.run if lofting else None)
     if cam is not None and cam.value <= 0 and lofting is not None and lofting.value > 0:
         return  # the loft has reported it

@@ -62,6 +62,7 @@ from valvetrain.runs.train_runs import (
     STOPPED,
     WORKER_LOST,
     Finished,
+    preloads,
     prepare_trains,
     rigid_numbers,
     run_trains,
@@ -284,6 +285,8 @@ def run_problem(
             part, tell = _shares(progress)
         solutions, stopped = run_trains(problem, ready, speeds, plan, count, part, finished)
         still = failures.part("numbers of rigid theory", {}, rigid_numbers, ready, speeds)
+        for name, values in failures.part("preloads", {}, preloads, ready).items():
+            still[name] = {**still.get(name, {}), **values}
         if command == "sweep" and not stopped:
             name = "runs between the swept speeds"
             between = failures.part(name, (), run_between, problem, ready, plan, speeds, count)

@@ -33,7 +33,7 @@ from valvetrain.runs.prepared import (
 )
 from valvetrain.runs.request_cost import RunRequest, run_up_cost
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
-from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics
+from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics, preloads
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.force_peak import bandwidth_of
@@ -207,9 +207,11 @@ def run_up_study(
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
     )
-    study = replace(
-        study, still={label: found for label in study.labels if (found := _lost(study, label))}
-    )
+    still = preloads(ready)
+    for label in study.labels:
+        if found := _lost(study, label):
+            still[label] = {**still.get(label, {}), **found}
+    study = replace(study, still=still)
     if stopped:
         raise StudyStopped(study)
     return study

@@ -172,6 +172,17 @@ def rigid_numbers(
     return still
 
 
+def preloads(ready: tuple[PreparedRun, ...]) -> dict[str, dict[str, float]]:
+    """Force (N) of all springs of each spring set at rest, valve closed, by the first of its models."""
+    closed = np.zeros(1)
+    found: dict[str, dict[str, float]] = {}
+    for one in ready:
+        if one.rest is not None:
+            force = float(one.rest.static_spring_force(closed)[0])
+            found.setdefault(one.member.spring_set, {"preload": force})
+    return found
+
+
 @known_arguments
 def train_modes(
     case: AnyCase,

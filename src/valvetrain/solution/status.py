@@ -73,7 +73,7 @@ Detail = float | int | str | bool
 @dataclass(frozen=True)
 class Event:
     """One event: ``cam_angle`` (rad, unwrapped) and ``time`` (s) of its start, ``duration`` (s),
-    ``size`` in ``unit``.
+    ``size`` in ``unit``. ``counts``: False of a loss of contact near the seat, which loses no control of the valve.
 
     Kind ``clash``: size = peak contact force (N); details hold ``impulse`` (N s), ``energy`` (J),
     ``upper_coil``, ``lower_coil``.
@@ -91,6 +91,7 @@ class Event:
     unit: str
     where: str = ""
     details: Mapping[str, Detail] = field(default_factory=dict)
+    counts: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "details", MappingProxyType(dict(self.details)))
