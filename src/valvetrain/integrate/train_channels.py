@@ -24,6 +24,7 @@ from valvetrain.integrate.train_tuples import (
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
 from valvetrain.mechanism.parts import CONTACT, Coordinate, Interaction
 from valvetrain.mechanism.planar import crank_angle, piston_clearance
+from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.solution.channels import SPRING_CHANNELS, ChannelArrays, Variable
 from valvetrain.springs.contract import LargeSpring, SpringModel, SpringOutputs, outputs_at
 from valvetrain.system.train_rest import TrainRest
@@ -341,32 +342,27 @@ class Scatter:
         return found | dict(zip(LANDING_ENDS, ends, strict=True))
 
 
-def cycle_numbers(
-    system: TrainSystem, record: CycleRecord, window: tuple[float, float] = (0.0, 2 * np.pi)
-) -> dict[str, float]:
-    """Headline numbers (SI) of one cycle alone, as docs/quantities.md names them; ``window``: begin and end
-    (cam rad) of the stretch in which a loft counts.
-    """
-    peaks = peak_forces(record)
+def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
+    """Headline numbers (SI) of one cycle alone, as docs/quantities.md names them."""
+    mechanism, peaks = system.mechanism, peak_forces(record)
     found = {name: value for name, value in peaks.items() if not name.endswith("_duration")}
-    found["cycle_work_energy"] = float(record.work[0])
-    valve = record.bodies[system.mechanism.index(system.mechanism.valve)]
+    valve = record.bodies[mechanism.index(mechanism.valve)]
     found |= {
+        "cycle_work_energy": float(record.work[0]),
         "peak_valve_lift": float(valve[PEAK_PLACE]),
         "peak_valve_acceleration": float(valve[PEAK_ACCELERATION]),
     }
-    mechanism = system.mechanism
     cam, seat_place = mechanism.cam, mechanism.seat
     for place, one in enumerate(mechanism.interactions):
         if one.role == CONTACT:
             found[f"peak_{load_name(one)}"] = float(record.peak_forces[place])
         if place in mechanism.drive:
             found[f"minimum_{load_name(one)}"] = float(record.least_forces[place])
-    if cam is not None and mechanism.kinematics is not None:
-        begin, end = window
-        inside = (record.cam_angle - begin) % (2 * np.pi) <= end - begin
-        opened = inside & (mechanism.kinematics.valve_lift(record.cam_angle) > 0)
-        found["loft_gap"] = float(np.max(record.gaps[opened, cam], initial=0.0))
+    kinematics = mechanism.kinematics
+    if cam is not None and kinematics is not None:
+        lift = kinematics.valve_lift(record.cam_angle)
+        opened = record.gaps[lift > OPEN_SHARE * lift.max(), cam]
+        found["loft_gap"] = float(np.max(opened, initial=0.0))
         found["nose_cam_contact_force"] = float(record.nose_forces[cam])
     if seat_place is None:
         return found
@@ -409,7 +405,7 @@ def scatter_of(
         end, record = bare.cycle(state, judged=False)
         state = replace(end, cam_angle=0.0)
         lifts.append(record.q[:, valve])
-        numbers.append(cycle_numbers(runner.system, record, runner.options.window))
+        numbers.append(cycle_numbers(runner.system, record))
         landings.append(landing_angle(runner.system, record))
         on_cam = on_cam or record.touches_cam(runner.system)
         if unless_equal and len(numbers) == 2 and numbers[0].keys() == numbers[1].keys():

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
 Array = NDArray[np.float64]
+#: Share of the largest rigid lift above which the valve counts as open.
+OPEN_SHARE = 0.1
 
 
 @dataclass(frozen=True)

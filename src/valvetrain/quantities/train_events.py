@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from valvetrain.integrate.clash import runs
 from valvetrain.integrate.transitions import CONTACTS_LOGGED
+from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_top
-from valvetrain.quantities.valve_events import OPEN_SHARE
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Detail, Event
 

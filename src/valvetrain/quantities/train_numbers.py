@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from valvetrain.integrate.train_channels import load_name, peak_forces
 from valvetrain.integrate.train_run import CycleRecord
 from valvetrain.integrate.train_tuples import PEAK_PLACE
-from valvetrain.mechanism.rigid import RigidKinematics
+from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_value
 from valvetrain.quantities.train_events import (
@@ -29,7 +29,7 @@ from valvetrain.quantities.train_events import (
     span_of,
     spans_above,
 )
-from valvetrain.quantities.valve_events import OPEN_SHARE, open_window, top_of
+from valvetrain.quantities.valve_events import open_window, top_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.system.train_system import TrainSystem

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.cam.pieces import solve
-from valvetrain.mechanism.rigid import RigidKinematics
+from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak
 from valvetrain.solution.result import Solution
@@ -25,8 +25,6 @@ _TURN = 2 * np.pi
 HEIGHTS = {"1_mm": 1e-3, "50_thou": 0.050 * 25.4e-3}
 #: Angles at which a lift law is looked at before its crossings are solved.
 GRID = 1440
-#: Share of the largest rigid lift above which the valve counts as open.
-OPEN_SHARE = 0.1
 
 
 def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[float, float] | None:

@@ -14,7 +14,6 @@ from valvetrain.quantities.train_events import (
     CAUSE_INERTIA,
     CAUSE_SURGE,
     CAUSE_VIBRATION,
-    LOSSES,
     counted_losses,
 )
 from valvetrain.report.clash_clauses import clash_clauses, strike_count
@@ -199,7 +198,7 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             lost=True,
         )
     elif lost is not None:
-        yield Clause(f"no loft{_on_ramps(runs)}")
+        yield Clause("no loft")
     over = runs.worst("float_excess_lift", False)
     if over is not None and over.value > FLOAT_LIFT:
         yield Clause(f"floats {runs.text(over)} above the rigid lift", over.run, lost=True)
@@ -227,27 +226,6 @@ def _contact_clauses(runs: Runs) -> Iterator[Clause]:
             piston.run,
             lost=piston.value <= 0,
         )
-
-
-def _on_ramps(runs: Runs) -> str:
-    """`` while the valve is open (7.77 µm near its seat)`` of contacts that open near the seat alone, which
-    loses no control.
-    """
-    near = [
-        (one, run)
-        for run in runs.solutions
-        for one in run.events
-        if one.kind in LOSSES and not one.counts
-    ]
-    if not near:
-        return ""
-    event, run = max(near, key=lambda pair: pair[0].size)
-    gap = quantity_text(GAP, event.size)
-    angle = f"at {math.degrees(event.cam_angle) % 360:.0f} cam deg"
-    where = f" at the {event.where}" if event.where != "cam" else ""
-    place = f" {runs.place(run)}" if len(runs.solutions) > 1 else ""
-    place = place.replace(" (", ", ").removesuffix(")")
-    return f" while the valve is open ({gap}{where} near the seat, {angle}{place})"
 
 
 def _flex_clause(runs: Runs) -> Clause | None:
@@ -353,14 +331,6 @@ def _repeats(run: Solution) -> str:
     return alike.get(cycles, f", again after {cycles} cycles")
 
 
-def above_solid(runs: Runs, peak: Worst) -> str:
-    """``, more than the 645 N that close all coils``: of a peak force that no compression at rest gives."""
-    solid = runs.value(peak.run or runs.solutions[0], "solid_force")
-    if not peak.value - runs.bar(peak, above=0.0) > solid:
-        return ""
-    return f", more than the {quantity_text('solid_force', solid)} that close all coils"
-
-
 def _force_clauses(runs: Runs) -> Iterator[Clause]:
     """The least force at the cam, or of the spring, and the largest of a spring alone."""
     lofting = runs.worst(DURATION, False)
@@ -372,7 +342,7 @@ def _force_clauses(runs: Runs) -> Iterator[Clause]:
         return
     peak, least = runs.worst("peak_spring_force", False), runs.worst("minimum_spring_force", True)
     if peak is not None:
-        text = f"{label_of('peak_spring_force')} {runs.text(peak)}{above_solid(runs, peak)}"
+        text = f"{label_of('peak_spring_force')} {runs.text(peak)}"
         yield Clause(text, peak.run)
     if least is not None:
         pulls = PULLS if least.value < 0 else ""

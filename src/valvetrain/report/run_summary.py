@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from valvetrain.quantities.valve_events import OPEN_SHARE
+from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.report.text import amount, in_unit, number, percent, quantity_label, rpm
 from valvetrain.runs.differences import ResultDifference
 from valvetrain.solution.critical import KINDS, CriticalSpeed

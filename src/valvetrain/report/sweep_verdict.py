@@ -29,7 +29,6 @@ from valvetrain.report.run_clauses import (
     PULLS,
     SEATING,
     SOLID,
-    above_solid,
     bind_clause,
     ends_that_pull,
     is_judged,
@@ -236,7 +235,7 @@ def _spring_forces(runs: Runs) -> list[str]:
         found = runs.worst(name, least)
         if found is not None:
             where = "" if found.run is None else f" at {_speed(found.run)}"
-            pulls = (PULLS if found.value < 0 else "") if least else above_solid(runs, found)
+            pulls = PULLS if least and found.value < 0 else ""
             texts.append(f"{word} {runs.text(Worst(name, found.value, found.run))}{where}{pulls}")
     return [", ".join(texts)] if texts else []
 

@@ -174,13 +174,11 @@ def rigid_numbers(
 
 def preloads(ready: tuple[PreparedRun, ...]) -> dict[str, dict[str, float]]:
     """Force (N) of all springs of each spring set at rest, valve closed, by the first of its models."""
-    closed = np.zeros(1)
-    found: dict[str, dict[str, float]] = {}
-    for one in ready:
-        if one.rest is not None:
-            force = float(one.rest.static_spring_force(closed)[0])
-            found.setdefault(one.member.spring_set, {"preload": force})
-    return found
+    return {
+        one.member.spring_set: {"preload": float(one.rest.static_spring_force(np.zeros(1))[0])}
+        for one in reversed(ready)
+        if one.rest is not None
+    }
 
 
 @known_arguments
