@@ -16,7 +16,6 @@ KNOWN = {
     "cli/progress.py:_compiled": "the kernel counts as not compiled: an estimate of time",
     "compiled.py:KernelCache.load_overload": "the kernel is compiled again",
     "explore/damping_found.py:damping_meanings": "the number stays, the words on it are left out",
-    "explore/ensembles.py:_Chain.run": "raised for the caller of map",
     "explore/evaluate.py:evaluate": "a point with the status refused and no number",
     "explore/identify.py:_why": "the sentence of a refusal",
     "explore/point_bars.py:bars_of": "no error bars of the point",

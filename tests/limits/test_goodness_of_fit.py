@@ -13,7 +13,6 @@ from scipy.stats import chi2, kstest, norm
 
 import valvetrain as vt
 from valvetrain.explore.identification_page import identification_json, identification_page
-from valvetrain.explore.identification_summary import facts
 from valvetrain.report.page import render
 from valvetrain.report.verdict import verdict_of
 
@@ -123,8 +122,7 @@ def stiffening() -> list[vt.explore.Datum]:
     [
         vt.explore.Search(),
         vt.explore.Search("cma-es", evaluations=100),
-        vt.explore.Search("nested", live_points=40, lanes=4),
-        vt.explore.Search("ensemble", steps=60, walkers=8),
+        vt.explore.Search("nested", live_points=40, lanes=16),
     ],
     ids=lambda one: one.method,
 )
@@ -138,7 +136,7 @@ def test_a_false_model_is_told_first_by_every_method(search: vt.explore.Search) 
     assert identification_page("Rate", found).verdict == said
     told = identification_json(found)["branches"][0]["fit"]
     assert told["met"] is False and told["degrees_of_freedom"] == pytest.approx(11, abs=0.01)
-    sampled = search.method in ("nested", "ensemble")
+    sampled = search.method == "nested"
     assert np.isfinite(found.fit.predictive) == sampled
     if sampled:
         assert found.fit.predictive < 1e-6
@@ -169,40 +167,16 @@ def test_shares_of_branches_are_probabilities_of_methods_that_weigh_them(
     assert sum(shares) == pytest.approx(1.0) if weighed else shares == [None, None]
 
 
-def ensemble() -> vt.explore.Identified:
-    loads = RATE * TRAVEL + np.random.default_rng(1).standard_normal(12)
-    search = vt.explore.Search("ensemble", steps=400, walkers=10)
-    return vt.identify(FLAT, data_of(loads), linear, search=search)
-
-
-def test_without_arviz_the_install_command_stands_for_its_diagnostics(monkeypatch) -> None:
-    monkeypatch.setitem(sys.modules, "arviz", None)
-    found = ensemble()
-    with pytest.raises(vt.errors.MissingExtraError, match="valvetrain\\[posterior\\]"):
-        found.to_arviz()
-    assert "valvetrain[posterior]" in dict(facts(found))["chains by ArviZ"]
-    assert identification_json(found)["diagnostics"] == {}
-
-
-def test_chains_go_to_arviz_by_walker_and_step(monkeypatch) -> None:
-    """Every walker is a chain in the order of its steps; ArviZ before and from 1.0."""
-    found = ensemble()
+def test_draws_go_to_arviz_before_and_from_1_0(monkeypatch) -> None:
+    found = fitted(RATE * TRAVEL)
 
     def new(data: dict[str, dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
         return data["posterior"]
 
     for from_dict in (lambda posterior: posterior, new):
         monkeypatch.setitem(sys.modules, "arviz", SimpleNamespace(from_dict=from_dict))
-        chains = found.to_arviz()["rate"]
-        assert chains.shape == (10, len(found.values) // 10)
-        np.testing.assert_array_equal(chains[3, :2], found.values[[3, 13], 0])
-
-
-def test_diagnostics_are_those_of_arviz() -> None:
-    arviz = pytest.importorskip("arviz")
-    found = ensemble()
-    told = found.diagnostics["rate"]
-    assert told["r_hat"] == pytest.approx(float(arviz.rhat(found.to_arviz())["rate"]))
-    assert 1.0 <= told["r_hat"] < 1.1 and told["ess_bulk"] > 200
-    linearised = fitted(RATE * TRAVEL)
-    assert linearised.diagnostics == {} and linearised.to_arviz() is not None
+        (draws,) = found.to_arviz(400)["rate"]
+        assert draws.mean() == pytest.approx(found.branches[0].quantities["rate"].mean, rel=1e-3)
+    monkeypatch.setitem(sys.modules, "arviz", None)
+    with pytest.raises(vt.errors.MissingExtraError, match="valvetrain\\[posterior\\]"):
+        found.to_arviz()

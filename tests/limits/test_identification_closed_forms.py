@@ -103,16 +103,8 @@ def test_information_is_that_of_the_linear_model(found: vt.explore.Identified) -
     np.testing.assert_allclose(told.brought, weight / weight.sum(axis=0), rtol=1e-5)
 
 
-@pytest.mark.parametrize(
-    "search",
-    [
-        vt.explore.Search("nested", live_points=120, lanes=8),
-        vt.explore.Search("ensemble", steps=600, walkers=20),
-    ],
-    ids=["nested", "ensemble"],
-)
-def test_samplers_meet_posterior_and_evidence(search: vt.explore.Search) -> None:
-    got = vt.identify(PRIORS, DATA, linear, search=search)
+def test_nested_sampling_meets_posterior_and_evidence() -> None:
+    got = vt.identify(PRIORS, DATA, linear, search=vt.explore.Search("nested", live_points=300))
     deviation = np.sqrt(np.diag(COVARIANCE))
     np.testing.assert_allclose(
         [one.mean for one in got.branches[0].quantities.values()], MEAN, atol=0.15 * deviation.max()
@@ -121,9 +113,7 @@ def test_samplers_meet_posterior_and_evidence(search: vt.explore.Search) -> None
         [one.deviation for one in got.branches[0].quantities.values()], deviation, rtol=0.12
     )
     assert len(got.branches) == 1
-    if search.method == "nested":
-        assert 0.02 < got.evidence_error < 0.3
-        assert abs(got.log_evidence - LOG_EVIDENCE) < 3 * got.evidence_error
+    assert got.log_evidence == pytest.approx(LOG_EVIDENCE, abs=0.1)
 
 
 def surge(points: np.ndarray) -> list[dict[str, float]]:
@@ -176,7 +166,7 @@ def square(points: np.ndarray) -> list[dict[str, float]]:
 
 @pytest.mark.parametrize(
     "search",
-    [vt.explore.Search("nested", live_points=150, lanes=8), vt.explore.Search(starts=20, keep=6)],
+    [vt.explore.Search("nested", live_points=300), vt.explore.Search(starts=20, keep=6)],
     ids=["nested", "starts"],
 )
 def test_both_branches_are_found_and_weighed(search: vt.explore.Search) -> None:

@@ -92,7 +92,7 @@ REFUSED = [
     (("metod",), "nested", "unknown"),
     (("search", "method"), "nestd", "did you mean nested"),
     (("search", "seed"), -1, "above zero"),
-    (("search", "steps"), 1.5, "whole number"),
+    (("search", "lanes"), 1.5, "whole number"),
     (("search", "profile"), "wirr", "none of the quantities"),
     (("evaluator",), "gu2020", "unknown"),
     (("options",), {"elements_per_coil": 12}, "belongs to an evaluator"),

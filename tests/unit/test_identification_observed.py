@@ -16,10 +16,8 @@ from valvetrain.explore.identification_file import Search, parse_request
 from valvetrain.explore.identify import identify_request
 from valvetrain.explore.measurements import Station, Target
 from valvetrain.explore.observe import Observed, groups_of, numbers_at, numbers_of
-from valvetrain.explore.posterior import Datum, Posterior, Unknown
-from valvetrain.explore.solve import solve
+from valvetrain.explore.posterior import Datum
 from valvetrain.explore.space import Prior
-from valvetrain.explore.store import Store
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.runs import statics
 
@@ -379,18 +377,3 @@ def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
     together = numbers_of(request.case, observed.stations, request.targets)
     assert together == apart and len(together) == 2
     assert len(rests) == 1
-
-
-def test_an_ensemble_that_begins_at_the_case_is_spread_before_it_has_taken_many_steps() -> None:
-    """A linear problem, whose posterior is known: twelve steps from one point hold its spread,
-    since walkers begin all over it.
-    """
-    unknowns = tuple(Unknown(name, Prior("normal", centre=0.0, spread=1.0)) for name in "ab")
-    data = (Datum("sum", 1.0, 0.2),)
-    posterior = Posterior(unknowns, data, lambda points: [{"sum": float(a + b)} for a, b in points])
-    search = Search("ensemble", walkers=100, steps=12, draws=200)
-    with Store(None, "") as journal:
-        found = solve(posterior, search, journal, begin=np.array([[0.9, -0.4]]))
-    exact = np.linalg.inv(np.eye(2) + np.ones((2, 2)) / 0.2**2)
-    assert np.cov(found.values.T) == pytest.approx(exact, rel=0.3)
-    assert found.values.mean(axis=0) == pytest.approx(exact @ np.ones(2) / 0.2**2, abs=0.15)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import redirect_stdout
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from io import StringIO
 from typing import Any
 
 import numpy as np
@@ -26,7 +24,7 @@ class Draws:
     logarithm of the evidence and its error.
 
     ``evidence_kind``: how the evidence was found. ``whole``: False where the search was cut short;
-    ``notes``: what a reader should know; ``chains``: walkers whose draws take turns.
+    ``notes``: what a reader should know.
     """
 
     work: Array
@@ -36,25 +34,11 @@ class Draws:
     evidence_kind: str = ""
     whole: bool = True
     notes: tuple[str, ...] = ()
-    chains: int = 1
 
     @property
     def effective(self) -> float:
         """Number of equally weighted draws with the same information (Kish)."""
         return float(1.0 / np.sum(self.weights**2))
-
-
-def quietly(steps: Iterable[Any]) -> Iterator[Any]:
-    """The steps of a library that prints where it is interrupted: standard output belongs to the
-    answer.
-    """
-    ahead, end = iter(steps), object()
-    while True:
-        with redirect_stdout(StringIO()):
-            step = next(ahead, end)
-        if step is end:
-            return
-        yield step
 
 
 def extra(package: str) -> MissingExtraError:

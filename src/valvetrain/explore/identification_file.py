@@ -12,11 +12,12 @@ from typing import Literal, get_args
 from pydantic import ValidationError
 
 from valvetrain.errors import InputError
-from valvetrain.explore.ensembles import EVALUATIONS, LANES, LIVE_POINTS, PRECISION, STEPS
 from valvetrain.explore.evaluator import PointEvaluator
+from valvetrain.explore.evolution import EVALUATIONS
 from valvetrain.explore.files import DISTRIBUTIONS, VaryModel, correlation_of, varied_of_table
 from valvetrain.explore.least_squares import SIDE
 from valvetrain.explore.measurements import Target, read_measurement, read_station
+from valvetrain.explore.nested import LANES, LIVE_POINTS, PRECISION, evaluations_of
 from valvetrain.explore.part import Part, same_dimension
 from valvetrain.explore.posterior import Array, Datum, Unknown
 from valvetrain.explore.space import Kind, Prior, Space, Varied
@@ -28,10 +29,10 @@ from valvetrain.registry import find
 from valvetrain.solution.atomic import digest
 from valvetrain.solution.definition import definition_of, no_quantity
 
-Method = Literal["least-squares", "cma-es", "nested", "ensemble"]
+Method = Literal["least-squares", "cma-es", "nested"]
 METHODS: tuple[str, ...] = get_args(Method)
 #: Options that take a number of zero or more; all other numbers are positive.
-_FROM_ZERO = {"seed", "draws", "population", "walkers", "difference_step", "keep"}
+_FROM_ZERO = {"seed", "draws", "population", "difference_step", "keep"}
 #: Most of anything that is counted.
 _MOST = 10_000_000
 
@@ -47,10 +48,9 @@ class Search:
     of ``population`` (cma-es; 0: by the number of quantities); ``difference_step`` in standard
     deviations of the priors (0: follows what
     the data leave open); ``draws`` of the linearised posterior. ``nested``: ``live_points``,
-    ``lanes`` requested at once, ``precision`` of
-    the log evidence. ``ensemble``: ``walkers`` (0: by the number of quantities), ``steps``. Raises
-    :class:`InputError` for an unknown
-    method or a number out of range.
+    ``lanes`` requested at once, ``precision``:
+    share of the evidence that may be left. Raises :class:`InputError` for an unknown method or a
+    number out of range.
 
     >>> Search("nested", live_points=200).evaluations_of(2) > 1000
     True
@@ -68,8 +68,6 @@ class Search:
     live_points: int = LIVE_POINTS
     lanes: int = LANES
     precision: float = PRECISION
-    walkers: int = 0
-    steps: int = STEPS
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
@@ -97,20 +95,8 @@ class Search:
         """
         slopes, retained = quantities + 1, min(self.keep, self.starts) + given
         after = slopes + profiles * 2 * SIDE * 4 * (slopes + 4)
-        if (
-            self.method == "nested"
-        ):  # 2.5 nats a quantity to shrink by; chains of some 20 + quantities moves from ten on
-            return (
-                int(
-                    self.live_points
-                    * (2.5 * quantities + 3)
-                    * (3 + 2 * quantities if quantities < 10 else 20 + quantities)
-                )
-                // 2
-                + after
-            )
-        if self.method == "ensemble":
-            return (self.walkers or 4 * quantities + 8) * (self.steps + 2) + after
+        if self.method == "nested":
+            return evaluations_of(self.live_points, quantities) + after
         each = (
             min(self.iterations, 8) * (slopes + 4)
             if self.method == "least-squares"

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.errors import MissingExtraError
 from valvetrain.explore.fit import REFUSED
 from valvetrain.explore.identification_charts import (
     dots_chart,
@@ -306,7 +305,6 @@ def identification_json(found: Identified) -> dict[str, Any]:
         },
         "evidence": evidence,
         "profiles": profiles,
-        "diagnostics": _diagnostics(found),
         "warnings": list(found.warnings),
         "evaluations": found.evaluations,
         "kept_from_before": found.reused,
@@ -325,13 +323,6 @@ def _fit(branch: Branch) -> dict[str, Any] | None:
         "met": not one.missed,
         "intervals_widened_for_scatter_times": one.widening,
     }
-
-
-def _diagnostics(found: Identified) -> Mapping[str, Mapping[str, float]]:
-    try:
-        return found.diagnostics
-    except MissingExtraError:
-        return {}
 
 
 def _each(one: object, fields: Mapping[str, str], unit: str) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.errors import MissingExtraError
 from valvetrain.explore.identified import Branch, Conflict, Identified, Predicted, Prediction
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.explore.space import Prior
@@ -19,8 +18,6 @@ FOUND = ("quantity", "likeliest", "2.5 %", "97.5 %", "", "prior", "learned from 
 MEASURED = ("measurement", "measured", "±", "computed", "2.5 %", "97.5 %", "", "percentile")
 CONFLICTS = ("missed", "scatters", "met by", "cost", "missed instead")
 PREDICTED = ("not measured", "likeliest", "2.5 %", "50 %", "97.5 %", "")
-#: R-hat at most, and effective draws at least, of chains that have mixed.
-MIXED, EFFECTIVE = 1.05, 400
 #: Percentiles outside these are worth a look.
 ODD = (2.5, 97.5)
 
@@ -138,28 +135,9 @@ def facts(found: Identified) -> tuple[tuple[str, str], ...]:
         rows.append(("log evidence", f"{found.log_evidence:.2f}{error}"))
     if found.fit is not None:
         rows.append(("goodness of fit", found.fit.phrase))
-    if found.chains > 1:
-        rows.append(("chains by ArviZ", _chains_text(found)))
     used = [one for one in found.predicted if one.datum.used]
     rows.append(("data fitted, compared", f"{len(used)}, {len(found.predicted) - len(used)}"))
     return tuple(rows)
-
-
-def _chains_text(found: Identified) -> str:
-    try:
-        every = found.diagnostics.values()
-    except MissingExtraError as error:
-        return str(error)
-    if not every:
-        return "too few draws"
-    largest, least = (
-        max(one["r_hat"] for one in every),
-        min(min(one["ess_bulk"], one["ess_tail"]) for one in every),
-    )
-    said = f"largest R-hat {largest:.3g}, {least:.0f} effective draws at least"
-    if largest > MIXED or least < EFFECTIVE:
-        said += f" ({MIXED:g} at most and {EFFECTIVE} are needed: take more steps)"
-    return said
 
 
 def is_odd(one: Predicted) -> bool:

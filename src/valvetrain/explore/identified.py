@@ -7,7 +7,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -253,7 +252,7 @@ class Identified(Reported):
     costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its
     error (NaN where it was not found);
     ``notes`` on the search; ``meanings``: what likeliest values amount to, by quantity;
-    ``chains``: walkers whose draws take turns; ``evaluations``: points that were computed, ``reused``: those of an
+    ``evaluations``: points that were computed, ``reused``: those of an
     earlier start; ``whole``: False where
     it was cut short.
 
@@ -290,7 +289,6 @@ class Identified(Reported):
     wall_time: float = field(default=0.0, compare=False)
     name: str = ""
     conflicts: tuple[Conflict, ...] = ()
-    chains: int = 1
     meanings: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -357,35 +355,13 @@ class Identified(Reported):
         :class:`MissingExtraError` where ArviZ is not installed.
         """
         arviz = _arviz()
-        if self.chains > 1:
-            rows = self.values.reshape(-1, self.chains, len(self.names)).swapaxes(0, 1)
-        else:
-            index, counts = even_draws(self.weights, draws, seed)
-            rows = np.repeat(self.values[index], counts, axis=0)[None]
+        index, counts = even_draws(self.weights, draws, seed)
+        rows = np.repeat(self.values[index], counts, axis=0)[None]
         posterior = {name: rows[..., k] for k, name in enumerate(self.names)}
         try:
             return arviz.from_dict(posterior=posterior)
         except TypeError:  # from ArviZ 1.0
             return arviz.from_dict({"posterior": posterior})
-
-    @cached_property
-    def diagnostics(self) -> Mapping[str, Mapping[str, float]]:
-        """Of each quantity ``r_hat``, ``ess_bulk`` and ``ess_tail`` of an ensemble by ArviZ (A. Vehtari
-        and others, Bayesian Analysis 16 (2021) 667); empty for other methods, whose draws are no
-        chains. Raises :class:`MissingExtraError` where ArviZ is not installed.
-        """
-        if self.chains < 2 or len(self.values) < 4 * self.chains:
-            return {}
-        arviz, chains = _arviz(), self.to_arviz()
-        found = {
-            "r_hat": arviz.rhat(chains),
-            "ess_bulk": arviz.ess(chains, method="bulk"),
-            "ess_tail": arviz.ess(chains, method="tail"),
-        }
-        return {
-            name: {key: float(np.asarray(one[name])) for key, one in found.items()}
-            for name in self.names
-        }
 
     def __repr__(self) -> str:
         count = len(self.branches)

@@ -257,7 +257,7 @@ def linear_draws(
         holds = weights.sum() ** 2 / max(np.sum(weights**2), 1e-300) / max(len(off), 1)
         if len(off) > 20 and holds < HOLDS:
             notes.append(
-                f"the linearised posterior does not hold ({100 * holds:.0f} % of its draws count); sample with nested or ensemble"
+                f"the linearised posterior does not hold ({100 * holds:.0f} % of its draws count); sample with nested"
             )
     draws = Draws(
         indices,

@@ -21,7 +21,7 @@ from valvetrain.explore.draws import (
     information_of,
     silent,
 )
-from valvetrain.explore.ensembles import ensemble, evolution, nested
+from valvetrain.explore.evolution import evolution
 from valvetrain.explore.fit import fit_of, predictive, widenings
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identified import (
@@ -41,13 +41,13 @@ from valvetrain.explore.least_squares import (
     Peak,
     best_starts,
     covariance_of,
-    draws_of_peaks,
     ends_of,
     least_squares,
     linear_draws,
     profile,
     starts,
 )
+from valvetrain.explore.nested import nested
 from valvetrain.explore.posterior import Evaluate, Outcome, Posterior
 from valvetrain.explore.store import Store
 from valvetrain.runs.stopping import Stopped
@@ -62,8 +62,6 @@ def finite(outcome: Outcome, key: str) -> float:
 
 Labels = NDArray[np.int64]
 Places = NDArray[np.int64]
-#: Methods that sample the posterior.
-SAMPLING = ("nested", "ensemble")
 #: Ends of keys whose numbers are never negative.
 AMOUNT = re.compile(
     r"(amplitude_force|range|frequency|count|energy|impulse|duration|mass|stress)$|(^|_| )peak_\w*force$"
@@ -86,8 +84,7 @@ def solve(
 ) -> Identified:
     """Search the posterior, find its branches, and report for each what the data determine.
 
-    ``begin`` (n, quantities): starts of a search for a point in SI, in addition to those of ``search``; an
-    ensemble begins about what they lead to.
+    ``begin`` (n, quantities): starts of a search for a point in SI, in addition to those of ``search``.
     ``compare``: computes what is not fitted, for ``search.draws`` of the draws.
     ``units``: those that computed quantities are
     shown in, by key. A stop in a search leaves what it had, one before that raises
@@ -95,26 +92,15 @@ def solve(
     """
     began = time.perf_counter()
     given = None if begin is None else posterior.work_of(begin)
-    if search.method in SAMPLING:
-        if search.method == "nested":
-            draws = nested(
-                posterior,
-                seed=search.seed,
-                live_points=search.live_points,
-                lanes=search.lanes,
-                precision=search.precision,
-                report=report,
-            )
-        else:
-            around = None if given is None else _around(posterior, search, given, report)
-            draws = ensemble(
-                posterior,
-                seed=search.seed,
-                walkers=search.walkers,
-                steps=search.steps,
-                around=around,
-                report=report,
-            )
+    if search.method == "nested":
+        draws = nested(
+            posterior,
+            seed=search.seed,
+            live_points=search.live_points,
+            lanes=search.lanes,
+            precision=search.precision,
+            report=report,
+        )
         labels = (
             branches_of_draws(posterior, draws, search.seed)
             if draws.whole
@@ -169,7 +155,7 @@ def solve(
             _table(posterior, draws.work, indices, compare, counts.astype(float), peaks[0])
         )
     computed = {key: values for table in tables for key, values in table.computed.items()}
-    if search.method in SAMPLING and draws.whole:
+    if search.method == "nested" and draws.whole:
         branches = _checked(posterior, branches, tables[0], labels)
     branches = tuple(
         _widened(posterior, one, peak) for one, peak in zip(branches, peaks, strict=True)
@@ -197,7 +183,6 @@ def solve(
         time.perf_counter() - began,
         name,
         _conflicts(posterior, peaks[0], journal),
-        draws.chains,
     )
 
 
@@ -246,24 +231,6 @@ def _conflicts(posterior: Posterior, peak: Peak, journal: Store) -> tuple[Confli
         (posterior.values(peak.work[None, :])[0], peak.outcome),
         journal.points(len(posterior.unknowns)),
     )
-
-
-def _around(posterior: Posterior, search: Search, given: Array, report: Report) -> Array:
-    """Draws of the linearised posterior about what least squares reach from ``given``: walkers that
-    begin there are spread already.
-    """
-    step = search.difference_step or None
-    peaks = [
-        least_squares(
-            posterior,
-            one,
-            iterations=search.iterations,
-            step=step,
-            report=lambda text: report(0.0, text),
-        )
-        for one in given
-    ]
-    return draws_of_peaks(posterior, ends_of(posterior, peaks), search.draws, search.seed)[0]
 
 
 def _ends(

@@ -1,0 +1,114 @@
+"""Weighted draws of a posterior and its evidence by nested sampling, of the library nautilus.
+
+Source: J. Lange, Monthly Notices of the Royal Astronomical Society 525 (2023) 3181.
+"""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.errors import InputError
+from valvetrain.explore.draws import Draws, Report, extra, silent
+from valvetrain.explore.posterior import Posterior
+from valvetrain.runs.stopping import Stopped
+
+Array = NDArray[np.float64]
+#: Live points, points requested at once, and the share of the evidence that may be left in the live
+#: points when the posterior counts as explored.
+LIVE_POINTS, LANES, PRECISION = 400, 64, 0.01
+#: Equally weighted draws with the information of those that are stored, at least.
+EFFECTIVE = 2000
+#: Draws with less than this share of the largest weight do not count.
+NO_WEIGHT = 1e-8
+#: Points of the prior of which one has to be possible.
+TRIED = 2000
+#: Log likelihood of an impossible point: below any other, and a number.
+IMPOSSIBLE = -1e100
+
+
+def evaluations_of(live_points: int, quantities: int) -> int:
+    """About how many points are computed (measured on posteriors of 3 to 10 quantities).
+
+    >>> evaluations_of(400, 3)
+    9600
+    """
+    return live_points * (8 + 2 * quantities) + 2 * EFFECTIVE
+
+
+def nested(
+    posterior: Posterior,
+    *,
+    seed: int = 1,
+    live_points: int = LIVE_POINTS,
+    lanes: int = LANES,
+    precision: float = PRECISION,
+    report: Report = silent,
+) -> Draws:
+    """Weighted draws of the posterior and the logarithm of its evidence, which has no error bar.
+
+    ``lanes``: points requested at once; another number is another (equally good) sequence of
+    points. Raises :class:`InputError` where no point of the prior can be computed,
+    :class:`MissingExtraError` without the library.
+    """
+    try:
+        from nautilus import Sampler
+    except ImportError as error:
+        raise extra("nautilus-sampler") from error
+    count = len(posterior.unknowns)
+    expected = evaluations_of(live_points, count)
+    done = possible = 0
+
+    def log_likelihoods(shares: Array) -> Array:
+        nonlocal done, possible
+        found = posterior.at(
+            posterior.from_shares(np.clip(shares[:, :count], 0.0, 1.0))
+        ).log_likelihood
+        known = np.isfinite(found)
+        done, possible = done + len(found), possible + int(known.sum())
+        if not possible and done >= TRIED:
+            raise InputError(
+                "no point of the priors can be computed or meets the data; widen the priors or check the measurements"
+            )
+        report(min(done / expected, 0.99), f"{done} points")
+        return np.where(known, found, IMPOSSIBLE)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sampler = Sampler(
+            _same,
+            log_likelihoods,
+            n_dim=max(count, 2),  # it takes no single quantity: the second one has no effect
+            n_live=max(live_points, 2 * count + 2),
+            n_batch=lanes,
+            n_networks=1,
+            vectorized=True,
+            pass_dict=False,
+            seed=seed,
+        )
+        whole = True
+        try:
+            sampler.run(f_live=precision, n_eff=EFFECTIVE)
+        except Stopped:
+            whole = False
+            if not possible:
+                raise
+            for shell in range(len(sampler.points)):  # the stop met one half updated
+                sampler.update_shell_info(shell)
+        shares, log_weights, _ = sampler.posterior()
+        evidence = float(sampler.log_z)
+    weights = np.exp(log_weights - np.max(log_weights))
+    retained = weights > NO_WEIGHT
+    return Draws(
+        posterior.from_shares(shares[retained, :count]),
+        weights[retained] / weights[retained].sum(),
+        evidence,
+        evidence_kind="nested sampling",
+        whole=whole,
+    )
+
+
+def _same(shares: Array) -> Array:
+    return np.asarray(shares)
