@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from workbench_browser_parts import Bench, nothing_serious, open_case, opened, shown, watched
+from workbench_browser_parts import Bench, open_case, opened, watched
 
 pytestmark = pytest.mark.chromium
 CASE = "my-pushrod"
@@ -32,28 +32,6 @@ def case(bench) -> None:
         page.goto(bench.url)
         page.get_by_role("button", name="A pushrod and rocker").click()
         page.wait_for_url(f"**/case/{CASE}")
-
-
-@pytest.mark.parametrize("width", [1400, 390])
-def test_run_is_seen_at_once_and_is_a_few_keys_away(bench, width):
-    """It was 62 presses of Tab away, and on a phone 1610 px down."""
-    seen: list[str] = []
-    page = bench.page(width, seen)
-    open_case(bench, page, CASE)
-    place = page.locator("#run-button").bounding_box()
-    assert place["y"] + place["height"] < 500
-    page.evaluate("document.querySelector('.sheet').focus()")
-    page.keyboard.press("Tab")
-    page.keyboard.press("Enter")  # the link to the content
-    pressed = 0
-    while page.evaluate("document.activeElement.id") != "run-button":
-        page.keyboard.press("Tab")
-        pressed += 1
-        assert pressed < 12
-    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-    nothing_serious(page)
-    page.context.close()
-    assert not seen
 
 
 def number_of(page: Any, label: str) -> float:
@@ -96,51 +74,3 @@ def test_a_solid_height_above_the_lift_is_refused_in_its_field(bench):
         refusal = page.locator("[data-key='train.springs.card.0.solid_height'] [role=alert]")
         refusal.wait_for()
         assert "solid_height" in refusal.inner_text() and "1.15 in" in refusal.inner_text()
-
-
-def test_comparing_offers_two_different_runs(bench):
-    """Ctrl+Enter runs from any field; the second run differs by its preload."""
-    with watched(bench) as page:
-        open_case(bench, page, CASE)
-        page.get_by_label("Engine speeds (crank)").fill("3000 rpm")
-        page.get_by_label("Find a quantity").fill("preload")
-        runs = []
-        for preload in ("140 lbf", "150 lbf"):
-            page.locator("[id='field-train-springs-card-0-preload']").fill(preload)
-            page.keyboard.press("Control+Enter")
-            page.wait_for_function(
-                "(done) => { const at = document.querySelector('.results')?.dataset.shown; return at && !done.includes(at); }",
-                arg=[f"/part/{run}" for run in runs],
-                timeout=60_000,
-            )
-            runs.append(page.get_attribute(".results", "data-shown").removeprefix("/part/"))
-        for query in ("", f"?a={runs[0]}", f"?a={runs[1]}", f"?b={runs[1]}"):
-            page.goto(f"{bench.url}/compare{query}")
-            chosen = {page.input_value("#run-a"), page.input_value("#run-b")}
-            assert chosen == set(runs), query
-        page.goto(f"{bench.url}/run/{runs[0]}")
-        shown(page)
-        verdict = page.locator(".verdict")
-        assert verdict.count() == 1 and "coil bind" in verdict.inner_text()
-        assert verdict.bounding_box()["y"] < 200, "first on its page"
-
-
-def test_a_study_varies_about_the_value_of_the_case_and_is_not_offered_to_compare(bench):
-    """Half to one and a half times a duration is no cam: seven of nine points failed, named by their key."""
-    with watched(bench) as page:
-        open_case(bench, page, CASE)
-        page.get_by_label("Study of a quantity").check()
-        page.get_by_label("Quantity varied").select_option("train.valve.mass")
-        low, high = (float(page.input_value(f"#study-{end}").split()[0]) for end in ("low", "high"))
-        assert high / low == pytest.approx(1.5, rel=0.01)
-        page.locator("#study-points").fill("3")
-        page.locator("#model-massless").check()
-        page.locator("#run-button").click()
-        page.wait_for_function(
-            "document.querySelector('.newest strong')?.textContent.includes('mass')",
-            timeout=120_000,
-        )
-        assert "train.valve.mass" not in page.inner_text(".newest")
-        page.goto(f"{bench.url}/compare")
-        offered = page.locator("#run-a option").all_inner_texts()
-        assert not [one for one in offered if "study" in one]

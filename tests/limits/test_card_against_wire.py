@@ -4,7 +4,6 @@ that the answers say it (contract). The engine is an own one.
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 import valvetrain as vt
@@ -70,17 +69,6 @@ def test_end_turns_on_the_retainer_are_what_a_card_lacks(fit, wire):
         due, rel=2e-3
     )
     assert least_force(engine(card)) > 1.03 * due
-
-
-def test_the_card_tells_what_its_wire_has_besides(fit):
-    """Closed form: rho pi^2 d^2 D n / 4 with n of the rate, 0.5 sqrt(k / m), and the end turns' length."""
-    d, mean, rate, density = 3.7e-3, 21.3e-3, 370 / 8.6e-3, 7850.0
-    turns = 79.5e9 * d**4 / (8 * mean**3 * rate)
-    moves = density * np.pi**2 * d**2 * mean * turns / 4
-    ends = density * np.pi**2 * d**2 * mean * fit.definition.upper_end.inactive_coils / 4
-    assert f"the card alone has {1e3 * moves:.3g} g that move" in fit.in_engine
-    assert f"surges at {0.5 * np.sqrt(rate / moves):.0f} Hz; this wire has {1e3 * ends:.2g} g of end turns" in fit.in_engine  # fmt: skip
-    assert any("this spring has none: copy that of the engine's spring" in one for one in fit.free)
 
 
 def test_a_run_on_a_card_says_once_what_it_lacks(wire):

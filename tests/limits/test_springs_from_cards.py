@@ -92,19 +92,6 @@ def test_turns_come_from_what_the_card_tells(plain, told):
     assert {one.quantity: one.found for one in fit.held}[told] == pytest.approx(value, rel=2e-3)
 
 
-def test_what_was_not_told_is_said_and_what_was_told_is_not(plain):
-    told = vt.spring_card.spring_from_card(
-        vt.spring_card.CatalogueCard(
-            **SIZES, mass=weight(plain.definition), solid_height=plain.definition.solid_height
-        )
-    )
-    assert any("inactive turn at either end is assumed" in one for one in plain.free)
-    assert not any(
-        "inactive turn at either end is assumed" in one or "solid height is given" in one
-        for one in told.free
-    )
-
-
 def test_a_beehive_meets_its_card():
     known = beehive("4 mm", "26 mm", "21 mm", 4.0, total_coils=7.0, free_length="50 mm")
     loads = [

@@ -81,22 +81,6 @@ def test_rattle_between_events_is_no_failure_and_its_scatter_is_told(rattling):
     assert not rattling.failures
 
 
-def test_scatter_stands_in_table_page_and_json(rattling):
-    import valvetrain as vt
-    from valvetrain.report.headlines import headline_rows
-
-    rows = {row.name: row for row in headline_rows(rattling)}
-    (value,) = rows["cycle_scatter_seating_velocity"].values
-    assert value == pytest.approx(
-        rattling.solutions[0].quantities["cycle_scatter_seating_velocity"]
-    )
-    (told,) = vt.report.study_json(rattling)["runs"]
-    assert (
-        told["quantities"]["cycle_scatter_bounce_height"]["unit"] == "m"
-        and "the valve repeats" in told["status"]["message"]
-    )
-
-
 def test_a_train_that_repeats_has_no_scatter():
     (found,) = run_study(pushrod("0.1 mm"), engine_speeds=[1000 * RPM], workers=1).solutions
     assert found.status.sentence() == "completed" and found.quantities["motion_period_count"] == 1

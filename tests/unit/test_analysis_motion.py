@@ -354,37 +354,6 @@ def _published(quantity, value, **more):
     return SimpleNamespace(quantity=quantity, value=value, **{**defaults, **more})
 
 
-@pytest.mark.parametrize(
-    ("published", "computed", "verdict"),
-    [
-        (_published("stage_2_peak_force", 818.0, tolerance=24.5), 840.0, "within tolerance"),
-        (
-            _published("stage_2_peak_force", 818.0, tolerance=24.5),
-            777.1,
-            "misses by -5.0 %, tolerance 3.0 %",
-        ),
-        (_published("stage_2_peak_force", 800.0), 880.0, "differs by +10.0 %"),
-        (
-            _published("stage_2_peak_force", 620.0, relation="at-most"),
-            589.0,
-            "stated as at most: -5.0 %",
-        ),
-        (
-            _published("stage_2_peak_force", 620.0, relation="at-most"),
-            651.0,
-            "stated as at most: beyond by 5.0 %",
-        ),
-        (_published("stage_1_peak_1_cam_angle", 1 * DEG), 359 * DEG, "differs by -2.0 deg"),
-        (_published("coil_1_2_installed_gap", 0.0, unit="mm"), -2e-6, "differs by -0.002 mm"),
-        (_published("other_force", 1.0), 2.0, "not computed"),
-    ],
-)
-def test_verdicts_say_how_far(published, computed, verdict):
-    name = "stage_2_peak_force" if published.quantity == "other_force" else published.quantity
-    (row,) = compare([published], {Quantity(name, 100.0, "finite-element"): computed}, COUNTERPARTS)
-    assert row.verdict == verdict
-
-
 def test_published_collision_meets_the_nearest_computed_one():
     computed = {
         Quantity(f"clash_{n}_cam_angle", 100.0, "finite-element"): angle * DEG

@@ -11,7 +11,7 @@ import pytest
 from unit.cli_parts import call
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.loading import parse_case
-from valvetrain.parameters.templates import template_kind, template_text
+from valvetrain.parameters.templates import template_text
 from valvetrain.system.build import build
 from valvetrain.units import parse_quantity
 from valvetrain.workbench.workspace import Workspace
@@ -49,66 +49,11 @@ def test_an_open_load_at_the_solid_height_passes():
     parse_case(PUSHROD.replace('open_height = "1.25 in"', 'open_height = "1.15 in"', 1), "own")
 
 
-@pytest.mark.parametrize(
-    ("word", "kind"),
-    [("bucket", "direct"), ("Tappet", "direct"), ("push-rod", "pushrod"), ("finger follower", "finger"), ("swing_arm", "finger"),
-     ("rocker-arm", "rocker"), ("OHV", "pushrod"), ("direct", "direct")],
-)  # fmt: skip
-def test_trains_go_by_the_words_of_their_users(word, kind):
-    assert template_kind(word) == kind
-    if word != kind:
-        text = PUSHROD.replace('kind = "pushrod"', f'kind = "{word}"', 1)
-        with pytest.raises(InputError, match=f'train.kind: .* is called {kind}: write "{kind}"'):
-            parse_case(text, "own")
-
-
-@pytest.mark.parametrize(
-    ("word", "says"),
-    [("roller", "a shape of what runs on the cam"), ("DOHC", "an overhead cam drives direct"), ("buckit", "did you mean direct?"),
-     ("desmo", "use direct (a bucket tappet), finger")],
-)  # fmt: skip
-def test_what_names_no_train_is_answered_with_those_there_are(word, says):
-    with pytest.raises(InputError) as refused:
-        parse_case(PUSHROD.replace('kind = "pushrod"', f'kind = "{word}"', 1), "own")
-    assert says in str(refused.value)
-
-
-def test_a_doubt_about_a_dual_spring_names_spring_and_set():
-    text = PUSHROD.replace('preload = "95 lbf"', 'preload = "135 lbf"').replace('open_load = "234 lbf"', 'open_load = "500 lbf"')  # fmt: skip
-    with pytest.warns(UnusualValueWarning, match="spring 'outer' of set 'dual': rate, wire"):
-        parse_case(text, "own")
-
-
-def test_a_train_without_its_kind_is_told_the_kinds():
-    """Contract: "'kind' is missing; add it" left a newcomer to guess what belongs there."""
-    text = PUSHROD.replace('kind = "pushrod"\n', "", 1)
-    expected = r"train.kind: 'kind' is missing; add it: direct \(a bucket tappet\), finger .* or pushrod \(a pushrod and rocker\)"
-    with pytest.raises(InputError, match=expected):
-        parse_case(text, "own")
-
-
 @pytest.mark.parametrize("kind", ["pushrod", "direct", "finger", "rocker"])
 def test_the_cards_of_the_templates_raise_no_doubt(kind):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         parse_case(template_text(kind, cards=True), kind)
-
-
-@pytest.mark.parametrize(
-    ("text", "dimension", "offers"),
-    [("0.187", "length", "'0.187 in' or '0.187 mm'"), ("4.2", "length", "'4.2 mm' or '4.2 in'"), ("130", "force", "'130 N' or '130 lbf'"),
-     ("360", "stiffness", "'360 N/mm' or '360 lbf/in'"), ("96", "mass", "'96 g' or '96 lb'"), ("236", "angle", "'236 deg'"),
-     ("130 lbf/in", "force", "'1 N' or '1 lbf'")],
-)  # fmt: skip
-def test_a_bare_number_is_offered_the_units_of_both_systems(text, dimension, offers):
-    with pytest.raises(InputError) as refused:
-        parse_quantity(text, dimension)
-    assert str(refused.value).endswith(offers)
-
-
-def test_the_command_offers_inches_for_a_wire_in_inches():
-    result = call("spring-card", "--wire-diameter", "0.187", "--outer-diameter", "1.30 in")
-    assert result.exit_code == 2 and "write '0.187 in' or '0.187 mm'" in result.stderr
 
 
 @pytest.mark.parametrize(

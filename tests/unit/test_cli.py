@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,6 @@ import pytest
 from unit.cli_parts import SMALL, SOURCE, call, process, sentence
 from valvetrain import __version__
 from valvetrain.cli.options import read_engine_speeds
-from valvetrain.cli.progress import time_left
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
 from valvetrain.parameters.templates import template_text
@@ -53,30 +51,6 @@ def test_version_and_help():
         assert all(name in result.stdout for name in COMMANDS)
     for name in COMMANDS:
         assert call(name, "--help").exit_code == 0
-
-
-def test_run_compare_and_sweep_share_their_options():
-    shared = (
-        "--engine-speed",
-        "--spring",
-        "--spring-set",
-        "--set",
-        "--elements-per-coil",
-        "--output",
-        "--workers",
-        "--limit",
-        "--implausible",
-        "--report",
-        "--figures",
-        "--published",
-        "--open",
-        "--units",
-        "--json",
-        "--quiet",
-    )
-    for command in ("run", "compare", "sweep"):
-        shown = call(command, "--help").output
-        assert not [option for option in shared if option not in shown], command
 
 
 def test_an_own_command_of_a_package_that_cannot_be_loaded_is_left_out_with_a_sentence(tmp_path):
@@ -139,18 +113,6 @@ def test_the_estimated_rate_of_a_conical_spring_is_the_closed_form():
         spring.material.shear_modulus * 3e-3**4 / (16 * 6 * (lower + upper) * (lower**2 + upper**2))
     )
     assert definition_quantities(spring)["estimated_rate"] == pytest.approx(rate, rel=1e-5)
-
-
-def test_check_shows_the_units_of_the_field():
-    text = call("check", "uniform-spring").stdout
-    lines = (
-        r"Free length +38\.8 +mm",
-        r"Estimated rate +38\.969 +N/mm",
-        r"Estimated surge frequency +561\.\d+ +Hz",
-        r"Wire mass +30\.9\d* +g",
-    )
-    for line in lines:
-        assert re.search(line, text), line
 
 
 def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
@@ -442,12 +404,6 @@ def test_engine_speeds_are_read_in_rpm_and_ranges_hold_both_ends():
         assert read_engine_speeds(text) == read_engine_speeds(f"{text} rpm")
     with pytest.raises(InputError, match="is a length"):
         read_engine_speeds("3000 mm")
-
-
-def test_the_time_left_is_what_the_share_done_leaves():
-    assert time_left(10.0, 0.25) == "about 30 s left"
-    assert time_left(300.0, 0.5) == "about 5 min left"
-    assert time_left(1.0, 0.0) == time_left(1.0, 1.0) == ""
 
 
 BINDS = """

@@ -259,28 +259,3 @@ def test_an_unexpected_error_is_a_sentence_unless_its_origin_is_asked_for(tmp_pa
         command, capture_output=True, text=True, env=process_environment(VALVETRAIN_TRACEBACK="1")
     )
     assert shown.returncode == 1 and "Traceback" in shown.stderr
-
-
-def test_compilation_is_announced_once(tmp_path):
-    from valvetrain.cli import progress as compilation
-
-    code = (
-        "from valvetrain.cli.progress import seconds_to_compile as s; print(s('statics'), s('statics', 'transient'));"
-        "from valvetrain.cli.progress import announce_compilation as a; a('statics', 'transient')"
-    )
-    command = [sys.executable, "-c", code]
-    empty = process_environment(NUMBA_CACHE_DIR=str(tmp_path / "empty"))
-    fresh = subprocess.run(command, capture_output=True, text=True, check=True, env=empty)
-    total = sum(compilation.KERNELS[kind][2] for kind in ("statics", "transient"))
-    assert [float(text) for text in fresh.stdout.split()] == [
-        compilation.KERNELS["statics"][2],
-        total,
-    ]
-    assert fresh.stderr == f"compiling kernels, once, about {total:.0f} s\n"
-    process(
-        "modes", "uniform-spring", "--elements-per-coil", "8", "--count", "2", folder=tmp_path
-    )  # leaves its kernels in the usual cache
-    later = subprocess.run(
-        command, capture_output=True, text=True, check=True, env=process_environment()
-    )
-    assert float(later.stdout.split()[0]) == 0.0

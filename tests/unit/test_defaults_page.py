@@ -18,19 +18,6 @@ def test_the_committed_page_is_the_one_the_tables_write():
     assert PAGE.read_text(encoding="utf-8") == defaults_page()
 
 
-def test_the_page_tells_units_and_meanings():
-    rows = [line for line in defaults_page().splitlines() if line.startswith("| `")]
-    assert (
-        "| `stiffness` | 20000 N/mm^2 | stiffness per length of wire; 0: coils pass through each other |"
-        in rows
-    )
-    assert (
-        "| `card_lift` | 12 mm | lift up to which the coils of a wire made from a card stay apart |"
-        in rows
-    )
-    assert all(all(cell.strip() for cell in row.strip("|").split(" | ")) for row in rows)
-
-
 @pytest.mark.parametrize("word", registry.names("contacts"))
 def test_defaults_of_contact_tables_are_those_of_the_laws(word):
     spec = registry.find("contacts", word)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 import re
-import time
 import warnings
 
 import pytest
@@ -17,7 +16,6 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.runs.compare_springs import with_two_springs
-from valvetrain.runs.measured_cost import sweep_seconds
 from valvetrain.runs.request_cost import RunRequest, planned
 from valvetrain.system.build import build
 
@@ -144,31 +142,3 @@ def test_a_sweep_runs_the_spring_set_that_the_case_names_as_a_run_does():
         assert [springs for _, springs in planned(request)] == [
             asked.train.springs[name] for name in sorted(sets)
         ]
-
-
-def test_the_time_of_a_sweep_grows_with_its_speeds_and_its_search():
-    case = parse_case(template_text("pushrod"))
-    rpm = math.pi / 30
-    few, many = (
-        sweep_seconds(
-            case, speeds, spring_models=["massless"], spring_sets=["card"], searches=False
-        )
-        for speeds in ([6000 * rpm], [6000 * rpm] * 40)
-    )
-    searched = sweep_seconds(case, [6000 * rpm], spring_models=["massless"], spring_sets=["card"])
-    assert few < many and few < searched  # factors of 40 and 78, far beyond the noise of a machine
-
-
-@pytest.mark.long
-def test_the_time_that_a_sweep_announces_is_that_which_it_takes():
-    """Property: within a factor of three in CPU time, which other programs hardly lengthen; the error bars of the
-    command line are in the announced time and not in the study.
-    """
-    case, rpm = parse_case(template_text("pushrod")), math.pi / 30
-    speeds = [5000 * rpm, 6000 * rpm, 7000 * rpm]
-    asked = {"spring_models": ["modal-uniform"], "spring_sets": ["card"]}
-    said = sweep_seconds(case, speeds, **asked)
-    begun = time.process_time()
-    vt.sweep(case, speeds, ["modal-uniform"], spring_set=["card"], workers=1)
-    taken = time.process_time() - begun
-    assert taken / 3 < said < 3 * taken

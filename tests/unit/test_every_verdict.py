@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from valvetrain.quantities.compare import compare, verdict
-from valvetrain.report.table import tone
 from valvetrain.runs.stored_error_bars import belongs
-from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.uncertainty import Uncertainty
 
@@ -94,37 +91,6 @@ def test_a_difference_is_computed_less_published_and_angles_go_round_the_circle(
 
 def replace_speed(value: SimpleNamespace, engine_speed: float) -> SimpleNamespace:
     return SimpleNamespace(**{**vars(value), "engine_speed": engine_speed})
-
-
-def test_good_and_bad_follow_a_stated_tolerance_only():
-    row = Comparison(
-        "peak_spring_force",
-        100.0,
-        "m",
-        "o",
-        "N",
-        800.0,
-        790.0,
-        -10.0,
-        "prediction",
-        24.0,
-        "within tolerance",
-    )
-    assert (
-        tone(row) == "good"
-        and tone(replace(row, verdict="misses by -5.0 %, tolerance 3.0 %")) == "bad"
-    )
-    assert (
-        tone(replace(row, verdict="differs by -5.0 %"))
-        == tone(replace(row, verdict="not computed"))
-        == "quiet"
-    )
-    assert replace(row, published=-800.0).relative_difference == pytest.approx(-10 / 800)
-    assert (
-        replace(row, published=0.0).relative_difference
-        is None
-        is replace(row, difference=None).relative_difference
-    )
 
 
 @pytest.mark.parametrize(

@@ -11,13 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from validation.calculix.jobs import SolidSpring
 
 from synthetic_study import modal_run, own_study, record, rod_run, train_run, train_study
 from unit.cli_parts import SMALL
-from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.report.page import render
 from valvetrain.report.plotly_chart import in_script
@@ -80,15 +77,6 @@ def test_words_of_any_language_are_names(value):
 def test_a_long_description_of_several_lines_is_kept():
     text = "first\nsecond\tthird\n" * 100
     assert parse_case(with_key("description", text)).description == text
-
-
-def test_the_deck_of_the_solid_solver_holds_no_card_of_a_name():
-    spring = cylindrical("4 mm", "24 mm", total_coils=4, free_length="30 mm").replace(
-        name="Größe\n*INCLUDE, INPUT=/etc/hostname\n*STEP"
-    )
-    deck = SolidSpring(spring, MeshOptions(elements_per_coil=8, core=1, rings=1)).deck()
-    assert deck.isascii()
-    assert "*INCLUDE" not in [line.split(",")[0] for line in deck.splitlines()]
 
 
 @pytest.mark.parametrize("words", [*HOSTILE, "a\u2028b"])

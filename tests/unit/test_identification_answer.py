@@ -7,9 +7,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
-import xarray
 
 from unit.cli_parts import call
 from valvetrain.explore.identification_file import parse_request
@@ -99,13 +97,3 @@ def test_the_answer_tells_si_values_with_their_units(folder: Path, told: dict) -
     assert {value["unit"] for value in told["profiles"]["rate"]["values"]} == {
         "N/m"
     } and "units" not in told
-
-
-def test_draws_carry_the_units_of_their_numbers(folder: Path, told: dict) -> None:
-    with xarray.open_dataset(folder / "out" / "draws.nc") as draws:
-        units = {name: one.attrs["units"] for name, one in draws.data_vars.items()}
-        assert units["weight"] == "1" and units["quantity_rate"] == "N/m"
-        force = next(name for name in units if "force_at_12" in name)
-        mode = next(name for name in units if name.endswith("mode_1_frequency"))
-        assert units[force] == "N" and units[mode] == "Hz"
-        assert np.all(np.abs(draws["quantity_rate"].values - 32e3) < 6e3)

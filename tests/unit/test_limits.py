@@ -4,20 +4,13 @@ workbench, from one table; published: strengths of wires. The engine is an own o
 
 from __future__ import annotations
 
-import io
-import json
 import math
 
 import pytest
-from rich.console import Console
 
 import valvetrain as vt
-from valvetrain.cli.answers import show_study
 from valvetrain.parameters.material import material_by_name, tensile_strength
 from valvetrain.quantities.limits import OF_CASE, passed_limits
-from valvetrain.report.json import study_json
-from valvetrain.report.read_page import read_page
-from valvetrain.report.study import study_page, write_page
 
 #: A thin wire pressed far: tau = 8 F D / (pi d^3) without factor, 1.13 GPa.
 CASE = vt.Case(
@@ -56,25 +49,6 @@ def test_the_corrected_stress_passes_no_limit_at_rest():
     found = run.quantities
     assert found["open_nominal_shear_stress"] > found["permitted_shear_stress"]
     assert not passed_limits(found) and "limit" not in run.verdict
-
-
-def test_terminal_json_page_and_workbench_say_it(study, tmp_path):
-    out = io.StringIO()
-    show_study(Console(file=out, width=120), study, tmp_path, None)
-    rows = [
-        line.rstrip()
-        for line in out.getvalue().splitlines()
-        if "hear stress" in line and "at the largest lift" in line
-    ]
-    assert [one.endswith("!") for one in rows] == [False, True]
-    assert "above its limit of 1070 MPa" in study.verdict
-    limits = study_json(study)["runs"][0]["passed_limits"]["open_uncorrected_shear_stress"]
-    assert limits["value"] == pytest.approx(0.56 * 1910e6) and limits["unit"] == "Pa"
-    json.dumps(limits)
-    page, _ = write_page(study_page(study), tmp_path, figures=False)
-    # the workbench shows the sections of the page as they are
-    shown = " ".join(str(section) for section in read_page(page))
-    assert "above 1070 MPa: what EN 13906-1 permits" in shown and " !'" in shown
 
 
 def test_a_case_sets_its_own_limit_of_the_seating_velocity_and_nothing_moves():

@@ -214,16 +214,6 @@ def test_stress_by_the_slope_of_the_coils_is_that_of_the_textbook():
     assert np.all(found.values[:, (coil < first) | (coil > last)] == 0.0)
 
 
-def test_a_chain_shows_the_stress_and_the_page_says_where_it_comes_from():
-    """Near the nominal stress of the largest force, which has no waves along the wire."""
-    study = vt.simulate("job-t", "3000 rpm", spring_models=["multi-mass"], workers=1)
-    variant = moving_picture(study, 120).variants[0]
-    assert [spring.colourings[0].key for spring in variant.springs] == ["stress"]
-    assert any("slope of the coils" in note for note in variant.notes)
-    nominal = 1e-6 * study.solutions[0].quantities["open_nominal_shear_stress"]
-    assert 0.9 < variant.springs[0].colourings[0].values.max() / nominal < 1.3
-
-
 def test_a_run_that_cannot_be_drawn_is_named_and_the_others_are(study):
     strange = replace(
         rod_run(), provenance=replace(rod_run().provenance, label="lost", model="no-such-model")

@@ -17,7 +17,6 @@ from valvetrain.quantities.train_events import CAUSE_SURGE, CAUSE_VIBRATION, LOS
 from valvetrain.report.clauses import Runs, Worst
 from valvetrain.report.key_figures import beyond_control, key_figures
 from valvetrain.runs.error_bars import Uncertainty
-from valvetrain.runs.notes import pulling_end_notes
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
@@ -132,15 +131,3 @@ def test_a_train_says_how_far_its_energy_closes_and_from_which_preload_it_begins
     never = replace(run, quantities={**run.quantities, "motion_period_count": 0.0})
     told = dict(key_figures(replace(study, solutions=(never,))))
     assert "energy" not in told["stable time step"]
-
-
-def test_note_and_sentence_on_ends_that_pull_name_the_same_speeds():
-    """Contract: the sentence said 6900 rpm, of a run between the swept speeds, the note 7500 rpm alone."""
-    (run,) = train_study().solutions[:1]
-    pull = Event("end-pull", 3.0, 0.01, 1e-4, 1e-4, "s", "retainer")
-    runs = [
-        replace(run, events=(pull,), provenance=replace(run.provenance, engine_speed=one * RPM))
-        for one in (6900.0, 7500.0)
-    ]
-    (note,) = pulling_end_notes(runs)
-    assert "at 6900 rpm, " in note and "at 7500 rpm" in note

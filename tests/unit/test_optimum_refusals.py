@@ -184,14 +184,6 @@ def test_a_bound_that_is_a_share_of_a_case_without_that_number_is_refused():
         vt.optimise(text.replace('"preload"', '"coil_bind_clearance"'), workers=1)
 
 
-def test_a_search_beyond_its_bound_says_what_to_ask_less_of():
-    with pytest.raises(
-        vt.InputError,
-        match=r"beyond the bound of 1 s; choose fewer trials, speeds or models, or raise the bound with",
-    ):
-        vt.optimise(FILE.replace("trials = 8", "trials = 20000"), workers=1, limit="1 s, 99 GB")
-
-
 def test_fewer_than_one_worker_is_refused():
     with pytest.raises(vt.InputError, match="workers must be 1 or more"):
         vt.optimise(FILE, workers=0)

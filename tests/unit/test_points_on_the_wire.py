@@ -14,7 +14,6 @@ from valvetrain.cli.case_facts import case_facts
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.space import Varied
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.sections.gu2021 import node_chart
 from valvetrain.sources.gu2021_coils import coils_of
 
 
@@ -135,29 +134,6 @@ def test_numbers_of_nodes_are_read_where_the_case_says():
     untouched = {name for name in usual if not name.startswith("node_2")}
     assert "node_1_peak_acceleration" in untouched
     assert {name: usual[name] for name in untouched} == {name: moved[name] for name in untouched}
-
-
-def test_the_figure_of_the_nodes_is_drawn_where_the_case_says():
-    coarse = {
-        "spring.options.finite-element.elements_per_coil": 8,
-        "operation.engine_speeds": "8000 rpm",
-    }
-    studies = [
-        vt.simulate(
-            vt.load_case("gu2021-beehive-blind", coarse | more),
-            spring_models=["finite-element"],
-            workers=1,
-        )
-        for more in ({}, {"points.node_2": 1.9})
-    ]
-    for study, words, coil in zip(
-        studies, ("node 2 (end of coil 2)", "node 2 (coil 1.9)"), (2.0, 1.9), strict=True
-    ):
-        chart = node_chart(study, study.solutions[0], "nodes")
-        velocity = next(panel for panel in chart.panels if "velocity" in panel.y_label)
-        line = next(one for one in velocity.layers if getattr(one, "name", "") == words)
-        drawn = reported_cycle(study.solutions[0]).at_coil("axial_velocity", coil)
-        assert np.abs(line.y).max() == pytest.approx(np.abs(drawn).max(), rel=1e-3)
 
 
 def test_coils_of_nodes_are_the_ends_of_coils_unless_told():

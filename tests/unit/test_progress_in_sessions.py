@@ -12,8 +12,6 @@ import pytest
 
 import valvetrain as vt
 from valvetrain import session
-from valvetrain.cli.progress import KERNELS
-from valvetrain.explore import Datum
 from valvetrain.runs.watch import shows_progress
 
 
@@ -50,24 +48,6 @@ def test_a_sweep_in_a_cell_shows_its_share_and_leaves_nothing(cell):
     assert len(found.solutions) == 1
     assert cell[0] == {"text/plain": "sweep"} and "<progress" in cell[1]["text/html"]
     assert cell[-1] == {"text/html": "", "text/plain": ""}
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        three,
-        lambda: vt.Case("job-t").study(
-            {"spring.pitch": ["7 mm", "7.5 mm"]}, "solid_force", sampling="grid",
-            engine_speeds="2000 rpm", models="massless", workers=1,
-        ),
-        lambda: vt.identify({"x": vt.explore.Prior("uniform", 0.0, 1.0)}, [Datum("x", 0.5, 0.1)], lambda points: [{"x": p[0]} for p in points]),
-    ],
-    ids=["map", "study", "identify"],
-)  # fmt: skip
-def test_other_long_calls_do_too(cell, call):
-    call()
-    assert len([one for one in cell if "<progress" in one.get("text/html", "")]) >= 1
-    assert cell.count({"text/html": "", "text/plain": ""}) == 1
 
 
 def test_calls_inside_a_call_draw_no_second_bar(cell):
@@ -109,33 +89,3 @@ def test_an_error_ends_the_bar(cell):
         with pytest.raises(ValueError):
             broken()
     assert cell.count({"text/plain": "broken"}) == 2 and cell[-1]["text/html"] == ""
-
-
-def test_compilation_is_announced_once_and_only_where_somebody_watches(
-    monkeypatch, capsys, tmp_path
-):
-    kernel_file = tmp_path / "slow_kernels.py"
-    source = "from valvetrain.compiled import njit\n"
-    for name in ("advance_chain", "advance_train"):
-        source += f"\n\n@njit(cache=True)\ndef {name}(x):\n    return x + 1\n"
-    kernel_file.write_text(source, encoding="utf-8")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    import slow_kernels
-
-    session.announce_compilation.cache_clear()
-    slow_kernels.advance_train(1)
-    assert capsys.readouterr().err == ""
-    monkeypatch.setattr(sys, "ps1", ">>> ", raising=False)
-    slow_kernels.advance_chain(1)
-    slow_kernels.advance_chain(1.0)
-    assert capsys.readouterr().err == "valvetrain: compiling kernels, once, about 5 s\n"
-    session.announce_compilation.cache_clear()
-
-
-def test_seconds_are_those_that_the_command_line_announces():
-    found = {kind: seconds for kind, (_, _, seconds) in KERNELS.items()}
-    assert found == {
-        "statics": session.COMPILE_SECONDS["stretch_terms"],
-        "transient": session.COMPILE_SECONDS["integrate_in_time"],
-        "train": session.COMPILE_SECONDS["advance_train"],
-    }

@@ -191,23 +191,3 @@ def test_one_name_or_several():
     members = vt.system.build.build(case, spring_models="multi-mass", spring_set="stock").members
     assert [member.label for member in members] == ["multi-mass"]
     assert len(vt.runs.train_modes(case, "massless", spring_set="stock")) == 2
-
-
-@pytest.mark.parametrize(
-    ("wrong", "sentence"),
-    [
-        (lambda: vt.compare("job-t", ["massless", "multi-mass"], "2000 rpm"), "engine_speeds: 'massless' is a spring model"),
-        (lambda: vt.Case("job-t").compare("massless"), "engine speeds come first"),
-        (lambda: vt.Case("job-t").run("multi-mass"), "engine speeds come first"),
-        (lambda: vt.sweep("job-t", "massless, multi-mass"), "engine speeds come first"),
-        (lambda: vt.static_curve("job-t", spring_model="multimass"), "spring_model: .*multi-mass"),
-        (lambda: vt.sweep("job-t", "2000 rpm", resolution="5 mm"), "^resolution: "),
-        (lambda: vt.run_up("tdi-pushrod", "2000 rpm", "2100 rpm", "1 ms"), "^duration: "),
-        (lambda: vt.simulate("job-t", "2000 rpm", spring_set="stock"), "^spring_set: "),
-        (lambda: vt.Case("job-t").run("2000 rpm", model="massless").unit("seat_forse"), "seat_force"),
-        (lambda: vt.Case("job-t").run("2000 rpm", model="massless").reduced()["seat_force"], "run it whole"),
-    ],
-)  # fmt: skip
-def test_messages_name_what_python_was_given(wrong, sentence):
-    with pytest.raises(vt.InputError, match=sentence):
-        wrong()

@@ -73,12 +73,6 @@ def test_different_lifts_are_different_cases():
     assert cases[0] != cases[1] and cases[0].digest != cases[1].digest
 
 
-def test_a_report_of_a_case_made_in_python_lists_its_inputs(tmp_path):
-    case = vt.Case(spring=vt.Spring(**WIRE), lift_law=lift_of(8e-3), name="own")
-    page = case.report(tmp_path, "4000 rpm", spring_models="massless").page.read_text()
-    assert "wire_diameter" in page and "3.8 mm" in page
-
-
 def test_a_changed_case_has_the_text_of_the_change():
     changed = vt.Case("job-t").set({"spring.wire_diameter": "3.9 mm"}, title="Thinner wire")
     assert "3.9 mm" in changed.text and "4.0 mm" not in changed.text
@@ -324,25 +318,6 @@ def test_a_function_of_a_cell_runs_in_workers():
         vt.map(lambda one: lock.locked(), [1, 2], workers=2)
 
 
-def test_wrong_names_are_answered_with_the_nearest():
-    case = vt.Case("job-t")
-    sweep = case.sweep("2000:3000:1000 rpm", "multi-mass", workers=1)
-    run = case.run("2000 rpm", model="multi-mass")
-    for wrong, right in (
-        (lambda: sweep.series("multi-mass", "peak_spring_forse"), "peak_spring_force"),
-        (lambda: sweep.series("multimass", "peak_spring_force"), "multi-mass"),
-        (lambda: run.quantities["peak_spring_forse"], "peak_spring_force"),
-        (lambda: sweep.quantities["prelaod"], "preload"),
-        (lambda: run["seat_forse"], "seat_force"),
-        (lambda: case.set({"spring.wire_diametre": 0.004}), "wire_diameter"),
-        (lambda: case.run("2000 rpm", model="multi-masses"), "multi-mass"),
-        (lambda: vt.Spring(wire_diametre=0.004), "wire_diameter"),
-    ):
-        with pytest.raises(vt.InputError, match=right):
-            wrong()
-    assert run.quantities.get("nothing") is None and "nothing" not in run.quantities
-
-
 def test_one_model_may_be_named_by_a_text():
     one, other = (
         vt.simulate("job-t", "2000 rpm", spring_models=models)
@@ -354,12 +329,6 @@ def test_one_model_may_be_named_by_a_text():
 def test_several_runs_are_not_one():
     with pytest.raises(vt.InputError, match="name one speed and one model"):
         vt.Case("gu2021-beehive-blind").run(model="massless")
-
-
-def test_a_case_shows_itself_in_a_few_lines():
-    case = vt.Case("tdi-pushrod")
-    assert len(repr(case).splitlines()) <= 6 and "pushrod" in repr(case)
-    assert "<pre>" in case._repr_html_()
 
 
 @pytest.mark.parametrize(

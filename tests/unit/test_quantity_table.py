@@ -13,18 +13,13 @@ from quantity_pages import quantities_page
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import library_names, load_case
-from valvetrain.parameters.schema_case import dimension_of_quantity
 from valvetrain.registry import BUILT_IN
-from valvetrain.report.text import quantity_label
 from valvetrain.solution import definition
 from valvetrain.solution.definition import (
     definition_of,
     fixed_part,
     is_defined,
     label_of,
-    near_names,
-    no_quantity,
-    not_given,
     pattern_of,
     row,
     shown,
@@ -115,19 +110,6 @@ def test_the_committed_page_is_the_generated_one():
     )
 
 
-def test_labels_of_templates_are_filled():
-    assert label_of("mode_12_frequency") == "mode 12 frequency"
-    assert label_of("peak_valve_tip_contact_force") == "peak valve tip contact force"
-    assert (
-        label_of("peak_open_valve_tip_contact_force") == "peak valve tip contact force while open"
-    )
-    assert (
-        label_of("outer_mean_peak_section_displacement") == "mean peak motion of the coils (outer)"
-    )
-    assert label_of("outer_coil_bind_clearance") == "clearance to coil bind, outer spring"
-    assert quantity_label("peak_spring_force") == "Peak spring force below 10 kHz"
-
-
 def test_values_are_shown_in_the_fields_units():
     value, unit = shown("valve_open_duration", 0.0125)
     assert (value, unit) == (pytest.approx(12.5), "ms")
@@ -147,20 +129,6 @@ def test_units_of_json_are_si():
     }
     assert {name: unit_of(name) for name in units} == units
     assert unit_of("peak_lever_bending_moment") == "N m"
-
-
-def test_a_name_that_no_table_has_speaks_by_its_last_word():
-    assert not is_defined("rocker_shaft_cam_angle")
-    assert (unit_of("rocker_shaft_cam_angle"), label_of("rocker_shaft_cam_angle")) == (
-        "rad",
-        "rocker shaft, cam angle",
-    )
-    assert unit_of("rocker_shaft_velocity_range") == "m/s"
-    assert dimension_of_quantity("rocker_shaft_velocity_range") == "velocity"
-    assert (unit_of("rocker_shaft_colour"), dimension_of_quantity("rocker_shaft_colour")) == (
-        "1",
-        None,
-    )
 
 
 def test_a_package_adds_a_table(other_table):
@@ -213,34 +181,3 @@ def test_every_number_of_a_definition_is_defined(name):
 
     names = [key for spring in load_case(name).springs for key in design_quantities(spring)]
     assert names and not [one for one in names if not is_defined(one)]
-
-
-@pytest.mark.parametrize(
-    ("asked", "told"),
-    [
-        ("float_speed", "did you mean float_engine_speed?"),  # all its words
-        ("seat_velocity", "did you mean seating_velocity?"),  # letters
-        (
-            "mode_1",
-            "did you mean mode_{n}_frequency, moving_retainer_mode_{n}_frequency or",
-        ),  # a number of a template
-        ("coil_bind_clearence", "did you mean coil_bind_clearance?"),
-        ("valve_tip", "docs/quantities.md lists their names"),
-        ("", "docs/quantities.md lists their names"),
-    ],
-)
-def test_a_name_that_no_table_has_is_answered_with_the_nearest(asked, told):
-    assert not is_defined(asked) and no_quantity(asked).startswith(
-        f"'{asked}' is no quantity; {told}"
-    )
-
-
-def test_a_quantity_that_no_run_gave_is_told_with_those_near_it_but_not_itself():
-    near = near_names("peak_shear_stress")
-    assert "peak_shear_stress" not in near and len(near) == 3
-    assert not_given("peak_shear_stress").startswith(
-        f"no run gave the peak shear stress (peak_shear_stress); similar: {near[0]}, "
-    )
-    assert near_names("xyzzy") == () and not_given("mode_7_frequency").startswith(
-        "no run gave the mode 7 frequency (mode_7_frequency)"
-    )

@@ -22,7 +22,7 @@ from synthetic_study import (
     train_study,
 )
 from valvetrain.registry import find
-from valvetrain.report.chart import Chart, HeatMap, Line, Marks
+from valvetrain.report.chart import Chart, Line, Marks
 from valvetrain.report.headlines import headline_rows
 from valvetrain.report.page import Grid, Text, charts
 from valvetrain.report.sections import sweep
@@ -76,18 +76,6 @@ def test_spring_force_by_speed_and_model_with_rest_dashed(own, key, channel, wor
     np.testing.assert_allclose(still.y, 300 + 40e3 * LIFT, atol=1e-6)
     band = chart.panels[0].bands[0]
     assert (band.first, band.last) == pytest.approx(tuple(np.degrees((EVENT.start, EVENT.end))))
-
-
-def test_a_clash_map_is_where_and_as_hard_as_the_clash(own):
-    heat = own["clash-coils-2-1-spring"].panels[0].layers[0]
-    assert isinstance(heat, HeatMap) and (heat.name, heat.unit) == ("contact force", "N")
-    row, column = np.unravel_index(np.argmax(heat.z), heat.z.shape)
-    assert (
-        heat.z[row, column] == pytest.approx(200.0)
-        and heat.x[column] == pytest.approx(250.0)
-        and heat.y[row] < 2.6
-    )
-    assert np.all(heat.z[heat.y > 2.6] == 0)
 
 
 def test_coil_positions_are_millimetres_of_the_wire(own):

@@ -4,7 +4,6 @@ they are followed.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import click
@@ -18,7 +17,6 @@ from valvetrain.errors import InputError
 from valvetrain.explore import optimise, searchers
 from valvetrain.explore.space import Uniform, Values
 from valvetrain.parameters.train import ContactParameters
-from valvetrain.report.motion.scene import _bytes_per_frame
 from valvetrain.report.motion.springs import _shares
 from valvetrain.rig import shaft as rig_shaft
 from valvetrain.rig.channels import RigQuantity
@@ -69,27 +67,6 @@ def test_places_are_shares_only_where_they_reach_from_zero_to_one_of_more_than_a
     ends, places, shares
 ):
     assert _shares(np.array(places), SimpleNamespace(free_coils=ends)) is shares
-
-
-def test_each_colouring_of_a_spring_costs_its_bytes():
-    study = vt.simulate("gu2021-beehive-blind", "4200 rpm", spring_models=["multi-mass"], workers=1)
-    run, member = (
-        study.solutions[0],
-        vt.system.build.build("gu2021-beehive-blind", spring_models=["multi-mass"]).members[0],
-    )
-    names = [
-        name
-        for name in run.arrays.variables
-        if name.endswith(("axial_velocity", "coil_gap", "_shear_stress"))
-    ]
-    assert names
-    none = replace(
-        run,
-        channels=replace(
-            run.arrays, variables={k: v for k, v in run.arrays.variables.items() if k not in names}
-        ),
-    )
-    assert _bytes_per_frame(run, member) > _bytes_per_frame(none, member)
 
 
 def test_a_dwell_is_looked_for_from_the_first_sample_on():
@@ -176,12 +153,6 @@ def test_a_local_search_has_its_share_where_one_quantity_at_least_may_move_a_lit
         share([False, False]),
         share([True], objectives=2),
     ] == [30, 30, 0, 0]
-
-
-def test_an_interrupt_is_told_once(capsys, monkeypatch):
-    monkeypatch.setattr(guard, "_reported", [])
-    assert guard.interrupted("interrupted: one is kept") == guard.interrupted() == 130
-    assert capsys.readouterr().err.count("interrupted") == 1
 
 
 def test_cycles_of_a_steady_shaft_have_its_speed():

@@ -10,7 +10,6 @@ import pytest
 from valvetrain.compare_test.events import MEETING, _around
 from valvetrain.errors import InputError
 from valvetrain.spring_card.card import CatalogueCard, SpringLoad
-from valvetrain.workbench.side_files import not_sent
 
 DEG = np.pi / 180
 
@@ -65,22 +64,3 @@ def test_a_spike_is_looked_for_half_way_to_its_nearest_neighbour(angle, others, 
     found = _around(grid * DEG, angle * DEG, [other * DEG for other in others])
     away = np.abs((grid - angle + 180) % 360 - 180)
     assert found.tolist() == np.flatnonzero(away <= 0.5 * reach).tolist()
-
-
-@pytest.mark.parametrize(
-    ("sent", "words"),
-    [
-        (("a.csv", "b.csv", "c.csv", "d.csv"), ""),
-        (("a.csv", "b.csv", "d.csv"), "names 'c.csv', which was not sent with it"),
-        (("a.csv", "b.csv"), "names 'c.csv' and 'd.csv', which were not sent"),
-        (("d.csv",), "names 'a.csv' and 'b.csv' and 'c.csv', which were"),
-        (
-            (),
-            "names 'a.csv' and 'b.csv' and 'c.csv', which were not sent with it; choose the case and the files it names together",
-        ),
-    ],
-)
-def test_files_that_a_case_names_and_that_were_not_sent_are_named(sent, words):
-    text = "\n".join(f'[part_{name}]\nfile = "{name}.csv"' for name in "dbca")
-    said = not_sent(text, dict.fromkeys(sent, b""))
-    assert said.startswith(words) and bool(said) == bool(words)

@@ -8,7 +8,6 @@ import json
 import os
 import tomllib
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
 
 import pytest
 
@@ -306,37 +305,6 @@ def test_numbers_that_are_no_runs_differ_too(tmp_path):
         "",
         "+5.0 %",
     )
-
-
-def test_other_numbers_keep_their_unit_and_their_name_in_a_list():
-    def swept(speed: float, order: int) -> SavedRun:
-        found = {
-            "name": "loss of contact",
-            "engine_speed": {"value": speed, "unit": "rpm"},
-            "samples": [1.0, speed],
-        }
-        crossing = [
-            {"label": label, "level": {"value": level, "unit": "N"}}
-            for label, level in (("rod", 3.0), ("chain", 4.0))
-        ][::order]
-        run = {"label": "rod", "quantities": {"preload": {"value": 250.0, "unit": "N"}}}
-        return SavedRun(
-            Path(),
-            {"command": "sweep", "runs": [run], "critical_speeds": [found], "crossings": crossing},
-        )
-
-    speed, sample = result_differences(swept(7000.0, 1), swept(7700.0, -1))
-    assert (speed.quantity, speed.run, speed.unit, speed.difference) == (
-        "engine_speed",
-        "critical_speeds, loss of contact",
-        "rpm",
-        700.0,
-    )
-    assert (sample.quantity, sample.b) == ("2", 7700.0)
-    deep: dict[str, object] = {"last": 1.0}
-    for _ in range(200):
-        deep = {"more": deep}
-    assert not result_differences(SavedRun(Path(), deep), SavedRun(Path(), {}))
 
 
 def test_cost_grows_as_the_work_does():

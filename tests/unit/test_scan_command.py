@@ -151,31 +151,6 @@ def test_turned_over_twice_is_the_same(folder, answer):
     assert other.hand == scan["hand"]
 
 
-@pytest.mark.parametrize(
-    ("broken", "points", "told"),
-    [
-        (0, 400_000, ()),
-        (60, 400_000, ("60 points of the file are no numbers and were left out",)),
-        (
-            60,
-            2500,
-            (
-                "{read} points are in the file, an even draw of 2500 is fitted",
-                "60 points of the file are no numbers and were left out",
-            ),
-        ),
-    ],
-)
-def test_what_was_left_out_of_a_cloud_is_told(tmp_path, broken, points, told):
-    found, _ = cloud(springs()["conical"], 3000, Scanner(noise=0.03e-3, seed=4))
-    found = np.insert(found, np.linspace(0, len(found) - 1, broken).astype(int), np.nan, axis=0)
-    (tmp_path / "part.ply").write_bytes(ply(found))
-    notes = spring_from_scan(tmp_path / "part.ply", points=points).notes
-    assert tuple(
-        words for words in notes if "of the file" in words or "in the file" in words
-    ) == tuple(words.format(read=len(found)) for words in told)
-
-
 def test_a_circle_is_its_own_round_wire():
     assert round_wire(2.0, 0.0) == pytest.approx(4.0, rel=1e-12)
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from validation.calculix.deck import _row, _wrapped, seat_plates
+from validation.calculix.deck import seat_plates
 
 from valvetrain.continuum import mesh as hexahedra
 from valvetrain.continuum.mesh import MeshOptions, layer_coils, sweep_spring
@@ -206,23 +206,3 @@ def test_seat_plates_are_blocks_under_and_over_the_wire(free, grinding, ground, 
             np.array([(*corner, height) for height in heights for corner in square])
         )
     assert (lower.first, lower.last, upper.first, upper.last) == pytest.approx(reach)
-
-
-@pytest.mark.parametrize(
-    ("count", "sizes"), [(0, []), (1, [1]), (12, [12]), (13, [12, 1]), (37, [12, 12, 12, 1])]
-)
-def test_sets_of_a_deck_stand_twelve_to_a_line_each_number_once(count, sizes):
-    lines = [line.split(", ") for line in _wrapped(np.arange(count)).splitlines()]
-    assert [len(line) for line in lines] == sizes and [
-        int(one) for line in lines for one in line
-    ] == list(range(count))
-
-
-@pytest.mark.parametrize(("count", "sizes"), [(9, [9]), (15, [15]), (16, [15, 1]), (21, [15, 6])])
-def test_elements_of_a_deck_go_on_after_fifteen_numbers_and_a_comma(count, sizes):
-    lines = _row(range(count)).splitlines()
-    assert all(line.endswith(",") for line in lines[:-1]) and not lines[-1].endswith(",")
-    numbers = [line.rstrip(",").split(", ") for line in lines]
-    assert [len(line) for line in numbers] == sizes and [
-        int(one) for line in numbers for one in line
-    ] == list(range(count))

@@ -14,21 +14,7 @@ from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.status import Event, Status
-
-
-def test_status_speaks_one_sentence():
-    status = Status(
-        "diverged", "Newton found no equilibrium", 0.0123, "coil 2.5", "shorten the step"
-    )
-    assert not status.completed
-    assert (
-        status.sentence()
-        == "diverged: Newton found no equilibrium, at time 0.0123 s at coil 2.5; shorten the step"
-    )
-    assert Status().sentence() == "completed"
-    with pytest.raises(ValueError, match="unknown"):
-        Status("fine")
+from valvetrain.solution.status import Event
 
 
 def test_undeclared_channel_and_missing_label_are_refused():
@@ -110,20 +96,3 @@ def test_modal_result_refuses_wrong_shapes_and_indices():
 def test_relative_difference_is_absent_without_a_base():
     row = Comparison("a", None, "m", "FE", "N", 0.0, 1.0, 1.0, "prediction", None, "")
     assert row.relative_difference is None
-
-
-def test_every_channel_has_a_unit_and_words_for_people():
-    """Unit and words stand in their places: a unit is one that the tables show, words are more than
-    a unit.
-    """
-    from valvetrain.solution.channels import FINE, SPRING_CHANNELS
-
-    units = {"m", "m/s", "m/s2", "N", "N/m", "N m", "J", "s", "1", "Pa"}
-    for name, (_, unit, words) in {**SPRING_CHANNELS, **FINE}.items():
-        assert unit in units, name
-        assert len(words.split()) >= 2 and words not in units, name
-    assert {unit for name, (_, unit, _) in FINE.items() if name.endswith("_time")} == {"s"}
-    per_length = {name for name, (_, unit, _) in FINE.items() if unit == "N/m"}
-    assert per_length == {name for name in FINE if name.endswith("_line_force")}
-    others = {name for name in FINE if not name.endswith("_time")} - per_length
-    assert {FINE[name][1] for name in others} == {"N", "Pa"}

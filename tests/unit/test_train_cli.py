@@ -133,24 +133,6 @@ def test_sweep_tells_where_contact_is_lost(folder):
     assert re.search(r"Contact-loss speed +rpm +7\d\d\d \(", printed)
 
 
-def test_run_prints_a_table_for_people(folder):
-    words = (
-        "run", "tdi-pushrod", "--spring-set", "as printed", "--no-report", "--workers", "1", "--output", str(folder / "run"),
-    )  # fmt: skip
-    printed = call(*words).stdout
-    told = " ".join(printed.split())
-    assert all(
-        word in printed for word in ("Seating", "Bounces", "Surge frequency", "stock, as printed")
-    )
-    assert (
-        "16 published values; " in printed
-        and "median (count): 15 of 16 values, 1 in doubt. Calibration: " in told
-        and " Prediction: forces " in told
-        and "calibrated: " not in told
-    )
-    assert not (folder / "run" / "report.html").exists()
-
-
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -281,20 +281,6 @@ def test_the_damping_of_a_trains_spring_is_felt(word):
     assert abs(lost[0]) < lost[1] / 3 and lost[1] == pytest.approx(expected[1], rel=0.35)
 
 
-def test_unknown_spring_words_name_the_nearest():
-    case = load_case("tdi-pushrod")
-    with pytest.raises(InputError, match="did you mean massless"):
-        build(case, spring_models=["masless"])
-    with pytest.raises(InputError, match="did you mean massless"):
-        build(load_case("tdi-pushrod", {"train.spring_model": "masless"}))
-    with pytest.raises(InputError, match="stock, performance"):
-        build(case, spring_set=["racing"])
-    (member,) = build(case, spring_models=["wave-rod-clash"], spring_set=["stock"]).members
-    assert "needs the coil gaps of its wire" in member.refusal
-    with pytest.raises(InputError, match="needs the coil gaps of its wire"):
-        member.system()
-
-
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

@@ -114,12 +114,6 @@ def test_a_refusal_stands_in_place_and_is_the_readers(key, value, words):
     assert refused.value.reason in found
 
 
-def test_text_that_looks_like_a_number_is_a_title():
-    assert check(SMALL, "title", "24") is None
-    assert read_change(SMALL, "title", "24")[2].title == "24"
-    assert check(SMALL, "title", "a\x07b") is not None
-
-
 def test_a_check_is_quick():
     """Under 50 ms of processor time for the largest case that ships; a slider asks for many."""
     text = (LIBRARY / "vaz-ohc.toml").read_text("utf-8")

@@ -26,9 +26,6 @@ WITH_LAW = [name for name, text in TEXTS.items() if "lift_law" in tomllib.loads(
 LAW = "kind = 'polynomial'\nmaximum_lift = '8 mm'\nopening_start = '100 deg'\nopening_end = '180 deg'\n"
 LAW += "closing_start = '180 deg'\nclosing_end = '250 deg'\n"
 DOTTED = "".join(f"lift_law.{line}\n" for line in LAW.splitlines())
-LIFTS = b"\n".join(
-    b"%d %.4f" % (place * 10, max(0.0, 9 - abs(place - 18)) ** 2 / 9) for place in range(36)
-)
 
 
 @pytest.fixture
@@ -84,76 +81,6 @@ def test_however_a_law_is_written_it_comes_back(workspace, text):
     assert text.startswith("lift_law") or workspace.text(case) == text
 
 
-def test_a_long_law_is_kept_whole(workspace):
-    angles = ", ".join(f"{place / 4:.6f}" for place in range(900))
-    lifts = ", ".join(f"{max(0.0, 9 - abs(place / 25 - 18)) ** 2 / 9:.9f}" for place in range(900))
-    table = f"kind = 'table'\ncam_angles = '{angles} deg'\nlifts = '{lifts} mm'\n"
-    case = workspace.upload("mine.toml", f"{SPRING}[lift_law]\n{table}".encode())
-    before = workspace.text(case)
-    assert len(before) > 15_000
-    workspace.change_law(case, "polynomial")
-    Workspace(workspace.folder).change_law(case, "table")
-    assert workspace.text(case) == before
-
-
-def test_what_was_set_is_kept_and_what_was_only_begun_is_made_anew(workspace):
-    case = workspace.upload("mine.toml", SMALL.encode())
-    workspace.change_law(case, "cycloidal")
-    workspace.change_law(case, "polynomial")
-    workspace.set_value(case, "lift_law.maximum_lift", "10 mm")
-    workspace.change_law(case, "cycloidal")
-    assert law(workspace, case)["maximum_lift"] == "10 mm", (
-        "what both kinds know stays: nobody had set anything of this one"
-    )
-    workspace.set_value(case, "lift_law.maximum_lift", "11 mm")
-    workspace.change_law(case, "polynomial")
-    assert law(workspace, case)["maximum_lift"] == "10 mm"
-    workspace.change_law(case, "cycloidal")
-    assert law(workspace, case)["maximum_lift"] == "11 mm"
-
-
-def test_notes_stand_over_the_law_that_they_describe(workspace):
-    notes = "status = 'published'\nsource = 'key, figure 3'\nzero_of_angle = 'nose at 180'\n"
-    case = workspace.upload("mine.toml", f"{SPRING}[lift_law]\n{notes}{LAW}".encode())
-    workspace.change_law(case, "cycloidal")
-    assert not {"status", "source"} & set(law(workspace, case))
-    assert law(workspace, case)["zero_of_angle"] == "nose at 180", "its angles are the same"
-    for kind in ("zero", "modified-sine"):
-        workspace.change_law(case, kind)
-        assert not {"status", "source", "zero_of_angle"} & set(law(workspace, case)), kind
-    workspace.attach(case, "lift.txt", LIFTS)
-    workspace.change_law(case, "polynomial")
-    assert workspace.text(case) == f"{SPRING}[lift_law]\n{notes}{LAW}"
-    workspace.change_law(case, "measured")
-    assert not {"status", "source", "zero_of_angle"} & set(law(workspace, case))
-    workspace.change_law(case, "polynomial")
-    assert workspace.text(case) == f"{SPRING}[lift_law]\n{notes}{LAW}"
-
-
-def test_what_is_kept_of_a_law_is_no_file_of_the_case(workspace):
-    case = workspace.upload("mine.toml", SMALL.encode())
-    workspace.change_law(case, "zero")
-    assert (workspace.case_folder(case) / STORE).is_file()
-    assert (
-        workspace.files(case) == {}
-        and workspace.side_files(case) == []
-        and workspace.stamps(case) == ()
-    )
-    for call in (
-        lambda: workspace.side_file(case, STORE),
-        lambda: workspace.attach(case, STORE, b"{}"),
-        lambda: workspace.detach(case, STORE),
-    ):
-        with pytest.raises(InputError):
-            call()
-    copy, renamed = workspace.duplicate(case), workspace.rename(case, "other")
-    for one in (copy, renamed):
-        workspace.change_law(one, "polynomial")
-        assert workspace.text(one) == SMALL
-    workspace.delete(renamed)
-    assert {path.name for path in workspace.cases_folder.iterdir()} == {copy}
-
-
 @pytest.mark.parametrize(
     "content",
     [
@@ -179,44 +106,6 @@ def test_what_is_kept_may_be_damaged(workspace, tmp_path, content):
     workspace.change_law(case, "polynomial")
     assert law(workspace, case)["maximum_lift"]["status"] == "assumed"
     assert (tmp_path / "outside").read_text() == "{}" and not path.is_symlink()
-
-
-@pytest.mark.parametrize("kind", ["table", "spline", "measured"])
-def test_the_file_that_reads_becomes_the_lift_law(workspace, kind):
-    """It was the first by its name, whatever stood in it."""
-    case = workspace.upload("small.toml", SMALL.encode())
-    workspace.attach(case, "a-readme.txt", b"hello")
-    with pytest.raises(InputError, match=r"a-readme.txt.*download"):
-        workspace.change_law(case, kind)
-    assert workspace.text(case) == SMALL and not (workspace.case_folder(case) / STORE).exists()
-    workspace.attach(case, "b-lift.txt", LIFTS)
-    workspace.attach(case, "c-notes.txt", b"a word")
-    workspace.change_law(case, kind)
-    assert law(workspace, case)["file"] == "b-lift.txt" and max(
-        workspace.read(case).lift_law.values["lifts"]
-    ) == pytest.approx(9e-3, rel=1e-3)
-
-
-def test_a_law_whose_file_has_gone_is_made_of_another_or_refused(workspace):
-    case = workspace.upload("small.toml", SMALL.encode())
-    workspace.attach(case, "lift.txt", LIFTS)
-    workspace.change_law(case, "table")
-    workspace.set_value(case, "lift_law.degree", "7")
-    workspace.change_law(case, "polynomial")
-    workspace.detach(case, "lift.txt")
-    with pytest.raises(
-        InputError, match=r"are no longer readable \(.*lift.txt.*add it below 'Files of this case'"
-    ):
-        workspace.change_law(case, "table")
-    workspace.attach(case, "other.txt", LIFTS)
-    workspace.change_law(case, "table")
-    assert law(workspace, case)["file"] == "other.txt"
-    workspace.change_law(case, "polynomial")
-    workspace.attach(case, "lift.txt", LIFTS)
-    workspace.change_law(case, "table")
-    assert (law(workspace, case)["file"], law(workspace, case)["degree"]) == ("lift.txt", 7), (
-        "what was told before was not overwritten"
-    )
 
 
 def test_a_case_that_takes_no_other_law_says_so(monkeypatch):

@@ -137,16 +137,6 @@ def test_a_study_counts_its_own_cost():
     assert cost_of(JobRequest("study", "one"), load_case("job-t"), 3) == Cost()
 
 
-def test_a_study_calls_its_quantity_as_the_form_does(tmp_path):
-    """Its sentence had the key of the case file, "train.lash"."""
-    request = request_of("tdi-pushrod", STUDY | {"label": 'lash "cold"'})
-    path = tmp_path / "study.toml"
-    path.write_text(study_text(request, "tdi-pushrod"), encoding="utf-8")
-    plan = read_plan(read_study_file(path))
-    assert plan.varied[0].shown_name == 'lash "cold"'
-    assert "label" not in request_of("tdi-pushrod", STUDY).study
-
-
 def test_models_offered_are_those_of_the_spring_set_in_use():
     """Contract: a bucket train by wire was offered no reduced rod, its own model, and ran by modes, for its file holds a
     card in another set.
