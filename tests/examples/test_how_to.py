@@ -67,41 +67,6 @@ def test_the_guide_on_nested_springs_prints_what_the_study_of_detuning_gives():
     assert shape in table.verdict
 
 
-@pytest.mark.long
-def test_the_guide_on_force_spikes_prints_what_the_study_of_gaps_gives():
-    """Example: each row of its table; the sentence of the study is the guide's first."""
-    text = (FOLDER / "16-force-spikes.md").read_text(encoding="utf-8")
-    table = study(ROOT / "examples" / "how-to" / "clash-gaps.toml", workers=1)
-    factors = [1.0, 1.06, 1.1, 1.16, 1.2, 1.25, 1.3, 1.4]
-    rows = re.findall(r"^\| (?:as they are|\d+ %[^|]*) \| ([\d.]+) mJ \| (\d+) N \| (\d+) N \| (\d+) N \|$", text, re.MULTILINE)  # fmt: skip
-    given = table.column("spring.pitch.clearances factor")
-    names = (
-        "clash_energy",
-        "surge_clash_peak_force",
-        "peak_clash_force",
-        "peak_spring_force",
-    )
-    assert len(rows) == len(factors)
-    for factor, printed in zip(factors, rows, strict=True):
-        place = int(np.argmin(np.abs(given - factor)))
-        energy, *forces = (table.column(name)[place] for name in names)
-        assert [f"{1e3 * energy:.2f}", *(f"{one:.0f}" for one in forces)] == list(printed)
-    assert table.verdict.startswith(
-        "Best is gaps between coils × 1.3: hardest clash under surge 75.32 N against 584 N with gaps between coils × 1"
-    )
-    assert "clash energy 2.087 mJ against 4.681 mJ" in table.verdict
-
-
-@pytest.mark.parametrize("path", [*PAGES, FOLDER / "README.md"], ids=lambda path: path.stem)
-def test_links_and_files_of_a_guide_are_there(path):
-    text = path.read_text(encoding="utf-8")
-    links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
-    assert not [link for link in links if not (path.parent / link).exists()]
-    assert not [
-        name for name in re.findall(r"examples/[\w./-]+", text) if not (ROOT / name).exists()
-    ]
-
-
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
 def test_what_is_copied_from_a_guide_runs_in_an_empty_folder(path, tmp_path, monkeypatch):
     """Contract: the files named cases by a path of the repository. Searches and studies are read and

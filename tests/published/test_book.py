@@ -12,16 +12,10 @@ import numpy as np
 import pytest
 from validation import (
     beams,
-    followers,
     large_deflection,
-    laws,
-    models,
-    springs,
-    stresses,
-    waves,
     wires,
 )
-from validation.__main__ import book, chapter_of, main, page, run_book
+from validation.__main__ import book, chapter_of
 from validation.row import Row
 from validation.sources import rows_of
 
@@ -133,70 +127,6 @@ def test_no_role_excuses_a_published_value(role, computed):
     assert free.tolerance == pytest.approx(15.0) and free.status == "met"
 
 
-def test_page_holds_every_row():
-    rows = [row for case in QUICK[:8] for row in case.rows()]
-    text = page(rows)
-    for row in rows:
-        assert row.name.replace("|", "/") in text
-    assert "FAILS |" not in text.replace("fail |", "")
-
-
-def test_the_command_fails_when_a_row_fails(monkeypatch, capsys):
-    wrong = Row("springs", "a wrong row", "", "", 1.0, 1.2, "N", 0.1, "seeded")
-    monkeypatch.setattr("validation.__main__.run_book", lambda **options: [wrong])
-    assert main([]) == 1
-    assert "a wrong row" in capsys.readouterr().out
-
-
-def test_quick_run_leaves_out_the_studies_of_whole_sources(monkeypatch):
-    monkeypatch.setattr(
-        "validation.__main__.book",
-        lambda: tuple(c for c in book() if c.slow or c.name == "stress_factors"),
-    )
-    assert {row.topic for row in run_book(quick=True)} == {"stress"}
-
-
-def test_a_fault_in_the_sections_torsion_turns_rows_red(monkeypatch):
-    from valvetrain.cosserat import mesh, section
-
-    def soft(*arguments):
-        found = section.round_section(*arguments)
-        return section.Section(
-            **{
-                name: getattr(found, name) * (0.98 if name == "torsion" else 1.0)
-                for name in found.__slots__
-            }
-        )
-
-    monkeypatch.setattr(mesh, "round_section", soft)
-    assert "rate of a cylinder" in red(springs.rates_of_shaped_springs())
-    assert red(springs.clamped_helix_frequencies())
-    assert red(springs.curvature_of_the_bar())
-
-
-def test_the_chord_in_place_of_the_arc_length_turns_rows_red(monkeypatch):
-    from valvetrain.cosserat import mesh
-
-    monkeypatch.setattr(
-        mesh,
-        "_arc_length",
-        lambda curve, start, end: 0.99 * np.abs(end - start) * curve.line_speed((start + end) / 2),
-    )
-    assert red(springs.trial_spring())
-
-
-def test_a_fault_in_the_rods_bending_turns_rows_red(monkeypatch):
-    from valvetrain.cosserat import energy_kernels
-
-    whole = energy_kernels.bend_terms
-    monkeypatch.setattr(
-        energy_kernels,
-        "bend_terms",
-        lambda f, n, q, k, rest, *more: whole(f, n, q, k, 0.99 * rest, *more),
-    )
-    assert red(beams.helix_under_large_compression())
-
-
 @pytest.mark.parametrize("turns", [1, 2])
 @pytest.mark.parametrize("lead", [0.3, 0.15, 0.05])
 def test_the_torque_at_the_end_of_a_bent_helix_is_the_slope_of_its_energy(lead, turns):
@@ -218,78 +148,6 @@ def test_the_torque_at_the_end_of_a_bent_helix_is_the_slope_of_its_energy(lead, 
             statics.assemble(replace(result.state, position=position, frame=frame), False)[0]
         )
     assert torque == pytest.approx((energy[0] - energy[1]) / 2e-4, abs=2e-7)
-
-
-def test_a_fault_in_the_time_march_turns_rows_red(monkeypatch):
-    from valvetrain.cosserat import transient
-
-    whole = transient.fill_buffer
-
-    def heavy(mesh, state, dynamics, time_step):
-        buffer = whole(mesh, state, dynamics, time_step)
-        from valvetrain.cosserat.layout import row
-
-        row(buffer, "IM", mesh.vertices)[:] *= 0.9
-        return buffer
-
-    monkeypatch.setattr(transient, "fill_buffer", heavy)
-    assert red(waves.end_impact())
-
-
-def test_a_fault_in_the_stress_factor_turns_rows_red(monkeypatch):
-    from valvetrain.springs import stress
-
-    monkeypatch.setitem(stress.CURVATURE_FACTORS, "wahl", lambda w: (4 * w - 1) / (4 * w - 4))
-    assert "factor of wahl at index 5" in red(stresses.stress_factors())
-
-
-def test_a_fault_in_the_chain_turns_rows_red(monkeypatch):
-    from valvetrain.springs.multi_mass import MultiMassSpring
-
-    whole = MultiMassSpring.frequencies
-    monkeypatch.setattr(MultiMassSpring, "frequencies", lambda self, *a: 1.01 * whole(self, *a))
-    assert len(red(models.chain_surge())) == 3
-
-
-def test_a_fault_in_the_wave_rod_turns_rows_red(monkeypatch):
-    from valvetrain.springs.wave_rod import WaveRod
-
-    whole = WaveRod.parameters
-    monkeypatch.setattr(WaveRod, "parameters", lambda self: whole(self) * [1, 1, 1.1, 1, 1])
-    assert red(models.wave_rod_impact())
-
-
-def test_a_fault_in_a_lift_law_turns_rows_red(monkeypatch):
-    from valvetrain.cam.closed_form import Cycloidal
-
-    whole = Cycloidal.lift
-    monkeypatch.setattr(
-        Cycloidal,
-        "lift",
-        lambda self, angle, derivative=0: (
-            whole(self, angle, derivative) * (1.001 if derivative == 2 else 1)
-        ),
-    )
-    assert red(laws.cam_flanks()) == ["cycloidal, peak acceleration factor"]
-
-
-def test_a_fault_in_a_contact_law_turns_rows_red(monkeypatch):
-    from valvetrain.contact.dissipative import HuntCrossley
-
-    whole = HuntCrossley.force
-    monkeypatch.setattr(
-        HuntCrossley, "force", lambda self, depth, rate: whole(self, depth, 0.9 * rate)
-    )
-    assert len(red(laws.restitution_by_drop())) == 3
-
-
-def test_a_fault_in_the_coil_contact_turns_rows_red(monkeypatch):
-    from valvetrain.cosserat import mesh
-
-    monkeypatch.setattr(mesh, "pair_coils", lambda coil, *more: mesh.no_contact(len(coil)))
-    assert "beehive with coil contact, force at 7 mm" in red(
-        models.rod_against_solid_with_contact()
-    )
 
 
 def test_without_contact_of_its_coils_a_cone_does_not_close(monkeypatch):
@@ -315,81 +173,6 @@ def test_ring_section_runs_into_the_straight_bar_and_stands_by_goehners_series()
         assert inner == pytest.approx(1 + 1.25 / index + 0.875 / index**2 + 1 / index**3, abs=1e-3)
         assert outer == pytest.approx(1 - 1.25 / index + 0.875 / index**2 - 1 / index**3, abs=4e-3)
         assert wires.ring_section(index, 16) == pytest.approx((rate, inner, outer), rel=1e-9)
-
-
-def test_a_fault_in_the_correction_for_curvature_turns_rows_red(monkeypatch):
-    from valvetrain.cosserat import section
-
-    whole = section.Section.__init__
-    monkeypatch.setattr(springs, "ring_section", lambda index: (1 / (1 - 3 / (8 * index**2)), 1.0))
-    assert len(red(springs.curvature_of_the_bar())) == 3
-    assert section.Section.__init__ is whole
-
-
-def test_a_fault_in_a_lobe_turns_rows_red(monkeypatch):
-    from valvetrain.cam.arcs import ThreeArc
-
-    whole = ThreeArc.flank_radius.fget
-    monkeypatch.setattr(ThreeArc, "flank_radius", property(lambda self: 1.001 * whole(self)))
-    assert len(red(followers.three_arc_lobe())) >= 3
-
-
-def test_a_cubic_spline_for_the_gas_turns_rows_red(monkeypatch):
-    from scipy.interpolate import CubicSpline
-
-    monkeypatch.setattr("scipy.interpolate.PchipInterpolator", CubicSpline)
-    assert len(red(followers.gas_between_its_angles())) == 5
-
-
-def test_a_fault_in_the_follower_turns_rows_red(monkeypatch):
-    whole = followers.lift_table
-    monkeypatch.setattr(
-        followers,
-        "lift_table",
-        lambda law: whole(law) * np.r_[1.001, np.ones(whole(law).shape[1] - 1)],
-    )
-    assert len(red(followers.dwell_after_a_rise())) == 6
-    monkeypatch.setattr(followers, "lift_table", whole)
-    monkeypatch.setattr(followers, "MASS", 0.1)
-    lively = followers.HuntCrossley
-    monkeypatch.setattr(
-        followers, "HuntCrossley", lambda stiffness, damping: lively(stiffness, 0.8 * damping)
-    )
-    assert "bouncing follower, phase of the impact" in red(followers.bouncing_follower())
-
-
-def test_friction_of_the_wave_rod_turns_its_row_red(monkeypatch):
-    from valvetrain.springs.wave_rod import WaveRod
-
-    monkeypatch.setattr(
-        models,
-        "WaveRod",
-        lambda spring, cells, friction, pulls: WaveRod(spring, cells, 1.02 * friction, pulls=pulls),
-    )
-    assert red(models.wave_rod_friction())
-
-
-def test_a_retainer_that_does_not_turn_turns_rows_red(monkeypatch):
-    from valvetrain.cosserat.static import RodStatics
-
-    monkeypatch.setattr(large_deflection, "TurningStatics", RodStatics)
-    assert [name for name in red(large_deflection.retainer_free_to_turn()) if "rotation" in name]
-
-
-def test_a_fault_in_the_bending_of_the_wire_moves_buckling(monkeypatch):
-    from valvetrain.cosserat import mesh, section
-
-    def stiff(*arguments):
-        found = section.round_section(*arguments)
-        return section.Section(
-            **{
-                name: getattr(found, name) * (1.1 if name == "bending" else 1.0)
-                for name in found.__slots__
-            }
-        )
-
-    monkeypatch.setattr(mesh, "round_section", stiff)
-    assert len(red(large_deflection.buckling_limit())) == 2
 
 
 if __name__ == "__main__":

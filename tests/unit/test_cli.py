@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from unit.cli_parts import SMALL, SOURCE, call, process, sentence
+from unit.cli_parts import SMALL, call, sentence
 from valvetrain import __version__
 from valvetrain.cli.options import read_engine_speeds
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
-from valvetrain.parameters.templates import template_text
 
 UNIFORM = ("uniform-spring", "--elements-per-coil", "8")
 
@@ -51,18 +49,6 @@ def test_version_and_help():
         assert all(name in result.stdout for name in COMMANDS)
     for name in COMMANDS:
         assert call(name, "--help").exit_code == 0
-
-
-def test_an_own_command_of_a_package_that_cannot_be_loaded_is_left_out_with_a_sentence(tmp_path):
-    found = tmp_path / "broken-1.0.dist-info"
-    found.mkdir()
-    (found / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
-    (found / "entry_points.txt").write_text("[valvetrain.commands]\nmend = nowhere:register\n")
-    result = process("--help", folder=tmp_path, PYTHONPATH=f"{SOURCE}{os.pathsep}{tmp_path}")
-    assert (
-        result.returncode == 0
-        and "note: command 'mend' cannot be loaded from nowhere:register" in result.stderr
-    )
 
 
 def test_cases_lists_every_case_and_prints_the_file_of_one():
@@ -277,70 +263,6 @@ def test_wrong_input_is_one_sentence_with_the_remedy(tmp_path, monkeypatch, argu
     assert result.exit_code == 2
     assert words in sentence(result)
     assert [path.name for path in tmp_path.iterdir()] == ["binary.toml"]
-
-
-#: A file that is not what a command takes, or lacks something -> what the sentence says.
-WRONG_FILES = (
-    (("check", "engine.toml", "--set", "lift_law.lash=-0.1 mm"), "--set lift_law.lash: '-0.1 mm'"),
-    (("check", "dual.toml"), "the loads of the inner spring are missing; give preload (seat load)"),
-    (
-        ("optimise", "engine.toml"),
-        "is a case, not an optimisation file; 'valvetrain optimise' takes an optimisation file "
-        'that names its case, as in case = "engine.toml"',
-    ),
-    (("study", "engine.toml"), "is a case, not a study file"),
-    (("identify", "engine.toml"), "is a case, not an identification file"),
-    (("run", "study.toml"), "is a study file, not a case; run it by 'valvetrain study'"),
-    (("optimise", "study.toml"), "is a study file, not an optimisation file"),
-    (("compare-springs", "engine.toml", "table.csv"), "table.csv: is no case, which is a TOML"),
-    (("study", "table.csv"), "table.csv: is no study file, which is a TOML file"),
-    (("run", "engine"), "did you mean the file engine.toml?"),
-    (("run", "engine.tml"), "did you mean the file engine.toml?"),
-    (("lift", "table.csv"), "(--angle-of); lift measured at the valve or the tappet (--lift-of);"),
-    (("lift", "table.csv", "--angle-of", "shaft"), "error: --angle-of is cam or crank, not"),
-    (("rig", "table.csv"), "(--encoder, --pulses or --once)"),
-    (("film", "table.csv", "--frame-rate", "fast"), "--frame-rate: 'fast' is not a number"),
-    (("spring-card", "table.csv", "--wire-diameter", "4 mm"), "--outer-diameter '32 mm'"),
-)
-
-
-@pytest.mark.parametrize(("arguments", "words"), WRONG_FILES)
-def test_a_wrong_file_or_value_is_named_as_the_user_gave_it(
-    tmp_path, monkeypatch, arguments, words
-):
-    """Expected: the option and the kind of file that a user typed, not the argument of a function
-    behind it or the parser's message.
-    """
-    monkeypatch.chdir(tmp_path)
-    engine = template_text("pushrod", cards=True)
-    (tmp_path / "engine.toml").write_text(engine)
-    inner = ("preload", "open_load", "open_height", "solid_height")
-    head, blocks = engine.split('preload = "40 lbf"')
-    kept = [line for line in blocks.splitlines(True) if not line.startswith(inner)]
-    (tmp_path / "dual.toml").write_text(head + "".join(kept))
-    (tmp_path / "study.toml").write_text(
-        'case = "engine.toml"\noutputs = ["peak_cam_force"]\n'
-        '[[vary]]\nkey = "train.valve.mass"\nvalues = "130, 145 g"\n'
-    )
-    (tmp_path / "table.csv").write_text("".join(f"{row};{row % 5}\n" for row in range(40)))
-    result = call(*arguments)
-    assert result.exit_code == 2
-    assert words in sentence(result)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("--engine-speed", "300000 rpm"), "300000 rpm of engine speed is unusual"),
-        (("--set", "operation.cam_speeds=30000 rpm"), "'30000 rpm' of cam speed is unusual"),
-    ],
-)
-def test_an_unusual_speed_is_warned_of_and_its_motion_judged(arguments, words):
-    result = call("run", "job-c", *arguments)
-    warning, error = result.stderr.splitlines()
-    assert result.exit_code == 2
-    assert warning.startswith("warning: ") and words in warning
-    assert error.startswith("error: the lift speed is")
 
 
 def test_what_may_not_be_read_or_written_is_refused(small, monkeypatch):

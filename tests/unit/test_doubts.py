@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from unit.cli_parts import call
 from valvetrain.explore.doubts import doubts
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.loading import parse_case
@@ -21,28 +20,3 @@ def test_the_points_with_turns_that_no_spring_has_are_counted():
     told = found.sentence("points")
     assert told.startswith("2 of 4 points are doubtful, such as at ") and "active turns" in told
     assert not doubts(None, (), np.zeros((3, 0))).by_point
-
-
-STUDY = """
-case = "v8.toml"
-engine_speeds = "4000 rpm"
-spring_models = ["massless"]
-spring_sets = ["dual"]
-outputs = ["minimum_spring_margin_ratio", "card_open_force"]
-points = {{ sampler = "grid" }}
-vary = [{{ key = "{key}", values = "500, 1040 N" }}]
-"""
-
-
-def test_a_study_tells_them_in_one_line_and_names_the_quantity_of_a_pair(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    call("new", "v8", "--kind", "pushrod", "--cards")
-    (tmp_path / "s.toml").write_text(STUDY.format(key=KEY))
-    done = call("study", "s.toml", "--workers", "1")
-    text = " ".join(done.stdout.split())
-    assert (
-        text.count("active turns") == 1
-        and done.stderr.count("active turns") == 1
-        and "1 of 2 points is doubtful" in text
-    )
-    assert all(f"{one}_card_open_force" in text for one in ("outer", "inner", "pair"))

@@ -81,30 +81,3 @@ def test_peaks_are_millimetres_with_their_interval(sections):
         ["2", "5.000", "±0.039", "–", "4.900", "−2.0 %"],
         ["3", "0.100", "±0.020", "0.005", "0.200", "–"],
     ]
-
-
-def test_surge_lines_stand_beside_the_nearest_of_the_run_within_a_tenth(sections):
-    """Decay rate 2 pi f z, decrement 2 pi z / sqrt(1 - z^2); digits go as far as the interval."""
-    found = sections(film(), model())
-    assert cells(found["surge"], "line") == [
-        [
-            "line",
-            "frequency",
-            "95 %",
-            "damping ratio",
-            "95 %",
-            "decay rate",
-            "log. decrement",
-            "amplitude",
-        ],
-        ["1", "500.00 Hz", "±0.49", "0.01000", "±0.0002", "31.4 1/s", "0.0628", "35 µm"],
-        ["2", "1010.00 Hz", "±0.49", "0.02000", "±0.0002", "127 1/s", "0.126", "35 µm"],
-    ]
-    assert cells(found["model"], "line of the film") == [
-        ["line of the film", "its damping ratio", "line of the run", "its damping ratio"],
-        ["500 Hz", "0.01", "470 Hz", "0.011"],
-        ["1010 Hz", "0.02", "–", "–"],
-    ]
-    for motion, beside, rows in ((film(surge=None), model(), 0), (film(), model(surge=None), 2)):
-        bare = cells(sections(motion, beside)["model"], "line of the film")[1:]
-        assert len(bare) == rows and all(row[2:] == ["–", "–"] for row in bare)

@@ -11,7 +11,7 @@ from synthetic_study import (
     own_study,
 )
 from valvetrain.registry import find
-from valvetrain.report.page import Cards, Grid
+from valvetrain.report.page import Grid
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.study import Study
 
@@ -38,33 +38,6 @@ def cells(grid: Grid) -> list[list[str]]:
 def the(kind: type, found: tuple):
     (one,) = (block for block in found if isinstance(block, kind))
     return one
-
-
-def card_of(study: Study):
-    (card,) = the(Cards, blocks("answers", study)).cards
-    return card
-
-
-def test_answers_of_a_train_stand_under_its_sets():
-    study = STUDIES["train"]()
-    card, (stock, race) = card_of(study), study.solutions
-    assert card.headers == ("stock, multi-mass, 5600 rpm", "race, multi-mass, 5600 rpm")
-    shown = dict(card.lines)
-    for words, name, factor in (
-        ("Clearance to coil bind, outer spring (mm)", "outer_coil_bind_clearance", 1e3),
-        ("Seating velocity (m/s)", "seating_velocity", 1),
-        ("Bounce height (mm)", "bounce_height", 1e3),
-        ("Loft (mm)", "loft_gap", 1e3),
-        ("Bounces", "bounce_count", 1),
-        ("Time without contact (ms)", "loss_of_contact_duration", 1e3),
-        ("Peak retainer force below 10 kHz (N)", "peak_retainer_force", 1),
-    ):
-        assert shown[words] == tuple(
-            four(run.quantities[name] * factor) for run in (stock, race)
-        ), words
-    assert (
-        shown["Contact-loss speed, rigid parts (rpm)"] == (four(700 * 30 / np.pi),) * 2
-    )  # of the study, not of a run
 
 
 def test_frequencies_and_their_differences_in_percent():

@@ -7,7 +7,6 @@ from __future__ import annotations
 import base64
 import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,8 +15,8 @@ import valvetrain as vt
 from synthetic_study import own_study, rod_run
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.project import motion_data, motion_json
-from valvetrain.report.motion.scene import _worth, choose_frames, moving_picture
+from valvetrain.report.motion.project import motion_json
+from valvetrain.report.motion.scene import choose_frames, moving_picture
 from valvetrain.report.motion.springs import largest_between, slope_stress
 from valvetrain.solution.study import Study
 
@@ -158,36 +157,6 @@ def test_a_spike_between_frames_is_seen_in_the_next():
     )
 
 
-def test_several_runs_share_their_ranges_and_the_bound(study):
-    fast = replace(
-        rod_run(), provenance=replace(rod_run().provenance, label="finite-element, twice")
-    )
-    fast = fast.with_channels(
-        {
-            "axial_velocity": fast.arrays["axial_velocity"]._replace(
-                values=2 * fast.channel("axial_velocity")
-            )
-        }
-    )
-    data = motion_data(moving_picture(replace(study, solutions=(study.solutions[0], fast))))
-    ends = [
-        (one["low"], one["high"])
-        for variant in data["variants"]
-        for one in variant["springs"][0]["colours"]
-        if one["key"] == "velocity"
-    ]
-    assert len(ends) == 2 and ends[0] == ends[1]
-    many = replace(
-        study,
-        solutions=tuple(
-            replace(fast, provenance=replace(fast.provenance, label=f"run {k}")) for k in range(6)
-        ),
-    )
-    picture = moving_picture(many)
-    assert len(picture.variants) == 4 and "4 of 6 runs" in picture.notes[0]
-    assert len(motion_json(picture)) < 1.6e6
-
-
 def test_a_case_that_cannot_be_built_again_is_left_out():
     assert moving_picture(replace(own_study(), record=replace(own_study().record, text=""))) is None
 
@@ -226,20 +195,3 @@ def test_a_run_that_cannot_be_drawn_is_named_and_the_others_are(study):
     )
     with pytest.raises(vt.InputError, match="no-such-model"):
         moving_picture(replace(study, solutions=(strange,)))
-
-
-def test_of_too_many_runs_those_that_know_most_of_their_coils_are_drawn_then_the_fastest():
-    """Stress, gaps and displacements count; how many channels of each there are does not."""
-
-    def made(speed: float, *names: str):
-        return SimpleNamespace(
-            arrays=SimpleNamespace(variables=("valve_lift", *names)), engine_speed=speed
-        )
-
-    three = ("axial_displacement", "coil_gap", "a_shear_stress")
-    runs = [
-        made(900.0), made(100.0, "outer_coil_gap", "outer_axial_displacement"), made(300.0, *three), made(200.0, *three),
-        made(800.0, "inner_coil_gap", "outer_coil_gap"), made(950.0),
-    ]  # fmt: skip
-    ranked = sorted(range(6), key=lambda place: _worth(runs[place]), reverse=True)
-    assert ranked == [2, 3, 1, 4, 5, 0]

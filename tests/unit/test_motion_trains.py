@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import json
-from dataclasses import replace
 from functools import cache
 from importlib import resources
 
@@ -19,10 +18,8 @@ import pytest
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.report.motion.project import motion_json
-from valvetrain.report.motion.scene import member_of, moving_picture
-from valvetrain.report.motion.train import ARC_MARGIN
+from valvetrain.report.motion.scene import moving_picture
 from valvetrain.runs.run import run_study
-from valvetrain.solution.channels import ChannelArrays
 
 KINDS = ("direct", "finger", "pushrod", "rocker")
 Numbers = np.ndarray
@@ -110,35 +107,6 @@ def test_the_drawn_gap_between_lobe_and_follower_is_that_of_the_solution(kind):
     np.testing.assert_allclose(found, gap, atol=1.5e-3)
 
 
-def test_the_pad_of_a_finger_reaches_evenly_beyond_the_places_that_the_lobe_touches():
-    """The side of the drawn lobe that is nearest to the arc's centre tells where on its arc the pad
-    is touched, frame by frame.
-    """
-    _, data, sample, train = drawn("finger")
-    (pad, *_), lever = body(data, "lever")
-    (lobe, *_), cam = body(data, "cam")
-    touched = []
-    for place in range(len(sample)):
-        centre, outline = arc_centre("finger", data, train, place), placed(lobe, cam[place])
-        along = np.roll(outline, -1, axis=0) - outline
-        share = np.clip(
-            np.sum((centre - outline) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0
-        )
-        away = outline + share[:, None] * along - centre
-        touched.append(np.arctan2(*away[np.argmin(np.hypot(*away.T))][::-1]) - lever[place][2])
-    ends = [
-        np.arctan2(*(placed(pad[[end]], lever[0])[0] - arc_centre("finger", data, train, 0))[::-1])
-        - lever[0][2]
-        for end in (0, 31)
-    ]
-    middle = sum(ends) / 2
-    beyond = np.mod(np.array(touched) - middle + np.pi, 2 * np.pi) - np.pi
-    assert np.ptp(beyond) > 0.3, "the contact travels along the pad"
-    assert [beyond.min() - (ends[0] - middle), (ends[1] - middle) - beyond.max()] == pytest.approx(
-        [ARC_MARGIN] * 2, abs=0.01
-    )
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_drawn_lift_and_the_gap_at_the_stem_are_those_of_the_solution(kind):
     study, data, sample, train = drawn(kind)
@@ -203,67 +171,3 @@ def test_the_pushrod_keeps_its_length_and_its_gap():
         - squeeze
     )
     np.testing.assert_allclose(found, 1e3 * cycle.channel("rocker_gap")[sample], atol=1e-3)
-
-
-def test_the_pushrod_points_from_its_foot_at_the_ball_of_the_rocker():
-    """Its outline lies along its own y axis, which is turned to the line from the drawn foot to the
-    ball at the end of the drive arm.
-    """
-    _, data, _, train = drawn("pushrod")
-    rod, turn = body(data, "pushrod")[1], body(data, "lever")[1]
-    ball = (
-        1e3
-        * train.lever.drive_arm
-        * np.array([np.cos(train.lever.drive_angle), np.sin(train.lever.drive_angle)])
-    )
-    along = np.array(
-        [placed(ball[None], pose)[0] - foot[:2] for pose, foot in zip(turn, rod, strict=True)]
-    )
-    np.testing.assert_allclose(
-        rod[:, 2], np.arctan2(along[:, 1], along[:, 0]) - np.pi / 2, atol=1e-4
-    )
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_spring_stands_about_the_stem_between_its_seat_and_the_retainer(kind):
-    """Its foot lies on the axis of the stem, its installed height and the 4 mm from the tip to the
-    retainer away from the closed tip.
-    """
-    _, data, _, train = drawn(kind)
-    opening = np.array(
-        [np.cos(train.valve.opening_direction), np.sin(train.valve.opening_direction)]
-    )
-    closed = body(data, "valve seat")[1][0][:2]  # drawn about the tip of the closed valve
-    travel = (body(data, "valve stem")[1][:, :2] - closed) @ opening
-    (spring,) = data["springs"]
-    height = numbers(spring["retainer"]) + travel
-    assert height == pytest.approx(np.full(len(height), height[0]), abs=1e-3)
-    assert spring["seat"] == pytest.approx(closed + (4.0 + height[0]) * opening, abs=1e-3)
-    if kind != "pushrod":  # its card does not tell the coils, which are drawn of usual size
-        assert height[0] == pytest.approx(
-            1e3 * next(iter(train.springs.values()))[0].installed_height, abs=1e-3
-        )
-    assert [np.cos(spring["direction"]), np.sin(spring["direction"])] == pytest.approx(
-        -opening, abs=1e-9
-    )
-
-
-def test_reduced_trains_and_older_runs_are_drawn_by_rigid_parts_and_it_is_said():
-    _, data, _, _ = drawn("finger", "single-mass")
-    assert any("single-mass train knows no geometry" in note for note in data["notes"])
-    assert any("drawn as rigid parts move" in note for note in data["notes"])
-    whole = drawn("finger")[0]
-    run = whole.solutions[0]
-    bare = ChannelArrays(
-        {name: one for name, one in run.arrays.variables.items() if not name.endswith("_angle")},
-        run.arrays.coords,
-    )
-    older = moving_picture(replace(whole, solutions=(replace(run, channels=bare),)), 150).variants[
-        0
-    ]
-    turned = next(one for one in older.bodies if one.name == "lever").pose[:, 2]
-    kinematics = member_of(whole.record, run).gear.mechanism.kinematics
-    np.testing.assert_allclose(
-        np.abs(turned), np.abs(kinematics.drive(older.cam_angle)), atol=1e-12
-    )
-    assert any("does not hold the motion of lever" in note for note in older.notes)

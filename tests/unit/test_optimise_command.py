@@ -19,7 +19,7 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
 from valvetrain.explore.optimise import SearchInterrupted
-from valvetrain.explore.optimum import case_text, write_optuna
+from valvetrain.explore.optimum import case_text
 from valvetrain.explore.optimum_summary import sentences
 
 #: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in
@@ -167,38 +167,6 @@ search = { trials = 2, per_round = 2 }
     assert (case.train.spring_set, case.train.spring_model) == ("performance", "massless")
     rpm = [speed * 30 / np.pi for speed in case.operation.engine_speeds]
     assert rpm == pytest.approx([2500, 3000], rel=1e-9)
-
-
-def test_optunas_own_reader_opens_the_study(kept):
-    import optuna
-
-    path, found = kept[0] / "optuna.db", light()
-    (summary,) = optuna.get_all_study_summaries(f"sqlite:///{path}")
-    study = optuna.load_study(study_name=summary.study_name, storage=f"sqlite:///{path}")
-    assert (
-        len(study.trials) == 41 and study.best_trial.user_attrs["number"] == found.best.trial.number
-    )
-    assert study.best_trial.params["wire [mm]"] == pytest.approx(1e3 * found.best.trial.values[0])
-    states = {"feasible": "COMPLETE", "infeasible": "COMPLETE", "refused": "FAIL"}
-    assert [one.state.name for one in study.trials] == [states[one.state] for one in found.trials]
-
-
-def test_the_optuna_study_names_what_is_searched_and_its_unit(tmp_path):
-    """Two objectives, one of them to be as large as can be; what has no unit is told without one."""
-    import optuna
-
-    both = (
-        'direction = "minimise" }, { quantity = "smallest_index_ratio", direction = "maximise" }]'
-    )
-    text = LIGHT.replace('direction = "minimise" }]', both).replace(
-        "trials = 20, per_round = 5, seeds = 2", "trials = 2, per_round = 2"
-    )
-    path = write_optuna(vt.optimise(text, workers=1), tmp_path / "study.db")
-    (study,) = optuna.get_all_study_names(f"sqlite:///{path}")
-    kept = optuna.load_study(study_name=study, storage=f"sqlite:///{path}")
-    assert study == "Lightest" and kept.metric_names == ["wire mass [g]", "smallest spring index"]
-    assert [one.name for one in kept.directions] == ["MINIMIZE", "MAXIMIZE"]
-    assert kept.user_attrs["case"] == "job-c" and len(kept.user_attrs["constraints"]) == 3
 
 
 @pytest.fixture

@@ -113,16 +113,6 @@ def test_a_recording_gives_the_lift_that_was_recorded(answer, words, expected):
     assert found["quantities"]["largest_valve_lift"]["value"] == pytest.approx(PEAK_LIFT, rel=2e-3)
 
 
-def test_a_sensor_is_described_as_it_was_given(answer):
-    parts = (
-        "natural_frequency=6 kHz, damping_ratio=0.02, order=2, sampling_rate=9 kHz, bandwidth=3 kHz"
-    )
-    case = ("--case", "lifted.toml", "--engine-speed", "3000 rpm", "--spring", "massless")
-    text = answer("rig", *case, "--sensor", parts)
-    for part in ("resonance at 6 kHz", "ratio 0.02", "order 2 at 3 kHz", "sampled at 9 kHz"):
-        assert part in text
-
-
 def test_a_sensor_without_speeds_takes_those_of_the_case(answer):
     words = ("--spring", "massless", "--bandwidth", "1 kHz", "--json")
     found = json.loads(answer("rig", "--case", "pair.toml", *words))["quantities_by_label"]

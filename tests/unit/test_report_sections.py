@@ -78,14 +78,6 @@ def test_spring_force_by_speed_and_model_with_rest_dashed(own, key, channel, wor
     assert (band.first, band.last) == pytest.approx(tuple(np.degrees((EVENT.start, EVENT.end))))
 
 
-def test_coil_positions_are_millimetres_of_the_wire(own):
-    mine = lines(own["coil-coils-2-1-spring"])
-    np.testing.assert_allclose(
-        mine["coil number 7"].y, 1e3 * rod_run().channel("axial_position")[-720:, -1]
-    )
-    assert "(mm)" in own["coil-coils-2-1-spring"].panels[0].y_label
-
-
 def test_every_train_channel_stands_under_its_own_name(train):
     run = train_run()
     shown = {
@@ -141,15 +133,6 @@ def test_modes_and_frequencies_side_by_side(own):
         if isinstance(block, Grid)
     )
     assert [cell.text for cell in grid.rows[0][0]] == ["1", "631", "620", "−1.7"]
-
-
-def test_orders_are_bars_of_their_amplitude_with_the_surge_marked(train):
-    panel = train["orders"].panels[0]
-    bars = next(layer for layer in panel.layers if layer.name == "stock, multi-mass")
-    np.testing.assert_allclose(bars.y[1::3], 30.0 / np.arange(1, 25))
-    assert [rule.value for rule in panel.rules] == pytest.approx(
-        [560 * 4 * np.pi / SPEED]
-    ) and panel.rules[0].label == "surge 560 Hz"
 
 
 def test_stress_along_the_wire_and_over_the_cycle(own):

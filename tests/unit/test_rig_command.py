@@ -192,24 +192,3 @@ def test_a_channel_that_a_run_lacks_is_named():
     (run,) = vt.simulate("job-t", "3000 rpm", spring_models=["massless"]).solutions
     with pytest.raises(vt.InputError, match="the run has no channel 'lift'"):
         vt.rig.sensor_response(run, vt.measured.Sensor(), ["lift"])
-
-
-def test_kept_runs_differ_by_what_was_asked_and_found(folder, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for place, more in enumerate(((), ("--band", "500 Hz"))):
-        assert (
-            call(
-                "rig",
-                str(folder / "rig.tdms"),
-                *ANSWERS,
-                *more,
-                "--output",
-                str(tmp_path / f"out{place}"),
-                "--quiet",
-            ).exit_code
-            == 0
-        )
-    said = call("compare-runs", "out0", "out1").output
-    assert (
-        "choices.band" in said and "largest spring force" in said and "choices.digest" not in said
-    )

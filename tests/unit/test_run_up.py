@@ -152,22 +152,6 @@ def test_a_model_that_cannot_run_floats_at_no_speed():
     assert "wave-rod-clash" in refused and found.still.get("wave-rod-clash", {}) == {}
 
 
-def test_where_no_model_can_run_the_reason_of_the_first_is_the_refusal():
-    with pytest.raises(
-        InputError,
-        match=r"^spring_models: spring 'stock' is known by its card only; a rod with clash needs the coil gaps",
-    ):
-        vt.run_up(
-            "tdi-pushrod",
-            "1000 rpm",
-            "1100 rpm",
-            "0.4 s",
-            spring_models=["wave-rod-clash"],
-            spring_set=["stock"],
-            workers=1,
-        )
-
-
 @pytest.mark.parametrize(("first", "last"), [("1000 rpm", "6000 rpm"), ("6000 rpm", "1000 rpm")])
 def test_a_run_up_of_less_than_a_few_turns_is_refused(first, last):
     with pytest.raises(InputError, match=r"0\.29 cam revolutions, .*take a longer time"):

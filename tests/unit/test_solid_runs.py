@@ -15,7 +15,7 @@ from validation.calculix.deck import (
 from validation.calculix.jobs import SolidSpring, axial_modes
 from validation.calculix.results import last_field, read_fields, read_printed
 from validation.calculix.solver import run_deck
-from validation.calculix.transient import TransientJob, transient_deck
+from validation.calculix.transient import TransientJob
 
 from valvetrain.continuum.mesh import MeshOptions
 from valvetrain.continuum.mesh_file import write_mesh
@@ -150,31 +150,6 @@ def test_a_cut_off_field_is_dropped():
     displacement = last_field(fields, "DISP")
     assert displacement.values.tolist() == [[1, -2, 3], [4, 5, -0.6]]
     assert np.isnan(displacement.dense(3)[1]).all() and displacement.dense(3)[2, 2] == -0.6
-
-
-def test_every_contact_pair_lies_one_turn_apart(model):
-    from validation.calculix.deck import contact_pairs
-
-    pairs = contact_pairs(model.mesh, model.contact)
-    assert len(pairs) == 10
-    for middle, above, below in pairs:
-        assert abs(above.coil.mean() - middle) < 0.1 and abs(below.coil.mean() - (middle - 1)) < 0.2
-        assert (
-            below.coil.min() <= above.coil.min() - 1 + 0.13
-            and below.coil.max() >= above.coil.max() - 1 - 0.13
-        )
-
-
-def test_transient_table_follows_the_lift(model):
-    class Ramp:
-        def lift(self, cam_angle, derivative=0):
-            return 1e-3 * np.asarray(cam_angle)
-
-    job = TransientJob(Ramp(), 200.0, 5e-3, 0.0, 0.1, time_step=1e-4)
-    deck = transient_deck(model, job)
-    table = deck.split("NAME=LIFT\n")[1].split("*")[0].split("\n")[:-1]
-    assert len(table) == 11
-    assert [float(item) for item in table[-1].split(",")] == pytest.approx([1e-3, -5.1])
 
 
 def test_time_limit_becomes_a_status_and_leaves_nothing(stand_in):

@@ -133,24 +133,3 @@ def test_check_in_imperial_and_by_the_environment(tmp_path, monkeypatch):
     assert as_json["verdict"].endswith("2.16 mm are left to coil bind.")
     wrong = CliRunner().invoke(app, ["check", str(path), "--units", "stones"])
     assert wrong.exit_code == 2
-
-
-def test_refusals_are_read_in_the_units_requested_and_quote_the_input_as_it_is(tmp_path):
-    """Contract: a refusal said mm to a reader of inches; what the file says stays as written."""
-    path = tmp_path / "v8.toml"
-    text = template_text("pushrod").replace(
-        'outer_diameter = "0.3125 in"', 'outer_diameter = "9.5 mm"'
-    )
-    path.write_text(text.replace('"0.080 in"', '"6 mm"', 1), encoding="utf-8")
-    said = {
-        units: " ".join(
-            CliRunner().invoke(app, ["check", str(path), "--units", units]).stderr.split()
-        )
-        for units in ("si", "imperial")
-    }
-    assert "a wall of 6 mm does not fit into an outer diameter of 9.5 mm" in said["si"]
-    assert "a wall of 0.2362 in does not fit into an outer diameter of 0.374 in" in said["imperial"]
-    path.write_text(
-        template_text("pushrod").replace('"60 kN/mm"', '"60 mm"'), encoding="utf-8"
-    )  # of the stem
-    assert "60 mm" in CliRunner().invoke(app, ["check", str(path), "--units", "imperial"]).stderr

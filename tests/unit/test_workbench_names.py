@@ -14,7 +14,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from valvetrain.errors import InputError
 from valvetrain.workbench import saved_runs as saved_tests
 from valvetrain.workbench.job_process import study_file, write_inputs
 from valvetrain.workbench.jobs import JobRequest, Jobs
@@ -27,12 +26,6 @@ from workbench_parts import SMALL, SPRING, TABLE, kept, lifts
 @pytest.fixture
 def workspace(tmp_path):
     return Workspace(tmp_path / "bench")
-
-
-@pytest.fixture
-def table(workspace):
-    """A case that names its table of lifts."""
-    return workspace.upload("small.toml", (SPRING + TABLE).encode(), {"lift.txt": lifts()})
 
 
 def test_two_tests_never_take_the_place_of_each_other(workspace):
@@ -63,15 +56,6 @@ def test_two_tests_never_take_the_place_of_each_other(workspace):
     assert saved_name("cycles-2.nc") == "cycles-2.nc" and saved_name(
         f"{stem}-5600-rpm.csv"
     ).endswith(".csv")
-
-
-def test_a_file_laid_there_by_hand_blocks_no_other(workspace, table):
-    (workspace.case_folder(table) / "notes.toml").write_text("x = 1")
-    workspace.attach(table, "b.csv", b"1")
-    workspace.attach(table, "lift.txt", lifts(8.0))
-    assert set(workspace.files(workspace.duplicate(table))) == {"notes.toml", "b.csv", "lift.txt"}
-    with pytest.raises(InputError, match="no file that a case names"):
-        workspace.attach(table, "more.toml", b"1")
 
 
 @pytest.mark.parametrize("name", ["study", "Study", "small"])
@@ -197,15 +181,3 @@ def test_whatever_is_sent_is_answered_in_a_sentence(workspace, served, name, con
         and not (run.folder / "laid-over").exists()
     )
     assert Path(name).name in served.reached
-
-
-def test_a_case_of_any_name_is_handed_out(workspace, served):
-    case = workspace.upload("Пружина.toml", SMALL.encode())
-    answer = served.get(f"/download-case/{case}")
-    assert (
-        answer.status_code == 200
-        and answer.text == SMALL
-        and answer.headers["content-type"].startswith("application/toml")
-    )
-    assert answer.headers["content-disposition"].startswith("attachment; filename*=utf-8''%D0%9F")
-    assert served.get("/download-case/none").status_code == 404

@@ -9,24 +9,18 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import os
 import sqlite3
 import threading
 import time
-from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters import schema_case as table_cache
 from valvetrain.parameters.loading import parse_case
-from valvetrain.workbench import lift_laws
 from valvetrain.workbench import saved_runs as saved_tests
 from valvetrain.workbench import side_files as passing
-from valvetrain.workbench import workspace as whole
 from valvetrain.workbench.jobs import Jobs
-from valvetrain.workbench.saved_runs import MAX_TESTS, keep_test, read_test, remove_test
+from valvetrain.workbench.saved_runs import MAX_TESTS, keep_test
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING, TABLE, kept, lifts
 
@@ -105,37 +99,6 @@ def test_no_more_tests_are_kept_than_may_be(workspace, monkeypatch):
     assert len(saved_tests.saved_tests(run)) == MAX_TESTS
 
 
-def test_a_test_that_has_gone_meanwhile_is_said_to_have_gone(workspace, monkeypatch):
-    run = workspace.run(kept(workspace))
-    keep_test(run, "a.csv", b"1")
-    found = saved_tests.saved_test(run, "a.csv")
-    monkeypatch.setattr(saved_tests, "saved_test", lambda run, name: found)
-    remove_test(run, "a.csv")
-    with pytest.raises(InputError, match="over this run; it may have been removed"):
-        read_test(run, "a.csv")
-    remove_test(run, "a.csv")
-    listing = Path.iterdir
-    keep_test(run, "b.csv", b"1")
-    monkeypatch.setattr(Path, "iterdir", lambda self: iter([self / "away.csv", *listing(self)]))
-    assert [one.name for one in saved_tests.saved_tests(run)] == ["b.csv"]
-
-
-def test_a_comparison_is_that_of_the_content_that_lies_there(workspace, monkeypatch):
-    """Another test under the same name, within the same tick of the clock and of the same size."""
-    files = pytest.importorskip("valvetrain.workbench.pages.files")
-    run, made = workspace.run(kept(workspace)), files.Overlays()
-    monkeypatch.setattr(
-        files,
-        "against",
-        lambda run, name, content: SimpleNamespace(runs=(1,), failures=(), content=content),
-    )
-    monkeypatch.setattr(files, "test_part", lambda found: found.content.decode())
-    at = made.lay(run, "a.csv", b"one").path.stat()
-    assert made.part(run, "a.csv") == "one"
-    os.utime(keep_test(run, "a.csv", b"two").path, ns=(at.st_atime_ns, at.st_mtime_ns))
-    assert made.part(run, "a.csv") == "two"
-
-
 def test_the_pages_answer_while_a_file_is_read(workspace, table, monkeypatch):
     """A table that takes long to read blocks what waits for it, not the server."""
     pytest.importorskip("nicegui")
@@ -211,42 +174,6 @@ def test_a_slider_begins_anew_when_a_file_beside_its_case_has_changed(
 # -- tables that were read
 
 
-def test_a_table_is_read_once_while_it_stays_as_it_is(workspace, table, monkeypatch):
-    from valvetrain.cam import spline
-
-    read, names = spline.read_lift, []
-    monkeypatch.setattr(
-        spline, "read_lift", lambda path, answers: names.append(path.name) or read(path, answers)
-    )
-    table_cache._cache.clear()
-    first = workspace.read(table).lift_law
-    for mass in ("45 g", "46 g"):
-        workspace.set_value(table, "spring.mass", mass)
-    assert workspace.read(table).lift_law == first and names == ["lift.txt"]
-    path = workspace.side_file(table, "lift.txt")
-    at = path.stat()
-    path.write_bytes(lifts().replace(b"9.0000", b"8.0000"))
-    os.utime(path, ns=(at.st_atime_ns, at.st_mtime_ns))
-    assert path.stat().st_size == at.st_size and workspace.read(table).lift_law != first, (
-        "same time and size, another content"
-    )
-    workspace.set_value(table, "lift_law.degree", "7")
-    assert workspace.read(table).lift_law.values["degree"] == 7 and len(names) == 3
-    path.unlink()
-    with pytest.raises(InputError, match="cannot be read"):
-        workspace.read(table)
-
-
-def test_tables_that_are_kept_are_few(tmp_path):
-    for place in range(2 * table_cache.MAX_CACHED):
-        peak = 9 + place / 100
-        (tmp_path / "lift.txt").write_bytes(lifts(peak))
-        assert max(
-            parse_case(SPRING + TABLE, "case", tmp_path).lift_law.values["lifts"]
-        ) == pytest.approx(peak * 1e-3, rel=1e-4)
-    assert len(table_cache._cache) <= table_cache.MAX_CACHED
-
-
 # -- a full disk
 
 
@@ -288,33 +215,6 @@ def test_a_database_that_cannot_be_written_leaves_no_case(workspace, monkeypatch
     with pytest.raises(InputError, match="disk is full"):
         workspace.new_case("a", "spring")
     assert not list(workspace.cases_folder.iterdir())
-
-
-def test_a_full_disk_is_said_and_changes_nothing(workspace, table, monkeypatch):
-    run, before = workspace.run(kept(workspace)), workspace.text(table)
-    for module in (whole, lift_laws, saved_tests, passing):
-        for name in {"write_text", "write_bytes"} & set(vars(module)):
-            monkeypatch.setattr(module, name, full)
-    for call in (
-        lambda: workspace.set_value(table, "spring.mass", "45 g"),
-        lambda: workspace.change_law(table, "polynomial"),
-        lambda: workspace.attach(table, "a.csv", b"1"),
-        lambda: workspace.attach(table, "lift.txt", lifts(8.0)),
-        lambda: keep_test(run, "a.csv", b"1"),
-        lambda: workspace.duplicate(table),
-        lambda: workspace.replace_text(table, SMALL),
-    ):
-        with pytest.raises(InputError, match="no space left on device"):
-            call()
-    monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(InputError, match="no space left on device"):
-        workspace.attach(table, "lift.txt", lifts(8.0))
-    monkeypatch.setattr(passing.tempfile, "mkdtemp", full)
-    with pytest.raises(InputError, match="no space left on device"):
-        workspace.upload("b.toml", SMALL.encode())
-    monkeypatch.undo()
-    assert workspace.text(table) == before and workspace.files(table) == {"lift.txt": lifts()}
-    assert [card.name for card in workspace.cases()] == [table] and not saved_tests.saved_tests(run)
 
 
 def test_what_a_killed_server_was_making_is_no_case(workspace):

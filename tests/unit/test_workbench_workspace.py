@@ -18,7 +18,7 @@ from valvetrain.runs.saved_runs import collect_inputs, find_run
 from valvetrain.workbench.form import read_change
 from valvetrain.workbench.jobs import JobRequest, Jobs
 from valvetrain.workbench.workspace import MAX_CASES, Workspace
-from workbench_parts import BAD_NAMES, SMALL, kept
+from workbench_parts import SMALL, kept
 
 
 @pytest.fixture
@@ -185,29 +185,6 @@ def test_cases_are_renamed_copied_and_removed(workspace):
         workspace.text(other)
     assert {card.name for card in workspace.cases()} == {"small-2", "Other-one-2"}
     assert Workspace(workspace.folder).cases() == workspace.cases(), "another server finds the same"
-
-
-@pytest.mark.parametrize("name", BAD_NAMES)
-def test_no_name_leads_out_of_the_workspace(workspace, name):
-    calls = (
-        lambda: workspace.text(name), lambda: workspace.delete(name), lambda: workspace.set_value(name, "title", "x"),
-        lambda: workspace.run(f"{name}/x"), lambda: workspace.run(f"small/{name}"), lambda: workspace.delete_run(f"small/{name}"),
-        lambda: workspace.download(f"small/{name}", "case"), lambda: workspace.run(name),
-    )  # fmt: skip
-    workspace.upload("small.toml", SMALL.encode())
-    for call in calls:
-        with pytest.raises(InputError):
-            call()
-    assert [card.name for card in workspace.cases()] == ["small"]
-    made = None
-    try:
-        made = workspace.new_case(name, "spring")
-    except InputError:
-        pass
-    assert (
-        made is None
-        or (workspace.cases_folder / made).resolve().parent == workspace.cases_folder.resolve()
-    )
 
 
 def test_links_are_not_followed(workspace, tmp_path):
