@@ -223,33 +223,6 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
     )
 
 
-def test_json_and_page_name_the_gaps(tmp_path, monkeypatch):
-    monkeypatch.setattr(evaluate, "force_quantities", broken)
-    out = tmp_path / "out"
-    result = call(
-        "run",
-        "job-t",
-        "--engine-speed",
-        "2000 rpm",
-        "--spring",
-        "massless",
-        "--output",
-        str(out),
-        "--json",
-    )
-    answer = json.loads(result.stdout)
-    gap = f"forces: IndexError: {BROKEN}"
-    assert (
-        result.exit_code == 1
-        and answer["runs"][0]["gaps"] == [gap]
-        and answer["failures"] == [f"massless at 2000 rpm, {gap}"]
-    )
-    assert (
-        gap in (out / "report.html").read_text()
-        and "peak_shear_stress" not in answer["runs"][0]["quantities"]
-    )
-
-
 LABELS = [
     "x 1", "x/1", "x 1", "X 1", "X-1", "", ".", "..", "x 1-2", "caf\u00e9", "cafe\u0301", "CAF\u00c9", "\ufb01n", "fin", "stra\u00dfe",
     "STRASSE", "a" * 300, "a" * 299 + "b", "a" * 300, "\u6c34" * 300, "nul\0", "con", "-rf", "~", "x\n1",

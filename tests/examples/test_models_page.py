@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from pathlib import Path
 
@@ -53,24 +52,3 @@ def test_the_page_has_every_case_every_model_and_a_reason_for_every_gap():
                 summary.name,
                 cell,
             )
-
-
-def test_a_coarse_case_is_the_case():
-    for name in ("job-t", "vaz-ohc"):
-        case = load_case(name)
-        coarse = tool.coarse(case)
-        assert coarse.lift_law == case.lift_law
-        springs = coarse.springs or coarse.train.spring_parts("nested")
-        assert {spring.options_of("finite-element")["elements_per_coil"] for spring in springs} == {
-            6
-        }
-        assert [spring.wire for spring in springs] == [
-            spring.wire for spring in case.springs or case.train.spring_parts("nested")
-        ]
-
-
-def test_one_cell_is_found_by_running_it():
-    case = tool.coarse(load_case("tdi-pushrod"))
-    found = dict(tool._command(case, "run", ["massless", "wave-rod-clash"]))
-    assert found["massless"] == "" and "coil gaps" in found["wave-rod-clash"]
-    assert math.isclose(tool.ENGINE_SPEED * 30 / math.pi, 2000)

@@ -133,11 +133,6 @@ def test_what_contradicts_the_total_is_refused_at_its_place(outer, inner, given,
         written(outer, inner, **given)
 
 
-def test_turns_of_neither_are_asked_for():
-    with pytest.raises(InputError, match="count those of one and give active_coils"):
-        part(RATE, PRELOAD, half(OUTER, turns=False), half(INNER, turns=False))
-
-
 def test_a_pair_is_detuned_by_the_turns_of_one_which_leave_the_loads_of_both(tmp_path):
     """Closed form: the rate of a spring goes as 1 / turns, its mass as turns; a study of detuning varied the
     mass, which a pair refuses.

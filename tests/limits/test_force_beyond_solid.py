@@ -5,12 +5,9 @@ The spring is one of a textbook kind (wire 4 mm, mean diameter 28 mm, seven coil
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
 import valvetrain as vt
-from unit.cli_parts import call
 from valvetrain.quantities.statics import solid_quantities
 from valvetrain.springs.stress import nominal_stress_per_force
 
@@ -64,19 +61,3 @@ def test_stress_by_the_standard_is_that_of_the_wire_and_not_of_the_blows(text, r
         assert 0.9 * at_solid < run.quantities["open_nominal_shear_stress"] <= at_solid
     own = runs.solutions[0].quantities["peak_shear_stress"]
     assert own == pytest.approx(at_solid, rel=0.1)
-
-
-def test_terminal_page_and_json_say_why(text, tmp_path):
-    (tmp_path / "near.toml").write_text(text)
-    result = call(
-        "run", str(tmp_path / "near.toml"), "--spring", "multi-mass", "--workers", "1", "--output", str(tmp_path / "out")
-    )  # fmt: skip
-    sentence = "goes from coil to coil"
-    assert result.exit_code == 0 and sentence in " ".join(result.stdout.split())
-    (note,) = [
-        one
-        for one in json.loads((tmp_path / "out" / "run.json").read_text())["notes"]
-        if sentence in one
-    ]
-    assert "multi-mass at 4000 rpm" in note and "solid at" in note
-    assert sentence in (tmp_path / "out" / "report.html").read_text()

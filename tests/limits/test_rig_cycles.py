@@ -4,7 +4,6 @@ is stated.
 
 from __future__ import annotations
 
-import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -252,32 +251,6 @@ def test_drift_is_taken_off_in_the_dwell(recorded):
     true = rig.force_offset + rig.force_drift * middle / ((rig.cycles + 0.4) * TURN / rig.cam_speed)
     assert len(taken) >= len(true) - 3, "dwells of the slipped cycle tell no zero"
     assert np.all(np.diff(taken) > 1.0) and true[0] - 2 < taken[0] < taken[-1] < true[-1] + 2
-
-
-@pytest.mark.parametrize("zero", [{}, {"spring_force": "250 N"}])
-def test_each_channel_tells_how_it_was_filtered_and_what_was_taken_off(short, zero):
-    """50 kHz hold up to 25 kHz, four fifths of it unchanged. The zero of the force drifts from 55 N
-    by 30 N; a lift is zero unasked.
-    """
-    found = cycles_in(short, "known", replace(WHEEL, zero=zero), lift)
-    assert [one.cycles.quantity for one in found.channels] == ["spring_force", "valve_lift"]
-    for one in found.channels:
-        first, *rest = one.cycles.notes
-        assert (
-            first == "low-passed without phase, flat to 20000 Hz and down by 80 dB from 25000 Hz on"
-        )
-        ends = [
-            re.fullmatch(r"zero taken off in the dwell: (\S+) to (\S+) (N|m)", words).groups()
-            for words in rest
-        ]
-        if one.cycles.quantity == "valve_lift":
-            ((low, high, unit),) = ends
-            assert unit == "m" and -5e-6 < float(low) <= float(high) < 5e-6
-        elif zero:
-            ((low, high, unit),) = ends
-            assert unit == "N" and 55 - 2 < float(low) < 55 + 12 and 55 + 18 < float(high) < 85 + 2
-        else:
-            assert not ends
 
 
 def wheel(teeth, missing, seed=1, speed=25.0, turns=30.3):

@@ -195,39 +195,3 @@ def test_modes_are_named_by_their_label_and_else_by_their_train(label, shown):
     built = bucket(MasslessSpring(RATE, 300.0))
     named = TrainSystem(built.mechanism, built.springs, name="stock")
     assert modes_of_train(named, cam_angle=NOSE, label=label).label == shown
-
-
-def test_the_command_tells_both_states_with_bodies_and_springs_by_name():
-    """The JSON of ``modes`` holds what Python gives; shares of a mode make one whole."""
-    import json
-
-    from typer.testing import CliRunner
-
-    from valvetrain.cli.main import app
-
-    result = CliRunner().invoke(
-        app,
-        [
-            "modes",
-            str(TEMPLATES / "pushrod.toml"),
-            "--spring",
-            "massless",
-            "--count",
-            "3",
-            "--json",
-        ],
-    )
-    assert result.exit_code == 0, result.output
-    told = json.loads(result.stdout)["train_modes"]
-    known = train_modes(load_case(str(TEMPLATES / "pushrod.toml")), ["massless"])
-    assert [one["state"] for one in told] == ["closed", "full_lift"] == [one.state for one in known]
-    for one, other in zip(told, known, strict=True):
-        assert [mode["natural_frequency"]["value"] for mode in one["modes"]] == pytest.approx(
-            other.natural_frequency[:3]
-        )
-        assert all(
-            sum(mode["energy_share"].values()) == pytest.approx(1.0) for mode in one["modes"]
-        )
-        assert set(one["modes"][0]["shape"]) == set(other.bodies) and one["open"] == list(
-            other.open
-        )

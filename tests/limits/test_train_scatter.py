@@ -10,8 +10,6 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from valvetrain.integrate.contract import Periodic, RunOptions
-from valvetrain.integrate.run import run
 from valvetrain.integrate.train_channels import COMPARED, STEADY_VALVE, cycle_numbers
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
@@ -141,16 +139,3 @@ def test_a_bucket_that_rattles_on_its_rod_says_by_how_much():
     ).solutions  # fmt: skip
     assert run.status.completed and run.statistics["steady_residual_ratio"] > 1e-4
     assert 1.0 < run.quantities["cycle_scatter_peak_seat_contact_force"] < 300.0
-
-
-def test_scatter_is_told_only_where_asked_for():
-    """Contract: ``Periodic(compared=False)`` leaves the eight further cycles out."""
-    problem = build(pushrod("0.1 mm"))
-    made = problem.members[0].system()
-    asked = [
-        run(made, 1500 * RPM, Periodic(12, compared=compared), RunOptions(keep="ends"))
-        for compared in (True, False)
-    ]
-    assert all(one.statistics["motion_period_count"] != 1 for one in asked)
-    named = [any(name.startswith("cycle_scatter_") for name in one.statistics) for one in asked]
-    assert named == [True, False]

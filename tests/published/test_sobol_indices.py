@@ -79,36 +79,6 @@ def test_the_quantity_that_makes_the_spread_is_named():
     assert 0 < told.sentence.index("second (") < told.sentence.index("first (")
 
 
-def test_quantities_that_cannot_be_told_apart_are_said_to_be_so():
-    points = design(640)
-    told = sensitivity_of("peak_spring_force", RUN, NAMES, points[:, 1] + points[:, 0])
-    assert told.sentence.startswith("No single quantity makes the spread of the peak spring force")
-    assert (
-        "first (" in told.sentence
-        and "second (" in told.sentence
-        and "third (" not in told.sentence
-    )
-    assert told.rows == 128 and told.sentence.endswith("cannot be separated.")
-
-
-def test_few_base_rows_are_named_with_the_count_that_gives_more():
-    """Three quantities: 64 rows of A, B and one mixed sample each are 320 points, of which none is
-    the next smaller design.
-    """
-    for count, rows, end in (
-        (319, 32, " by 32 base rows; count = 320 gives 64."),
-        (320, 64, "cannot be separated."),
-    ):
-        points = design(count)
-        told = sensitivity_of("peak_spring_force", RUN, NAMES, points[:, 1] + points[:, 0])
-        assert told.rows == rows and told.sentence.endswith(end)
-
-
-def test_an_output_that_nothing_moves_is_said_to_be_so():
-    told = sensitivity_of("peak_spring_force", RUN, NAMES, np.full(640, 800.0))
-    assert not any(name in told.sentence for name in NAMES)
-
-
 def test_base_rows_with_a_failed_point_are_left_out_and_counted():
     points = design(5120)
     values = ishigami(points)

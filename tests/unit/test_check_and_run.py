@@ -111,21 +111,6 @@ def test_numbers_beyond_all_measure_end_in_a_sentence_or_are_used(changes):
     assert said.isprintable() and len(said) < 800
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"study": "s" * 5000},
-        {"spring.ends": "e" * 5000},
-        {"k" * 5000: 1},
-        {"lift_law.kind": "l" * 5000},
-    ],
-)
-def test_unknown_words_are_echoed_cut(changes):
-    with pytest.raises(InputError) as refusal:
-        load_case("job-t", changes)
-    assert len(str(refusal.value)) < 500
-
-
 def test_a_refusal_is_one_printable_line_whatever_was_written():
     error = InputError("a\nb\x1b[2J" + "x" * 5000, "where\u202e" + "y" * 5000)
     assert str(error).isprintable() and len(str(error)) < 1100

@@ -279,18 +279,6 @@ def test_options_that_no_computer_holds_are_refused_by_the_case(small):
         assert call("run", "small.toml", "--set", value).exit_code == 2
 
 
-def test_a_large_request_says_what_it_will_take_and_a_bound_can_be_raised(small, monkeypatch):
-    from valvetrain.cli import run
-
-    monkeypatch.setattr(run, "answer_study", lambda *_, **__: None)
-    words = ("run", "small.toml", "--set", "operation.cycles=3000")
-    result = call(*words, "--limit", "1 d, 1 TB")
-    assert result.exit_code == 0 and re.match(
-        r"this will take about .* on an idle machine with its error bars and .*\n", result.stderr
-    )
-    assert call(*words, "--limit", "1 d, 1 TB", "--quiet").stderr == ""
-
-
 def test_a_run_that_diverges_writes_what_it_has_and_ends_with_1(small):
     words = (
         "run",

@@ -112,12 +112,6 @@ def test_new_writes_them_and_says_where_a_spring_alone_goes(tmp_path, monkeypatc
     assert refused.exit_code == 2 and "spring-card" in refused.output
 
 
-def test_speeds_without_a_unit_are_rpm_in_run_as_in_sweep(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    found = call("run", "job-t", "--engine-speed", "3000", "--spring", "massless")
-    assert found.exit_code == 0 and "3000 rpm" in found.output
-
-
 def test_two_springs_run_in_the_engine_under_their_own_names():
     both = with_two_springs(
         parse_case(template_text("direct")), parse_case(SOFT), parse_case(STIFF)

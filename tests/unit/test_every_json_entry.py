@@ -256,69 +256,6 @@ def test_numbers_at_rest_stand_under_their_labels():
     assert study_json(replace(sweep_study(), command="run"))["completed"] is False
 
 
-def test_critical_speeds_are_told_bracket_by_bracket():
-    contact, floats, bounce = study_json(sweep_study())["critical_speeds"]
-
-    def bracket(low: float, high: float) -> dict:
-        return {"lower": known(low * 30 / np.pi, "rpm"), "upper": known(high * 30 / np.pi, "rpm")}
-
-    each = {
-        "label": "stock",
-        "searched": bracket(2000 * RPM, 8000 * RPM),
-        "resolution": known(10, "rpm"),
-    }
-    unknown = {
-        "range": None,
-        "range_causes": [],
-        "members": [],
-        "pulled": [],
-        "onset": "",
-        "cause": "",
-        "spring_force_loss": known(0, "N"),
-    }
-    assert contact == each | unknown | {
-        "text": "6207–6217, at the cam",
-        "kind": "contact-loss",
-        "place": "cam",
-        "limit": known(0, "N"),
-        "engine_speed": known(651 * 30 / np.pi, "rpm"),
-        "begins": dict.fromkeys(("from_rest", "rising", "falling"), bracket(650, 651)),
-        "ends": dict.fromkeys(("from_rest", "rising", "falling"), bracket(680, 681)),
-        "again": [bracket(690, 8000 * RPM)],
-        "passed": [],
-        "runs_count": known(31, "1"),
-    }
-    assert floats["engine_speed"] == known(700.4 * 30 / np.pi, "rpm")
-    assert floats["range"] == bracket(680, 720) and floats["onset"] == "sharp"
-    assert floats["range_causes"] == ["model", "damping"]
-    assert floats["members"][0] == {
-        "cause": "mesh",
-        "change": "×1.5",
-        "engine_speed": known(700.1 * 30 / np.pi, "rpm"),
-        "lost_from_the_first": False,
-        "pulled": [],
-        "refusal": "",
-    }
-    assert floats["begins"] == {
-        "from_rest": bracket(700, 701),
-        "rising": bracket(720, 721),
-        "falling": bracket(690, 691),
-    }
-    assert (floats["limit"], floats["place"], floats["ends"]) == (known(5e-5, "m"), "valve", None)
-    assert bounce == each | unknown | {
-        "text": "none up to 8000",
-        "kind": "bounce",
-        "place": "",
-        "limit": known(1e-4, "m"),
-        "engine_speed": None,
-        "begins": None,
-        "ends": None,
-        "again": [],
-        "passed": [],
-        "runs_count": known(0, "1"),
-    }
-
-
 def rows(path) -> list[dict[str, str]]:
     with open(path, encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))

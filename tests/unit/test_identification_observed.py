@@ -21,7 +21,6 @@ from valvetrain.explore.space import Prior
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.runs import statics
 
-RPM = math.pi / 30
 WIRE = {
     "key": "spring.wire_diameter",
     "prior": "normal",

@@ -93,18 +93,6 @@ def test_every_open_question_is_named_at_once():
     assert all(word in str(caught.value) for word in ("angle_of", "lift_of", "lift_unit"))
 
 
-def test_what_was_assumed_is_said_to_be():
-    (lobe,) = read(rows(), **ALL)
-    assert {answer.question: (answer.answer, answer.by) for answer in lobe.answers} == {
-        "lift_of": ("tappet", "asked"),
-        "lift_unit": ("mm", "asked"),
-        "angle_of": ("cam", "asked"),
-        "angle_unit": ("deg", "assumed"),
-        "zero": ("file", "assumed"),
-        "direction": ("forward", "assumed"),
-    }
-
-
 def test_an_answer_against_the_file_is_refused():
     with pytest.raises(InputError, match="crank as requested, but the file says cam"):
         read("cam angle [deg]; valve lift [mm]\n" + rows("{:g};{:.5f}"), angle_of="crank")

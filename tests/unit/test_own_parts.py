@@ -316,12 +316,6 @@ def test_what_is_no_contact_law_is_refused_in_one_sentence(law, says):
         card(True).set({"train.contacts.seat": law}).run("3000 rpm", model="massless")
 
 
-def test_a_law_that_another_session_gave_is_answered():
-    text = card(True).set({"train.contacts.seat": lambda depth: 6e7 * depth}).text
-    with pytest.raises(InputError, match="given in Python, which no file holds"):
-        vt.Case(text.replace("lambda-", "gone-"))
-
-
 def test_a_law_between_coils_takes_the_overlap_alone():
     case = vt.Case("job-c").set({"spring.contact.law": lambda overlap, rate: 2e10 * overlap})
     with pytest.raises(

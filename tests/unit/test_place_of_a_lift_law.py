@@ -77,22 +77,6 @@ def test_a_law_alone_of_an_odd_shape_is_refused_in_a_sentence(tmp_path, shape):
     )
 
 
-def test_a_sentence_of_several_keys_names_the_table(tmp_path):
-    """The first key that it holds need not be the wrong one."""
-    path = tmp_path / "own.toml"
-    path.write_text(
-        LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]").replace(
-            'ramp_lift = "0.3 mm"', 'ramp_lift = "9.5 mm"'
-        )
-    )
-    told = CliRunner().invoke(app, ["check", str(path)])
-    assert (
-        told.exit_code == 2
-        and "case 'own', line 2, lift_law: ramp_lift must be between zero and maximum_lift"
-        in told.stderr
-    )
-
-
 def test_a_law_exchanged_in_a_program_has_no_line(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]") + SPRING)

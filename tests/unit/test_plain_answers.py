@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import valvetrain as vt
 from synthetic_study import rod_run, sweep_study
 from valvetrain.cam.event import LiftEvent
 from valvetrain.parameters.summary import number
@@ -37,14 +36,6 @@ def test_curves_over_engine_speed_hold_the_runs_between_the_swept_speeds():
     (peak,) = [panel for panel in chart.panels if panel.y_label.startswith("peak spring force")]
     line = peak.layers[0]
     assert line.y[np.argmin(abs(line.x - speed / RPM))] == pytest.approx(4321.0)
-
-
-def test_total_coils_on_a_card_are_refused_by_their_own_name():
-    """The refusal said that preload is unknown."""
-    card = {"preload": "240 N", "rate": "35 N/mm", "wire_diameter": "3.8 mm", "outer_diameter": "27 mm", "total_coils": 7}  # fmt: skip
-    with pytest.raises(vt.InputError, match="on a card with its loads give active_coils") as error:
-        vt.Case({"spring": card})
-    assert "preload" not in str(error.value)
 
 
 def test_spikes_below_the_base_are_no_main_clash(monkeypatch):

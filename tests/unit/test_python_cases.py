@@ -295,14 +295,6 @@ def test_a_trace_in_other_units_is_the_same_trace():
     assert found.best["spring.precompression"] == pytest.approx(7e-3, rel=1e-6)
 
 
-def test_starts_that_cannot_be_computed_say_why():
-    with pytest.raises(vt.InputError, match="a damping ratio holds at one frequency"):
-        vt.Case("job-t").identify(
-            {"spring.damping.ratio": (0.002, 0.1)}, {"peak_spring_force": ("560 N", "5 N")}, engine_speeds="4000 rpm", models="massless",
-            workers=1,
-        )  # fmt: skip
-
-
 def test_a_function_of_a_cell_runs_in_workers():
     """Same bits for one process and for two, of a function that no module holds."""
     base, factor = vt.Case("job-t"), 1.5

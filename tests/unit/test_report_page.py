@@ -22,7 +22,6 @@ from synthetic_study import (
     train_study,
 )
 from valvetrain.errors import InputError
-from valvetrain.registry import find
 from valvetrain.report import study as write
 from valvetrain.report.json import study_json
 from valvetrain.report.page import Page, Section, charts, render, text
@@ -187,28 +186,6 @@ def test_runs_that_ended_at_once_do_not_break_the_page(tmp_path, keep):
     short = replace(run, channels=run.channels.isel(sample=slice(0, keep)), events=())
     html = write_study(own_study((short,)), tmp_path).page.read_text()
     assert "could not be drawn" not in html.split("<script>")[0]
-
-
-def test_a_section_or_figure_that_fails_is_named_and_the_rest_stands(monkeypatch):
-    from valvetrain.report.sections import curves as force
-    from valvetrain.report.sections import curves as motion
-
-    def broken(*_):
-        raise ValueError("no such luck")
-
-    monkeypatch.setattr(force, "force_chart", broken)
-    monkeypatch.setattr(motion, "MOTION_SPEC", replace(motion.MOTION_SPEC, blocks=broken))
-    find.__globals__["_load"].cache_clear()
-    html = render(study_page(own_study()))
-    find.__globals__["_load"].cache_clear()
-    assert (
-        "The figure &#x27;Spring force on the cylinder head&#x27; could not be drawn: ValueError: no such luck"
-        in html
-    )
-    assert (
-        "The section &#x27;Valve motion&#x27; could not be drawn: ValueError: no such luck" in html
-    )
-    assert 'id="at-rest"' in html and 'id="references"' in html
 
 
 def test_page_of_nothing_but_a_case(tmp_path):

@@ -75,17 +75,6 @@ def test_the_rate_of_a_table_fills_its_figure():
     assert 40 < rate.y_range[1] < 60 and rate.x_range == force.x_range
 
 
-def test_two_cards_make_springs_of_two_names(tmp_path, monkeypatch):
-    """Compared in one engine both were "spring-card", the second with a (2)."""
-    monkeypatch.chdir(tmp_path)
-    names = []
-    for more in (("--output", "soft"), ("--output", "stiff", "--name", "PAC 1905"), ()):
-        data = json.loads(invoke(*CARD, *LOADS, *more, "--json").stdout)
-        (file,) = (path for path in data["files"] if path.endswith("spring.toml"))
-        names.append(load_case(file).name)
-    assert names == ["soft", "PAC 1905", "spring-card"]
-
-
 def test_inches_and_pounds_are_the_same_card(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     inches = (

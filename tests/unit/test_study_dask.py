@@ -7,7 +7,6 @@ from __future__ import annotations
 import json
 import logging
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -277,22 +276,6 @@ def test_a_scheduler_without_workers_is_one_sentence(monkeypatch):
             vt.study(TEXT.format(count=2), dask=cluster.scheduler_address)
 
 
-def test_a_scheduler_that_ends_while_a_result_is_fetched_is_told_as_such():
-    """Contract: the connection's own error came through where the scheduler ended in that moment."""
-    from distributed.comm.core import CommClosedError
-
-    class Fetched:
-        status = "finished"
-
-        def result(self) -> None:
-            raise CommClosedError("connection reset by peer")
-
-    cluster = object.__new__(Cluster)
-    cluster.where = "tcp://here"
-    with pytest.raises(RunFailedError, match=r"scheduler .* ended"):
-        cluster._result(Fetched())
-
-
 def test_a_scheduler_that_ends_is_told_as_such_and_not_as_a_killed_worker(tmp_path):
     """Contract: what was finished before arrives, then one sentence that names the scheduler."""
 
@@ -341,33 +324,6 @@ def test_a_scheduler_that_ends_is_told_as_such_and_not_as_a_killed_worker(tmp_pa
         worker.kill()
         scheduler.wait()
         worker.wait()
-
-
-def test_the_job_script_of_the_page_computes_a_study(tmp_path):
-    """Example: docs/clusters.md, with srun that starts each step here."""
-    page = (Path(__file__).parents[2] / "docs" / "clusters.md").read_text()
-    script = re.search(r"```sh\n(#!/bin/bash\n#SBATCH.*?)```", page, re.DOTALL)[1]
-    srun = tmp_path / "srun"
-    srun.write_text('#!/bin/bash\nwhile [[ $1 == --* ]]; do shift; done\nexec "$@"\n')
-    srun.chmod(0o755)
-    (tmp_path / "study.toml").write_text(
-        TEXT.format(count=4).replace("multi-mass", "massless").replace(', "clash_count"', "")
-    )
-    done = subprocess.run(
-        ["bash", "-c", script],
-        cwd=tmp_path,
-        env={
-            **process_environment(),
-            "SLURM_JOB_ID": "7",
-            "PATH": f"{tmp_path}:{Path(sys.executable).parent}:{os.environ['PATH']}",
-        },
-        capture_output=True,
-        text=True,
-        timeout=180,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
-    assert "4 points computed" in done.stdout
 
 
 def test_without_dask_the_command_that_installs_it_is_told(tmp_path, monkeypatch):

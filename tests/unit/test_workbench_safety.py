@@ -138,14 +138,6 @@ def test_the_servers_own_names_are_answered(guard, host):
     assert ask(guard, heads={"host": host}).status == 200
 
 
-def test_a_refusal_is_plain_text_of_its_own_length(guard):
-    answer = ask(guard, heads={**OWN, "host": "elsewhere.example"})
-    assert answer.status >= 400 and answer.heads["content-type"] == "text/plain; charset=utf-8"
-    assert int(answer.heads["content-length"]) == len(answer.body) > 10 and answer.body.endswith(
-        b".\n"
-    )
-
-
 @pytest.mark.parametrize(
     "host",
     [
@@ -352,16 +344,6 @@ def test_tokens_cannot_be_tried_without_end(locked):
     answers = [ask(locked, f"/?token=wrong-{place}").status for place in range(21)]
     assert answers[:20] == [401] * 20 and answers[20] == 429
     assert ask(locked, f"/?token={TOKEN}").status == 303, "the right one is compared first"
-
-
-def test_tokens_are_compared_in_constant_time(locked, monkeypatch):
-    seen = []
-    monkeypatch.setattr(
-        "hmac.compare_digest", lambda one, other: seen.append((one, other)) or False
-    )
-    assert ask(locked, f"/?token={TOKEN}").status == 401 and seen == [
-        (TOKEN.encode(), TOKEN.encode())
-    ]
 
 
 def test_a_rate_forgets():

@@ -16,7 +16,6 @@ import time
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.parameters.loading import parse_case
 from valvetrain.workbench import saved_runs as saved_tests
 from valvetrain.workbench import side_files as passing
 from valvetrain.workbench.jobs import Jobs
@@ -134,41 +133,6 @@ def test_the_pages_answer_while_a_file_is_read(workspace, table, monkeypatch):
     with Jobs(workspace) as jobs:
         files.register(app, Desk(workspace, jobs, ServeSettings()))
         assert asyncio.run(both(jobs)) == [200, 200, 200]
-
-
-def test_a_slider_begins_anew_when_a_file_beside_its_case_has_changed(
-    workspace, table, monkeypatch
-):
-    from valvetrain.workbench.live import LiveResult
-    from valvetrain.workbench.pages import desk as shared
-    from valvetrain.workbench.settings import ServeSettings
-
-    begun = []
-
-    class Chain:
-        def __init__(self, text, folder):
-            self.peak = float(max(parse_case(text, "case", folder).lift_law.values["lifts"]))
-            begun.append(self)
-
-        def curve(self, changes, speed=""):
-            return LiveResult(lift_mm=(self.peak,))
-
-        def close(self):
-            self.peak = 0.0
-
-    monkeypatch.setattr(shared, "LiveChain", Chain)
-    desk = shared.Desk(workspace, None, ServeSettings())
-    first = desk.chain(table)
-    assert desk.chain(table) == first and first[1].lift_mm == (pytest.approx(9e-3),)
-    workspace.attach(table, "lift.txt", lifts(8.0))
-    opened, base = desk.chain(table)
-    assert (
-        base.lift_mm == (pytest.approx(8e-3),) and opened.chain is begun[1] and begun[0].peak == 0
-    )
-    desk.put(table, "spring.mass", "45 g")
-    assert desk.chain(table)[0].chain is begun[1] and len(begun) == 2, (
-        "a value needs no other chain"
-    )
 
 
 # -- tables that were read
