@@ -5,8 +5,6 @@ damage from a difference."""
 from __future__ import annotations
 
 import json
-import os
-import threading
 import tracemalloc
 import zlib
 
@@ -305,27 +303,6 @@ def test_a_variable_whose_one_piece_is_far_larger_than_what_is_stored_is_refused
             "force", (10,), "f8", maxshape=(None,), chunks=(100_000_000,), compression="gzip"
         )
     refuse_claims(tmp_path / "empty.nc")
-
-
-def test_a_file_that_the_library_has_no_room_for_is_not_read_a_second_time(
-    tmp_path, monkeypatch, tried
-):
-    """The library tells a refused allocation as one of the system's errors, not as want of memory."""
-    read, path = tmp_path / "read", save_static_curve(at_rest()[0].curve, tmp_path / "curve.nc")
-    without_checksum(path)
-
-    def no_room(given):
-        with read.open("a") as file:
-            file.write(f"{os.getpid() == here} ")
-        raise OSError("Can't synchronously read data (memory allocation failed)")
-
-    here = os.getpid()
-    monkeypatch.setattr(netcdf, "tried_apart", tried)
-    monkeypatch.setattr(netcdf, "dataset_of", no_room)
-    monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
-    monkeypatch.setattr(threading, "active_count", lambda: 1)
-    refused(load_static_curve, path, "cannot be read as NetCDF")
-    assert read.read_text() == "False ", "once, and not in this process"
 
 
 def test_what_its_checksum_vouches_for_is_read_at_once(tmp_path, monkeypatch):

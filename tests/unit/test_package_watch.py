@@ -13,10 +13,8 @@ from valvetrain.solution import read_apart
 def test_a_function_left_replaced_is_told(monkeypatch):
     before = callables()
     with monkeypatch.context() as inside:
-        inside.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
-        assert (
-            replaced(before) == replaced({}) == ["valvetrain.solution.read_apart.in_a_new_process"]
-        )
+        inside.setattr(read_apart, "no_interpreter", lambda *_: "not here")
+        assert replaced(before) == replaced({}) == ["valvetrain.solution.read_apart.no_interpreter"]
     assert not replaced(before) and not replaced({})
 
 

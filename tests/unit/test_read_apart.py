@@ -1,6 +1,4 @@
-"""Readers tried in a process of their own, or in a fork where none starts: how each ends is told,
-and what is no fault of the file.
-"""
+"""Readers tried in a process of their own: how each ends is told, and what is no fault of the file."""
 
 from __future__ import annotations
 
@@ -8,7 +6,6 @@ import errno
 import itertools
 import subprocess
 import sys
-import threading
 from contextlib import nullcontext
 from importlib import invalidate_caches
 
@@ -25,7 +22,6 @@ def reader_of_tests(tmp_path, monkeypatch):
     """Tries a file by a reader whose lines are given; what it raises is told as 'cannot be read'."""
     (tmp_path / "it").write_bytes(b"x")
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr(threading, "active_count", lambda: 1)  # those of the test runner do no harm
 
     def tried(lines):
         module = f"reader_of_tests_{next(READERS_SO_FAR)}"  # each its own: modules are remembered
@@ -45,46 +41,26 @@ ENDS = {
     "raise OSError('no room')": "cannot be read", "x = {}[0]": "cannot be read", "raise SystemExit(0)": "cannot be read",
     "from valvetrain.errors import InputError; raise InputError('its own words')": "", "os.write(1, b'printed')": "",
 }  # fmt: skip
-#: A fork tells all in a hundredth of the time.
-BY_PROCESS = (
-    "raise MemoryError",
-    "os.kill(os.getpid(), 9)",
-    "raise OSError('no room')",
-    "os.write(1, b'printed')",
-)
 
 
-@pytest.mark.parametrize(
-    ("end", "way"), [*((end, "fork") for end in ENDS), *((end, "process") for end in BY_PROCESS)]
-)
-def test_the_end_of_a_trial_is_told(reader_of_tests, monkeypatch, end, way):
+@pytest.mark.parametrize("end", ENDS)
+def test_the_end_of_a_trial_is_told(reader_of_tests, end):
     """Only a file at which the reader comes back, or has its own words, is read by the caller."""
-    if way == "fork":
-        monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
     with pytest.raises(InputError, match=ENDS[end]) if ENDS[end] else nullcontext():
         reader_of_tests(end)
 
 
-@pytest.mark.parametrize("way", ["process", "fork"])
-def test_a_reader_that_waits_for_ever_is_ended_by_the_clock(reader_of_tests, monkeypatch, way):
+def test_a_reader_that_waits_for_ever_is_ended_by_the_clock(reader_of_tests, monkeypatch):
     """It takes none of the processor's time, which is bounded otherwise."""
     monkeypatch.setattr(read_apart, "MAX_SECONDS", 1)
-    monkeypatch.setattr(read_apart, "_PATIENCE", 1)
-    if way == "fork":
-        monkeypatch.setattr(read_apart, "in_a_new_process", lambda *_: "not here")
+    monkeypatch.setattr(read_apart, "_PATIENCE", 20)
     with pytest.raises(InputError, match="does not come back"):
         reader_of_tests("import time; time.sleep(60)")
 
 
 @pytest.mark.parametrize("interpreter", ["", "/gone/bin/python", "/bin/false", None])
-def test_without_an_interpreter_a_file_is_tried_in_a_fork_and_no_damage_is_told(
-    reader_of_tests, monkeypatch, interpreter
-):
+def test_without_an_interpreter_no_damage_is_told(reader_of_tests, monkeypatch, interpreter):
     monkeypatch.setattr(sys, "executable", interpreter)
-    reader_of_tests("return 1")
-    with pytest.raises(InputError, match="cannot be read"):
-        reader_of_tests("raise OSError")
-    monkeypatch.setattr(threading, "active_count", lambda: 2)
     told = {"/bin/false": "ended with status 1", "/gone/bin/python": "No such file"}.get(
         interpreter or "", ""
     )
@@ -115,7 +91,6 @@ def test_a_process_that_a_full_machine_does_not_start_is_tried_again(
     """And where it never starts, the sentence says how it ended."""
     run, left = subprocess.run, [trouble] * times
     monkeypatch.setattr(read_apart, "_PAUSES", (0.0, 0.0))
-    monkeypatch.setattr(threading, "active_count", lambda: 2)
 
     def full(command, **options):
         if not left:
@@ -140,7 +115,6 @@ def test_an_interpreter_that_never_gets_ready_is_waited_for_once(
     """Its patience is that of a whole trial; words of a foreign program are told without control
     characters.
     """
-    monkeypatch.setattr(threading, "active_count", lambda: 2)
     slow = tmp_path / "python"
     slow.write_text('#!/bin/sh\necho x >> "$0.begun"\nsleep 30\n')
     slow.chmod(0o755)
@@ -160,7 +134,6 @@ def test_the_folder_of_a_session_is_searched_for_the_reader_too(
 ):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", ["", *(part for part in sys.path if part != str(tmp_path))])
-    monkeypatch.setattr(threading, "active_count", lambda: 2)
     reader_of_tests("return 1")
 
 

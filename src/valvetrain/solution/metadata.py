@@ -98,6 +98,7 @@ def unpack(text: str, kind: str, where: str, closed: bool) -> dict[str, Any]:
 #: Begin of a field's type -> whether a value of JSON fits it.
 _FITS: dict[str, Callable[[Any], bool]] = {
     "str": lambda value: isinstance(value, str),
+    "bool": lambda value: isinstance(value, bool),
     "float": lambda value: isinstance(value, (int, float)) and not isinstance(value, bool),
     "tuple": lambda value: isinstance(value, list) and all(isinstance(one, str) for one in value),
     "Mapping": lambda value: (

@@ -6,16 +6,12 @@ from __future__ import annotations
 
 import errno
 import os
-import signal
 import subprocess
 import sys
-import threading
 import time
-import warnings
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn
 
 from valvetrain.errors import InputError
 
@@ -42,11 +38,10 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
     reader raises anything else, and where no such process can be started.
     """
     seconds = MAX_SECONDS + path.stat().st_size // BYTES_A_SECOND
-    tried = in_a_new_process(reader, path, seconds)
-    end = tried if isinstance(tried, int) else in_a_fork(reader, path, seconds)
-    if end is None:
+    end = _in_a_new_process(reader, path, seconds)
+    if isinstance(end, str):
         raise InputError(
-            f"is not read, for files of others are tried in a process of their own, and {no_interpreter(str(tried))}",
+            f"is not read, for files of others are tried in a process of their own, and {no_interpreter(end)}",
             where,
         )
     if end == _TOO_LARGE:
@@ -71,90 +66,41 @@ def no_interpreter(reason: str = "") -> str:
     return f"'{python}' (sys.executable) does not start as a Python that finds the reader{ended}; set it to one, or use the command line"
 
 
-def in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
-    """How the trial ended; a text where it did not begin: no interpreter, or one that does not find
-    the reader.
-
-    A process that the system could not start or ended before it began, as a full machine does, is
-    tried again.
-    """
-    end = _in_a_new_process(reader, path, seconds)
-    for pause in _PAUSES:
-        if not isinstance(end, _Passing):
-            break
-        time.sleep(pause)
-        end = _in_a_new_process(reader, path, seconds)
-    return end
-
-
-class _Passing(str):
-    """Why a trial did not begin, where a later one may."""
-
-
 def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
-    command = [
-        sys.executable,
-        "-P",
-        "-c",
-        f"from {__name__} import serve; serve()",
-        reader,
-        str(path.absolute()),
-        str(seconds),
-    ]
-    try:
-        done = subprocess.run(
-            command,
-            timeout=_PATIENCE * seconds,
-            env=apart_environment(),
-            check=False,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-        )
-    except subprocess.TimeoutExpired as late:
-        return _ENDED if late.stdout == _BEGUN else f"not ready after {_PATIENCE * seconds} s"
-    except OSError as error:
-        passing = error.errno in (errno.EAGAIN, errno.ENOMEM)
-        return (_Passing if passing else str)(error.strerror or "the system does not start it")
-    except TypeError:
-        return "there is none"
-    if done.stdout == _BEGUN:
-        return int(done.returncode)
-    if done.returncode < 0:
-        return _Passing(f"ended by signal {-done.returncode} before it began")
-    last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
-    return (
-        "".join(char if char.isprintable() else " " for char in last[0][:120])
-        if last
-        else f"ended with status {done.returncode}"
-    )
-
-
-def in_a_fork(reader: str, path: Path, seconds: int) -> int | None:
-    """As :func:`in_a_new_process`, in a fork of this one, which needs no interpreter; None where
-    that is not safe.
-
-    Locks of other threads would stay locked in the fork; some systems have no forks.
+    """How the trial ended; a text where it did not begin: no interpreter, or one that does not find
+    the reader. What a full machine did not start, or ended before it began, is tried again.
     """
-    if not hasattr(os, "fork") or threading.active_count() > 1:
-        return None
-    try:
-        function = _function(reader)
-    except ImportError:
-        return None
-    with warnings.catch_warnings(
-        action="ignore"
-    ):  # threads of the numerical libraries, which hold no locks now
-        child = os.fork()
-    if not child:
-        _try(function, path, seconds)
-    last = time.monotonic() + _PATIENCE * seconds
-    with suppress(ChildProcessError):  # of a caller that ignores the ends of its children
-        while not (ended := os.waitpid(child, os.WNOHANG))[0]:
-            if time.monotonic() > last:
-                os.kill(child, signal.SIGKILL)
-            time.sleep(0.001)
-        return os.waitstatus_to_exitcode(ended[1])
-    return None
+    code = f"from {__name__} import serve; serve()"
+    command = [sys.executable, "-P", "-c", code, reader, str(path.absolute()), str(seconds)]
+    said = "there is none"
+    for pause in (*_PAUSES, 0.0):
+        try:
+            done = subprocess.run(
+                command,
+                timeout=_PATIENCE * seconds,
+                env=apart_environment(),
+                check=False,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+            )
+        except subprocess.TimeoutExpired as late:
+            return _ENDED if late.stdout == _BEGUN else f"not ready after {_PATIENCE * seconds} s"
+        except OSError as error:
+            said = error.strerror or "the system does not start it"
+            if error.errno not in (errno.EAGAIN, errno.ENOMEM):
+                return said
+        except TypeError:
+            return said
+        else:
+            if done.stdout == _BEGUN:
+                return int(done.returncode)
+            if done.returncode >= 0:
+                last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
+                said = last[0][:120] if last else f"ended with status {done.returncode}"
+                return "".join(char if char.isprintable() else " " for char in said)
+            said = f"ended by signal {-done.returncode} before it began"
+        time.sleep(pause)
+    return said
 
 
 def apart_environment() -> dict[str, str]:
@@ -173,24 +119,14 @@ def serve() -> None:
     that ended.
     """
     reader, path, seconds = sys.argv[1:4]
-    function = _function(reader)
+    module, _, name = reader.partition(":")
+    function, end = getattr(import_module(module), name), _UNREADABLE
     os.write(1, _BEGUN)
     for stream in (1, 2):  # drop what a library prints
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
-    _try(function, Path(path), int(seconds))
-
-
-def _function(reader: str) -> Any:
-    module, _, name = reader.partition(":")
-    return getattr(import_module(module), name)
-
-
-def _try(function: Any, path: Path, seconds: int) -> NoReturn:
-    """End this process with the status of reading the file."""
-    end = _UNREADABLE
     try:
-        bound_process(MAX_MEMORY + _mapped(), seconds)
-        function(path)
+        bound_process(MAX_MEMORY + _mapped(), int(seconds))
+        function(Path(path))
         end = _READ
     except InputError:  # which the reader raises again for the caller
         end = _READ
