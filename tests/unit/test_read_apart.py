@@ -53,7 +53,7 @@ def test_the_end_of_a_trial_is_told(reader_of_tests, end):
 def test_a_reader_that_waits_for_ever_is_ended_by_the_clock(reader_of_tests, monkeypatch):
     """It takes none of the processor's time, which is bounded otherwise."""
     monkeypatch.setattr(read_apart, "MAX_SECONDS", 1)
-    monkeypatch.setattr(read_apart, "_PATIENCE", 20)
+    monkeypatch.setattr(read_apart, "_PATIENCE", 8)
     with pytest.raises(InputError, match="does not come back"):
         reader_of_tests("import time; time.sleep(60)")
 
