@@ -36,11 +36,6 @@ def test_every_mode_of_a_spring_has_a_kind_and_surge_follows_from_it():
     assert "lateral" in repr(modes) and set(modes.to_pandas()["kind"]) == set(modes.kinds)
 
 
-def test_a_card_has_no_modes_by_finite_elements():
-    with pytest.raises(InputError, match="need the wire"):
-        vt.Spring(preload="300 N", rate="40 N/mm", mass="60 g").modes()
-
-
 @pytest.mark.parametrize("name", ["refine", "run", "compare", "sweep", "critical_speeds", "static"])
 def test_an_unknown_argument_is_answered_by_one_sentence(name):
     with pytest.raises(InputError, match="there is no 'modul'"):

@@ -56,26 +56,6 @@ def test_a_card_goes_by_the_name_that_was_given(cards, both):
     assert list(both.train.springs) == ["soft", "stiff"]
 
 
-@pytest.mark.parametrize(
-    ("names", "files", "found"),
-    [
-        (("a", "a"), ("one", "two"), ["one", "two"]),
-        (("a", "a"), ("", ""), ["a", "a (2)"]),
-        (("spring", "spring"), ("one", "two"), ["one", "two"]),
-        (("spring", "b"), ("one", "two"), ["one", "b"]),
-    ],
-)
-def test_springs_of_one_name_go_by_their_files(names, files, found):
-    """Contract: the name of the spring, else the stem of its file."""
-    text = 'name = "spring-card"\n[spring]\nname = "{}"\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'
-    pair = [parse_case(text.format(name)) for name in names]
-    both = with_two_springs(parse_case(template_text("direct")), *pair, files)
-    if files[0]:
-        assert list(both.train.springs) == found
-    else:
-        assert len(both.train.springs) == 2
-
-
 def test_the_force_at_solid_of_a_spring_is_compared_with_its_own_runs(both, study):
     """Closed form: with a peak between both forces at solid only the runs of the softer strike."""
     problem = build(both, spring_models=("massless",), spring_set=("soft", "stiff"))

@@ -31,10 +31,6 @@ def test_an_f_string_is_one_token_of_this_python(tmp_path):
     assert tokens_of(path) == 5
 
 
-def test_sizes_up_to_the_figures_pass():
-    assert complaints(BOUNDS, 300, BOUNDS) == []
-
-
 @pytest.mark.parametrize(
     ("total", "change"),
     [(300, {"cam": 101}), (300, {"page_bytes": 51}), (300, {"new": 1}), (299, {})],

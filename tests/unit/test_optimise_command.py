@@ -326,19 +326,3 @@ def test_a_library_that_is_not_installed_is_said_in_one_sentence(monkeypatch):
     monkeypatch.setitem(sys.modules, "optuna", None)
     with pytest.raises(vt.ValvetrainError, match=r"pip install 'valvetrain\[studies\]'"):
         vt.optimise(LIGHT, workers=1)
-
-
-def test_another_model_says_what_it_makes_of_the_best():
-    text = SEARCH.format(trials=8).replace(
-        "[search]", '[[confirm]]\nspring_model = "massless"\nlabel = "no surge"\n[search]'
-    )
-    found = vt.optimise(text.replace("6000:9000:1500", "6000:9000:3000"), workers=1)
-    (one,) = found.best.confirmed
-    told = [words for words in sentences(found) if words.startswith("By no surge: limit speed")]
-    assert one.label == "no surge" and len(told) == 1 and one.case.number == 0
-    # a spring without surge has its static force at any speed, which the case keeps up to the
-    # highest one searched
-    assert (
-        one.case.objectives[0] == pytest.approx(9000 * np.pi / 30)
-        and found.case.objectives[0] < one.case.objectives[0]
-    )

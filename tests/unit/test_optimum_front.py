@@ -9,15 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimum import Optimum, case_text, chosen_designs
 from valvetrain.explore.optimum_file import OptimumText
-from valvetrain.explore.optimum_page import MAX_DESIGNS, optimum_page
 from valvetrain.explore.trial import CASE_SEED, Trial
-from valvetrain.report.page import Grid
 
 FILE = """
 title = "Light and quick"
@@ -50,26 +47,12 @@ def search(made: list[tuple[float, float]]) -> Optimum:
     return replace(found, designs=chosen_designs(found))
 
 
-def front_table(found: Optimum) -> list[list[str]]:
-    (section,) = [one for one in optimum_page(found).sections if one.key == "front-designs"]
-    (grid,) = [one for one in section.blocks if isinstance(one, Grid)]
-    return [[cell.text for cell in cells] for cells, _ in grid.rows]
-
-
 def test_balanced_is_nearest_to_the_best_of_both_and_the_ends_are_the_best_by_each():
     """Spans 30 g and 280 Hz: squared distances to (10 g, 380 Hz) are 1, 0.52, 0.46 and 1."""
     found = search(MADE)
     assert [one.number for one in found.front] == [1, 2, 3, 4]
     words = [(one.trial.number, one.chosen.partition(":")[0]) for one in found.designs]
     assert words == [(3, "balanced"), (1, "best wire mass"), (4, "best estimated surge frequency")]
-
-
-@pytest.mark.parametrize(("designs", "listed"), [(40, 40), (41, 21), (90, 30)])
-def test_a_long_front_is_thinned_evenly(designs, listed):
-    found = search([(1e3, 1.0), *((10.0 + place, 100.0 + place) for place in range(designs))])
-    rows = front_table(found)
-    assert len(found.front) == designs and len(rows) == listed <= MAX_DESIGNS
-    assert set(np.diff([int(row[0]) for row in rows])) == {-(-designs // listed)}
 
 
 def test_the_case_file_of_a_design_says_which_one_it_is():

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import socket
 import time
 from importlib import resources
-from pathlib import Path
 
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.measured.lift_file import LiftAnswers, lifts_in, read_lift
+from valvetrain.measured.lift_file import LiftAnswers, lifts_in
 from valvetrain.parameters.loading import MAX_PARTS, load_case, parse_case
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
@@ -138,37 +135,6 @@ def test_a_key_may_have_as_many_parts_as_any_case_needs():
         parse_case(".".join("abcdefghijk") + " = 1")
     with pytest.raises(InputError, match="unknown"):
         parse_case(f'a = "{"a. " * (MAX_PARTS - 1)}"\n# {"... " * 100}')
-
-
-def no_files(folder: Path) -> dict[str, tuple[Path, str]]:
-    """Kind -> (path of that kind, what its sentence says)."""
-    os.mkfifo(folder / "pipe.toml")
-    (folder / "folder.toml").mkdir()
-    (folder / "loop.toml").symlink_to("loop.toml")
-    with (folder / "large.toml").open("wb") as stream:
-        stream.truncate(10_000_000_000)  # takes no room on the disk
-    end = socket.socket(socket.AF_UNIX)
-    end.bind(str(folder / "socket.toml"))
-    end.close()
-    return {
-        "pipe": (folder / "pipe.toml", "is a pipe"),
-        "folder": (folder / "folder.toml", "is a folder"),
-        "device": (Path("/dev/zero"), "is a device"),
-        "large": (folder / "large.toml", "is larger than 5 MB"),
-        "socket": (folder / "socket.toml", "is a socket"),
-        "loop": (folder / "loop.toml", "cannot be read"),
-    }
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with a name")
-@pytest.mark.parametrize("kind", ["pipe", "folder", "device", "large", "socket", "loop"])
-def test_what_is_no_file_is_refused_in_one_sentence(kind, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # the name of a socket is short
-    path, words = no_files(Path())[kind]
-    with pytest.raises(InputError, match=words):
-        load_case(path.absolute())
-    with pytest.raises(InputError, match=rf"table of lifts '{path.name}' .*{words}"):
-        read_lift(path, ANSWERS)
 
 
 @pytest.mark.parametrize(

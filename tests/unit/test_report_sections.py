@@ -18,8 +18,6 @@ from synthetic_study import (
     published_study,
     rod_run,
     sweep_study,
-    train_run,
-    train_study,
 )
 from valvetrain.registry import find
 from valvetrain.report.chart import Chart, Line, Marks
@@ -47,11 +45,6 @@ def own() -> dict[str, Chart]:
     return drawn(own_study())
 
 
-@pytest.fixture(scope="module")
-def train() -> dict[str, Chart]:
-    return drawn(train_study())
-
-
 @pytest.mark.parametrize(
     ("key", "channel", "words"),
     [
@@ -76,38 +69,6 @@ def test_spring_force_by_speed_and_model_with_rest_dashed(own, key, channel, wor
     np.testing.assert_allclose(still.y, 300 + 40e3 * LIFT, atol=1e-6)
     band = chart.panels[0].bands[0]
     assert (band.first, band.last) == pytest.approx(tuple(np.degrees((EVENT.start, EVENT.end))))
-
-
-def test_every_train_channel_stands_under_its_own_name(train):
-    run = train_run()
-    shown = {
-        panel.y_label: panel
-        for chart in train.values()
-        for panel in chart.panels
-        if chart.key.startswith(("train", "motion", "force"))
-    }
-    for label, channel, factor in (
-        ("cam contact force (N)", "cam_contact_force", 1.0),
-        ("valve tip contact force (N)", "valve_tip_contact_force", 1.0),
-        ("seat contact force (N)", "seat_contact_force", 1.0),
-        ("support force (N)", "support_force", 1.0),
-        ("cam torque (N m)", "cam_torque", 1.0),
-        ("lever speed (deg/s)", "lever_speed", 180 / np.pi),
-        ("force on the cylinder head (N)", "seat_force", 1.0),
-        ("force on the retainer (N)", "retainer_force", 1.0),
-        ("valve lift (mm)", "valve_lift", 1e3),
-    ):
-        line = next(layer for layer in shown[label].layers if layer.name == "stock, multi-mass")
-        np.testing.assert_allclose(line.y, factor * run.channel(channel), err_msg=label)
-    rigid = next(
-        layer for layer in shown["cam contact force (N)"].layers if layer.name == "rigid parts"
-    )
-    np.testing.assert_array_equal(rigid.y, run.channel("rigid_contact_force"))
-    assert not {
-        "outer retainer force (N)",
-        "inner retainer force (N)",
-        "static retainer force (N)",
-    } & set(shown)
 
 
 def test_static_curves_by_model_with_their_marks(own):

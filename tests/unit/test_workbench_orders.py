@@ -12,7 +12,6 @@ from valvetrain.cli.options import read_names
 from valvetrain.errors import InputError
 from valvetrain.explore.study import read_plan, read_study_file
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.parameters.templates import template_text
 from valvetrain.runs.cost import Cost, Limits
 from valvetrain.runs.request_cost import RunRequest, request_cost, static_cost
 from valvetrain.workbench.pages.orders import choices_for, request_of, sets_for
@@ -135,14 +134,3 @@ def test_a_moving_job_costs_its_speeds_and_searches(kind, options, speeds, count
 
 def test_a_study_counts_its_own_cost():
     assert cost_of(JobRequest("study", "one"), load_case("job-t"), 3) == Cost()
-
-
-def test_models_offered_are_those_of_the_spring_set_in_use():
-    """Contract: a bucket train by wire was offered no reduced rod, its own model, and ran by modes, for its file holds a
-    card in another set.
-    """
-    offered = choices_for(parse_case(template_text("direct"), "bucket"), (), {})["models"]
-    assert ticked(offered) == ["reduced-rod"]
-    card = template_text("direct").replace('spring_set = "stock"', 'spring_set = "stiff"')
-    names = [one["word"] for one in choices_for(parse_case(card, "bucket"), (), {})["models"]]
-    assert "reduced-rod" not in names and "modal-uniform" in names
