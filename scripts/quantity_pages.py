@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from importlib import import_module
-from inspect import getdoc
 
 from valvetrain.quantities.plausible import TABLES
 from valvetrain.quantities.table import AT_REST, CAM, EVENTS, RUNS, SCATTER, SWEEP, TRAINS
-from valvetrain.registry import BUILT_IN
+from valvetrain.registry import BUILT_IN, find
 from valvetrain.solution.definition import QuantityRow, tables
 
 _HEAD = """\
@@ -104,8 +102,8 @@ def quantities_page() -> str:
 
 
 def _study(word: str) -> str:
-    """Section of one published study, led by the description in the module of its source."""
-    lead = getdoc(import_module(BUILT_IN["sources"][word].partition(":")[0])) or ""
+    """Section of one published study, led by its description."""
+    lead = find("sources", word).description.strip()
     return f"## Of the study {word}\n\n{lead}\n\n{_table(tables()[word])}"
 
 

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.channels import spring_channels
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent
+from valvetrain.sources.library import GU2021
+from valvetrain.sources.reader import Reader
 
 ENGINE_SPEED = 5600 * 2 * np.pi / 60
 #: The lift event of the beehive study.
@@ -18,6 +21,13 @@ def bump(angle_deg, centre, width):
     """A smooth bump of height 1 and full width ``width`` (deg), zero outside."""
     inside = np.abs(angle_deg - centre) < width / 2
     return np.where(inside, np.cos(np.pi * (angle_deg - centre) / width) ** 2, 0.0)
+
+
+def beehive_reader(made: Solution, event=EVENT, surge_frequency=None) -> Reader:
+    """A run as the beehive study reads it, all of its readings taken."""
+    reader = GU2021.reader(reported_cycle(made), event, surge_frequency)
+    reader.read(GU2021.readings)
+    return reader
 
 
 def run(

@@ -148,9 +148,8 @@ BUILT_IN["integrators"] = {
 }
 BUILT_IN["quantities"] = {
     "general": "valvetrain.quantities.table:ROWS",
-    "gu2021": "valvetrain.sources.rows:GU2021_QUANTITIES",
-    "multibody4b17": "valvetrain.sources.rows:MULTIBODY4B17_QUANTITIES",
-    "vasilyev2016": "valvetrain.sources.rows:VASILYEV2016_QUANTITIES",
+    "gu2021": "valvetrain.sources.rows:GU2021",
+    "multibody4b17": "valvetrain.sources.rows:MULTIBODY4B17",
 }
 BUILT_IN["lifts"] = {
     "zero": "valvetrain.cam.closed_form:ZERO_SPEC",
@@ -218,7 +217,8 @@ BUILT_IN["samplers"] = {
     "posterior": "valvetrain.explore.posterior_draws:POSTERIOR_SPEC",
 }
 BUILT_IN["sources"] = {
-    key: f"valvetrain.sources.{key}:SPEC" for key in ("gu2021", "vasilyev2016", "multibody4b17")
+    key: f"valvetrain.sources.library:{key.upper()}"
+    for key in ("gu2021", "vasilyev2016", "multibody4b17")
 }
 #: In the order of the page: what answers first, what a paper says only after it.
 BUILT_IN["sections"] = {

@@ -50,22 +50,9 @@ def test_springs_of_the_table_have_the_printed_rates():
     assert train.spring_parts("performance")[0].card.rate == pytest.approx(30880, abs=5)
 
 
-def test_formulas_as_printed(pushrod):
-    assert computed(pushrod, "contact_formula_force") == pytest.approx(283, abs=0.5)
-    assert computed(pushrod, "lumped_natural_frequency") == pytest.approx(50, abs=0.5)
-    assert computed(pushrod, "critical_damping") == pytest.approx(195.8, abs=0.1)
-    assert computed(pushrod, "lumped_mass") == pytest.approx(0.31045, abs=5e-7)
-    assert computed(pushrod, "lumped_angular_speed") == pytest.approx(315.0, abs=0.6)
-    assert computed(pushrod, "cam_turn_frequency") == pytest.approx(33.33, abs=0.005)
-    assert computed(pushrod, "stock_spring_rate") == pytest.approx(21470, abs=5)
-    assert computed(pushrod, "performance_spring_rate") == pytest.approx(30880, abs=5)
-    (damping,) = [row for row in pushrod.comparisons if row.quantity == "critical_damping"]
-    assert damping.unit == "N s/m"  # the source prints N/m, and 0.196 N s/mm beside it
-
-
 def test_every_published_number_is_met_or_its_miss_is_explained_and_the_book_says_so(pushrod):
     rows = rows_of("pushrod train", "multibody4b17", pushrod.comparisons)
-    assert len(rows) == 16 and not [row.name for row in rows if row.status == "FAILS"]
+    assert len(rows) == 8 and not [row.name for row in rows if row.status == "FAILS"]
     assert_page_holds(rows)
     assert not [row.name for row in rows if row.within and row.band is not None]
     assert {name for band in BANDS.values() for name in band if "(as printed)" in name} <= {
@@ -75,14 +62,13 @@ def test_every_published_number_is_met_or_its_miss_is_explained_and_the_book_say
 
 def test_what_the_published_numbers_were_used_for(pushrod):
     """What shaped the case is no prediction: the ratio of the arms, springs without their seat
-    load, the lift law, the dampers.
+    load, the lift law.
     """
     used = {row.quantity for row in pushrod.comparisons if row.role == "calibration"}
     nose = {"stock_nose_cam_contact_force", "performance_nose_cam_contact_force"}
     assert used == nose | {
         "stock_peak_valve_lift",
         "peak_lever_speed_valve_lift",
-        "critical_damping",
     }
     assert all(row.used_for for row in pushrod.comparisons if row.role == "calibration")
 
@@ -120,20 +106,6 @@ def test_lift_and_rocker_speed(pushrod):
     assert np.degrees(computed(pushrod, "peak_lever_speed")) > 5 * 384
 
 
-def test_contradictions_are_said(pushrod):
-    told = " ".join(pushrod.notes)
-    for words in (
-        "without their seat load",
-        "lacks the penetration rate",
-        "384 deg/s of rocker rotation, as printed, does not fit",
-        "at 2000 rpm, it would need a valve arm of at least 79 mm",
-        "50 Hz is the lumped mass",
-        "this damper cannot be the cause",
-        "zeta = 0.5 gives stability (section 6) is not reproduced",
-    ):
-        assert words in told
-
-
 def test_all_runs_of_both_cases_settle(pushrod, valve_gear):
     for study in (pushrod, valve_gear):
         assert study.solutions and not study.failures
@@ -142,21 +114,16 @@ def test_all_runs_of_both_cases_settle(pushrod, valve_gear):
             assert run.quantities["motion_period_count"] == 1
 
 
-def test_valve_gear_findings_of_the_source(valve_gear):
-    """Section 4: six masses and rods differ more in the second half; one mass per spring is far
-    off.
+def test_claims_of_both_sources(pushrod, valve_gear):
+    """The stiffer spring loses more lift and raises the force by more than 40 %; the damper is not the cause of
+    412 N. Six masses and rods differ more in the second half, and one mass per spring is far off.
     """
-    verdicts = {(item.place, item.statement): item.verdict for item in valve_gear.findings}
-    assert (
-        verdicts[
-            "section 4", "six masses and rods differ most in the second half, towards the seat"
-        ]
-        == "agrees"
-    )
-    assert (
-        verdicts["section 4", "how a spring is split into masses changes the result markedly"]
-        == "agrees"
-    )
+    assert {item.place: item.verdict for item in pushrod.findings} == {
+        "section 7": "not seen",
+        "section 5.2": "agrees",
+        "section 6": "not seen",
+    }
+    assert [item.verdict for item in valve_gear.findings] == ["agrees"] * 4
 
 
 def test_lash_is_taken_from_the_lift(valve_gear):
@@ -242,10 +209,3 @@ def test_a_case_changes_spring_and_contact_by_one_word():
     assert table["contact_force"].max() == pytest.approx(588, rel=0.03)
     one = run_study(changed, spring_models=("wave-rod",), workers=1)
     assert one.solutions and not one.failures
-
-
-def test_findings_are_whole_sentences_about_all_runs(pushrod, valve_gear):
-    (damping,) = [item for item in pushrod.findings if item.place == "section 6"]
-    assert damping.computed.endswith("N at zeta 0, 0.5, 1") and damping.verdict.endswith("%")
-    assert all(item.computed.count("(lash") <= 1 for item in valve_gear.findings)
-    assert sum("(lash 0.1 mm)" in item.computed for item in valve_gear.findings) == 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from synthetic_spring import ENGINE_SPEED, EVENT, bump, clashing_run, run
+from synthetic_spring import ENGINE_SPEED, EVENT, beehive_reader, bump, clashing_run, run
 from valvetrain.errors import InputError
 from valvetrain.quantities.clash import (
     IMPULSE_SHARE,
@@ -16,7 +16,6 @@ from valvetrain.quantities.clash import (
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.forces import energy_balance, order_spectrum, surge_order
 from valvetrain.quantities.signal import filtered_force, low_pass
-from valvetrain.sources.gu2021_stages import stage_quantities
 
 DEG = np.pi / 180
 
@@ -28,7 +27,7 @@ def _force(degrees):
 
 
 def test_stage_quantities_of_a_drawn_curve():
-    found = stage_quantities(reported_cycle(run({"seat_force": _force})), 10 * DEG, EVENT)
+    found = beehive_reader(run({"seat_force": _force})).found
     peaks = [found[f"stage_1_peak_{number}_cam_angle"] / DEG for number in (1, 2, 3)]
     assert peaks == pytest.approx([12, 42, 84.5])
     assert found["stage_1_minimum_force"] == pytest.approx(280.0)
@@ -52,7 +51,7 @@ def test_falling_flank_is_no_spike_and_one_hump_has_no_valley():
     def force(degrees):
         return 280 + 600 * bump(degrees, 180, 130) + 20 * bump(degrees, 300, 30)
 
-    found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG, EVENT)
+    found = beehive_reader(run({"seat_force": force})).found
     assert found["stage_2_end_force"] > 315
     assert (found["stage_3_peak_force"], found["stage_3_peak_cam_angle"] / DEG) == pytest.approx(
         (300.0, 300.0)
@@ -64,7 +63,7 @@ def test_a_peak_at_the_seam_of_the_cycle_counts_once():
     def force(degrees):
         return 300 + 10 * np.cos(3 * degrees * DEG)
 
-    found = stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG, EVENT)
+    found = beehive_reader(run({"seat_force": force})).found
     assert [
         value / DEG for name, value in found.items() if name.startswith("stage_1_peak")
     ] == pytest.approx([0, 120])
@@ -75,7 +74,7 @@ def test_an_aborted_run_gives_only_what_it_covers():
     cut = type(whole)(whole.channels.isel(sample=slice(0, 300)), provenance=whole.provenance)
     cycle = reported_cycle(cut)
     assert not cycle.whole
-    found = stage_quantities(cycle, 10 * DEG, EVENT)
+    found = beehive_reader(cut).found
     assert "stage_1_maximum_force" in found and not any(
         name.startswith("stage_2") for name in found
     )

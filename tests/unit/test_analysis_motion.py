@@ -25,16 +25,16 @@ from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.quantity import Quantity, unit_of
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.status import Event
-from valvetrain.sources.gu2021 import COUNTERPARTS, SPEC, quantities
-from valvetrain.sources.gu2021_coils import (
-    bounce_quantities,
-    collision_angles,
-    mean_interval,
-    separation_angle,
-)
+from valvetrain.sources.library import GU2021
+from valvetrain.sources.reader import bounce, interval, meetings
 
 DEG = np.pi / 180
 SPIKES = (20.0, 46.5, 73.0, 100.0, 245.5, 300.0, 327.0, 354.5)
+COUNTERPARTS = {name: origin.run for name, origin in GU2021.origins.items()}
+MEETINGS, INTERVAL, BOUNCE = (
+    next(one for one in GU2021.readings if one.kind == kind)
+    for kind in ("meetings", "interval", "bounce")
+)
 PLACES = {"coil_number": [0.5, 1.0, 1.9, 2.1, 3.0], "upper_coil": [1.75, 1.9, 2.0, 2.6]}
 
 
@@ -93,7 +93,15 @@ def _motion(**changes):
 
 
 def _values(**options):
-    return quantities(_motion(), Frame(lift_event=EVENT, **options))
+    return GU2021.quantities(_motion(), Frame(lift_event=EVENT, **options))
+
+
+def _reader(made, period=None, **found):
+    """Reader of a run whose first mode has a ``period`` (cam rad), with numbers read before."""
+    frequency = None if period is None else ENGINE_SPEED / 2 / period
+    reader = GU2021.reader(reported_cycle(made), EVENT, frequency)
+    reader.found.update(found)
+    return reader
 
 
 def test_collisions_repeat_with_the_period_of_the_first_mode():
@@ -158,28 +166,27 @@ def test_a_model_without_coil_pairs_has_no_clash_whatever_its_accelerations(chan
     made = _motion(**change)
     assert clash_events(made) == ()
     if "coil_gap" in change:
-        assert len(collision_angles(reported_cycle(made), 8 * DEG)) == 0
+        assert meetings(_reader(made), MEETINGS) == {}
 
 
 def test_touches_close_together_are_one_collision():
-    cycle = reported_cycle(_motion())
     # 20, 46.5 and 73 follow each other within 26.6 degrees: one collision, at its first touch.
-    assert collision_angles(cycle, 26.6 * DEG) / DEG == pytest.approx(
-        [20, 100, 245.5, 300, 327, 354.5]
-    )
+    found = meetings(_reader(_motion(), 26.6 * DEG / 0.35), MEETINGS)
+    assert [one / DEG for one in found.values()] == pytest.approx([20, 100, 245.5, 300, 327, 354.5])
 
 
-def test_mean_interval_skips_stage_2_and_missed_collisions():
-    assert mean_interval(np.array([20, 46, 72, 240, 266, 292, 345]) * DEG, EVENT) == pytest.approx(
-        26 * DEG
-    )
-    assert mean_interval(np.array([20, 240]) * DEG, EVENT) is None
+@pytest.mark.parametrize(
+    ("angles", "mean"), [((20, 46, 72, 240, 266, 292, 345), 26.0), ((20, 240), None)]
+)
+def test_mean_interval_skips_stage_2_and_missed_collisions(angles, mean):
+    found = {f"clash_{n}_cam_angle": angle * DEG for n, angle in enumerate(angles, start=1)}
+    told = interval(_reader(_motion(), **found), INTERVAL)
+    assert told == ({} if mean is None else {INTERVAL.names[0]: pytest.approx(mean * DEG)})
 
 
 def test_separation_follows_speed_and_frequency():
-    assert separation_angle(reported_cycle(_motion()), 630.0) == pytest.approx(
-        0.35 * 26.667 * DEG, rel=1e-4
-    )
+    reader = GU2021.reader(reported_cycle(_motion()), EVENT, 630.0)
+    assert reader.separation == pytest.approx(0.35 * 26.667 * DEG, rel=1e-4)
 
 
 def test_clashes_merge_neighbours_and_leave_resting_coils_out():
@@ -259,17 +266,20 @@ def test_bounce_is_that_of_the_point_that_bounces_and_is_pressed_hardest_at_the_
         shut = gap(degrees) < 0
         return np.stack([200.0 * shut[:, 0], 90.0 * shut[:, 1], touch, nil], axis=1)
 
-    cycle = reported_cycle(
-        _motion(coil_gap=gap, coil_contact_force=pressed, coil_contact_peak_force=pressed)
-    )
-    found = bounce_quantities(cycle, 240.25 * DEG, 9 * DEG)
+    made = _motion(coil_gap=gap, coil_contact_force=pressed, coil_contact_peak_force=pressed)
+
+    def told(spike, separation):
+        period = separation * DEG / 0.35
+        return bounce(_reader(made, period, stage_3_peak_cam_angle=spike * DEG), BOUNCE)
+
+    found = told(240.25, 9)
     assert found["coil_1_2_bounce_start_cam_angle"] / DEG == pytest.approx(240)
     assert found["coil_1_2_bounce_end_cam_angle"] / DEG == pytest.approx(244)
     assert found["coil_1_2_bounce_duration"] == pytest.approx(4 * DEG / (ENGINE_SPEED / 2))
-    short = bounce_quantities(cycle, 251.25 * DEG, 9 * DEG)
+    short = told(251.25, 9)
     assert short["coil_1_2_bounce_duration"] == pytest.approx(3 * DEG / (ENGINE_SPEED / 2))
-    assert bounce_quantities(cycle, 300 * DEG, 9 * DEG) == {}
-    assert bounce_quantities(cycle, 240.25 * DEG, 2.5 * DEG) == {}  # back in another collision
+    assert told(300, 9) == {}
+    assert told(240.25, 2.5) == {}  # back in another collision
 
 
 def test_separate_spikes_takes_the_largest_first():
@@ -363,7 +373,7 @@ def test_published_collision_meets_the_nearest_computed_one():
         [_published("clash_1_cam_angle", 20 * DEG), _published("clash_2_cam_angle", 46.5 * DEG)],
         computed,
         COUNTERPARTS,
-        SPEC.counted,
+        GU2021.counted,
     )
     assert [row.difference / DEG for row in rows] == pytest.approx([0, 1.5])
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from synthetic_spring import EVENT, bump, clashing_run, run
+from synthetic_spring import EVENT, beehive_reader, bump, clashing_run, run
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.event import find_lift_event
 from valvetrain.parameters.lift_law import LiftLawParameters
@@ -16,7 +16,6 @@ from valvetrain.quantities.cycle import Frame, reported_cycle
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.signal import WINDOWS, is_covered, window_bounds
 from valvetrain.solution.study import LiftEvent
-from valvetrain.sources.gu2021_stages import stage_quantities
 
 DEG = np.pi / 180
 
@@ -104,7 +103,7 @@ def test_no_source_no_stages_and_no_event_no_stages():
 
 def test_an_empty_stage_is_left_out():
     made = run({"seat_force": 300 + np.arange(1440.0) % 720})
-    found = stage_quantities(reported_cycle(made), 10 * DEG, LiftEvent(0.0, np.radians(140.0)))
+    found = beehive_reader(made, LiftEvent(0.0, np.radians(140.0))).found
     assert "stage_2_peak_force" in found and not [
         name for name in found if name.startswith("stage_1")
     ]
@@ -130,7 +129,7 @@ def test_a_ripple_on_the_rising_flank_is_no_maximum_of_stage_2(ripple):
         for what in ("force", "cam_angle")
     ]
     smooth, rippled = (
-        stage_quantities(reported_cycle(run({"seat_force": force})), 10 * DEG, EVENT)
+        beehive_reader(run({"seat_force": force})).found
         for force in (
             two_maxima,
             lambda degrees: two_maxima(degrees) + ripple * bump(degrees, 143, 6),
@@ -142,8 +141,7 @@ def test_a_ripple_on_the_rising_flank_is_no_maximum_of_stage_2(ripple):
 
 def test_highest_instant_stands_beside_the_sampled_spike():
     made = clashing_run()
-    cycle = reported_cycle(made)
-    found = stage_quantities(cycle, 10 * DEG, EVENT)
+    cycle, found = reported_cycle(made), beehive_reader(made).found
     late = cycle.cam_angle >= np.radians(240.0)
     assert found["stage_3_every_instant_peak_force"] == np.max(
         made.channel("seat_force_fine")[cycle.samples][late]

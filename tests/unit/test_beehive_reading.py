@@ -7,27 +7,26 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from synthetic_spring import EVENT, bump, run
+from synthetic_spring import beehive_reader, bump, run
 from valvetrain.quantities.compare import compare
-from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity
-from valvetrain.sources.gu2021_reading import SAMPLE, half_height, sampled
-from valvetrain.sources.gu2021_stages import over_phases, stage_quantities
+from valvetrain.sources.reader import half_height
 
 FOOT, HEIGHT, PLACE, SUBSTEPS = 300.0, 1000.0, 254.6, 20
+SAMPLE = np.radians(0.5)
 SPEED = 8000 * np.pi / 30
 
 
 def pulsed(half_width: float, per_turn: int = 720):
-    """Two turns with a triangular pulse of a half width in cam degrees, known at 20 substeps."""
+    """Reader of two turns with a triangular pulse of a half width in cam degrees, known at 20 substeps."""
     angle = np.arange(2 * per_turn) * 360.0 / per_turn
     fine = (angle[:, None] + np.arange(SUBSTEPS) * 360.0 / per_turn / SUBSTEPS) % 360
     force = FOOT + 400 * bump(fine, 180, 100)
     force += HEIGHT * np.maximum(0.0, 1 - np.abs(fine - PLACE) / half_width)
     extra = {"seat_force_fine": (("subsample",), "N", "seat force between the samples")}
     values = {"seat_force": force[:, 0], "seat_force_fine": force}
-    return reported_cycle(run(values, per_turn=per_turn, engine_speed=SPEED, extra=extra))
+    return beehive_reader(run(values, per_turn=per_turn, engine_speed=SPEED, extra=extra))
 
 
 @pytest.mark.parametrize("half_width", [0.5, 1.0, 2.0])
@@ -37,7 +36,7 @@ def test_the_median_of_samples_of_a_triangle_over_their_phase(half_width, per_tu
     1 - 0.25 / w and 1 of the height, 1 - 0.125 / w in the median, w the half width; whatever the
     output step of the run.
     """
-    found = stage_quantities(pulsed(half_width, per_turn), np.radians(10), EVENT)
+    found = pulsed(half_width, per_turn).found
     share = 0.6 * HEIGHT * 0.05 / half_width  # what one phase of the record is worth
     for name, part in (("", 0.125), ("least_sampled_", 0.25), ("largest_sampled_", 0.0)):
         expected = FOOT + HEIGHT * (1 - part / half_width)
@@ -49,26 +48,23 @@ def test_the_median_of_samples_of_a_triangle_over_their_phase(half_width, per_tu
 @pytest.mark.parametrize("half_width", [0.5, 1.0, 2.0])
 def test_width_and_impulse_of_the_pulse(half_width):
     """At half its height a triangle is as wide as its half width; its area is that times its height."""
-    found = stage_quantities(pulsed(half_width), np.radians(10), EVENT)
+    found = pulsed(half_width).found
     time = np.radians(half_width) / (SPEED / 2)
     assert found["stage_3_peak_duration"] == pytest.approx(time, rel=0.02)
     assert found["stage_3_peak_impulse"] == pytest.approx(HEIGHT * time, rel=0.02)
 
 
 def test_a_run_no_finer_than_the_source_has_its_own_samples():
-    cycle = reported_cycle(run({"seat_force": lambda degrees: FOOT + bump(degrees, 254.6, 3)}))
-    read = sampled(cycle)
-    assert read.force.shape == (1, 720) and np.array_equal(
-        read.force[0], cycle.channel("seat_force")
-    )
-    assert "stage_3_least_sampled_peak_force" not in stage_quantities(cycle, 0.2, EVENT)
+    reader = beehive_reader(run({"seat_force": lambda degrees: FOOT + bump(degrees, 254.6, 3)}))
+    assert not reader.phases and "stage_3_least_sampled_peak_force" not in reader.found
+    assert reader.found["stage_3_peak_force"] == np.max(reader.cycle.channel("seat_force"))
 
 
 def test_samples_stand_every_half_degree_at_each_phase_of_the_record():
-    read = sampled(pulsed(1.0))
-    assert read.force.shape[0] == SUBSTEPS
-    assert np.allclose(np.diff(read.cam_angle, axis=1), SAMPLE)
-    assert np.allclose(np.diff(read.cam_angle[:, 0]), SAMPLE / SUBSTEPS)
+    angle, force = pulsed(1.0).sampled(["seat_force"])
+    assert force.shape[0] == SUBSTEPS
+    assert np.allclose(np.diff(angle, axis=1), SAMPLE)
+    assert np.allclose(np.diff(angle[:, 0]), SAMPLE / SUBSTEPS)
 
 
 def test_a_spike_at_the_edge_of_the_record_keeps_what_is_there():
@@ -96,7 +92,7 @@ def bimodal():
         "seat_force_finest": (("fine_subsample",), "N", "the same at fifty places"),
     }
     values = {"seat_force": force(1)[:, 0], "seat_force_fine": force(10), "seat_force_finest": force(50)}  # fmt: skip
-    return reported_cycle(run(values, engine_speed=SPEED, extra=extra))
+    return beehive_reader(run(values, engine_speed=SPEED, extra=extra))
 
 
 @pytest.mark.parametrize("level", [900.0, 1300.0, 1800.0])
@@ -104,7 +100,7 @@ def test_a_comparison_with_samples_has_their_range_and_the_share_at_or_above_it(
     """Closed form: a triangle of half width w reaches a share 2 w (1 - rise / height) / 0.5 of all
     phases; in the others the lower pulse is read.
     """
-    read = over_phases(bimodal(), "seat_force", np.radians(10), EVENT)
+    read = bimodal().phases
     published = [
         PublishedValue("stage_3_peak_force", level, "N", engine_speed=SPEED, model="m"),
         PublishedValue("preload", 300.0, "N", model="m"),
@@ -123,7 +119,7 @@ def test_a_comparison_with_samples_has_their_range_and_the_share_at_or_above_it(
 
 
 def test_the_angle_of_a_spike_is_that_of_a_collision_and_not_between_two():
-    found = stage_quantities(bimodal(), np.radians(10), EVENT)
-    places = np.degrees(over_phases(bimodal(), "seat_force", 0.2, EVENT)["stage_3_peak_cam_angle"])
+    reader = bimodal()
+    found, places = reader.found, np.degrees(reader.phases["stage_3_peak_cam_angle"])
     assert np.ptp(places) > 5
     assert np.min(np.abs(places - np.degrees(found["stage_3_peak_cam_angle"]))) < 1e-9

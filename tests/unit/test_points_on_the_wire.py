@@ -14,7 +14,6 @@ from valvetrain.cli.case_facts import case_facts
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.space import Varied
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.sources.gu2021_coils import coils_of
 
 
 def beehive(**points):
@@ -134,7 +133,3 @@ def test_numbers_of_nodes_are_read_where_the_case_says():
     untouched = {name for name in usual if not name.startswith("node_2")}
     assert "node_1_peak_acceleration" in untouched
     assert {name: usual[name] for name in untouched} == {name: moved[name] for name in untouched}
-
-
-def test_coils_of_nodes_are_the_ends_of_coils_unless_told():
-    assert coils_of(()) == {1: 1.0, 2: 2.0} and coils_of((("node_2", 1.9),)) == {1: 1.0, 2: 1.9}

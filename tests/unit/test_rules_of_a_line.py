@@ -25,16 +25,6 @@ from valvetrain.rig.reader import RigChannel
 from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.runs import refine_trains
 from valvetrain.runs.refine import refine_springs
-from valvetrain.sources.multibody4b17 import _formula, closed_forms
-
-
-def test_the_printed_contact_formula_by_hand():
-    assert closed_forms()["contact_formula_force"] == pytest.approx((100_000 + 49.92) * 0.02**1.5)
-    assert (
-        _formula({}) == ""
-        and "check of 283 N is all but the elastic force at 0.02 mm (282.8 of 283.0 N)"
-        in _formula({"contact_formula_force": 283.0})
-    )
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])

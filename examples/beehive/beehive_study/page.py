@@ -26,8 +26,7 @@ from valvetrain.report.published_verdict import kind_of
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.study import Study
-from valvetrain.sources.gu2021 import by_phase
-from valvetrain.sources.gu2021_reading import sampled
+from valvetrain.sources.library import GU2021
 
 Array = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parents[3]
@@ -174,7 +173,9 @@ def modal_peaks(source: str) -> tuple[float, ...]:
 
 def phases_of(study: Study, aim: Aim) -> Array | None:
     """The number of an aim once for each phase of the samples, in its unit; None where it is no sample."""
-    found = by_phase(study).get(Quantity(aim.quantity, aim.rpm * RPM, ROD)) if aim.rpm else None
+    found = (
+        GU2021.by_phase(study).get(Quantity(aim.quantity, aim.rpm * RPM, ROD)) if aim.rpm else None
+    )
     return None if found is None or aim.model == EQUATIONS else FACTORS[aim.unit] * found
 
 
@@ -219,13 +220,13 @@ def spike_text(study: Study) -> str:
               == ("stage_3_peak_force", "solid finite elements", 8000))  # fmt: skip
     run, read = study.solution(ROD, 8000 * RPM), row.samples
     assert read is not None
-    places = by_phase(study)[Quantity("stage_3_peak_cam_angle", 8000 * RPM, ROD)] / DEG
+    places = GU2021.by_phase(study)[Quantity("stage_3_peak_cam_angle", 8000 * RPM, ROD)] / DEG
     early = float(np.mean(places < 251.0))
-    peaks = sampled(reported_cycle(run))
-    at = np.argmax(peaks.force, axis=1)
+    angle, force = GU2021.reader(reported_cycle(run), None, None).sampled(["seat_force"])
+    at = np.argmax(force, axis=1)
     event = study.lift_event
     assert event is not None
-    late = float(np.mean(peaks.cam_angle[np.arange(len(at)), at] >= event.end))
+    late = float(np.mean(angle[np.arange(len(at)), at] >= event.end))
     q = run.quantities
     return (
         f"The source prints a spike of 1430 N at 8000 rpm. Samples of the calibrated spring show {read.low:.0f} to {read.high:.0f} N over "
@@ -267,7 +268,8 @@ def sweep_table() -> str:
     rows: dict[str, list[str]] = {"median, N": [], "over the phases, N": []}
     for rpm in SWEEP:
         run = vt.simulate(CASE, f"{rpm} rpm", spring_models=[ROD], workers=1).solutions[0]
-        top = sampled(reported_cycle(run)).force.max(axis=1)
+        _, force = GU2021.reader(reported_cycle(run), None, None).sampled(["seat_force"])
+        top = force.max(axis=1)
         rows["median, N"].append(f"{np.median(top):.0f}")
         rows["over the phases, N"].append(f"{top.min():.0f}–{top.max():.0f}")
     head = "| engine speed, rpm | " + " | ".join(map(str, SWEEP)) + " |"

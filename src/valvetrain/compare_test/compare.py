@@ -420,7 +420,7 @@ def _stages(study: Study) -> tuple[Stage, ...]:
         return ()
     event, names = study.lift_event, {}
     if study.record.study and study.record.study in registry.names("sources"):
-        names = registry.find("sources", study.record.study).window_names
+        names = registry.find("sources", study.record.study).windows
     return tuple((names.get(word, word), *window_bounds(event, word)) for word in WINDOWS)
 
 

@@ -44,9 +44,7 @@ def point_problem(
             "",
             "the points are those that a published study reads; name it in 'study', or remove them",
         )
-    names = tuple(
-        word.replace(" ", "_") for word in registry.find("sources", study).point_names.values()
-    )
+    names = tuple(registry.find("sources", study).points)
     coils = min(
         (spring.wire.total_coils for spring in springs if spring.wire is not None), default=math.inf
     )

@@ -217,6 +217,14 @@ RUNS: tuple[QuantityRow, ...] = (
         "Largest impulse that coils give each other within a fifth of the first natural period of the spring (0.4 ms at 500 Hz) beyond the "
         "force they hold before and after: the impact, without the load of coils that rest on each other.",
         sense=LESS, topic=CLASH, uses=("study", "page")),
+    spring("main_clash_peak_force", "main clash",
+        "Height of the main clash of coils 1 and 2: first spike of the force after the event that reaches 60 % of the highest (found "
+        "below 16 times the surge frequency), as computed; absent where no coil meets another."),
+    spring("main_clash_below_5_khz_peak_force", "main clash below 5 kHz", "Height of the main clash in a bandwidth of 5 kHz."),
+    spring("main_clash_cam_angle", "main clash, cam angle",
+        "Cam angle of the top of the main clash below 16 times the surge frequency."),
+    spring("main_clash_impulse", "main clash, impulse",
+        "Integral of the force above the base circle's mean over a sixteenth of the surge period (0.1 ms) either side of the main clash."),
     *with_angle(both("peak_shear_stress", "peak shear stress",
         "Largest shear stress at the inner fibre over wire and cycle, curvature and direct shear included.", sense=LESS,
         topic=STRESS, uses=("brief", "sweep", "curve", "stress"))),
@@ -295,6 +303,8 @@ TRAINS: tuple[QuantityRow, ...] = (
     train("minimum_spring_margin_ratio", "minimum spring margin, ratio",
         "Spring force less weight and gas over the inertia force where the valve is slowed, by rigid theory, where that is least; "
         "1 at the float speed of rigid parts where the cam loses contact first.", sense=MORE),
+    train("{spring}_mean_peak_section_displacement", "mean peak motion of the coils ({spring})",
+        "Mean along the spring ({spring}) of each section's largest displacement over the cycle.", sense=LESS),
     train("peak_rigid_valve_lift", "peak rigid valve lift", "Largest valve lift of rigid parts."),
     train("valve_open_duration", "time open", "Time per cycle in which the valve is off its seat."),
     train("seating_velocity", "seating velocity", "Velocity of the first touch of the seat.", sense=LESS, topic=CONTACT, uses=ALL),

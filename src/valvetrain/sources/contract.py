@@ -1,59 +1,100 @@
-"""Contract of a published study: its names, findings and contradictions; no other package refers to a
-paper.
-"""
+"""A published study as data: its names, how it read numbers, and what it claims."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from valvetrain import registry
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.compare import compare
-from valvetrain.quantities.cycle import Array, Frame
+from valvetrain.quantities.cycle import Array, Cycle, Frame, reported_cycle
 from valvetrain.quantities.signal import Window
-from valvetrain.solution.comparison import Finding
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.result import Solution
-from valvetrain.solution.study import Study
+from valvetrain.solution.study import LiftEvent, Study
+from valvetrain.sources.claims import Claim, run_of
+from valvetrain.sources.reader import Reader, Sampling
+from valvetrain.sources.readings import Reading
 
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """How a published value is marked: a short ``sign`` and a ``label`` of what produced it."""
+    """What produced a published value: its short ``sign``, and the label of the ``run`` to compare with."""
 
     sign: str
-    label: str
+    run: str = ""
 
 
 @dataclass(frozen=True)
 class SourceStudy:
     """One published study; ``key``: its citation key and its name in the registry.
 
-    ``quantities``: numbers of a run by the names of the study. ``study_quantities``: numbers of
-    several runs, or of none, by name and engine speed of its published values. ``by_phase``: numbers of
-    the runs once for each phase of the samples that it stored. ``findings``:
-    published findings compared with the computed results; ``notes``: contradictions within it.
-    ``counterparts``: what produced a published value -> label of the run to compare with.
-    ``origins``: the same -> mark. ``counted``: names of its angles that are numbered through a
-    cycle. ``window_names``: its names of the windows about the lift event
-    (`valvetrain.quantities.signal`); ``point_names``: its names of points on the wire, by coil
-    number. ``case``: the library case that holds what it publishes.
+    ``description``: what it is, and what its names mean. ``case``: the library case that holds what it
+    publishes. ``origins``: what produced a published value -> mark and run. ``counted``: words of its
+    angles that are counted through a cycle. ``windows``: its names of the windows about the lift event;
+    ``points``: coil number of each of its points on the wire. ``readings``: how it read numbers;
+    ``sampling``: the samples that it stored. ``claims``: what it says of them.
     """
 
     key: str
-    quantities: Callable[[Solution, Frame], dict[str, float]] = lambda solution, frame: {}
-    study_quantities: Callable[[Study], dict[Quantity, float]] = lambda study: {}
-    by_phase: Callable[[Study], dict[Quantity, Array]] = lambda study: {}
-    findings: Callable[[Study], tuple[Finding, ...]] = lambda study: ()
-    notes: Callable[[Study], tuple[str, ...]] = lambda study: ()
-    counterparts: Mapping[str, str] = field(default_factory=dict)
+    description: str = ""
+    case: str = ""
     origins: Mapping[str, Origin] = field(default_factory=dict)
     counted: tuple[str, ...] = ()
-    window_names: Mapping[Window, str] = field(default_factory=dict)
-    point_names: Mapping[float, str] = field(default_factory=dict)
-    case: str = ""
+    windows: Mapping[Window, str] = field(default_factory=dict)
+    points: Mapping[str, float] = field(default_factory=dict)
+    sampling: Sampling = Sampling(2 * np.pi, 1)
+    readings: tuple[Reading, ...] = ()
+    claims: tuple[Claim, ...] = ()
+
+    def reader(
+        self, cycle: Cycle, event: LiftEvent | None, surge_frequency: float | None, **coils: float
+    ) -> Reader:
+        """What takes its readings of a cycle; ``surge_frequency`` in Hz, ``coils`` of points that the case moves."""
+        return Reader(cycle, event, surge_frequency, {**self.points, **coils}, self.sampling)
+
+    def quantities(self, solution: Solution, frame: Frame) -> dict[str, float]:
+        """Numbers of a run (SI) by the names of the study; what the run does not cover is absent."""
+        if len(solution.time) < 3 or all(one.runs for one in self.readings):
+            return {}
+        coils = dict(frame.points)
+        cycle = reported_cycle(solution)
+        reader = self.reader(cycle, frame.lift_event, frame.surge_frequency, **coils)
+        return reader.read(self.readings)
+
+    def by_phase(self, study: Study) -> dict[Quantity, Array]:
+        """Numbers of the runs that are compared, once for each phase of the samples that it stored."""
+        found = dict[Quantity, Array]()
+        sampled = [one for one in self.readings if one.sampled or one.kind == "difference"]
+        labels = {origin.run for origin in self.origins.values()} if sampled else set()
+        surge = study.quantities.get(Quantity("mode_1_frequency"))
+        for run in study.solutions:
+            if run.label in labels and len(run.time) > 2:
+                reader = self.reader(reported_cycle(run), study.lift_event, surge)
+                reader.read(sampled)
+                for name, values in reader.phases.items():
+                    found[Quantity(name, run.engine_speed, run.label)] = values
+        return found
+
+    def of_runs(self, study: Study) -> dict[Quantity, float]:
+        """Quantities of one labelled run or of two at every engine speed at which they ran: the value, the
+        share by which the first is above the second, or the difference.
+        """
+        found = dict[Quantity, float]()
+        for reading in self.readings if study.solutions else ():
+            for speed in study.engine_speeds if reading.runs else ():
+                runs = [run_of(study, label, speed) for label in reading.runs]
+                values = [run.quantities.get(reading.of[0], np.nan) for run in runs if run]
+                if len(values) == len(runs):
+                    first, second = values[0], values[-1]
+                    rise = first / second - 1 if second > 0 else np.nan
+                    kinds = {"run": first, "rise": rise, "difference": first - second}
+                    found[Quantity(reading.names[0], speed)] = float(kinds[reading.kind])
+        return {key: value for key, value in found.items() if np.isfinite(value)}
 
 
 def published_by(key: str) -> tuple[PublishedValue, ...]:
@@ -71,7 +112,7 @@ def published_by(key: str) -> tuple[PublishedValue, ...]:
 
 
 def against_source(study: Study) -> Study:
-    """The study with comparisons, findings and notes of the published study that its case re-runs.
+    """The study with comparisons and findings of the published study that its case re-runs.
 
     A study of a case of one's own, or of a changed one, is returned as it is. Raises
     :class:`InputError` for an unknown source.
@@ -82,21 +123,17 @@ def against_source(study: Study) -> Study:
     source: SourceStudy = (
         registry.find("sources", record.study) if record.study else SourceStudy("")
     )
-    derived = source.study_quantities(study)
-    at_rest = {
-        key.name: value
-        for key, value in derived.items()
-        if key.engine_speed is None and not key.label
-    }
-    still = {**study.still, "": {**study.still.get("", {}), **at_rest}} if at_rest else study.still
-    quantities = Quantities({**study.quantities, **derived})
-    counterparts = source.counterparts if record.study else None
+    quantities = Quantities({**study.quantities, **source.of_runs(study)})
+    runs = {name: origin.run for name, origin in source.origins.items()}
+    findings = filter(None, (claim.finding(study) for claim in source.claims))
     return replace(
         study,
-        still=still,
         comparisons=compare(
-            record.published, quantities, counterparts, source.counted, source.by_phase(study)
+            record.published,
+            quantities,
+            runs if record.study else None,
+            source.counted,
+            source.by_phase(study),
         ),
-        findings=(*study.findings, *source.findings(study)),
-        notes=(*study.notes, *source.notes(study)),
+        findings=(*study.findings, *findings),
     )

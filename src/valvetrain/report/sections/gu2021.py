@@ -1,16 +1,17 @@
-"""Figures of one source, the beehive spring of gu2021: solid next to rod, force by stages with published
-values, spikes close up, nodes 1 and 2.
+"""Figures of one source, the beehive spring of gu2021: force by stages with published values, spikes close up,
+nodes 1 and 2.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from valvetrain import registry
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.signal import fine_filtered, fine_series
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Marks, Panel, thin
-from valvetrain.report.page import Block, Cell, Grid, SectionSpec, figure_or_gap, text
+from valvetrain.report.page import Block, SectionSpec, figure_or_gap
 from valvetrain.report.run_charts import (
     ANGLE_LABEL,
     Array,
@@ -19,12 +20,11 @@ from valvetrain.report.run_charts import (
     line_styles,
     over_angle,
 )
-from valvetrain.report.text import number, percent, speed_text
+from valvetrain.report.text import number, speed_text
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
-from valvetrain.sources.gu2021_coils import coils_of
 
 STUDY = "gu2021"
 SPIKE_BANDWIDTH = 10e3
@@ -60,141 +60,7 @@ def blocks(study: Study) -> tuple[Block, ...]:
             )
         return found
 
-    return (*height_blocks(study), *by_speed(study, "gu2021", at))
-
-
-#: Row of the table -> quantity of the run, factor of its agreement, number whose error bar it has.
-HEIGHTS = {
-    "peak of Stage II": ("stage_2_peak_force", None, ""),
-    "peak of Stage II below 10 kHz": ("", 0.01, "peak_spring_force"),
-    "spike of Stage III": ("stage_3_peak_force", None, ""),
-    "spike of Stage III below 5 kHz": ("stage_3_below_5_khz_peak_force", 0.05, "main_clash_below_5_khz_peak_force"),
-}  # fmt: skip
-#: Difference of solid and rod, measured on an earlier calibrated spring.
-CONTACT = (
-    "What is between rod and solid is the contact of coils and the solid's mesh. On an earlier "
-    "calibrated spring both were within 0.6 % in Stage II without that contact, clamped ends "
-    "changed nothing where no free wire touched a seat, and finer bricks (36 slices, two rings) brought Stage II at 8000 rpm "
-    "below 10 kHz from 3.4 to 0.9 %, but not the spike (7 %)."
-)
-#: Force (N) above 10 kHz, as a share of the peak, from which the peak of Stage II is that of a clash.
-CLASH_SHARE = 0.02
-_MODELS = ("solid", "finite-element", "modal-varied")
-
-
-def height_blocks(study: Study) -> tuple[Block, ...]:
-    """Heights (N) by solid, rod and modal model next to those of the source, at every speed that a solid
-    ran at, and sentences on how far solid and rod are apart; nothing without either.
-    """
-    rows: list[tuple[tuple[Cell, ...], tuple[str, ...]]] = []
-    sentences: list[str] = []
-    for engine_speed in study.engine_speeds:
-        runs = {
-            run.model: run
-            for run in study.solutions
-            if run.status.completed and same_speed(run.engine_speed, engine_speed)
-        }
-        if not {"solid", "finite-element"} <= set(runs):
-            continue
-        speed, apart = speed_text(engine_speed), list[str]()
-        for label, (quantity, bound, barred) in HEIGHTS.items():
-            found = {
-                model: _height(study, runs[model], quantity) for model in _MODELS if model in runs
-            }
-            body, rod = found["solid"], found["finite-element"]
-            if body is None or rod is None:
-                continue
-            difference = rod / body - 1
-            printed = [
-                f"{theme.origin_style(one.model)[0]} {number(one.value)}"
-                for one, _ in published_forces(study, engine_speed)
-                if one.quantity == quantity
-            ]
-            numbers = (
-                ", ".join(printed) or "–",
-                *(number(found.get(model)) for model in _MODELS),
-                percent(difference),
-            )
-            cells = (Cell(speed), Cell(label), *(Cell(value, "number") for value in numbers))
-            rows.append((cells, (speed,)))
-            if bound is not None:
-                apart.append(_apart(study, runs, label, difference, bound, barred))
-        sentences.append(
-            f"{speed}, rod and solid: {'; '.join(apart)}. {_clash_sentence(study, runs['solid'])}"
-        )
-    if not rows:
-        return ()
-    if any("more than" in one for one in sentences):
-        sentences.append(CONTACT)
-    headers = ("engine speed", "force on the seat (N)", "source", *(theme.model_label(one) for one in _MODELS), "rod to solid")  # fmt: skip
-    caption = (
-        "Source: FE solid finite elements, AN modal model, EX head test; its values and ours without a band are read every half degree, ours in "
-        "the median over the phases of such samples."
-    )
-    return (*(text(one.strip()) for one in sentences), Grid(headers, tuple(rows), (), caption))
-
-
-def _height(study: Study, run: Solution, quantity: str) -> float | None:
-    """A number of a run (N); without a name the largest force of Stage II below 10 kHz."""
-    if quantity:
-        return run.quantities.get(quantity)
-    found = _event_forces(study, run)
-    return None if found is None else float(found[2].max())
-
-
-def _event_forces(study: Study, run: Solution) -> tuple[Array, Array, Array] | None:
-    """Cam angle (deg), seat force at every instant stored and below 10 kHz (N) during the lift event."""
-    smooth = fine_filtered(run, SPIKE_BANDWIDTH)
-    if smooth is None:
-        return None
-    _, angle, values = fine_series(run)
-    cycle, (first, last) = reported_cycle(run), event_degrees(study)
-    degrees = np.degrees(angle - (run.cam_angle[cycle.samples][0] - cycle.cam_angle[0]))
-    inside = (degrees >= first) & (degrees <= last)
-    return (degrees[inside], values[inside], smooth[inside]) if inside.any() else None
-
-
-def _apart(
-    study: Study,
-    runs: dict[str, Solution],
-    label: str,
-    difference: float,
-    bound: float,
-    barred: str,
-) -> str:
-    """How far a height of the rod is from the solid's, and by what that is covered."""
-    sentence, limit = f"{label} {number(100 * abs(difference), 2)} % apart", f"{100 * bound:.0f} %"
-    if abs(difference) <= bound:
-        return f"{sentence}, within {limit}"
-    bars = {
-        model: row.numerical
-        for model in ("solid", "finite-element")
-        for row in study.error_bars.rows
-        if row.quantity == barred
-        and row.label == runs[model].label
-        and row.engine_speed is not None
-        and same_speed(row.engine_speed, runs[model].engine_speed)
-    }
-    sentence += f", more than {limit}"
-    gap = abs(difference) * runs["solid"].quantities.get(barred, np.nan)
-    if "solid" in bars and gap <= sum(bars.values()):
-        spread = " and ".join(f"{number(value, 2)} N" for value in bars.values())
-        sentence += f" but inside the error bars ({spread})"
-    return sentence
-
-
-def _clash_sentence(study: Study, run: Solution) -> str:
-    """Whether a clash makes the peak of the lift event, a sentence; empty where it does not."""
-    if (found := _event_forces(study, run)) is not None:
-        degrees, values, smooth = found
-        top = int(np.argmax(smooth))
-        near = np.abs(degrees - degrees[top]) < 3.0
-        if values[near].max() - smooth[top] > CLASH_SHARE * smooth[top]:
-            return (
-                f"The peak of Stage II is that of a clash of coils at {degrees[top]:.0f} degrees "
-                f"(at every instant {number(values[near].max())} N by the solid), so it rests on how finely the wire is meshed where coils meet."
-            )
-    return ""
+    return by_speed(study, "gu2021", at)
 
 
 def event_degrees(study: Study) -> tuple[float, float]:
@@ -354,7 +220,16 @@ def node_chart(study: Study, run: Solution, key: str) -> Chart | None:
     """
     cycle = reported_cycle(run)
     panels: list[Panel] = []
-    angle, coils = np.degrees(cycle.cam_angle), coils_of(study.record.points)
+    angle, coils = (
+        np.degrees(cycle.cam_angle),
+        {
+            int(name[-1]): coil
+            for name, coil in {
+                **registry.find("sources", STUDY).points,
+                **dict(study.record.points),
+            }.items()
+        },
+    )
     for channel, (word, unit, factor) in MOTIONS.items():
         layers: list[Layer] = []
         for node, colour in _NODES.items():
