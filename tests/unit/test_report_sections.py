@@ -11,7 +11,6 @@ import pytest
 
 from synthetic_study import (
     EVENT,
-    SPEED,
     at_rest,
     modal_run,
     own_study,
@@ -22,11 +21,10 @@ from synthetic_study import (
 from valvetrain.registry import find
 from valvetrain.report.chart import Chart, Line, Marks
 from valvetrain.report.headlines import headline_rows
-from valvetrain.report.page import Grid, Text, charts
+from valvetrain.report.page import Grid, charts
 from valvetrain.report.sections import sweep
 from valvetrain.report.study import study_page
 from valvetrain.solution.study import Study
-from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 
 DEGREES = np.arange(720) / 2
 LIFT = 9e-3 * np.where(np.abs(DEGREES - 180) < 53, np.cos(np.pi * (DEGREES - 180) / 106) ** 2, 0.0)
@@ -155,56 +153,6 @@ def test_a_sweep_answers_with_the_worst_value_and_its_speed():
     assert rows["surge_frequency"].engine_speeds == (None, None) and rows[
         "float_engine_speed"
     ].values[0] == pytest.approx(701 * 30 / np.pi)
-
-
-def test_heights_of_solid_and_rod_stand_beside_the_source():
-    """Contract: the table holds a height of the source, the solid, the rod and the modal model, and how
-    far the rod is from the solid; the sentences say within what, and by what a larger difference is
-    covered."""
-    study = published_study()
-    rod = next(one for one in study.runs("finite-element") if one.engine_speed == SPEED)
-
-    def lowered(share: float):
-        forces = [name for name in rod.channels if str(name).startswith("seat_force")]
-        channels = rod.channels.assign({name: rod.channels[name] * share for name in forces})
-        numbers = {name: value * share for name, value in rod.quantities.items()}
-        numbers |= {
-            "stage_2_peak_force": 500.0 * share,
-            "peak_spring_force": 500.0 * share,
-        }
-        who = replace(rod.provenance, model="solid", label="solid")
-        return replace(rod, channels=channels, quantities=numbers, provenance=who)
-
-    source = find("sections", "gu2021")
-    assert not any(isinstance(block, Grid) for block in source.blocks(study))
-    for share, verdict in (
-        (0.995, "0.5 % apart, within 1 %"),
-        (0.95, "5.3 % apart, more than 1 %"),
-    ):
-        with_solid = replace(study, solutions=(*study.solutions, lowered(share)))
-        shown = source.blocks(with_solid)
-        grid = next(block for block in shown if isinstance(block, Grid))
-        rows = {row[0][1].text: [cell.text for cell in row[0][2:]] for row in grid.rows}
-        band = rows["peak of Stage II below 10 kHz"]
-        assert band[0] == "–" and band[-1] == f"+{100 / share - 100:.1f} %"
-        said = " ".join(block.html for block in shown if isinstance(block, Text))
-        assert f"peak of Stage II below 10 kHz {verdict}" in said
-    nothing = (0.0, 0.0)
-    bar = Uncertainty(
-        "peak_spring_force",
-        SPEED,
-        475.0,
-        40.0,
-        None,
-        475.0,
-        0.0,
-        nothing,
-        nothing,
-        "solid",
-    )
-    covered = replace(with_solid, error_bars=ErrorBars((bar,)))
-    said = " ".join(block.html for block in source.blocks(covered) if isinstance(block, Text))
-    assert "more than 1 % but inside the error bars (40 N)" in said
 
 
 def test_figures_of_a_source_are_drawn_for_its_case_only():
