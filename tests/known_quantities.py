@@ -17,7 +17,6 @@ from known_rest import REST_GROUPS
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, run
 from synthetic_train import ANGLE, CAM_SPEED, COUNT, TIME, degrees, lift_of, rigid, train
 from train_parts import LAW, direct, system
-from valvetrain.integrate.clash import RESTS, STRIKES
 from valvetrain.integrate.train_channels import Scatter
 from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
@@ -38,7 +37,7 @@ from valvetrain.solution.critical import KINDS
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Cause, Event
 
 Known = tuple[Mapping[str, float], dict[str, float | tuple[float, float]]]
 DEG, CAM_RATE = np.pi / 180, ENGINE_SPEED / 2
@@ -207,10 +206,10 @@ def clashes() -> Known:
     come to rest; one in the first does not count.
     """
     logged = [
-        (3.0, 999.0, 9.0, 9.0, STRIKES),
-        (2 * np.pi + 1, 345.0, 17e-3, 31e-3, RESTS),
-        (2 * np.pi + 2, 120.0, 23e-3, 11e-3, STRIKES),
-        (2 * np.pi + 4, 80.0, 2e-3, 5e-3, STRIKES),
+        (3.0, 999.0, 9.0, 9.0, Cause.COILS_STRIKE),
+        (2 * np.pi + 1, 345.0, 17e-3, 31e-3, Cause.COILS_REST),
+        (2 * np.pi + 2, 120.0, 23e-3, 11e-3, Cause.COILS_STRIKE),
+        (2 * np.pi + 4, 80.0, 2e-3, 5e-3, Cause.COILS_STRIKE),
     ]
     events = tuple(
         Event(

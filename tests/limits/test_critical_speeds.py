@@ -105,7 +105,7 @@ def test_a_nearly_rigid_train_loses_contact_at_the_speed_of_newton(tmp_path: Pat
     one = vt.critical_speeds(
         case, [0.9 * exact, exact * 0.97, 1.1 * exact], spring_set=["stiff"], workers=1
     ).of("contact-loss")
-    assert one is not None and one.begins is not None and one.place == "cam"
+    assert one is not None and one.begins is not None and one.places == ("cam",)
     for bracket in (one.begins.from_rest, one.begins.rising, one.begins.falling):
         assert bracket is not None
         assert bracket.upper_engine_speed - bracket.lower_engine_speed <= 10.001 * RPM
@@ -142,7 +142,7 @@ def run_at(cam_speed: float, orbit: Orbit | None) -> SpeedSample:
     least = float(settled.record.least_forces[0])
     return SpeedSample(
         {"contact-loss": least},
-        {"contact-loss": "cam"},
+        {"contact-loss": ("cam",)},
         Orbit(settled.start, settled.runner.springs, cam_speed),
     )
 

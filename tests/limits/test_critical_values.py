@@ -16,11 +16,11 @@ from scipy.optimize import brentq
 import valvetrain as vt
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.end_events import PULL
-from valvetrain.quantities.train_events import CAUSE_SURGE
 from valvetrain.runs import critical_speeds
 from valvetrain.runs.critical_speeds import standing_force
 from valvetrain.runs.prepared import prepare
 from valvetrain.solution.critical import RPM
+from valvetrain.solution.status import Cause
 from valvetrain.system.build import build
 
 TEMPLATE = Path(vt.__file__).parent / "templates" / "pushrod.toml"
@@ -194,7 +194,7 @@ def test_the_cause_of_a_loss_of_contact_is_the_same_on_every_grid() -> None:
         for speeds in ("6800:7000:200 rpm", "6820:6970:50 rpm")
     ]  # fmt: skip
     coarse, fine = (one.critical_speeds.of("contact-loss") for one in found)
-    assert coarse.cause == fine.cause == CAUSE_SURGE
+    assert coarse.cause == fine.cause == Cause.SURGE
     assert coarse.spring_force_loss == pytest.approx(fine.spring_force_loss, rel=0.02)
     assert coarse.surge_order == fine.surge_order
     assert coarse.cam_angle == pytest.approx(fine.cam_angle, abs=math.radians(0.5))

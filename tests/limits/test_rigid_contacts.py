@@ -124,7 +124,7 @@ def test_contact_is_lost_first_at_the_joint_that_rigid_theory_unloads_first():
         / np.where(bend < 0, -valve * bend, 1.0),
         np.inf,
     )
-    assert motion.first_loss.place == "valve tip"
+    assert motion.first_loss.place == "valve_tip"
     assert motion.contact_loss()[0] == pytest.approx(math.sqrt(squares.min()), rel=1e-8)
     assert motion.contact_loss()[1] == pytest.approx(fine[np.argmin(squares)], abs=1e-5)
     assert (

@@ -96,7 +96,7 @@ def test_a_rubbing_tip_turns_its_lever_with_mu_n_times_the_arm():
     built, record = steady_cycle(train, 120.0)
     lever, sign = train.lever, built.mechanism.interactions[1].geometry[5]
     names, turn = built.interaction_names, record.q[:, built.mechanism.index("lever")]
-    force = record.forces[:, names.index("valve tip")]
+    force = record.forces[:, names.index("valve_tip")]
     angle = lever.valve_angle + sign * turn
     # the valve opens downwards: its face looks up, the arc touches at its lowest point
     x, y = lever.valve_arm * np.cos(angle), lever.valve_arm * np.sin(angle) - lever.tip_radius

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from synthetic_study import train_study
-from valvetrain.quantities.train_events import CAUSE_INERTIA, CAUSE_SURGE
 from valvetrain.report.control import control_of, controlled_to
 from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.runs.critical_search import Search, SpeedSample
@@ -24,7 +23,7 @@ from valvetrain.solution.critical import (
 )
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
 
 RPM = np.pi / 30
@@ -51,7 +50,7 @@ def lost(
     """Control lost from ``begin`` to ``end`` (rpm) of a search from 4000 to 8000 rpm."""
     ends = None if math.isinf(end) else Crossing(bracket(end, end + 10))
     place = {"contact-loss": "cam", "float": "valve", "bounce": "seat"}[kind]
-    row = CriticalSpeed(LABEL, kind, 0.0, 4000 * RPM, 8000 * RPM, 10 * RPM, True, place,
+    row = CriticalSpeed(LABEL, kind, 0.0, 4000 * RPM, 8000 * RPM, 10 * RPM, True, (place,),
                         Crossing(bracket(begin - 5, begin)), ends, again, nominal_engine_speed=begin * RPM)  # fmt: skip
     return replace(row, **more)
 
@@ -61,14 +60,14 @@ def sweep(*rows: CriticalSpeed, runs: tuple[Solution, ...] = ()) -> Study:
     return Study(CaseRecord("own"), "sweep", swept, critical_speeds=CriticalSpeeds(rows))
 
 
-SURGE = {"cause": CAUSE_SURGE, "spring_force_loss": 54.6, "surge_order": 6}
+SURGE = {"cause": Cause.SURGE, "spring_force_loss": 54.6, "surge_order": 6}
 
 
 def test_a_short_range_of_lost_contact_is_named_and_does_not_end_control():
     """40 rpm in which contact is lost for a moment made it "controlled to 5218 rpm"."""
     first = train_study().solutions[0]
     open_wide = float(first.cam_angle[np.argmax(first.channel("valve_lift"))])
-    inertia = Event("loft", open_wide, 0.0, 1e-3, 1e-4, "m", "cam", {"cause": CAUSE_INERTIA})
+    inertia = Event("loft", open_wide, 0.0, 1e-3, 1e-4, "m", "cam", {"cause": Cause.INERTIA})
     runs = (run(4000), run(6250, events=(inertia,), loss_of_contact_duration=1e-3), run(8000))
     found = lost("contact-loss", 5218, 5258, bracket(6100, 8000), **SURGE)
     study = sweep(found, lost("float", 6917), runs=runs)
@@ -114,7 +113,7 @@ def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
 
     def at(speed: float, orbit: object = None) -> SpeedSample:
         value = margin(speed / RPM)
-        return SpeedSample({"contact-loss": max(value, 0.0)}, {"contact-loss": "cam"}, None, {"contact-loss": value})  # fmt: skip
+        return SpeedSample({"contact-loss": max(value, 0.0)}, {"contact-loss": ("cam",)}, None, {"contact-loss": value})  # fmt: skip
 
     swept = (4000, 4500, 5040, 5300, 5500, 6000, 6600, 7000, 8000)
     options = CriticalOptions()

@@ -30,7 +30,7 @@ def search(margin: Margin, speeds: Sequence[float], asked: list[float] | None = 
     def run_at(engine_speed: float, orbit: object) -> SpeedSample:
         if asked is not None:
             asked.append(engine_speed)
-        return SpeedSample({KIND: margin(engine_speed)}, {KIND: "cam"}, "motion")
+        return SpeedSample({KIND: margin(engine_speed)}, {KIND: ("cam",)}, "motion")
 
     return Search(run_at, {one: run_at(one, None) for one in speeds}, LIMITS, RESOLUTION)
 
@@ -134,7 +134,7 @@ def test_a_run_that_ended_early_does_not_end_a_range_of_bounces() -> None:
         ended = 8000 < engine_speed < 8200 or 8420 < engine_speed < 8635
         lost = not ended and engine_speed > 8246
         unknown = frozenset({KIND} if ended else ())
-        return SpeedSample({KIND: 0.0 if lost else 300.0}, {KIND: "seat"}, "motion", unknown=unknown)  # fmt: skip
+        return SpeedSample({KIND: 0.0 if lost else 300.0}, {KIND: ("seat",)}, "motion", unknown=unknown)  # fmt: skip
 
     speeds = grid(50, 7500)
     found = Search(run_at, {one: run_at(one, None) for one in speeds}, LIMITS, RESOLUTION)
@@ -158,7 +158,7 @@ def test_rising_and_falling_speed_show_a_hysteresis() -> None:
         lost = engine_speed > edge
         return SpeedSample(
             {KIND: 0.0 if lost else (edge - engine_speed) + 1},
-            {KIND: "cam"},
+            {KIND: ("cam",)},
             "high" if lost else "low",
         )
 
@@ -181,7 +181,9 @@ def test_motion_that_never_comes_back_is_said_to_have_no_bracket() -> None:
     def run_at(engine_speed: float, orbit: object) -> SpeedSample:
         lost = orbit == "high" or engine_speed > 7400
         return SpeedSample(
-            {KIND: 0.0 if lost else 7401 - engine_speed}, {KIND: "cam"}, "high" if lost else "low"
+            {KIND: 0.0 if lost else 7401 - engine_speed},
+            {KIND: ("cam",)},
+            "high" if lost else "low",
         )
 
     found = Search(run_at, {one: run_at(one, None) for one in grid(100)}, LIMITS, RESOLUTION)
@@ -243,7 +245,7 @@ def test_a_jump_says_nothing_of_slopes_elsewhere() -> None:
     def run_at(engine_speed: float, orbit: object) -> SpeedSample:
         asked.append(engine_speed)
         return SpeedSample(
-            {KIND: 300.0 if engine_speed < 8123 else -300.0}, {KIND: "valve"}, "motion"
+            {KIND: 300.0 if engine_speed < 8123 else -300.0}, {KIND: ("valve",)}, "motion"
         )
 
     limit = Limit(KIND, 300.0, 50.0)
@@ -282,7 +284,7 @@ def test_a_short_range_of_motion_that_does_not_repeat_is_no_onset(
         lost = island or engine_speed > 8003
         margin = 0.0 if lost else min(300.0, 3 * abs(engine_speed - 6700), 8003 - engine_speed)
         steady = repeats or not 6500 < engine_speed < 6900
-        return SpeedSample({KIND: margin}, {KIND: "cam"}, "motion", repeats=steady)
+        return SpeedSample({KIND: margin}, {KIND: ("cam",)}, "motion", repeats=steady)
 
     speeds = grid(step)
     found = Search(run_at, {one: run_at(one, None) for one in speeds}, LIMITS, RESOLUTION)

@@ -37,7 +37,7 @@ def sampler(
 
     def run(engine_speed: float, orbit: object = None) -> SpeedSample:
         value, pulled = margin(engine_speed), pulls(engine_speed)
-        places, values = {KIND: "cam"}, {KIND: max(0.0, value)}
+        places, values = {KIND: ("cam",)}, {KIND: max(0.0, value)}
         unknown = frozenset({KIND} if pulled else ())
         whole = repeats(engine_speed)
         return SpeedSample(
@@ -165,7 +165,7 @@ def test_one_form_is_printed_and_json_carries_its_parts() -> None:
         9000 * RPM,
         10 * RPM,
         True,
-        "valve",
+        ("valve",),
         Crossing(bracket),
         nominal_engine_speed=7301.5 * RPM,
         members=(

@@ -115,9 +115,11 @@ def bracket(low: float, high: float) -> SpeedBracket:
 def test_critical_speeds_by_kind_and_as_a_frame():
     begins = Crossing(bracket(7000, 7010), bracket(7100, 7110), bracket(6800, 6810))
     lost = CriticalSpeed(
-        "stock", "contact-loss", 0.0, 1000 * RPM, 9000 * RPM, 10 * RPM, True, "cam", begins
+        "stock", "contact-loss", 0.0, 1000 * RPM, 9000 * RPM, 10 * RPM, True, ("cam",), begins
     )
-    early = CriticalSpeed("stock", "bounce", 1e-4, 1000 * RPM, 9000 * RPM, 10 * RPM, True, "seat")
+    early = CriticalSpeed(
+        "stock", "bounce", 1e-4, 1000 * RPM, 9000 * RPM, 10 * RPM, True, ("seat",)
+    )
     never = CriticalSpeed("other", "float", 5e-5, 1000 * RPM, 9000 * RPM, 10 * RPM)
     assert lost.engine_speed == pytest.approx(7010 * RPM) and early.engine_speed == pytest.approx(
         1000 * RPM

@@ -8,12 +8,9 @@ import pytest
 from synthetic_train import ANGLE, COUNT, degrees, rigid, train
 from valvetrain.quantities.loss_cause import loss_cause
 from valvetrain.quantities.train_events import (
-    CAUSE_INERTIA,
-    CAUSE_SURGE,
-    CAUSE_VIBRATION,
     rigid_cycle,
 )
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Cause, Event
 
 WINDOW = (np.pi / 2, 1.5 * np.pi)
 
@@ -39,25 +36,25 @@ def event(kind: str, size: float, why: str, loss: float = 0.0, first: float = 17
 
 
 def test_a_contact_without_a_gap_has_the_cause_of_the_moment_of_least_force():
-    assert cause("contact-loss", spring=420.0) == {"cause": CAUSE_SURGE, "spring_force_loss": 80.0}
-    assert cause("contact-loss") == {"cause": CAUSE_VIBRATION}
-    assert cause("contact-loss", pressed=-1.0) == {"cause": CAUSE_INERTIA}
+    assert cause("contact-loss", spring=420.0) == {"cause": Cause.SURGE, "spring_force_loss": 80.0}
+    assert cause("contact-loss") == {"cause": Cause.VIBRATION}
+    assert cause("contact-loss", pressed=-1.0) == {"cause": Cause.INERTIA}
 
 
 def test_a_gap_in_the_open_valve_tells_its_own_cause_and_none_elsewhere_does():
-    inside = event("loft", 1e-5, CAUSE_INERTIA)
-    ramp = event("loft", 1e-4, CAUSE_INERTIA, first=300.0)
-    assert cause("contact-loss", inside, ramp, spring=420.0) == {"cause": CAUSE_INERTIA}
-    assert cause("contact-loss", ramp, spring=420.0)["cause"] == CAUSE_SURGE
+    inside = event("loft", 1e-5, Cause.INERTIA)
+    ramp = event("loft", 1e-4, Cause.INERTIA, first=300.0)
+    assert cause("contact-loss", inside, ramp, spring=420.0) == {"cause": Cause.INERTIA}
+    assert cause("contact-loss", ramp, spring=420.0)["cause"] == Cause.SURGE
 
 
 @pytest.mark.parametrize(
     ("own", "loss", "expected"),
     [
-        ((CAUSE_VIBRATION, 0.0), (CAUSE_SURGE, 57.0), CAUSE_SURGE),
-        ((CAUSE_SURGE, 184.0), (CAUSE_VIBRATION, 0.0), CAUSE_SURGE),
-        ((CAUSE_SURGE, 184.0), (CAUSE_INERTIA, 0.0), CAUSE_INERTIA),
-        ((CAUSE_VIBRATION, 0.0), (CAUSE_VIBRATION, 0.0), CAUSE_VIBRATION),
+        ((Cause.VIBRATION, 0.0), (Cause.SURGE, 57.0), Cause.SURGE),
+        ((Cause.SURGE, 184.0), (Cause.VIBRATION, 0.0), Cause.SURGE),
+        ((Cause.SURGE, 184.0), (Cause.INERTIA, 0.0), Cause.INERTIA),
+        ((Cause.VIBRATION, 0.0), (Cause.VIBRATION, 0.0), Cause.VIBRATION),
     ],
 )
 def test_vibration_is_what_is_left_of_a_float_and_its_loss(own, loss, expected):
@@ -66,9 +63,9 @@ def test_vibration_is_what_is_left_of_a_float_and_its_loss(own, loss, expected):
 
 
 def test_a_loss_that_is_over_before_a_float_begins_is_none_of_its_causes():
-    early = event("loft", 6e-5, CAUSE_SURGE, 99.0, first=100.0)
-    assert cause("float", event("float", 5e-5, CAUSE_VIBRATION), early) == {
-        "cause": CAUSE_VIBRATION
+    early = event("loft", 6e-5, Cause.SURGE, 99.0, first=100.0)
+    assert cause("float", event("float", 5e-5, Cause.VIBRATION), early) == {
+        "cause": Cause.VIBRATION
     }
     assert cause("float") == cause("bounce") == {}
 
@@ -76,10 +73,10 @@ def test_a_loss_that_is_over_before_a_float_begins_is_none_of_its_causes():
 def test_the_cause_is_that_which_a_run_at_this_speed_gives():
     """Contract: `run` passed over a small gap of vibration for one that surge makes, `sweep` did not; and a gap
     that begins below a tenth of the lift did not count."""
-    small = event("loft", 1e-5, CAUSE_VIBRATION)
-    surge = event("loft", 8e-6, CAUSE_SURGE, 60.0, first=185.0)
-    assert cause("contact-loss", small, surge)["cause"] == CAUSE_SURGE
-    flight = event("loft", 3e-5, CAUSE_VIBRATION)
-    assert cause("contact-loss", flight, surge)["cause"] == CAUSE_VIBRATION
-    early = event("loft", 3e-5, CAUSE_SURGE, 60.0, first=89.9)
-    assert cause("contact-loss", early)["cause"] == CAUSE_SURGE
+    small = event("loft", 1e-5, Cause.VIBRATION)
+    surge = event("loft", 8e-6, Cause.SURGE, 60.0, first=185.0)
+    assert cause("contact-loss", small, surge)["cause"] == Cause.SURGE
+    flight = event("loft", 3e-5, Cause.VIBRATION)
+    assert cause("contact-loss", flight, surge)["cause"] == Cause.VIBRATION
+    early = event("loft", 3e-5, Cause.SURGE, 60.0, first=89.9)
+    assert cause("contact-loss", early)["cause"] == Cause.SURGE

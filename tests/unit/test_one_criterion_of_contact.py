@@ -13,12 +13,12 @@ import pytest
 import valvetrain as vt
 from synthetic_study import train_study
 from valvetrain.integrate.train_channels import Scatter
-from valvetrain.quantities.train_events import CAUSE_SURGE, CAUSE_VIBRATION, LOSSES
+from valvetrain.quantities.train_events import LOSSES
 from valvetrain.report.clauses import Runs, Worst
 from valvetrain.report.key_figures import beyond_control, key_figures
 from valvetrain.runs.error_bars import Uncertainty
 from valvetrain.solution.provenance import CaseRecord
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
 
 RPM = math.pi / 30
@@ -35,7 +35,7 @@ def study_of(run: vt.Solution, command: str = "run", **changes: object) -> Study
     return Study(CaseRecord("own"), command, solutions=(replace(run, **changes),))
 
 
-def loss(kind: str, degrees: float, gap: float, cause: str = CAUSE_SURGE, **more: float) -> Event:
+def loss(kind: str, degrees: float, gap: float, cause: str = Cause.SURGE, **more: float) -> Event:
     return Event(kind, math.radians(degrees), 0.01, 2e-4, gap, "m", "cam", {"cause": cause, **more})
 
 
@@ -63,7 +63,7 @@ def test_a_contact_that_opens_on_a_ramp_alone_is_no_loss_in_run_or_sweep():
     """Contract: 2.4 µm at 152 cam deg, on the opening ramp, were "contact is lost first" in a sweep, "no
     loft" in the sentence of a run, and 0.06 ms in its table.
     """
-    ramp = replace(loss("loft", 122.0, 2.4e-6, CAUSE_VIBRATION), counts=False)
+    ramp = replace(loss("loft", 122.0, 2.4e-6, Cause.VIBRATION), counts=False)
     calm = train(loss_of_contact_duration=0.0, loft_gap=0.0)
     assert "no loft" in study_of(calm, events=(ramp,)).verdict
     assert study_of(calm, "sweep", events=(ramp,)).verdict.startswith("In contact from")
@@ -90,7 +90,7 @@ def test_a_flight_that_does_not_repeat_says_between_which_angles_it_lands():
     assert "least_landing_cam_angle" not in Scatter(1e-4, 9e-3, {}).statistics
     values = {"loss_of_contact_duration": 2e-4, "loft_gap": 3e-5, "motion_period_count": 0.0}
     run = train(**values)
-    flight = loss("loft", 180.0, 3e-5, CAUSE_VIBRATION, landing_cam_angle=math.radians(278))
+    flight = loss("loft", 180.0, 3e-5, Cause.VIBRATION, landing_cam_angle=math.radians(278))
 
     def said(low: float, high: float) -> str:
         ends = {

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from valvetrain.coil_contact.record import contact_spacing
 from valvetrain.integrate.clash_kernels import hardest_impact
-from valvetrain.solution.status import Detail, Event
+from valvetrain.solution.status import Cause, Detail, Event
 from valvetrain.springs.contract import ContactWatch
 
 Array = NDArray[np.float64]
@@ -19,9 +19,6 @@ TURN = 2 * np.pi
 #: A contact that lasts longer than this (cam rad) is coils at rest on each other while the spring
 #: is compressed, not an impact of surge.
 RESTING_ANGLE = TURN / 12
-#: Cause of a clash: a contact that closes with the spring, or an impact.
-RESTS = "coils come to rest on each other as the spring closes"
-STRIKES = "coils meet under surge"
 #: Longest duration of an impact of coils, as a share of the first natural period of the spring, which is
 #: the clock of all that its coils do: the time within which neighbours that touch belong to one clash.
 IMPACT_SHARE = 0.2
@@ -253,7 +250,7 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
         "peak_cam_angle": float(angle[top]), "upper_coil": coil, "lower_coil": coil - 1,
         "first_pair": float(min(pairs.places[contact.pair] for contact in group)),
         "last_pair": float(max(pairs.places[contact.pair] for contact in group)),
-        "cause": RESTS if resting else STRIKES,
+        "cause": Cause.COILS_REST if resting else Cause.COILS_STRIKE,
     }  # fmt: skip
     where = f"{spring}coils {coil - 1}-{coil}"
     return Event(

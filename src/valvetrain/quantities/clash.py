@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.clash import RECORDED, RESTS, ClashRule, PairSeries, find_clashes
+from valvetrain.integrate.clash import RECORDED, ClashRule, PairSeries, find_clashes
 from valvetrain.quantities.cycle import Array, Cycle, is_closed
 from valvetrain.quantities.forces import within_cycle
 from valvetrain.quantities.signal import (
@@ -21,7 +21,7 @@ from valvetrain.quantities.signal import (
     prominent_peaks,
 )
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import LiftEvent
 
 
@@ -91,7 +91,8 @@ def clash_numbers(solution: Solution, events: tuple[Event, ...]) -> dict[str, fl
         "clash_count": float(len(clashes)),
         "peak_clash_force": max((event.size for event in clashes), default=0.0),
         "surge_clash_peak_force": max(
-            (event.size for event in clashes if event.details.get("cause") != RESTS), default=0.0
+            (event.size for event in clashes if event.details.get("cause") != Cause.COILS_REST),
+            default=0.0,
         ),
         "clash_energy": float(sum(energies)),
         "largest_clash_energy": max(energies, default=0.0),

@@ -96,9 +96,7 @@ class RigidMotion:
             "spring_margin": np.where(moving, self.spring_force - self.weight - self.gas + inertia, self.spring_force),
             "contact_force": contact, "cam_torque": contact * self.shares.per_angle,
         }  # fmt: skip
-        columns |= {
-            f"{place.replace(' ', '_')}_contact_force": force for place, force in at.items()
-        }
+        columns |= {f"{place}_contact_force": force for place, force in at.items()}
         columns |= {
             name: self.geometry[name]
             for name in ("contact_radius", "contact_offset")

@@ -9,9 +9,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from valvetrain.quantities.train_events import (
-    CAUSE_INERTIA,
-    CAUSE_SURGE,
-    CAUSE_VIBRATION,
     LOSSES,
     SMALLEST_GAP,
     TURN,
@@ -19,7 +16,7 @@ from valvetrain.quantities.train_events import (
     cause_in,
 )
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Detail, Event
+from valvetrain.solution.status import Cause, Detail, Event
 
 #: Gap (m) from which a loss of contact is a flight, whose cause and angles are said.
 FLIGHT = 10 * SMALLEST_GAP
@@ -46,7 +43,7 @@ def loss_cause(
 
     A float has its own cause or that of the loss of contact in which it begins, whichever is not the
     remainder (vibration). A loss of contact at one of the
-    ``places`` (``cam``, ``valve tip``) that has no gap yet has that of the moment at which the force there
+    ``places`` (``cam``, ``valve_tip``) that has no gap yet has that of the moment at which the force there
     is least in the ``window`` (begin, end in cam rad) of the open valve. Empty where none is known.
     """
     losses = [one for one in solution.events if one.kind in LOSSES]
@@ -81,7 +78,7 @@ def least_force_sample(
     cam rad); None of a run without their channels.
     """
     begin, end = window
-    names = [f"{place.replace(' ', '_')}_contact_force" for place in places]
+    names = [f"{place}_contact_force" for place in places]
     forces = [solution.channel(name) for name in names if solution.has(name)]
     inside = np.flatnonzero((solution.cam_angle - begin) % TURN <= end - begin)
     if not forces or not len(inside):
@@ -96,6 +93,6 @@ def _holds(loss: Event, cam_angle: float, turn: float) -> bool:
 
 def _evidence(event: Event) -> tuple[int, float]:
     """Rank of the cause of an event, of surge with the force (N) that it takes."""
-    known = (CAUSE_VIBRATION, CAUSE_SURGE, CAUSE_INERTIA)
+    known = (Cause.VIBRATION, Cause.SURGE, Cause.INERTIA)
     cause, loss = event.details.get("cause"), event.details.get("spring_force_loss", 0.0)
     return (known.index(cause) if cause in known else -1), float(loss)

@@ -16,7 +16,7 @@ from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_top
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Detail, Event
+from valvetrain.solution.status import Cause, Detail, Event
 
 Array = NDArray[np.float64]
 
@@ -28,9 +28,6 @@ MARGINAL = 2.5 * SMALLEST_GAP
 
 #: Kinds of a loss of contact while the valve should be driven: of the cam, of another contact.
 LOSSES = LOFT, LOSS = "loft", "loss-of-contact"
-CAUSE_INERTIA = "inertia exceeds the spring force (rigid theory loses contact here too)"
-CAUSE_SURGE = "surge lowers the spring force below its static value"
-CAUSE_VIBRATION = "vibration of the train unloads the contact"
 #: Closings of contacts that the integrator logged are read and then dropped.
 LOGGED = ("touch",)
 #: Losses of contact that follow on each other within this angle (rad) are one stretch in which the
@@ -126,9 +123,9 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
         if not solution.has(f"{place}_gap"):
             continue
         kind = LOFT if place == "cam" else LOSS
-        gap, name = solution.channel(f"{place}_gap"), place.replace("_", " ")
+        gap = solution.channel(f"{place}_gap")
         for begin, end, largest in (
-            _logged_spans(solution, name, gap) if logged else _sampled_spans(solution, gap)
+            _logged_spans(solution, place, gap) if logged else _sampled_spans(solution, gap)
         ):
             for part in shared([(begin, end)], rigid.open_spans):
                 whole = part[1] - part[0] >= (end - begin) * (1 - 1e-9)
@@ -136,7 +133,7 @@ def _contact_losses(solution: Solution, rigid: RigidCycle) -> list[Event]:
                 wide = bool(shared([part], rigid.wide_open))
                 if size > (0.0 if wide else SMALLEST_GAP):
                     details = _loss_details(solution, rigid, place, part, end)
-                    one = _event(solution, kind, part, size, name, details)
+                    one = _event(solution, kind, part, size, place, details)
                     counts = wide and least_forces.get(place, 0.0) <= 0
                     found.append(replace(one, counts=counts))
         found += _unloaded(solution, rigid, place, found)
@@ -150,8 +147,7 @@ def _unloaded(
     holds it back. To the samples, of no gap; none next to a loss that was ``found`` there.
     """
     least = drive_forces(solution).get(place, np.nan)
-    name, turn = place.replace("_", " "), _period(solution)
-    known = lost_spans([one for one in found if one.where == name], turn)
+    known = lost_spans([one for one in found if one.where == place], _period(solution))
     if not (least <= 0 and rigid.wide_open) or shared(known, rigid.wide_open):
         return []
     angle, (begin, end) = solution.cam_angle, rigid.wide_open[0]
@@ -164,18 +160,18 @@ def _unloaded(
             LOFT if place == "cam" else LOSS,
             part,
             0.0,
-            name,
+            place,
             _loss_details(solution, rigid, place, part, part[1]),
         )
         for part in spans_above(angle, np.where(none, 1.0, -1.0))
     ]
 
 
-def _logged_spans(solution: Solution, name: str, gap: Array) -> list[tuple[float, float, float]]:
+def _logged_spans(solution: Solution, place: str, gap: Array) -> list[tuple[float, float, float]]:
     """Release, touch (cam rad) and largest gap (m) of every stretch in which a contact is open, as
     the integrator saw them.
     """
-    touches = [event for event in solution.events if event.kind in LOGGED and event.where == name]
+    touches = [event for event in solution.events if event.kind in LOGGED and event.where == place]
     if not touches and np.min(gap) > 0:
         return [(0.0, TURN, float(np.max(gap)))]
     releases = [float(event.details["release_cam_angle"]) % TURN for event in touches]
@@ -278,7 +274,7 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
         one = openings[(main + turn) % len(openings)]
         touch: dict[str, Detail] = {
             "touch": turn + 1,
-            "cause": "end of the closing flank" if turn == 0 else "end of a bounce",
+            "cause": Cause.FLANK_ENDS if turn == 0 else Cause.BOUNCE_ENDS,
         }
         touch["release_cam_angle"] = one.release
         found.append(
@@ -301,12 +297,12 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
                 for name in ("retainer_force", "static_retainer_force")
             )
             slack = force / max(static, 1e-9)
-            reason = (
-                "rebound from the seat"
-                if slack > 0.8
-                else f"rebound with the spring force down to {slack:.0%} by surge"
-            )
-            details: dict[str, Detail] = {"bounce": turn, "cause": reason}
+            cause = Cause.REBOUND if slack > 0.8 else Cause.REBOUND_IN_SURGE
+            details: dict[str, Detail] = {
+                "bounce": turn,
+                "cause": cause,
+                "spring_force_share": slack,
+            }
             start, lasts = _time_at(solution, one.release), length / TURN * _period(solution)
             found.append(
                 Event("bounce", one.release, start, lasts, one.height, "m", "seat", details)
@@ -373,14 +369,14 @@ def cause_in(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -
     """The cause; of surge also what it takes off the spring force (N) as the stretch begins."""
     first = window[: max(1, len(window) // 4)]
     if np.min(rigid.contact_force[window]) <= 0:
-        return {"cause": CAUSE_INERTIA}
+        return {"cause": Cause.INERTIA}
     force, static = (
         float(np.mean(solution.channel(name)[first]))
         for name in ("retainer_force", "static_retainer_force")
     )
     if force < 0.9 * static:
-        return {"cause": CAUSE_SURGE, "spring_force_loss": static - force}
-    return {"cause": CAUSE_VIBRATION}
+        return {"cause": Cause.SURGE, "spring_force_loss": static - force}
+    return {"cause": Cause.VIBRATION}
 
 
 def _event(

@@ -7,11 +7,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from valvetrain.integrate.clash import RESTS, STRIKES
 from valvetrain.report.clauses import Clause, Runs, Worst, counted, joined
 from valvetrain.report.text import clash_pair, peak_angle
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Cause, Event
 from valvetrain.system.contract import TRAIN
 
 #: Models that resolve the wire, the finest first; others follow as they are.
@@ -21,12 +20,20 @@ AS_IT_CLOSES = " as the spring closes"
 
 def strikes(run: Solution) -> list[Event]:
     """Clashes of a run but contacts that close with the spring: those press without an impact."""
-    return [one for one in run.events if one.kind == "clash" and one.details.get("cause") != RESTS]
+    return [
+        one
+        for one in run.events
+        if one.kind == "clash" and one.details.get("cause") != Cause.COILS_REST
+    ]
 
 
 def resting(run: Solution) -> list[Event]:
     """Contacts of coils that close as the spring does."""
-    return [one for one in run.events if one.kind == "clash" and one.details.get("cause") == RESTS]
+    return [
+        one
+        for one in run.events
+        if one.kind == "clash" and one.details.get("cause") == Cause.COILS_REST
+    ]
 
 
 def strike_count(runs: Runs, run: Solution) -> float:
@@ -73,7 +80,7 @@ def resting_text(run: Solution) -> str:
 def _hardest_text(runs: Runs, run: Solution, hardest: Event) -> str:
     found = Worst("surge_clash_peak_force", hardest.size, run)
     size = runs.text(found)
-    why = " under surge" if hardest.details.get("cause") == STRIKES else ""
+    why = " under surge" if hardest.details.get("cause") == Cause.COILS_STRIKE else ""
     pair = clash_pair(hardest)
     return f"hardest {size} between coils {pair}{why} at {peak_angle(hardest):.0f} cam deg"
 

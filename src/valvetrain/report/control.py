@@ -5,6 +5,7 @@ and the short ranges of lost contact below it.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from valvetrain.quantities.loss_cause import leading_loss
@@ -13,7 +14,14 @@ from valvetrain.report.clauses import Runs, joined
 from valvetrain.report.run_clauses import cause_phrase, cause_text
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
-from valvetrain.solution.critical import FLOAT_LIFT, NARROW, PULLED, CriticalSpeed, SpeedBracket
+from valvetrain.solution.critical import (
+    FLOAT_LIFT,
+    NARROW,
+    PULLED,
+    CriticalSpeed,
+    SpeedBracket,
+    places_text,
+)
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 
@@ -166,8 +174,8 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
     ):
         margin += ", which its range reaches below"
     what = LOST[row.kind][0]
-    if row.kind == "contact-loss" and row.place:
-        what += f" at the {row.place}"
+    if row.kind == "contact-loss" and row.places:
+        what += f" at the {places_text(*row.places)}"
     begun = (
         f"not controlled: {what} already at {rpm(first):.6g} rpm, the lowest speed searched{margin}"
         if lost.begin <= 0
@@ -196,8 +204,7 @@ def _first_angle(lost: Loss, runs: Runs) -> str:
     if math.isfinite(lost.row.cam_angle) and lost.begin == lost.row.engine_speed:
         return f"contact opens at {math.degrees(lost.row.cam_angle):.0f} cam deg"
     for run in runs.solutions:
-        places = lost.row.place.split(", ")
-        events = [one for one in counted_losses(run.events) if one.where in places]
+        events = [one for one in counted_losses(run.events) if one.where in lost.row.places]
         if run.engine_speed >= lost.begin and events:
             angle = math.degrees(events[0].cam_angle) % 360
             return f"contact opens at {angle:.0f} cam deg (run at {_speed(run)})"
@@ -216,7 +223,7 @@ def _apart(control: Control, runs: Runs) -> tuple[str, str]:
     if row is None or not control.islands:
         return "", ""
     spans = [span_text(one) for one in control.islands]
-    place = f" at the {row.place}" if row.place else ""
+    place = f" at the {places_text(*row.places)}" if row.places else ""
     cause = _cause(row, runs)
     why = f" because {cause}" if cause else ""
     over = _over(row).replace("(", "(begins at ", 1)
@@ -317,22 +324,24 @@ def _cause_from(lost: Loss, runs: Runs, size: bool = True) -> str:
     row = lost.row
     for run in runs.solutions:
         if run.engine_speed >= lost.begin and (
-            cause := _cause_in(run, row.kind, row.limit, row.place, size)
+            cause := _cause_in(run, row.kind, row.limit, row.places, size)
         ):
             return cause
     return ""
 
 
-def _cause_in(run: Solution, kind: str, limit: float, place: str = "", size: bool = True) -> str:
-    """Why a run loses control in one way, in its largest event above a ``limit`` (m), at the ``place``
-    where it has one there.
+def _cause_in(
+    run: Solution, kind: str, limit: float, places: Sequence[str] = (), size: bool = True
+) -> str:
+    """Why a run loses control in one way, in its largest event above a ``limit`` (m), at one of the
+    ``places`` where it has one there.
     """
     events = (
         counted_losses(run.events)  # of a force of zero alone the gap is none
         if kind == "contact-loss"
         else [one for one in run.events if one.kind == kind and one.size > limit]
     )
-    events = [one for one in events if one.where in place.split(", ")] or events
+    events = [one for one in events if one.where in places] or events
     if not events:
         return ""
     leading = leading_loss(events) if kind == "contact-loss" else None

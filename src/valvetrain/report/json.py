@@ -254,7 +254,7 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
     return {
         "label": one.label,
         "kind": one.kind,
-        "place": one.place,
+        "places": list(one.places),
         "limit": measured(one.limit, "N" if one.kind == "contact-loss" else "m"),
         "searched": bracket(SpeedBracket(one.first_engine_speed, one.last_engine_speed)),
         "resolution": engine_speed_object(one.resolution),

@@ -30,7 +30,7 @@ from valvetrain.report.sections.published import uncertainty_page
 from valvetrain.report.text import quantity_label
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.critical import CriticalSpeeds, places_text
 from valvetrain.solution.cycle_view import angle_within, first_revolution
 from valvetrain.solution.display import SHOWN_UNITS, heading, value_text
 from valvetrain.solution.modes import ModalResult, TrainModes
@@ -127,7 +127,7 @@ def train_modes_blocks(modes: TrainModes) -> Blocks:
 
 def critical_speeds_blocks(found: CriticalSpeeds) -> Blocks:
     """Where control is lost, in rpm, with the range that was searched."""
-    rows = [(one.label, one.kind, f"{one.text} rpm", one.place) for one in found]
+    rows = [(one.label, one.kind, f"{one.text} rpm", places_text(*one.places)) for one in found]
     grid = _grid(("run", "kind", "engine speed", "first at"), rows)
     if not len(found):
         return (grid,)

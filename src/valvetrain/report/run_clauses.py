@@ -11,9 +11,6 @@ from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.limits import PassedLimit, passed_limits
 from valvetrain.quantities.loss_cause import FLIGHT, leading_loss
 from valvetrain.quantities.train_events import (
-    CAUSE_INERTIA,
-    CAUSE_SURGE,
-    CAUSE_VIBRATION,
     counted_losses,
 )
 from valvetrain.report.clash_clauses import clash_clauses, strike_count
@@ -27,21 +24,16 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
+from valvetrain.report.text import CAUSES
 from valvetrain.runs.notes import on_assumed_ramp, rings
-from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT
+from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, places_text
 from valvetrain.solution.definition import NESTED, label_of
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
 from valvetrain.system.contract import TRAIN
 
-#: Cause of an event -> how a sentence gives it.
-CAUSES = {
-    CAUSE_INERTIA: "inertia exceeds the spring force",
-    CAUSE_SURGE: "surge lowers the spring force",
-    CAUSE_VIBRATION: "the train vibrates",
-}
 SEATING = "seating_velocity"
 DURATION, GAP = "loss_of_contact_duration", "loft_gap"
 SURGE_ORDER = "surge_amplitude_cam_order"
@@ -267,16 +259,18 @@ def _losses(runs: Runs, found: Worst) -> list[Event]:
 
 def _places_lost(runs: Runs, lost: Worst) -> str:
     """Where contact is lost, unless at the cam alone: the force there does not show other locations."""
-    places = list(dict.fromkeys(event.where for event in _losses(runs, lost) if event.where))
+    losses = (event for event in _losses(runs, lost) if event.where)
+    places = list(dict.fromkeys(places_text(event.where) for event in losses))
     return f" at the {joined(places)}" if places and places != ["cam"] else ""
 
 
 def _why_lost(runs: Runs, lost: Worst) -> str:
     """Why contact is lost; a gap of vibration that is no flight needs no cause."""
     event = leading_loss(_losses(runs, lost))
-    cause = "" if event is None else cause_text(lost.run or runs.solutions[0], event)
-    small = event is None or (event.size <= FLIGHT and cause == CAUSES[CAUSE_VIBRATION])
-    return "" if small or not cause else f" because {cause}"
+    if event is None or (event.size <= FLIGHT and event.details.get("cause") == Cause.VIBRATION):
+        return ""
+    cause = cause_text(lost.run or runs.solutions[0], event)
+    return f" because {cause}" if cause else ""
 
 
 def cause_text(run: Solution, event: Event, size: bool = True, where: str = "") -> str:
@@ -293,7 +287,7 @@ def cause_phrase(cause: str, loss: float, order: int, where: str = "") -> str:
     angle), which is not the surge amplitude, and its cam order, each left out at 0.
     """
     phrase = CAUSES.get(cause, "")
-    if phrase != CAUSES[CAUSE_SURGE]:
+    if cause != Cause.SURGE:
         return phrase
     force = f" by {amount_text(loss, 'N')}{where or ' there'}" if loss else ""
     return f"{phrase}{force}{f' (order {order})' if order else ''}"

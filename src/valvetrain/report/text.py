@@ -9,8 +9,21 @@ from valvetrain.parameters.summary import number as number
 from valvetrain.parameters.summary import percent as percent
 from valvetrain.parameters.summary import unit_text as unit_text
 from valvetrain.solution.definition import definition_of, label_of
-from valvetrain.solution.status import Event
+from valvetrain.solution.status import Cause, Event
 from valvetrain.units.reader import reader_factor, reader_unit
+
+#: Cause of an event -> its words.
+CAUSES: dict[str, str] = {
+    Cause.INERTIA: "inertia exceeds the spring force",
+    Cause.SURGE: "surge lowers the spring force",
+    Cause.VIBRATION: "the train vibrates",
+    Cause.COILS_STRIKE: "coils meet under surge",
+    Cause.COILS_REST: "coils come to rest on each other as the spring closes",
+    Cause.FLANK_ENDS: "end of the closing flank",
+    Cause.BOUNCE_ENDS: "end of a bounce",
+    Cause.REBOUND: "rebound from the seat",
+    Cause.REBOUND_IN_SURGE: "rebound with the spring force lowered by surge",
+}
 
 
 def amount(value: float, unit: str, digits: int = 4) -> str:

@@ -32,7 +32,7 @@ def with_cause(
     if not len(solution.time):
         return row
     rigid = rigid_cycle(solution, ready.motion.table(row.engine_speed / 2))
-    places = row.place.split(", ")
+    places = row.places
     found = loss_cause(solution, rigid, row.kind, places, ready.window)
     opens = (
         least_force_sample(solution, places, ready.window) if row.kind == "contact-loss" else None

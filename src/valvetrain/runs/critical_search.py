@@ -33,7 +33,7 @@ class SpeedSample:
     """
 
     margins: Mapping[str, float]
-    locations: Mapping[str, str]
+    locations: Mapping[str, tuple[str, ...]]
     orbit: Any = None
     measures: Mapping[str, float] = field(default_factory=dict)
     repeats: bool = True

@@ -124,7 +124,7 @@ def sample_of(
     """
     least = {name: one for name, one in drive_forces(solution).items() if math.isfinite(one)}
     whole = bool(least) and "float_excess_lift" in solution.quantities
-    opened = ", ".join(name.replace("_", " ") for name, force in least.items() if force <= 0)
+    opened = tuple(name for name, force in least.items() if force <= 0)
     contact, floats, bounces = KINDS
     margins = {contact: max(0.0, min(least.values())) if whole else math.nan}
     for kind, name, limit in (
@@ -133,7 +133,7 @@ def sample_of(
     ):
         size = float(solution.quantities.get(name, 0.0))  # none as far as a run to coil bind goes
         margins[kind] = max(-limit, limit - size) if whole else math.nan
-    locations = {contact: opened or "run failed", floats: "valve", bounces: "seat"}
+    locations = {contact: opened or ("run",), floats: ("valve",), bounces: ("seat",)}
     measures = {contact: margins[contact] or -missing}
     repeats = solution.status.completed and solution.statistics.get("motion_period_count") == 1
     force = float(solution.quantities.get("minimum_cam_contact_force", math.nan))
@@ -358,7 +358,7 @@ def critical_speed(
     return replace(
         none,
         found=True,
-        place=search.known(from_speed).locations[kind],
+        places=search.known(from_speed).locations[kind],
         begins=begins,
         ends=ends,
         again=again,

@@ -24,7 +24,7 @@ class Comparison(Shown):
     """A row of the table computed / published / difference.
 
     ``engine_speed`` in rad/s of the crank (None where none applies); ``published``, ``computed``,
-    ``difference`` and ``tolerance`` in ``unit``; ``computed`` None when no run gave the quantity;
+    ``difference`` and ``tolerance`` in SI, ``unit`` the unit they are shown in; ``computed`` None when no run gave the quantity;
     ``tolerance`` None when source and task give none. ``origin`` of the published value (FE, AN,
     EX), its ``role`` (calibration, check or prediction), what it was ``used_for``, a ``doubt``:
     why it cannot be right, and the ``reading``: how its source read it. ``samples``: the range of

@@ -113,8 +113,8 @@ class CriticalSpeed:
 
     ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float``
     (the valve is above its rigid lift by more than ``limit``, in m) or ``bounce`` (it leaves its
-    seat again by more than ``limit``). ``place``: the contact that opens first, ``valve`` or
-    ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at
+    seat again by more than ``limit``). ``places``: codes of the contacts that open first (``valve_tip``; ``run`` of
+    one that failed), ``valve`` or ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at
     ``first_engine_speed``. ``ends``: end of that range of speeds, from rest, None where it lasts to
     ``last_engine_speed``. ``again``: further ranges above it, by their lowest and highest sampled
     speed. ``runs_count``: runs of the search in addition to those of the sweep.
@@ -140,7 +140,7 @@ class CriticalSpeed:
     last_engine_speed: float
     resolution: float
     found: bool = False
-    place: str = ""
+    places: tuple[str, ...] = ()
     begins: Crossing | None = None
     ends: Crossing | None = None
     again: tuple[SpeedBracket, ...] = ()
@@ -262,9 +262,18 @@ class CriticalSpeed:
             speed += f" ({over})"
         elif math.isfinite(self.nominal_engine_speed) and self.span is None:
             speed += " (nominal)"
-        place = f"at the {self.place}" if self.found and self.kind == "contact-loss" else ""
+        place = (
+            f"at the {places_text(*self.places)}"
+            if self.found and self.kind == "contact-loss"
+            else ""
+        )
         parts = (speed, ONSETS.get(self.onset), place, self.pulled_text, self.refused_text)
         return ", ".join(filter(None, parts))
+
+
+def places_text(*places: str) -> str:
+    """Codes of places as words: ``cam, valve tip``."""
+    return ", ".join(places).replace("_", " ")
 
 
 def _range_text(one: SpeedBracket, first: float, last: float) -> str:
@@ -340,7 +349,6 @@ class CriticalSpeeds(Saveable):
         plain = (
             "label",
             "kind",
-            "place",
             "limit",
             "engine_speed",
             "onset",
@@ -353,4 +361,5 @@ class CriticalSpeeds(Saveable):
         }
         ranges["range_causes"] = [", ".join(one.causes) for one in self.rows]
         own = {name: [getattr(one, name) for one in self.rows] for name in plain}
+        own["places"] = [", ".join(one.places) for one in self.rows]
         return frame(own | ranges | brackets)

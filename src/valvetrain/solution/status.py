@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from enum import StrEnum
 from types import MappingProxyType
 
 #: Every way a run can end (docs/architecture.md).
@@ -66,6 +67,25 @@ class Status:
 COMPLETED = Status()
 
 
+class Cause(StrEnum):
+    """Why an event happened, as its detail ``cause``.
+
+    Of a loss of contact or float: the inertia of rigid parts exceeds the spring force, surge lowers that
+    force, or the parts vibrate. Of a clash: coils strike, or come to rest on each other as the spring closes. Of a
+    seating: the closing flank or a bounce ends. Of a bounce: a rebound, or one with the spring force lowered by surge.
+    """
+
+    INERTIA = "inertia"
+    SURGE = "surge"
+    VIBRATION = "vibration"
+    COILS_STRIKE = "coils-strike"
+    COILS_REST = "coils-rest"
+    FLANK_ENDS = "flank-ends"
+    BOUNCE_ENDS = "bounce-ends"
+    REBOUND = "rebound"
+    REBOUND_IN_SURGE = "rebound-in-surge"
+
+
 #: Types of the details of an event, all of which can be stored.
 Detail = float | int | str | bool
 
@@ -73,7 +93,8 @@ Detail = float | int | str | bool
 @dataclass(frozen=True)
 class Event:
     """One event: ``cam_angle`` (rad, unwrapped) and ``time`` (s) of its start, ``duration`` (s),
-    ``size`` in ``unit``. ``counts``: False of a loss of contact near the seat, which loses no control of the valve.
+    ``size`` in ``unit``. ``where``: code of a contact (``valve_tip``), or the coils. ``counts``: False of
+    a loss of contact near the seat, which loses no control of the valve.
 
     Kind ``clash``: size = peak contact force (N); details hold ``impulse`` (N s), ``energy`` (J),
     ``upper_coil``, ``lower_coil``.

@@ -102,8 +102,8 @@ class TrainSystem:
 
     @property
     def interaction_names(self) -> tuple[str, ...]:
-        """Names of the interactions, in the order of the forces."""
-        return tuple(interaction.name for interaction in self.mechanism.interactions)
+        """Codes of the interactions (``valve_tip``), in the order of the forces."""
+        return tuple(one.name.replace(" ", "_") for one in self.mechanism.interactions)
 
     @property
     def spring_mass(self) -> float:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from valvetrain.mechanism.gap_kinds import CAM_FLAT
 from valvetrain.quantities.cycle import Cycle
 from valvetrain.report.text import number
+from valvetrain.solution.critical import places_text
 from valvetrain.solution.definition import angle_name, label_of, shown
 from valvetrain.solution.display import value_text as shown_text
 from valvetrain.solution.result import Solution
@@ -163,7 +164,7 @@ def marks_of(run: Solution, cycle: Cycle) -> tuple[Mark, ...]:
         found.append(Mark(at % _TURN, "clash", label))
     for event in [event for event in run.events if event.kind != "clash"][:MAX_OTHERS]:
         size = f" {shown_text(event.size, event.unit, 3)}" if event.unit else ""
-        where = f", {event.where}" if event.where else ""
+        where = f", {places_text(event.where)}" if event.where else ""
         found.append(
             Mark(
                 event.cam_angle % _TURN,

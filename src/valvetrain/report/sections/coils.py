@@ -21,7 +21,8 @@ from valvetrain.report.page import (
     text,
 )
 from valvetrain.report.run_charts import ANGLE_LABEL, Array, by_speed, event_bands, line_styles
-from valvetrain.report.text import number, quantity_label, speed_text
+from valvetrain.report.text import CAUSES, number, quantity_label, speed_text
+from valvetrain.solution.critical import places_text
 from valvetrain.solution.definition import names_for, shown
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -442,12 +443,12 @@ def events_blocks(study: Study) -> tuple[Block, ...]:
                     Cell(number(value), "number")
                     for value in (angle, event.duration * 1e3, event.size)
                 ]
-                cause = Cell(str(event.details.get("cause", "")), "quiet long")
+                cause = Cell(CAUSES.get(str(event.details.get("cause")), ""), "quiet long")
                 cells = (
                     Cell(label),
                     Cell(speed, "number"),
                     Cell(event.kind),
-                    Cell(event.where),
+                    Cell(places_text(event.where)),
                     *numbers,
                     Cell(event.unit, "quiet"),
                     cause,

@@ -9,7 +9,8 @@ from valvetrain.quantities.table import EVENT_LIFTS, OPENERS
 from valvetrain.report.clauses import quantity_text
 from valvetrain.report.page import Block, Card, Cards, Cell, Details, Grid, SectionSpec, text
 from valvetrain.report.run_charts import line_styles
-from valvetrain.report.text import amount, number, speed_text
+from valvetrain.report.text import CAUSES, amount, number, speed_text
+from valvetrain.solution.critical import places_text
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -108,10 +109,10 @@ def cause_blocks(study: Study, runs: Sequence[Solution]) -> tuple[Block, ...]:
             (
                 Cell(known[label].label),
                 Cell(speed_text(speed), "number"),
-                Cell(f"{kind.replace('-', ' ')}, {where}"),
+                Cell(f"{kind.replace('-', ' ')}, {places_text(where)}"),
                 Cell(str(len(events)), "number"),
                 Cell(_largest(events), "number"),
-                Cell(cause, "long"),
+                Cell(CAUSES.get(cause, cause), "long"),
             ),
             (known[label].label,),
         )
