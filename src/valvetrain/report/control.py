@@ -186,7 +186,7 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
     begun += _until(lost)
     others = [_loses(one, runs, cause) for one in control.losses[1:]]
     unit = " rpm" if others and not others[-1].endswith(")") else ""
-    also = [one for one in (_first_angle(lost, runs), _no_bounce(study, label, last)) if one]
+    also = list(filter(None, (_first_angle(lost, runs),)))
     both = _both_motions(row) if whole else None
     if both is not None:
         low, high = (f"{rpm(one):.0f}" for one in both)
@@ -209,12 +209,6 @@ def _first_angle(lost: Loss, runs: Runs) -> str:
             angle = math.degrees(events[0].cam_angle) % 360
             return f"contact opens at {angle:.0f} cam deg (run at {_speed(run)})"
     return ""
-
-
-def _no_bounce(study: Study, label: str, last: float) -> str:
-    """``no bounce to 8000 rpm`` where a search found none."""
-    row = study.critical_speeds.of("bounce", label)
-    return f"no bounce to {rpm(last):.6g} rpm" if row is not None and not row.found else ""
 
 
 def _apart(control: Control, runs: Runs) -> tuple[str, str]:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from valvetrain.integrate.train_channels import LANDING_ENDS
 from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.limits import PassedLimit, passed_limits
 from valvetrain.quantities.loss_cause import FLIGHT, leading_loss
@@ -294,35 +293,15 @@ def cause_phrase(cause: str, loss: float, order: int, where: str = "") -> str:
 
 
 def _flight(runs: Runs, loft: Worst | None) -> str:
-    """Where the follower leaves the cam and lands in its largest loft, and whether it does so again."""
+    """Where the follower leaves the cam and lands in its largest loft."""
     if loft is None or loft.value < FLIGHT:
         return ""
     for event in _losses(runs, loft):
         landing = event.details.get("landing_cam_angle")
         if event.where == "cam" and landing is not None:
             begin, end = (math.degrees(float(one)) % 360 for one in (event.cam_angle, landing))
-            again = _repeats(loft.run or runs.solutions[0])
-            return f", leaves the cam at {begin:.0f} cam deg, lands at {end:.0f} cam deg{again}"
+            return f", leaves the cam at {begin:.0f} cam deg, lands at {end:.0f} cam deg"
     return ""
-
-
-def _repeats(run: Solution) -> str:
-    """Whether a motion lands there in every cycle, and between which angles where it does not repeat; empty
-    where that is not known.
-    """
-    period = run.quantities.get("motion_period_count", math.nan)  # 0: none was found
-    if not period >= 0:
-        return ""
-    ends = [run.statistics.get(name) for name in LANDING_ENDS]
-    low, high = (math.degrees(one) if isinstance(one, float) else math.nan for one in ends)
-    cycles, apart = round(period), (high - low) % 360
-    other = ", elsewhere in other cycles"
-    if apart >= 1:
-        other = f" ({low:.0f} to {high:.0f} in other cycles)"
-    elif math.isfinite(apart):
-        other = " within 1 deg in every cycle"
-    alike = {0: other, 1: " in every cycle"}
-    return alike.get(cycles, f", again after {cycles} cycles")
 
 
 def _force_clauses(runs: Runs) -> Iterator[Clause]:

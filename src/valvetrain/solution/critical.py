@@ -349,6 +349,7 @@ class CriticalSpeeds(Saveable):
         plain = (
             "label",
             "kind",
+            "places",
             "limit",
             "engine_speed",
             "onset",
@@ -361,5 +362,4 @@ class CriticalSpeeds(Saveable):
         }
         ranges["range_causes"] = [", ".join(one.causes) for one in self.rows]
         own = {name: [getattr(one, name) for one in self.rows] for name in plain}
-        own["places"] = [", ".join(one.places) for one in self.rows]
         return frame(own | ranges | brackets)
