@@ -227,7 +227,7 @@ BUILT_IN["sections"] = {
     "sweep": "valvetrain.report.sections.sweep:SWEEP_SPEC",
     "timing": "valvetrain.report.sections.timing:SPEC",
     "published": "valvetrain.report.sections.published:PUBLISHED_SPEC",
-    "gu2021": "valvetrain.report.sections.gu2021:SPEC",
+    "source-readings": "valvetrain.report.sections.source_readings:SPEC",
     "uncertainty": "valvetrain.report.sections.published:UNCERTAINTY_SPEC",
     "force": "valvetrain.report.sections.curves:FORCE_SPEC",
     "coils": "valvetrain.report.sections.coils:COILS_SPEC",

@@ -156,23 +156,23 @@ def test_a_sweep_answers_with_the_worst_value_and_its_speed():
 
 
 def test_figures_of_a_source_are_drawn_for_its_case_only():
-    source = find("sections", "gu2021")
+    source = find("sections", "source-readings")
     assert source.blocks(own_study()) == ()
     assert source.blocks(replace(published_study(), comparisons=(), findings=())) == ()
     shown = drawn(published_study())
-    assert {"gu2021-2-force", "gu2021-2-spikes", "gu2021-2-nodes-1"} <= set(shown)
+    assert {"source-2-force", "source-2-spikes", "source-2-points-1"} <= set(shown)
     marks = [
-        layer for layer in shown["gu2021-2-force"].panels[0].layers if isinstance(layer, Marks)
+        layer for layer in shown["source-2-force"].panels[0].layers if isinstance(layer, Marks)
     ]
     assert [(layer.x.tolist(), layer.y.tolist()) for layer in marks] == [
         ([pytest.approx(np.degrees(3.1))], [790.0])
     ]
-    assert [band.label for band in shown["gu2021-2-force"].panels[0].bands] == [
+    assert [band.label for band in shown["source-2-force"].panels[0].bands] == [
         "Stage I",
         "Stage II",
         "Stage III",
     ]
-    spikes = lines(shown["gu2021-2-spikes"])["finite-element rod"]
+    spikes = lines(shown["source-2-spikes"])["finite-element rod"]
     assert spikes.x[[0, -1]] == pytest.approx([225, 320], abs=0.6) and len(spikes.x) > 4 * 180
 
 
