@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from pydantic.dataclasses import dataclass as table
 
+from valvetrain.parameters.schema_types import AngularSpeed
 from valvetrain.solution.comparison import Finding
 from valvetrain.solution.display import value_text
 from valvetrain.solution.quantity import same_speed, unit_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
+from valvetrain.sources.readings import KNOWN_KEYS
 
 #: Parts of the open valve over which two runs are compared.
 Part = Literal["", "opening", "closing"]
 
 
-@dataclass(frozen=True, slots=True)
+@table(frozen=True, config=KNOWN_KEYS)
 class Term:
     """One side of a claim: a ``value`` (SI), or ``times`` a ``quantity`` of the ``run`` of that label.
 
@@ -54,7 +56,7 @@ class Term:
         return f"{value_text(number, unit, 4)} ({times}{runs})"
 
 
-@dataclass(frozen=True, slots=True)
+@table(frozen=True, config=KNOWN_KEYS)
 class Claim:
     """A ``statement`` of a study at a ``place`` in it: ``left`` is greater than ``right``, or equal to it
     within a share.
@@ -68,7 +70,7 @@ class Claim:
     right: Term
     relation: Literal["greater", "equal"] = "greater"
     within: float = 0.0
-    engine_speed: float | None = None
+    engine_speed: AngularSpeed | None = None
 
     def finding(self, study: Study) -> Finding | None:
         """The claim with the computed numbers; None where the study lacks one of the runs.

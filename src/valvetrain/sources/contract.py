@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
+from pydantic.dataclasses import dataclass as table
 
 from valvetrain import registry
 from valvetrain.parameters.loading import load_case
@@ -18,10 +18,10 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.study import LiftEvent, Study
 from valvetrain.sources.claims import Claim, run_of
 from valvetrain.sources.reader import Reader, Sampling
-from valvetrain.sources.readings import Reading
+from valvetrain.sources.readings import KNOWN_KEYS, Reading
 
 
-@dataclass(frozen=True, slots=True)
+@table(frozen=True, config=KNOWN_KEYS)
 class Origin:
     """What produced a published value: its short ``sign``, and the label of the ``run`` to compare with."""
 
@@ -29,7 +29,7 @@ class Origin:
     run: str = ""
 
 
-@dataclass(frozen=True)
+@table(frozen=True, config=KNOWN_KEYS)
 class SourceStudy:
     """One published study; ``key``: its citation key and its name in the registry.
 
@@ -43,11 +43,11 @@ class SourceStudy:
     key: str
     description: str = ""
     case: str = ""
-    origins: Mapping[str, Origin] = field(default_factory=dict)
+    origins: dict[str, Origin] = field(default_factory=dict)
     counted: tuple[str, ...] = ()
-    windows: Mapping[Window, str] = field(default_factory=dict)
-    points: Mapping[str, float] = field(default_factory=dict)
-    sampling: Sampling = Sampling(2 * np.pi, 1)
+    windows: dict[Window, str] = field(default_factory=dict)
+    points: dict[str, float] = field(default_factory=dict)
+    sampling: Sampling | None = None
     readings: tuple[Reading, ...] = ()
     claims: tuple[Claim, ...] = ()
 

@@ -12,9 +12,11 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
+from pydantic.dataclasses import dataclass as table
 
 from valvetrain.errors import InputError
 from valvetrain.integrate.clash import runs
+from valvetrain.parameters.schema_types import Angle
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.signal import (
     filtered_force,
@@ -25,7 +27,15 @@ from valvetrain.quantities.signal import (
 )
 from valvetrain.solution.definition import pattern_of
 from valvetrain.solution.study import LiftEvent
-from valvetrain.sources.readings import KINDS, Numbers, Reading, View, numbered, spike_index
+from valvetrain.sources.readings import (
+    KINDS,
+    KNOWN_KEYS,
+    Numbers,
+    Reading,
+    View,
+    numbered,
+    spike_index,
+)
 
 #: Contacts closer than this share of the period of the first mode are one collision; the same as an
 #: angle (rad) where no natural frequency is known.
@@ -35,11 +45,11 @@ TOUCHING = 1e-6
 TURN = 2 * np.pi
 
 
-@dataclass(frozen=True, slots=True)
+@table(frozen=True, config=KNOWN_KEYS)
 class Sampling:
     """Cam angle (rad) between the values that a study stored, and the most phases at which they are laid."""
 
-    spacing: float
+    spacing: Angle
     phases: int
 
 
@@ -55,7 +65,7 @@ class Reader:
     event: LiftEvent | None = None
     surge_frequency: float | None = None
     coils: Mapping[str, float] = field(default_factory=dict)
-    sampling: Sampling = Sampling(TURN, 1)
+    sampling: Sampling | None = None
     found: Numbers = field(default_factory=dict)
     phases: dict[str, Array] = field(default_factory=dict)
 
@@ -98,26 +108,22 @@ class Reader:
         values = self._values(reading)
         if values is None or not np.all(np.isfinite(values)):
             return {}
-        return KINDS[reading.kind](self._view(self.cycle, values, reading), reading)
+        return KINDS[reading.kind](self.view(self.cycle, values, reading), reading)
 
     def _over_phases(self, readings: Sequence[Reading]) -> None:
         """The numbers of ``readings`` at each phase of the samples, of those that every phase has."""
         numbers: dict[str, list[float]] = {}
-        count = 0
-        for channel in dict.fromkeys(one.channel for one in readings):
-            grid, values = self.sampled(channel)
-            count = max(count, len(grid))
-            for angle, row in zip(grid, values, strict=True):
-                cycle = replace(self.cycle, cam_angle=angle)
-                for one in readings:
-                    if one.channel == channel:
-                        view = self._view(cycle, row, one)
-                        for name, number in KINDS[one.kind](view, one).items():
-                            numbers.setdefault(name, []).append(number)
+        for one in readings:
+            for angle, values in zip(*self.sampled(one.channel), strict=True):
+                view = self.view(replace(self.cycle, cam_angle=angle), values, one)
+                for name, number in KINDS[one.kind](view, one).items():
+                    numbers.setdefault(name, []).append(number)
+        count = max(map(len, numbers.values()), default=0)
         whole = {name: np.array(some) for name, some in numbers.items() if len(some) == count}
         self.phases.update(whole)
 
-    def _view(self, cycle: Cycle, values: Array, reading: Reading) -> View:
+    def view(self, cycle: Cycle, values: Array, reading: Reading) -> View:
+        """What a reading sees of values (sample,) over a cycle."""
         bounds = (0.0, TURN)
         if reading.window is not None and self.event is not None:
             bounds = window_bounds(self.event, reading.window)
@@ -161,9 +167,10 @@ class Reader:
 
         Empty where the run's record is no finer than such samples.
         """
-        cycle, name, spacing = self.cycle, self.first_of(channels), self.sampling.spacing
-        if not name:
-            return np.zeros((0, 0)), np.zeros((0, 0))
+        cycle, name, none = self.cycle, self.first_of(channels), np.zeros((0, 0))
+        if not name or self.sampling is None:
+            return none, none
+        spacing = self.sampling.spacing
         record = "finest" if cycle.solution.has(f"{name}_finest") else "fine"
         _, angle, values = fine_series(cycle.solution, name, record)
         angle = angle - (cycle.solution.cam_angle[cycle.samples][0] - cycle.cam_angle[0])
@@ -171,20 +178,11 @@ class Reader:
         angle, values = angle[inside], values[inside]
         phases = int(min(round(spacing / float(np.median(np.diff(angle)))), self.sampling.phases))
         if phases < 2:
-            return np.zeros((0, 0)), np.zeros((0, 0))
+            return none, none
         count = int(np.floor((angle[-1] - angle[0]) / spacing + 1e-6))
         starts = angle[0] + spacing * np.arange(phases) / phases
         grid = starts[:, None] + spacing * np.arange(count)
         return grid, np.interp(grid.ravel(), angle, values).reshape(grid.shape)
-
-    def spike_over_phases(self, reading: Reading) -> tuple[View, int] | None:
-        """The samples of every phase in order of angle, and the place of the window's spike in them."""
-        grid, values = self.sampled(reading.channel)
-        if not len(grid):
-            return None
-        cycle = replace(self.cycle, cam_angle=grid.T.ravel())
-        view = self._view(cycle, values.T.ravel(), reading)
-        return view, spike_index(view, reading)
 
     def between(self, reading: Reading, channel: str) -> Array | None:
         """A channel of coil pairs (sample, pair) over a stretch of the wire; None where it has none there."""
@@ -215,15 +213,19 @@ def over_phases(reader: Reader, reading: Reading) -> Numbers:
 
 
 def spike_shape(reader: Reader, reading: Reading) -> Numbers:
-    """How long (s) a spike is above half its height, and its impulse (N s)."""
-    spike = reader.spike_over_phases(reading)
-    if spike is None:
+    """How long (s) the spike of a window is above half its height, and its impulse (N s), by the samples of
+    all phases.
+    """
+    grid, values = reader.sampled(reading.channel)
+    if not len(grid):
         return {}
-    view, top = spike
-    width, area = half_height(view.cam_angle, view.values, top, reader.separation)
-    angle, time = reader.cycle.cam_angle, reader.cycle.time
-    turning = (angle[-1] - angle[0]) / (time[-1] - time[0])
-    return dict(zip(reading.names, (float(width / turning), float(area / turning)), strict=True))
+    view = reader.view(replace(reader.cycle, cam_angle=grid.T.ravel()), values.T.ravel(), reading)
+    top = spike_index(view, reading)
+    shape = half_height(view.cam_angle, view.values, top, reader.separation)
+    turned, passed = np.ptp(reader.cycle.cam_angle), np.ptp(reader.cycle.time)
+    return {
+        name: float(one * passed / turned) for name, one in zip(reading.names, shape, strict=True)
+    }
 
 
 def half_height(cam_angle: Array, force: Array, peak: int, reach: float) -> tuple[float, float]:
@@ -241,20 +243,21 @@ def half_height(cam_angle: Array, force: Array, peak: int, reach: float) -> tupl
     near = np.abs(cam_angle - cam_angle[peak]) <= reach
     angle, above = cam_angle[near], force[near] - float(np.median(force[near]))
     top = peak - int(np.flatnonzero(near)[0])
-    half, sides, ends = above[top] / 2, [], []
-    for step in (-1, 1):
-        side = slice(top, None, step)
-        fall, away = above[side], np.abs(angle[side] - angle[top])
-        low = int(np.argmax(fall <= half)) if np.any(fall <= half) else len(fall) - 1
-        if low:
-            drop = fall[low - 1] - fall[low]
-            share = np.clip((fall[low - 1] - half) / drop, 0.0, 1.0) if drop > 0 else 0.0
-            sides.append(away[low - 1] + share * (away[low] - away[low - 1]))
-        # the spike alone: down to where it first meets its foot
-        ends.append(int(np.argmax(fall <= 0)) if np.any(fall <= 0) else len(fall) - 1)
-    part = slice(top - ends[0], top + ends[1] + 1)
+    if above[top] <= 0:
+        return 0.0, 0.0
+    half = above[top] / 2
+    # the spike alone: down to where it first meets its foot on either side
+    (left, right), (first, last) = (
+        next(one for one in runs(above > level) if one[0] <= top <= one[1]) for level in (half, 0.0)
+    )
+    width = angle[right] - angle[left]
+    for inner, outer in ((left, left - 1), (right, right + 1)):
+        if 0 <= outer < len(above):
+            share = (above[inner] - half) / (above[inner] - above[outer])
+            width += share * abs(angle[outer] - angle[inner])
+    part = slice(max(first - 1, 0), last + 2)
     area = np.trapezoid(np.maximum(above[part], 0.0), angle[part])
-    return float(sum(sides)), float(area)
+    return float(width), float(area)
 
 
 def at_contact(reader: Reader, reading: Reading) -> Numbers:
@@ -308,7 +311,7 @@ def bounce(reader: Reader, reading: Reading) -> Numbers:
     """
     cycle, spike = reader.cycle, reader.found.get(reading.of[0])
     gaps = reader.between(reading, "coil_gap")
-    if gaps is None or spike is None:
+    if gaps is None or spike is None or reader.sampling is None:
         return {}
     touched = gaps < TOUCHING
     touched[1:] |= touched[:-1]  # a contact may be shorter than a sample

@@ -10,8 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import ConfigDict
+from pydantic.dataclasses import dataclass as table
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.schema_types import Angle, Frequency
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.signal import (
     Index,
@@ -23,9 +26,11 @@ from valvetrain.quantities.signal import (
 )
 
 Numbers = dict[str, float]
+#: A table of a study's file has no other keys.
+KNOWN_KEYS = ConfigDict(extra="forbid")
 
 
-@dataclass(frozen=True, slots=True)
+@table(frozen=True, config=KNOWN_KEYS)
 class Reading:
     """How the quantities ``names`` are read, in SI units; ``kind`` names a function.
 
@@ -43,9 +48,9 @@ class Reading:
     channel: tuple[str, ...] = ("seat_force",)
     window: Window | None = None
     point: str = ""
-    below: float = 0.0
-    above: float = 0.0
-    smooth: float = 0.0
+    below: Frequency = 0.0
+    above: Frequency = 0.0
+    smooth: Frequency = 0.0
     highest: bool = False
     sampled: bool = False
     with_angle: bool = False
@@ -54,7 +59,7 @@ class Reading:
     share: float = 0.0
     height: float = 0.0
     later_share: float = 0.0
-    reach: float = 0.0
+    reach: Angle = 0.0
     between: tuple[float, ...] = ()
     of: tuple[str, ...] = ()
     runs: tuple[str, ...] = ()

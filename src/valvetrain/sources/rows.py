@@ -7,6 +7,9 @@ from pathlib import Path
 
 from valvetrain.solution.definition import QuantityRow, row
 
+#: Tables of a study's file that are about its names.
+NAMES = ("quantities", "systems")
+
 
 def path_of(key: str) -> Path:
     """The file of a published study that ships with the package."""
