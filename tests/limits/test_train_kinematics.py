@@ -148,6 +148,13 @@ def test_a_valve_lift_law_is_met_through_the_lever():
     assert motion.valve_lift(angle) == pytest.approx(LAW.lift(angle), abs=1e-14)
 
 
+@pytest.mark.parametrize(("kind", "base"), [("direct", 0.018), ("pushrod", 0.016)])
+def test_a_roller_beside_the_cam_axis_rests_on_the_base_circle(kind, base):
+    roller = FollowerParameters("roller", radius=0.01, offset=0.004, mass=0.05)
+    (contour,) = build_mechanism(KINDS[kind](follower=roller), LAW, "tappet").tables.values()
+    assert contour[:, 0].min() == pytest.approx(base + 0.01, rel=1e-12)
+
+
 def test_pushrod_keeps_its_length():
     train = pushrod()
     motion = build_mechanism(train, LAW, "tappet").kinematics
