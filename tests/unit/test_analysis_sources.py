@@ -57,6 +57,7 @@ def test_a_file_that_ships_names_kinds_and_quantities_that_exist(key):
     "text",
     [
         "[[readings]]\nkind = 'extreme'",
+        "[[readings]]\nkind = 'highest'\nnames = ['preload']",
         "[[readings]]\nkind = 'end'\nnames = ['preload']\ncolour = 3",
         "[sampling]\nspacing = '3 mm'\nphases = 2",
     ],

@@ -17,6 +17,9 @@ def read_source(path: Path) -> SourceStudy:
     """The study of a file; its name without ending is the key.
 
     Raises :class:`InputError` for a key that no table has, and for a value without its unit.
+
+    >>> read_source(path_of("gu2021")).windows["event"]
+    'Stage II'
     """
     tree = tomllib.loads(path.read_text(encoding="utf-8"))
     tables = {key: value for key, value in tree.items() if key not in NAMES}

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from pydantic import ConfigDict
@@ -26,6 +27,10 @@ from valvetrain.quantities.signal import (
 )
 
 Numbers = dict[str, float]
+Kind = Literal[
+    "extreme", "end", "numbered peaks", "two maxima", "spike", "separate peaks", "rebound", "difference", "over phases", "spike shape",
+    "at contact", "meetings", "interval", "bounce", "run", "rise",
+]  # fmt: skip
 #: A table of a study's file has no other keys.
 KNOWN_KEYS = ConfigDict(extra="forbid")
 
@@ -43,7 +48,7 @@ class Reading:
     numbers. ``of``: quantities or channels it is made of; ``runs``: labels of the runs that it belongs to.
     """
 
-    kind: str
+    kind: Kind
     names: tuple[str, ...]
     channel: tuple[str, ...] = ("seat_force",)
     window: Window | None = None
@@ -55,7 +60,7 @@ class Reading:
     sampled: bool = False
     with_angle: bool = False
     factor: float = 1.0
-    pick: str = "largest"
+    pick: Literal["largest", "smallest", "size", "range"] = "largest"
     share: float = 0.0
     height: float = 0.0
     later_share: float = 0.0

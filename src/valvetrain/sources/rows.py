@@ -19,7 +19,8 @@ def path_of(key: str) -> Path:
 def rows_of(path: Path) -> tuple[QuantityRow, ...]:
     """The rows of the table ``[quantities]`` of a study's file; with ``cam_angle`` one of that angle too.
 
-    Raises :class:`InputError` for a row that is not complete.
+    >>> [one.name for one in rows_of(path_of("gu2021"))[4:6]]
+    ['stage_2_peak_force', 'stage_2_peak_cam_angle']
     """
     tree = tomllib.loads(path.read_text(encoding="utf-8"))
     found: list[QuantityRow] = []
