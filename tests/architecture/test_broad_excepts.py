@@ -33,7 +33,7 @@ KNOWN = {
     "rig/reader.py:read_into": "the file is refused",
     "runs/at_rest.py:RestSolver.solve": "no number, the failure of the study",
     "runs/critical_repeats.py:variants_of": "a member of the range with its refusal and no speed",
-    "runs/notes.py:_chain_note": "no note: the run is refused with the reason",
+    "runs/facts.py:_chain_of_wire": "no fact: the run is refused with the reason",
     "runs/own_error_bars.py:_way": "no further run",
     "runs/own_error_bars.py:_run_again": "no number of a further run",
     "runs/prepared.py:prepare": "a run with the status refused and no number",

@@ -197,7 +197,7 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
         monkeypatch.setattr(evaluate, name, broken)
     places = (
         "report.study.study_page", "report.study.quantity_table", "report.study.remove_earlier", "report.json.study_json",
-        "cli.answers._tables", "runs.run.next_to_published", "runs.at_rest.closing_quantities", "runs.run._notes",
+        "cli.answers._tables", "runs.run.next_to_published", "runs.at_rest.closing_quantities", "runs.run.case_facts",
     )  # fmt: skip
     for place in places:
         monkeypatch.setattr(f"valvetrain.{place}", broken)

@@ -10,6 +10,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.cli.cases import write_template
+from valvetrain.solution.facts import with_code
 
 INCH, POUND = 25.4e-3, 4.4482216152605
 RATE, PRELOAD = 220 * POUND / (0.55 * INCH), 130 * POUND
@@ -53,7 +54,7 @@ def test_a_card_gives_surge_seating_bind_and_valve_events(engine):
     )
     assert (opens, closes) == pytest.approx((108 - 121, 108 + 121), abs=1e-6)
     assert 0.05 < found["seating_velocity"] < 0.6 and found["bounce_height"] < 0.1e-3
-    assert any("default steel values" in note for note in study.notes)
+    assert with_code(study.facts, "default-contacts")
 
 
 def test_it_holds_the_cam_below_the_speed_of_rigid_theory_and_floats_above(engine):

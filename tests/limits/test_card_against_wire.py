@@ -7,6 +7,7 @@ from __future__ import annotations
 import pytest
 
 import valvetrain as vt
+from valvetrain.solution.facts import with_code
 from valvetrain.spring_card import CatalogueCard, SpringLoad, spring_from_card
 from valvetrain.springs.equivalent import EquivalentSpring
 
@@ -77,7 +78,6 @@ def test_a_run_on_a_card_says_once_what_it_lacks(wire):
         "open_load": "590 N", "open_height": "27.4 mm",
     }  # fmt: skip
     study = engine(card).compare("6000 rpm")
-    said = [note for note in study.notes if "valvetrain spring-card" in note]
-    assert len(said) == 1 and "no clash of coils, no stress, no mass of end turns" in said[0]
+    assert len(with_code(study.facts, "card-alone")) == 1
     assert "card" not in study.verdict
-    assert not any("by card alone" in note for note in engine(wire).compare("6000 rpm").notes)
+    assert not with_code(engine(wire).compare("6000 rpm").facts, "card-alone")

@@ -10,6 +10,7 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import Point, PointRequest, evaluate
+from valvetrain.solution.facts import with_code
 from valvetrain.springs import chain_from_rod
 from valvetrain.springs.finite_element_statics import equilibrium_at
 from valvetrain.springs.multi_mass import MultiMassSpring
@@ -91,13 +92,12 @@ def test_a_chain_far_from_its_rod_is_refused_with_the_reason(monkeypatch, name, 
 
 
 def test_a_run_says_how_far_its_chain_is_from_the_rod():
-    """Contract: the note stands on the study, on its run and in what both show."""
+    """Contract: the fact stands on the study and on its run."""
     damping = {"ratio": 0.016, "ratio_frequency": "500 Hz"}
     lift = vt.Case("job-t").tree["lift_law"]
     case = vt.Case(spring={**OWN, "damping": damping}, lift_law=lift, name="own")
     study = case.compare("2000 rpm", ["multi-mass", "massless"])
     chain, massless = study.solutions
-    assert "rate and first frequency" in chain.notes[0] and "force at rest within" in chain.notes[0]
-    assert not any("first frequency" in note for note in massless.notes)
-    assert chain.notes[0] in study.notes
-    assert chain.notes[0] in repr(study) and chain.notes[0] in repr(chain)
+    (fact,) = with_code(chain.facts, "chain-of-wire")
+    assert fact.fields["surge_frequency"] > 0 and fact.fields["force_error"] < 0.05
+    assert not with_code(massless.facts, "chain-of-wire") and fact in study.facts

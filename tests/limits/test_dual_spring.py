@@ -66,7 +66,7 @@ def test_both_springs_are_found_from_their_sum(turns, free):
 def test_the_parts_add_up_to_the_total_at_every_height(factor, preload, free):
     found = part(factor * RATE, preload, half(OUTER, free=False), half(INNER, free=False))
     heights = np.linspace(0.03, HEIGHT, 5)
-    assert ("measure wires, diameters and turns again" in found.said) == (abs(factor - 1) > 0.1)
+    assert ("measure wires, diameters and turns again" in found.rates_by) == (abs(factor - 1) > 0.1)
     loads = sum(
         rate * (length - heights)
         for rate, length in zip(found.rates, found.free_lengths, strict=True)
@@ -85,9 +85,10 @@ def test_a_case_file_is_parted_and_says_how():
     assert (outer.name, inner.name) == ("outer", "inner")
     assert (outer.card.rate, inner.card.rate) == pytest.approx(LOADS[:, 0])
     assert (outer.card.preload, inner.card.preload) == pytest.approx(LOADS[:, 1])
-    assert (
-        "by the rates G d^4 / (8 D^3 n) of both, preloads by both free lengths" in outer.card.remark
-    )
+    split = outer.card.split
+    assert (split["outer_rate"], split["inner_rate"]) == pytest.approx(LOADS[:, 0])
+    assert (split["outer_preload"], split["inner_preload"]) == pytest.approx(LOADS[:, 1])
+    assert "both free lengths" in split["preloads_by"]
     wire, mean, turns, _ = INNER
     assert inner.card.mass == pytest.approx(7850 * np.pi**2 * wire**2 * mean * turns / 4)
 

@@ -11,6 +11,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
+from valvetrain.solution.facts import with_code
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.system.build import build
 
@@ -64,9 +65,11 @@ def test_modes_say_that_they_cannot_lift_an_end_that_would_pull():
     study = case_of(None).compare(SPEED, ["modal-uniform"])
     kinds = {event.kind for event in study.solutions[0].events}
     assert "end-pull" in kinds and "end-strike" not in kinds
-    assert "would pull: modal-uniform at 9000 rpm" in " ".join(study.notes)
+    (fact,) = with_code(study.facts, "ends-pull")
+    assert fact.fields["label"] == "modal-uniform"
+    assert fact.fields["engine_speed"] == pytest.approx(9000 * np.pi / 30)
     bonded = case_of("bonded").compare(SPEED, ["modal-uniform"])
-    assert not [note for note in bonded.notes if "would pull" in note]
+    assert not with_code(bonded.facts, "ends-pull")
 
 
 def test_a_card_may_be_bonded_and_clamps_do_not_lift():

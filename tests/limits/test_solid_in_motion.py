@@ -22,6 +22,7 @@ from valvetrain.report.page import Figure
 from valvetrain.report.sections.coils import coils_blocks
 from valvetrain.runs.run import run_study
 from valvetrain.solution.channels import FINE, spring_channels
+from valvetrain.solution.facts import with_code
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
@@ -213,7 +214,7 @@ def test_ends_that_would_lift_are_told():
     study = run_study(parse_case(text, "loose"), spring_models=["solid"], workers=1)
     (run_of,) = study.solutions
     pulled = run_of.channel("seat_force").min() < 0 or run_of.channel("retainer_force").min() < 0
-    assert pulled and any("bonded to seat and retainer" in note for note in study.notes)
+    assert pulled and with_code(study.facts, "ends-bonded")
 
 
 def drawn(force: np.ndarray, coil: list[float]) -> Solution:

@@ -16,6 +16,7 @@ from valvetrain.runs import own_error_bars
 from valvetrain.runs.run import run_study
 from valvetrain.runs.run_up import run_up
 from valvetrain.runs.train_runs import train_modes
+from valvetrain.solution.facts import with_code
 from valvetrain.system.build import build
 from valvetrain.system.driven import DrivenSprings, RecordedMotion
 
@@ -70,14 +71,14 @@ def test_rod_and_solid_agree_in_a_train(study):
 
 def test_the_missing_feedback_is_told(study):
     """Contract: the difference of the forces on the retainer is a number of the run and stands in its
-    note, with the model that drove."""
+    fact, with the model that drove."""
     rod, solid = study.solutions
     difference = solid.channel("retainer_force") - rod.channel("retainer_force")
     found = solid.quantities["driver_difference_force"]
     assert found == pytest.approx(np.sqrt(np.mean(difference**2)), rel=1e-6)
     assert "driver_difference_force" not in rod.quantities
-    (note,) = (one for one in study.notes if "one way" in one)
-    assert "finite-element" in note and f"{found:.3g} N" in note
+    (fact,) = with_code(study.facts, "follows-a-train")
+    assert fact.fields["driver"] == "finite-element" and fact.fields["force_difference"] == found
 
 
 def test_the_error_bar_is_of_a_second_mesh():

@@ -11,7 +11,7 @@ from valvetrain.explore.case_paths import vary
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.templates import template_text
-from valvetrain.runs.notes import refuse_implausible
+from valvetrain.runs.refusals import refuse_implausible
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.system.build import build
 

@@ -19,7 +19,7 @@ from valvetrain.report.springs_stress import wire_stress
 from valvetrain.report.study import study_page
 from valvetrain.runs import run as run_module
 from valvetrain.runs.compare_springs import compared, with_two_springs
-from valvetrain.runs.notes import beyond_wire_notes
+from valvetrain.runs.facts import beyond_wire_facts
 from valvetrain.runs.run import build, sweep_study
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 
@@ -66,13 +66,9 @@ def test_the_force_at_solid_of_a_spring_is_compared_with_its_own_runs(both, stud
         replace(one, quantities={"peak_spring_force": middle, "peak_shear_stress": 9e8})
         for one in study.solutions
     ]
-    (note,) = beyond_wire_notes(problem, runs)
-    assert (
-        f"Spring '{low}' solid at {middle - (solid[high] - solid[low]) / 2:.4g} N (all coils closed"
-        in note
-        and f"{low}, massless at" in note
-    )
-    assert f"{high}, massless at" not in note and f"'{high}'" not in note
+    found = [one.fields for one in beyond_wire_facts(problem, runs)]
+    assert {(one["spring"], one["label"]) for one in found} == {(low, f"{low}, massless")}
+    assert found[0]["solid_force"] == pytest.approx(solid[low])
 
 
 def test_the_first_sentence_says_which_is_stressed_more(study):

@@ -15,6 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.evaluate import Point, PointRequest, evaluate
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
+from valvetrain.solution.facts import with_code
 from valvetrain.springs import reduced_rod_cache
 from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.system.build import build
@@ -56,7 +57,8 @@ def test_wires_run_by_their_reduced_rod_and_cards_by_modes():
 def test_a_set_that_no_reduced_rod_knows_runs_by_the_chain_and_says_why(text, reason):
     study = vt.simulate(parse_case(text, "case"), "2000 rpm", workers=1)
     assert [run.label for run in study.solutions] == ["multi-mass"]
-    assert f"Runs by multi-mass, not by the default reduced-rod: {reason}." in study.notes
+    (fact,) = with_code(study.facts, "not-the-default")
+    assert fact.fields == {"model": "multi-mass", "reason": reason}
 
 
 def test_a_wire_whose_tables_cannot_be_made_runs_by_the_chain_and_by_name_is_refused(monkeypatch):
@@ -69,13 +71,14 @@ def test_a_wire_whose_tables_cannot_be_made_runs_by_the_chain_and_by_name_is_ref
     case = parse_case(TRAIN, "case")
     study = vt.simulate(case, "2000 rpm", workers=1)
     (run,) = study.solutions
-    said = "Runs by multi-mass, not by the default reduced-rod: the rod has too few equilibria."
     assert (run.label, run.model, run.status.code) == ("multi-mass", "multi-mass", "completed")
-    assert said in study.notes
-    assert any("right: finite-element" in note for note in study.notes)
+    (fact,) = with_code(study.facts, "not-the-default")
+    assert fact.fields["reason"] == "the rod has too few equilibria"
+    (chain,) = with_code(study.facts, "chain-of-wire")
+    assert chain.fields["better"] == "finite-element"
     (run,) = vt.simulate(case, "2000 rpm", spring_models="reduced-rod", workers=1).solutions
     assert run.status.code == "refused" and "too few equilibria" in run.status.message
-    # A table of points has no notes: a point is by the model of its neighbours or is none.
+    # A table of points has no facts: a point is by the model of its neighbours or is none.
     point = Point(case, (), 200.0, request=PointRequest(("peak_spring_force",)))
     outcome = evaluate(point)
     assert outcome.status.code == "refused" and "too few equilibria" in outcome.status.message

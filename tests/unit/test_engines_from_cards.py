@@ -17,6 +17,7 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.runs.compare_springs import with_two_springs
 from valvetrain.runs.request_cost import RunRequest, planned
+from valvetrain.solution.facts import with_code
 from valvetrain.system.build import build
 
 SOFT = 'name = "soft"\n[spring]\npreload = "300 N"\nrate = "36 N/mm"\nmass = "42 g"\n'
@@ -46,7 +47,8 @@ def test_a_spring_of_a_pair_whose_coil_bind_is_not_known_is_named():
     for changed, named in ((text, False), (text.replace('solid_height = "21 mm"', ""), True)):
         study = vt.simulate(parse_case(changed), "3000 rpm", "massless", spring_set="dual")
         assert study.solutions[0].quantities["coil_bind_clearance"] > 0
-        assert any("Coil bind of spring 'inner' is not checked" in one for one in study.notes) is named  # fmt: skip
+        unknown = with_code(study.facts, "unknown-solid-height")
+        assert [one.fields["spring"] for one in unknown] == ["inner"] * named
 
 
 @pytest.mark.parametrize("cards", [False, True], ids=["wire", "cards"])

@@ -73,7 +73,7 @@ def test_what_is_read_later_is_what_a_run_computes_at_once(model):
     for found in (later, sent):
         for run, other in zip(found.solutions, at_once.solutions, strict=True):
             assert run.identical(other) and list(run.quantities) == list(other.quantities)
-        assert found.quantities == at_once.quantities and found.notes == at_once.notes
+        assert found.quantities == at_once.quantities and found.facts == at_once.facts
         assert found.gaps == at_once.gaps and found.comparisons == at_once.comparisons
         assert np.array_equal(found.rest[0].curve.force, at_once.rest[0].curve.force)
     assert first == [run.quantities["peak_spring_force"] for run in at_once.solutions]

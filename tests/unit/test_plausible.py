@@ -260,7 +260,7 @@ def test_a_lift_that_no_cam_gives_has_no_static_curve(tmp_path):
 
 def test_a_refinement_keeps_implausible_runs_by_an_option_only(monkeypatch):
     """A spring driven open in three degrees of the cam: its wire is faster than any steel bears."""
-    monkeypatch.setattr("valvetrain.runs.notes.refuse_implausible", lambda *_: None)
+    monkeypatch.setattr("valvetrain.runs.refusals.refuse_implausible", lambda *_: None)
     text = (
         SMALL.replace("100 deg", "178.5 deg")
         .replace("260 deg", "181.5 deg")

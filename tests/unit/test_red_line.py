@@ -24,7 +24,7 @@ RPM = math.pi / 30
 def run(speed: float, **values: float):
     """A run at a speed (rpm) in contact."""
     first = train_study().solutions[0]
-    origin = replace(first.provenance, engine_speed=speed * RPM, label="a, modal-uniform", spring_set="a", notes=())  # fmt: skip
+    origin = replace(first.provenance, engine_speed=speed * RPM, label="a, modal-uniform", spring_set="a", facts=())  # fmt: skip
     held = {"loss_of_contact_duration": 0.0, "surge_amplitude_force": 10.0, **values}
     return replace(first, events=(), quantities=held, provenance=origin)
 

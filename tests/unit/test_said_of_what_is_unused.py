@@ -11,8 +11,9 @@ from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import DampingParameters, Guide, InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.api import static_curve
-from valvetrain.runs.notes import buckling_notes, ringing_note
+from valvetrain.runs.facts import case_facts
 from valvetrain.runs.run import run_study
+from valvetrain.solution.facts import with_code
 from valvetrain.system.build import build
 
 PAIR = """
@@ -45,54 +46,45 @@ def test_a_whole_rubbing_may_be_switched_off_by_a_zero(whole):
     assert parse_case(PAIR + whole).rubbing.normal_force == 20.0
 
 
+def codes(case, model: str) -> list[str]:
+    study = run_study(case, engine_speeds=[200.0], spring_models=[model], workers=1)
+    return [one.code for one in study.facts if "damping" in one.code]
+
+
 def test_a_massless_spring_says_that_it_leaves_damping_out():
     case = load_case("job-t")
-    (said,) = run_study(case, engine_speeds=[200.0], spring_models=["massless"], workers=1).notes
-    assert (
-        said == "A massless spring has no inner motion: the damping of 'job-t' has no effect in it."
-    )
-    own = run_study(case, engine_speeds=[200.0], spring_models=["multi-mass"], workers=1).notes
-    assert not any("damping" in one for one in own)
+    assert codes(case, "massless") == ["unused-damping"] and codes(case, "multi-mass") == []
     still = load_case("job-t", {"spring.damping.stiffness_damping": "0 s"})
-    assert not run_study(still, engine_speeds=[200.0], spring_models=["massless"], workers=1).notes
+    assert codes(still, "massless") == []
 
 
 @pytest.mark.parametrize("model", ["multi-mass", "wave-rod", "modal-uniform"])
 def test_a_spring_without_any_damping_is_named_where_it_moves(model):
     """Card values give none, and its surge then never fades; one number of any kind is enough."""
 
-    def notes(**damping):
+    def found(**damping):
         case = load_case("job-t").replace({"springs.0.damping": DampingParameters(**damping)})
-        found = run_study(case, engine_speeds=[200.0], spring_models=[model], workers=1).notes
-        return [one for one in found if "damping" in one]
+        return codes(case, model)
 
-    (said,) = notes()
-    assert said.startswith(
-        "The case gives spring 'job-t' no damping, so that surge lives on from cycle to cycle: give its damping, such as "
-    )
-    assert (
-        not notes(mass_damping=20.0)
-        and not notes(stiffness_damping=1e-6)
-        and not notes(ratio=0.016, ratio_frequency=400.0)
-    )
+    assert found() == ["no-damping"]
+    assert found(mass_damping=20.0) == found(stiffness_damping=1e-6) == []
+    assert found(ratio=0.016, ratio_frequency=400.0) == []
 
 
 def test_every_spring_of_a_train_without_damping_is_named_once_and_others_are_not():
-    members = build(load_case("vaz-ohc"), spring_models=["multi-mass", "massless"]).members
-    assert ringing_note(members) == ""
-    bare = {
-        name: f"train.springs.{name}.0.damping.mass_damping"
-        for name in load_case("vaz-ohc").train.springs
-    }
-    case = load_case("vaz-ohc").replace(dict.fromkeys(bare.values(), 0.0))
-    said = ringing_note(build(case, spring_models=["multi-mass", "massless"]).members)
-    assert said.startswith("The case gives spring 'outer' no damping, ") and "'inner'" not in said
-    assert ringing_note(build(case, spring_models=["massless"]).members) == ""
-    both = case.replace({path.replace(".0.", ".1."): 0.0 for path in bare.values()})
-    assert ringing_note(build(both).members).startswith(
-        "The case gives springs 'outer' and 'inner' no damping, "
-    )
-    assert "give their damping" in ringing_note(build(both).members)
+    def undamped(case, *models):
+        problem = build(case, spring_models=list(models))
+        found = with_code(case_facts(problem, problem.members), "no-damping")
+        return [one.fields["spring"] for one in found]
+
+    whole = load_case("vaz-ohc")
+    assert undamped(whole, "multi-mass", "massless") == []
+    bare = {f"train.springs.{name}.0.damping.mass_damping": 0.0 for name in whole.train.springs}
+    case = whole.replace(bare)
+    assert undamped(case, "multi-mass", "massless") == ["outer"]
+    assert undamped(case, "massless") == []
+    both = case.replace({path.replace(".0.", ".1."): 0.0 for path in bare})
+    assert sorted(undamped(both, "multi-mass")) == ["inner", "outer"]
 
 
 def test_the_modal_model_presses_with_nothing_in_the_free_state():
@@ -122,18 +114,14 @@ def test_a_train_says_that_its_spring_buckles_by_the_formula_unless_it_is_guided
     problem = build(load_case("vaz-ohc"))
     wire = cylindrical("1 mm", "10 mm", "4 mm", 20, closed_coils=0, name="slender")
 
-    def said(**how):
+    def found(**how):
         spring = InstalledSpring(wire, **how)
-        return buckling_notes(
-            replace(
-                problem,
-                members=tuple(replace(member, springs=(spring,)) for member in problem.members),
-            )
-        )
+        members = tuple(replace(member, springs=(spring,)) for member in problem.members)
+        return with_code(case_facts(problem, members), "buckles")
 
-    assert buckling_notes(problem) == ()
-    (sentence,) = said(precompression=12e-3)
-    assert sentence.startswith(
-        "Spring 'slender' buckles at 15.84 mm compression by the formula of EN 13906-1, before the"
-    )
-    assert said(precompression=2e-3) == () == said(precompression=12e-3, guide=Guide(bore="12 mm"))
+    assert not with_code(case_facts(problem, problem.members), "buckles")
+    (fact,) = found(precompression=12e-3)
+    assert fact.fields["spring"] == "slender"
+    assert fact.fields["compression"] == pytest.approx(15.84e-3, abs=5e-6)
+    assert not found(precompression=2e-3)
+    assert not found(precompression=12e-3, guide=Guide(bore="12 mm"))

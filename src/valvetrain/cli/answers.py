@@ -337,6 +337,7 @@ def _percent(value: float | None, reference: float | None) -> str:
 def _show_published(console: Console, study: Study, whole: bool) -> None:
     """A line on published values, and one on findings and notes; or all of them."""
     from valvetrain.cli.published import show_comparisons
+    from valvetrain.report.fact_texts import study_notes
     from valvetrain.report.published_verdict import calibration_sentence, not_compared_sentence
 
     lines = (
@@ -346,13 +347,14 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
     )
     if any(lines):
         console.print("\n" + "\n".join(filter(None, lines)))
+    notes = study_notes(study)
     more = [
         f"{len(found)} {noun}{'s' if len(found) > 1 else ''}"
-        for found, noun in ((study.findings, "finding"), (study.all_notes, "note"))
+        for found, noun in ((study.findings, "finding"), (notes, "note"))
         if found
     ]
     if not study.comparisons and not study.findings:
-        for number, note in enumerate(study.all_notes):
+        for number, note in enumerate(notes):
             console.print(("" if number else "\n") + f"note: {reader_text(note)}")
         return
     if not whole:
@@ -369,7 +371,7 @@ def _show_published(console: Console, study: Study, whole: bool) -> None:
             f"\n{item.place}: {item.statement}\n  computed: {item.computed}\n  verdict:  {item.verdict}",
             soft_wrap=True,
         )
-    for note in study.all_notes:
+    for note in notes:
         console.print(f"\n{note}", soft_wrap=True)
 
 

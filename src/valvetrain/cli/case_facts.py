@@ -14,7 +14,9 @@ from valvetrain.errors import InputError
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.parameters.summary import number, value_text
+from valvetrain.report.fact_texts import fact_notes
 from valvetrain.report.text import amount, speed_text
+from valvetrain.solution.facts import Fact
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
@@ -67,8 +69,8 @@ def case_facts(
                 ),
             )
         )
-        if said := default_contacts(train.contacts):
-            facts.append(("", said))
+        if contacts := default_contacts(train.contacts):
+            facts += _sentences("default-contacts", contacts)
         if train.pushrod is not None:
             facts.append(("pushrod", _pushrod_fact(train)))
         for name, springs in train.springs.items():
@@ -79,9 +81,8 @@ def case_facts(
                 for one in springs
             ]
             facts.append((f"springs '{name}'", "; ".join(texts)))
-            facts += [
-                ("", spring.card.remark) for spring in springs if spring.card and spring.card.remark
-            ]
+            for spring in springs:
+                facts += _split_loads(spring)
     if case.operation.engine_speeds:
         facts.append(
             (
@@ -241,8 +242,7 @@ def _spring_facts(spring: InstalledSpring) -> list[tuple[str, str]]:
                 else "inactive ends only",
             )
         )
-    if spring.card is not None and spring.card.remark:
-        facts.append(("", spring.card.remark))
+    facts += _split_loads(spring)
     if spring.guide is not None:
         facts.append(("guide", f"{spring.guide.summary()}, without friction"))
     damping = spring.damping
@@ -298,3 +298,12 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     return (
         found if case.train is None else found | {"rigid_maximum_valve_lift": largest_lift(problem)}
     )
+
+
+def _sentences(code: str, fields: Mapping[str, float | str]) -> list[tuple[str, str]]:
+    return [("", text) for text in fact_notes([Fact(code, fields)])]
+
+
+def _split_loads(spring: InstalledSpring) -> list[tuple[str, str]]:
+    card = spring.card
+    return _sentences("split-loads", card.split) if card is not None and card.split else []

@@ -160,7 +160,7 @@ def put_together(case: Case, models: tuple[str, ...], implausible: bool = False)
 
     ``implausible``: values pass that no valvetrain can have.
     """
-    from valvetrain.runs.notes import refusals_before_run
+    from valvetrain.runs.refusals import refusals_before_run
     from valvetrain.system.build import build, lift_law_of
 
     if case.train is None and not case.springs:

@@ -25,7 +25,6 @@ from valvetrain.quantities.statics import (
     rest_quantities,
     size_quantities,
 )
-from valvetrain.runs.notes import refuse_implausible, refuse_speeds
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
@@ -34,6 +33,7 @@ from valvetrain.runs.prepared import (
     provenance_of,
     with_quantities,
 )
+from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
 from valvetrain.runs.statics import reach_of, spring_statics, statics_by_model
 from valvetrain.runs.train_runs import prepare_trains, rigid_numbers, train_point
 from valvetrain.solution.definition import ADDED, NESTED, PAIR

@@ -38,14 +38,26 @@ class Half:
 @dataclass(frozen=True, slots=True)
 class Parted:
     """``rates`` (N/m), ``preloads`` (N), ``active_coils`` and ``free_lengths`` (m) of outer and inner,
-    and ``said``: one sentence on how they were found.
+    with what the rates and the preloads were found by.
     """
 
     rates: tuple[float, float]
     preloads: tuple[float, float]
     active_coils: tuple[float, float]
     free_lengths: tuple[float, float]
-    said: str
+    rates_by: str
+    preloads_by: str
+
+    @property
+    def fields(self) -> dict[str, float | str]:
+        """The same by names: ``rates_by``, ``outer_rate``."""
+        numbers = {"rate": self.rates, "preload": self.preloads, "free_length": self.free_lengths}
+        named = {
+            f"{name}_{key}": values[place]
+            for key, values in numbers.items()
+            for place, name in enumerate(NAMES)
+        }
+        return {"rates_by": self.rates_by, "preloads_by": self.preloads_by, **named}
 
 
 def part(rate: float, preload: float, outer: Half, inner: Half) -> Parted:
@@ -79,11 +91,7 @@ def part(rate: float, preload: float, outer: Half, inner: Half) -> Parted:
         outer.installed_height + preloads[0] / rates[0],
         inner.installed_height + preloads[1] / rates[1],
     )
-    shares = "; ".join(
-        f"{name} {rates[place] / 1e3:.4g} N/mm, {preloads[place]:.4g} N, free length {lengths[place] * 1e3:.4g} mm"
-        for place, name in enumerate(NAMES)
-    )
-    return Parted(rates, preloads, coils, lengths, f"Total loads parted by {how}, {why}: {shares}.")
+    return Parted(rates, preloads, coils, lengths, how, why)
 
 
 def _rates(rate: float, outer: Half, inner: Half) -> tuple[tuple[float, float], str]:

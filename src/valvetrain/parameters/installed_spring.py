@@ -21,7 +21,7 @@ from valvetrain.units import keep_si
 @dataclass(frozen=True, slots=True)
 class SpringCard:
     """A spring known only by its catalogue card: ``rate`` (N/m), ``preload`` at the seat (N), the
-    rest where known (kg, m, N). ``remark``: how its loads were found, where they were parted.
+    rest where known (kg, m, N). ``split``: how its loads were found, and the numbers of both springs, where total loads were split.
     """
 
     rate: float
@@ -32,7 +32,7 @@ class SpringCard:
     open_lift: float | None = None
     solid_height: float | None = None
     name: str = "spring card"
-    remark: str = field(default="", compare=False)
+    split: Mapping[str, float | str] = field(default_factory=dict, compare=False)
 
     @property
     def surge_frequency(self) -> float | None:

@@ -42,13 +42,13 @@ class PairedCard(CardBlock):
     free_length: PositiveLength | None = Field(
         default=None, description="parts the preload; without any both are compressed alike"
     )
-    _parted: str = PrivateAttr(default="")
+    _split: dict[str, float | str] = PrivateAttr(default_factory=dict)
 
     def installed(self, name: str, group: str = "") -> InstalledSpring:
-        """The installed spring, with the sentence on how its loads were found."""
+        """The installed spring, with how its loads were found."""
         built = super().installed(name, group)
         assert built.card is not None
-        return replace(built, card=replace(built.card, remark=self._parted))
+        return replace(built, card=replace(built.card, split=self._split))
 
     def refuse_free_length(self) -> None:
         """A free length of a pair splits its preload in addition to the loads; nothing is refused."""
@@ -125,7 +125,7 @@ def read_pair(entries: list[Any]) -> tuple[PairedCard, PairedCard]:
         own |= {"active_coils": halves[place].active_coils or found.active_coils[place]}
         own |= {"installed_height": halves[place].installed_height}
         parted.append(one.model_copy(update={**own, "open_load": None, "open_height": None}))
-    parted[0]._parted = found.said
+    parted[0]._split = found.fields
     if doubt := doubtful_pair(found.rates, found.active_coils):
         warnings.warn(f"dual spring: {doubt}", UnusualValueWarning, stacklevel=2)
     return parted[0], parted[1]

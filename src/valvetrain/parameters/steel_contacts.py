@@ -90,17 +90,9 @@ def _valued(place: str, contact: ContactParameters, cam: CamParameters) -> Conta
     )
 
 
-def default_contacts(contacts: Mapping[str, ContactParameters]) -> str:
-    """One sentence on the contacts that use default steel values instead of the case's; empty where
-    there are none.
+def default_contacts(contacts: Mapping[str, ContactParameters]) -> dict[str, float | str]:
+    """``places`` (``cam, valve_tip``) and ``restitution`` of the contacts that use default steel values, for
+    their case gives none; empty without any.
     """
-    places = [
-        place.replace("_", " ") for place, contact in contacts.items() if contact.origin == ORIGIN
-    ]
-    if not places:
-        return ""
-    listed = f"{', '.join(places[:-1])} and {places[-1]}" if len(places) > 1 else places[0]
-    return (
-        f"Contact stiffness at {listed}: {ORIGIN} (Hertz, restitution {RESTITUTION:g}); your file gives none. Camshaft and pivots are "
-        "rigid unless the case says otherwise."
-    )
+    places = [place for place, contact in contacts.items() if contact.origin == ORIGIN]
+    return {"places": ", ".join(places), "restitution": RESTITUTION} if places else {}

@@ -12,6 +12,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.limits import passed_limits
+from valvetrain.report.fact_texts import study_notes
 from valvetrain.report.text import rpm
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
@@ -166,7 +167,7 @@ def study_json(study: Study) -> dict[str, Any]:
             }
             for one in study.error_bars.missing
         ],
-        "notes": list(study.all_notes),
+        "notes": list(study_notes(study)),
         "cite": list(
             dict.fromkeys(
                 sum(

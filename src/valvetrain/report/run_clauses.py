@@ -23,8 +23,8 @@ from valvetrain.report.clauses import (
     joined,
     quantity_text,
 )
+from valvetrain.report.fact_texts import on_assumed_ramp, rings
 from valvetrain.report.text import CAUSES
-from valvetrain.runs.notes import on_assumed_ramp, rings
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, places_text
 from valvetrain.solution.definition import NESTED, label_of
 from valvetrain.solution.later import is_computed
@@ -126,7 +126,7 @@ def limit_clauses(runs: Runs) -> Iterator[tuple[str, Clause]]:
         bound = one.phrase.format(quantity_text(name, one.limit))
         if not resolved:
             bound = bound.replace("above", "not resolved from", 1)
-        bound += on_assumed_ramp(run.provenance.notes) if name == SEATING else ""
+        bound += on_assumed_ramp(run.facts) if name == SEATING else ""
         yield name, Clause(f"{label_of(name)} {text}, {bound}", run)
 
 

@@ -24,6 +24,7 @@ from valvetrain.report.control import (
     first_losses,
     range_in_use,
 )
+from valvetrain.report.fact_texts import on_assumed_ramp
 from valvetrain.report.run_clauses import (
     ENDS_PULL,
     PULLS,
@@ -36,7 +37,6 @@ from valvetrain.report.run_clauses import (
 )
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
-from valvetrain.runs.notes import on_assumed_ramp
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
@@ -91,7 +91,7 @@ def sweep_clauses(study: Study) -> tuple[list[str], list[str]]:
     limits = limits_over_speed(runs)
     more += [text for name, text in limits.items() if name != SEATING]
     more += _surge(study, label, runs)
-    ramp = on_assumed_ramp(study.notes)
+    ramp = on_assumed_ramp(study.facts)
     more += [f"{text}{ramp}" for name, text in limits.items() if name == SEATING]
     more += unsettled(study.runs(label))
     if not first:

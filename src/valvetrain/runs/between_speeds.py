@@ -5,14 +5,14 @@ frequency of a spring.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from valvetrain.quantities.forces import surge_engine_speeds
 from valvetrain.runs.prepared import Plan, PreparedRun
 from valvetrain.runs.train_runs import train_point
 from valvetrain.runs.workers import map_points
-from valvetrain.solution.definition import label_of, shown
+from valvetrain.solution.facts import Fact
 from valvetrain.solution.result import Solution
 from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
@@ -28,7 +28,6 @@ WORSE = {
 }
 #: Change, over the value at the swept speeds, from which a value between them is reported.
 REPORTED = 0.02
-RPM = math.pi / 30
 
 
 def order_speeds(one: PreparedRun, engine_speeds: Sequence[float]) -> tuple[float, ...]:
@@ -68,25 +67,24 @@ def run_between(
     return tuple(map_points(train_point, shared, points, workers, processes=True)) if points else ()
 
 
-def between_notes(swept: Sequence[Solution], between: Sequence[Solution]) -> tuple[str, ...]:
-    """A sentence per label: where a quantity between two swept speeds is worse than at both."""
-    notes = []
+def between_facts(swept: Sequence[Solution], between: Sequence[Solution]) -> Iterator[Fact]:
+    """The speeds of the runs between the swept ones, and where a quantity there is worse than at both
+    swept speeds next to it.
+    """
+    for run in between:
+        yield Fact("between-speeds", {"label": run.label, "engine_speed": run.engine_speed})
     for label in dict.fromkeys(run.label for run in between):
         mine = [run for run in between if run.label == label]
         own = sorted((run for run in swept if run.label == label), key=lambda run: run.engine_speed)
-        worse = [text for name, sign in WORSE.items() if (text := _worst(own, mine, name, sign))]
-        speeds = ", ".join(f"{run.engine_speed / RPM:.0f}" for run in mine)
-        found = "; ".join(worse) or "nothing worse than at the swept speeds next to them"
-        notes.append(
-            f"{label}, between the speeds of the sweep, where a cam order meets the first surge frequency of the spring "
-            f"({speeds} rpm): {found}."
-        )
-    return tuple(notes)
+        for name, sign in WORSE.items():
+            yield from _worst(own, mine, name, sign)
 
 
-def _worst(swept: Sequence[Solution], between: Sequence[Solution], name: str, sign: int) -> str:
+def _worst(
+    swept: Sequence[Solution], between: Sequence[Solution], name: str, sign: int
+) -> tuple[Fact, ...]:
     """The worst of the values that are worse than at both swept speeds next to them; empty for none."""
-    most, text = -math.inf, ""
+    most, found = -math.inf, tuple[Fact, ...]()
     for run in between:
         speed = run.engine_speed
         sides = (
@@ -100,9 +98,11 @@ def _worst(swept: Sequence[Solution], between: Sequence[Solution], name: str, si
         value, known = run.quantities[name], worst.quantities[name]
         if sign * (value - known) > REPORTED * abs(known) and sign * value > most:
             most = sign * value
-            texts = [
-                f"{float(shown(name, one.quantities[name])[0]):.4g} {shown(name, value)[1]} at {one.engine_speed / RPM:.0f} rpm"
-                for one in (run, worst)
-            ]
-            text = f"{label_of(name)} {texts[0]} ({texts[1]})"
-    return text
+            numbers = {
+                "engine_speed": speed,
+                "value": value,
+                "next_engine_speed": worst.engine_speed,
+                "next_value": known,
+            }
+            found = (Fact("worse-between", {"label": run.label, "quantity": name, **numbers}),)
+    return found

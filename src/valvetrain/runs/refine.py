@@ -30,7 +30,6 @@ from valvetrain.runs.error_bars import (
     damped,
     stiffened,
 )
-from valvetrain.runs.notes import checked_speeds
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
@@ -41,6 +40,7 @@ from valvetrain.runs.prepared import (
     with_quantities,
 )
 from valvetrain.runs.refine_trains import refine_trains
+from valvetrain.runs.refusals import checked_speeds
 from valvetrain.runs.request_cost import refine_cost
 from valvetrain.runs.statics import MODES
 from valvetrain.runs.stored_error_bars import ROD

@@ -25,7 +25,6 @@ from valvetrain.runs.error_bars import (
     damped,
     stiffened,
 )
-from valvetrain.runs.notes import checked_speeds
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
@@ -34,6 +33,7 @@ from valvetrain.runs.prepared import (
     provenance_of,
     with_quantities,
 )
+from valvetrain.runs.refusals import checked_speeds
 from valvetrain.runs.train_runs import member_statics
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Progress
 from valvetrain.solution.critical import DAMPING_FACTORS

@@ -17,27 +17,16 @@ import numpy as np
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.integrate.contract import Keep
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.runs.at_rest import AtRest, RestSolver, numbers_at_rest
-from valvetrain.runs.between_speeds import between_notes, run_between
+from valvetrain.runs.between_speeds import between_facts, run_between
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
-from valvetrain.runs.notes import (
-    beyond_wire_notes,
-    buckling_notes,
-    card_notes,
-    chain_notes,
-    driven_notes,
-    parting_notes,
-    pulling_end_notes,
-    ramp_notes,
-    refuse_implausible,
-    refuse_speeds,
-    ringing_note,
-    spike_notes,
-    undamped_notes,
-    unknown_solid_notes,
-    with_notes,
+from valvetrain.runs.facts import (
+    beyond_wire_facts,
+    case_facts,
+    run_facts,
+    spike_facts,
+    with_facts,
 )
 from valvetrain.runs.own_error_bars import own_error_bars
 from valvetrain.runs.prepared import (
@@ -50,6 +39,7 @@ from valvetrain.runs.prepared import (
     with_later_quantities,
     with_quantities,
 )
+from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
 from valvetrain.runs.stopping import PointsStopped, StudyStopped, noted
 from valvetrain.runs.stored_error_bars import (
     load_uncertainty,
@@ -77,6 +67,7 @@ from valvetrain.runs.workers import (
     worker_count,
 )
 from valvetrain.solution.critical import CriticalSpeeds
+from valvetrain.solution.facts import Fact
 from valvetrain.solution.later import Later, replaced
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import collect_provenance
@@ -89,11 +80,6 @@ from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem
 
-#: Note on the wire of a card.
-CARD_WIRE_NOTE = (
-    "The finite-element spring of a card is a wire made up for it: rate, preload and mass are the card's, five active coils with "
-    "wide gaps are assumed. Its clashes and stresses are not those of the real spring."
-)
 #: Engine speed (rad/s) below which the arrays of a run are large enough to be given back at once.
 SLOW = 125.0
 #: The model whose error bars ship with no case.
@@ -312,7 +298,7 @@ def run_problem(
             problem, speeds, plan, count, progress, finished, later
         )
         rest = ()
-    solutions = failures.part("notes of runs", solutions, with_notes, problem, solutions)
+    solutions = failures.part("facts of runs", solutions, with_facts, problem, solutions)
     provenance = collect_provenance(
         problem.record.name,
         ", ".join(dict.fromkeys(member.model.word for member in problem.members)),
@@ -320,17 +306,13 @@ def run_problem(
         created_at=created_at,
         citations=problem.record.citations,
     )
-    by_speed = sorted((*solutions, *between), key=lambda run: (run.label, run.engine_speed))
     study = Study(
         problem.record,
         command,
         solutions,
         rest,
         still,
-        notes=between_notes(solutions, between)
-        + failures.part("notes", (), pulling_end_notes, by_speed)
-        + failures.part("notes", (), driven_notes, solutions)
-        + failures.part("notes", (), spike_notes, solutions),
+        facts=failures.part("facts", (), _of_runs, solutions, between),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
@@ -341,7 +323,7 @@ def run_problem(
         study = _completed(study, problem, failures)
     else:
         whole_study = at_rest.then(partial(_with_rest, study, problem))
-        parts = ("rest", "still", "comparisons", "findings", "notes", "gaps")
+        parts = ("rest", "still", "comparisons", "findings", "notes", "facts", "gaps")
         named: dict[str, Any] = {one: whole_study.then(attrgetter(one)) for one in parts}
         study = replaced(study, **named) if later and not stopped else whole_study.value
     if stopped:
@@ -382,12 +364,12 @@ def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
 
 def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Study:
     """The study with its notes, what is published, and a sentence per part that failed."""
-    notes = failures.part("notes", (), _notes, problem) + study.notes
+    facts = failures.part("facts", (), case_facts, problem, problem.members) + study.facts
     if not load_uncertainty(
         problem.record
     ):  # a published run is reported next to its measured peaks
-        notes += failures.part("notes", (), beyond_wire_notes, problem, study.solutions)
-    study = replaced(study, notes=notes)
+        facts += failures.part("facts", (), _beyond_wire, problem, study.solutions)
+    study = replaced(study, facts=facts)
     study = failures.part("published values", study, next_to_published, study, problem)
     return replaced(study, gaps=failures.sentences)
 
@@ -420,27 +402,13 @@ def _shares(progress: Progress) -> tuple[Progress, Callable[[int, int], None]]:
     return lambda done, text: progress(GRID_SHARE * done, text), tell
 
 
-def _notes(problem: Problem) -> tuple[str, ...]:
-    members = problem.members
-    assumed_wire = any(
-        m.model.word == "finite-element" and any(s.card for s in m.springs) for m in members
-    )
-    contacts = (default_contacts(m.gear.parameters.contacts) for m in members if m.gear)
-    notes = (
-        CARD_WIRE_NOTE if assumed_wire else "",
-        *dict.fromkeys(contacts),
-        ringing_note(members),
-        *ramp_notes(members),
-    )
-    named = (
-        *parting_notes(members),
-        *undamped_notes(members),
-        *chain_notes(members),
-        *buckling_notes(problem),
-        *unknown_solid_notes(members),
-        *card_notes(members),
-    )
-    return (*filter(None, notes), *named)
+def _of_runs(solutions: Sequence[Solution], between: Sequence[Solution]) -> tuple[Fact, ...]:
+    by_speed = sorted((*solutions, *between), key=lambda run: (run.label, run.engine_speed))
+    return (*between_facts(solutions, between), *run_facts(by_speed), *spike_facts(solutions))
+
+
+def _beyond_wire(problem: Problem, solutions: Sequence[Solution]) -> tuple[Fact, ...]:
+    return tuple(beyond_wire_facts(problem, solutions))
 
 
 def next_to_published(study: Study, problem: Problem) -> Study:

@@ -21,7 +21,6 @@ from valvetrain.quantities.forces import bind_clearances
 from valvetrain.quantities.train_numbers import OpenWindow, turn_quantities
 from valvetrain.runs.cost import limits_of, refuse_cost
 from valvetrain.runs.critical_speeds import CriticalOptions
-from valvetrain.runs.notes import refuse_implausible
 from valvetrain.runs.prepared import (
     FAILURES,
     Plan,
@@ -31,11 +30,13 @@ from valvetrain.runs.prepared import (
     unfinished,
     without_channels,
 )
+from valvetrain.runs.refusals import refuse_implausible
 from valvetrain.runs.request_cost import RunRequest, run_up_cost
 from valvetrain.runs.stopping import PointsStopped, StudyStopped
 from valvetrain.runs.train_runs import STOPPED, WORKER_LOST, member_statics, preloads
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
+from valvetrain.solution.facts import Fact
 from valvetrain.solution.force_peak import bandwidth_of
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.provenance import Provenance, collect_provenance
@@ -195,14 +196,12 @@ def run_up_study(
         citations=problem.record.citations,
     )
     revolutions_of_all = tuple(solution for run in runs for solution in run)
-    notes = (
-        f"Run-up from {first * 30 / np.pi:.6g} to {last * 30 / np.pi:.6g} rpm in {duration:.6g} s, one value per cam revolution.",
-    )
+    ends = {"first_engine_speed": first, "last_engine_speed": last}
     study = Study(
         problem.record,
         "run-up",
         revolutions_of_all,
-        notes=notes,
+        facts=(Fact("run-up", ends | {"duration": duration}),),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,

@@ -100,7 +100,9 @@ _FITS: dict[str, Callable[[Any], bool]] = {
     "str": lambda value: isinstance(value, str),
     "bool": lambda value: isinstance(value, bool),
     "float": lambda value: isinstance(value, (int, float)) and not isinstance(value, bool),
-    "tuple": lambda value: isinstance(value, list) and all(isinstance(one, str) for one in value),
+    "tuple": lambda value: (
+        isinstance(value, list) and all(isinstance(one, (str, list)) for one in value)
+    ),
     "Mapping": lambda value: (
         isinstance(value, dict)
         and all(isinstance(one, (str, int, float, type(None))) for one in value.values())

@@ -10,6 +10,8 @@ from importlib import metadata
 from types import MappingProxyType
 from typing import Literal
 
+from valvetrain.solution.facts import Fact
+
 #: Packages whose version can change a number.
 DEPENDENCIES = ("numpy", "scipy", "numba", "xarray")
 
@@ -24,7 +26,7 @@ class Provenance:
     (ISO 8601, or empty), so that equal inputs give equal content. ``citations``: whole references.
     ``label`` of the run within its study (the name of the model where it is unique); ``system``:
     ``prescribed-spring`` or ``train``; ``springs``: ``("spring",)`` or ``("outer", "inner")``, the
-    prefixes of the channels of a nested pair; ``notes``: sentences on what its model leaves out or needs.
+    prefixes of the channels of a nested pair; ``facts``: what its model leaves out or needs.
     """
 
     case_name: str
@@ -41,14 +43,15 @@ class Provenance:
     spring_set: str = ""
     system: str = ""
     springs: tuple[str, ...] = ("spring",)
-    notes: tuple[str, ...] = ()
+    facts: tuple[Fact, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "dependencies", MappingProxyType(dict(self.dependencies)))
         object.__setattr__(self, "options", MappingProxyType(dict(self.options)))
         object.__setattr__(self, "citations", tuple(self.citations))
         object.__setattr__(self, "springs", tuple(self.springs))
-        object.__setattr__(self, "notes", tuple(self.notes))
+        facts = tuple(Fact(code, dict(values)) for code, values in self.facts)
+        object.__setattr__(self, "facts", facts)
         object.__setattr__(self, "label", self.label or self.model)
 
     def __reduce__(self) -> tuple[object, ...]:

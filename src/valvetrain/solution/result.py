@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
 from valvetrain.solution.display import frame, span, table_and_picture, value_text, verdict_first
+from valvetrain.solution.facts import Fact
 from valvetrain.solution.later import LaterField, LaterMapping
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
@@ -100,9 +101,9 @@ class Solution(Saveable):
         return self.provenance.spring_set
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """Sentences on this run: what its model leaves out, what its inputs need."""
-        return self.provenance.notes
+    def facts(self) -> tuple[Fact, ...]:
+        """Facts of this run: what its model leaves out, what its inputs need."""
+        return self.provenance.facts
 
     @property
     def springs(self) -> tuple[str, ...]:
@@ -225,7 +226,6 @@ class Solution(Saveable):
             )
         if self.gaps:
             lines.append(f"{len(self.gaps)} not found: {self.gaps[0]}")
-        lines += [f"note: {text}" for text in self.notes]
         return verdict_first(self, lines)
 
     def _repr_html_(self) -> str:

@@ -16,6 +16,7 @@ from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.display import table_and_picture, value_text, verdict_first
+from valvetrain.solution.facts import Fact
 from valvetrain.solution.later import LaterField
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
@@ -60,7 +61,8 @@ class Study(Reported):
     ``rest``: springs at rest. ``still``: quantities that belong to no run, by label (empty: of the
     case). ``comparisons`` and ``findings``: those with published numbers, empty for a case of one's
     own. ``critical_speeds``: those of a sweep of a train. ``lift_event``: None without lift or
-    where it spans the cam's zero. ``gaps``: a sentence per part, of no single run, that failed.
+    where it spans the cam's zero. ``facts``: what its numbers rest on; ``notes``: remarks of its source.
+    ``gaps``: a sentence per part, of no single run, that failed.
     ``error_bars``: of the numbers of its runs, each run once more when they are first read; those of
     a published study are stored. What needs the springs at rest may be computed when it is first
     read. ``between``: reduced runs between the speeds of a sweep, where cam orders meet a surge
@@ -84,6 +86,7 @@ class Study(Reported):
     comparisons: LaterField[tuple[Comparison, ...]] = LaterField(tuple)
     findings: LaterField[tuple[Finding, ...]] = LaterField(tuple)
     notes: LaterField[tuple[str, ...]] = LaterField(tuple)
+    facts: LaterField[tuple[Fact, ...]] = LaterField(tuple)
     lift_event: LiftEvent | None = None
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     wall_time: float = field(default=0.0, compare=False)
@@ -96,11 +99,6 @@ class Study(Reported):
     def interruption(self) -> str:
         """What was not computed because the study was stopped; empty of a whole one."""
         return next((one for one in self.gaps if one.startswith(INTERRUPTED)), "")
-
-    @property
-    def all_notes(self) -> tuple[str, ...]:
-        """The notes, and what is said of the error bars."""
-        return (*self.notes, *self.error_bars.sentences)
 
     def __repr__(self) -> str:
         found = self.quantities
@@ -132,7 +130,6 @@ class Study(Reported):
         lines += self._unsettled()
         if self.critical_speeds.rows:
             lines += repr(self.critical_speeds).splitlines()
-        lines += [f"note: {text}" for text in self.notes]
         return verdict_first(self, lines)
 
     def _unsettled(self) -> list[str]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from valvetrain.report.fact_texts import study_notes
 from valvetrain.report.headlines import (
     NAMED_CLASHES,
     HeadlineRow,
@@ -84,7 +85,7 @@ def answers_blocks(study: Study) -> tuple[Block, ...]:
     own = (
         ()
         if study.comparisons or study.findings
-        else tuple(block for one in study.all_notes for block in folded_note(one))
+        else tuple(block for one in study_notes(study) for block in folded_note(one))
     )
     return (*failed, *((Cards(tuple(cards)),) if cards else ()), *own, *_clashes(study))
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
+from valvetrain.report.fact_texts import study_notes
 from valvetrain.report.model_charts import error_bar_chart
 from valvetrain.report.page import (
     Block,
@@ -67,7 +68,7 @@ def published_blocks(study: Study) -> tuple[Block, ...]:
         found.append(
             Grid(("place in the source", "finding of the source", "computed here", "verdict"), rows)
         )
-    return (*found, *prose(study.all_notes, "Notes on these values")) if found else ()
+    return (*found, *prose(study_notes(study), "Notes on these values")) if found else ()
 
 
 def ratios(rows: tuple[Comparison, ...]) -> list[tuple[Comparison, float]]:

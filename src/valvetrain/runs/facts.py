@@ -1,0 +1,176 @@
+"""Facts of a study and of its runs: inputs that have no effect or need care, what a model leaves out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.steel_contacts import default_contacts
+from valvetrain.quantities.end_events import PULL
+from valvetrain.quantities.statics import formula_compression
+from valvetrain.quantities.stress import most_force_of_wire
+from valvetrain.runs.prepared import FAILURES, largest_lift
+from valvetrain.solution.facts import Fact, distinct
+from valvetrain.solution.later import replaced
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Detail
+from valvetrain.system.contract import TRAIN
+from valvetrain.system.problem import Member, Problem
+from valvetrain.units import believed
+
+Fields = dict[str, Detail]
+#: Tensile strength (Pa) above that of any wire of a valve spring.
+MAX_STRENGTH = 2.5e9
+#: A raw peak over that below 5 kHz from which a spike is reported with its band.
+SPIKE = 1.02
+
+
+def case_facts(problem: Problem, members: Sequence[Member]) -> tuple[Fact, ...]:
+    """Facts of the ``members`` of a problem that no run decides."""
+    found: list[Fact] = []
+    for member in members:
+        cards = [spring for spring in member.springs if spring.card is not None]
+        if member.model.word == "finite-element" and cards:
+            found.append(Fact("assumed-wire"))
+        if member.gear is not None:
+            if contacts := default_contacts(member.gear.parameters.contacts):
+                found.append(Fact("default-contacts", contacts))
+            ramp = getattr(member.gear.mechanism.kinematics.law, "assumed_ramp", None)
+            if ramp is not None:
+                found.append(Fact("assumed-ramp", {"velocity": float(ramp)}))
+            found += [Fact("card-alone", {"spring": spring.name}) for spring in cards]
+        if member.instead:
+            found.append(
+                Fact("not-the-default", {"model": member.model.word, "reason": member.instead})
+            )
+        for spring in member.springs:
+            found += _spring_facts(member, spring)
+    return distinct((*found, *_buckling(problem, members)))
+
+
+def _spring_facts(member: Member, spring: InstalledSpring) -> Iterator[Fact]:
+    name = {"spring": spring.name}
+    damping = spring.damping
+    damped = bool(damping.mass_damping or damping.stiffness_damping or damping.ratio)
+    if member.model.damped and not damped:
+        yield Fact("no-damping", name)
+    if damped and not member.model.damped:
+        yield Fact("unused-damping", name | {"model": member.model.word})
+    if spring.card is not None and spring.card.split:
+        yield Fact("split-loads", spring.card.split)
+    if member.model.word == "multi-mass" and spring.wire is not None:
+        yield from _chain_of_wire(member, spring)
+    if spring.room is None and any(one.room is not None for one in member.springs):
+        yield Fact("unknown-solid-height", name)
+
+
+def _chain_of_wire(member: Member, spring: InstalledSpring) -> Iterator[Fact]:
+    """What a chain of masses takes from the rod that it replaces, and what not."""
+    from valvetrain.springs.chain_from_rod import match  # most runs have no chain of a wire
+
+    given = dict(spring.options_of("multi-mass"))
+    if not getattr(member.model.read_options(given), "from_rod", False):
+        return
+    try:
+        options = member.model.read_options(given | {"from_rod": False})
+        with believed():
+            compared = match(member.model.make(spring, options, None), spring)
+    except FAILURES:  # its run says why
+        return
+    force_error, second = compared.errors()
+    yield Fact("chain-of-wire", {
+        "spring": spring.name, "surge_frequency": compared.surge_frequency, "force_error": force_error,
+        "second_frequency_error": math.nan if second is None else second,
+        "better": "finite-element" if member.instead else "reduced-rod",
+    })  # fmt: skip
+
+
+def _buckling(problem: Problem, members: Sequence[Member]) -> Iterator[Fact]:
+    """Wires of a train without a guide that buckle by the formula before the largest lift: the rod at
+    rest is not solved for the run of a train.
+    """
+    if problem.kind != TRAIN:
+        return
+    for spring in dict.fromkeys(spring for member in members for spring in member.springs):
+        if spring.wire is None or spring.guide is not None:
+            continue
+        limit, opened = (
+            formula_compression(spring.wire),
+            spring.precompression + largest_lift(problem),
+        )
+        if limit is not None and limit < opened:
+            limits = {"compression": limit, "open_compression": opened}
+            yield Fact("buckles", {"spring": spring.name, **limits})
+
+
+def run_facts(runs: Iterable[Solution]) -> Iterator[Fact]:
+    """Facts of single runs: ends that would pull or lift, solids that follow a train."""
+    forces = ("minimum_spring_force", "minimum_retainer_force")
+    for run in runs:
+        name: Fields = {"label": run.label, "engine_speed": run.engine_speed}
+        if any(event.kind == PULL for event in run.events):
+            yield Fact("ends-pull", name)
+        if run.model == "solid" and any(run.quantities.get(one, 0.0) < 0 for one in forces):
+            yield Fact("ends-bonded", name)
+        if driver := run.statistics.get("driver", ""):
+            yield Fact("follows-a-train", {**name,
+                "driver": driver, "repeats": run.statistics.get("motion_period_count") == 1.0,
+                "force_difference": run.quantities["driver_difference_force"],
+            })  # fmt: skip
+
+
+def with_facts(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solution, ...]:
+    """The solutions of a problem, each with the facts that concern it."""
+    case = {member.label: case_facts(problem, (member,)) for member in problem.members}
+    return tuple(
+        replaced(run, provenance=replace(run.provenance, facts=facts))
+        if (facts := (*case[run.label], *run_facts((run,))))
+        else run
+        for run in solutions
+    )
+
+
+def spike_facts(solutions: Iterable[Solution]) -> Iterator[Fact]:
+    """Clash spikes of solids, whose raw heights rest on mesh and contact constants."""
+    for run in solutions:
+        raw, below_5 = (
+            run.quantities.get(f"main_clash_{band}peak_force", 0.0) for band in ("", "below_5_khz_")
+        )
+        if run.model == "solid" and raw > SPIKE * below_5 > 0:
+            forces = {"raw_force": raw, "force_below_5_khz": below_5}
+            yield Fact("spike", {"engine_speed": run.engine_speed, **forces})
+
+
+def beyond_wire_facts(problem: Problem, solutions: Iterable[Solution]) -> Iterator[Fact]:
+    """Runs whose peak force is above that at which all coils are closed, and whose stress is above the
+    strength of the wire.
+    """
+    for run in solutions:
+        label: Fields = {"label": run.label, "engine_speed": run.engine_speed}
+        for spring in _springs_of(problem, run):
+            if spring.name not in run.springs and len(run.springs) > 1:
+                continue
+            first = f"{spring.name}_" if len(run.springs) > 1 else ""
+
+            def number(name: str, missing: float, run: Solution = run, first: str = first) -> float:
+                return run.quantities.get(first + name, missing)
+
+            most, force = most_force_of_wire(spring), number("peak_spring_force", 0.0)
+            if force > most:
+                shear = number("peak_shear_stress", math.nan)
+                numbers = {"solid_force": most, "force": force, "stress": shear}
+                yield Fact("above-solid", {**label, "spring": spring.name, **numbers})
+            names = ("peak_shear_stress", "open_nominal_shear_stress")
+            stress = max(number(one, 0.0) for one in names)
+            if stress > number("wire_tensile_strength", MAX_STRENGTH):
+                yield Fact("above-strength", {**label, "stress": stress})
+
+
+def _springs_of(problem: Problem, run: Solution) -> tuple[InstalledSpring, ...]:
+    """The springs that moved in a run: those of its member, of two sets its own alone."""
+    own = next((one for one in problem.members if one.label == run.label), None)
+    if own is not None:
+        return own.springs
+    return tuple({one.name: one for member in problem.members for one in member.springs}.values())

@@ -1,0 +1,107 @@
+"""Refusals before the runs of a study: engine speeds, implausible motions and parts, what cannot be integrated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from valvetrain.errors import InputError
+from valvetrain.quantities.plausible import refuse_implausible_motion, refuse_implausible_parts
+from valvetrain.runs.prepared import law_lift, prepare
+from valvetrain.system.problem import Problem
+
+#: Parts of a train with friction.
+RUBBING = ("follower", "valve")
+
+
+def checked_speeds(
+    problem: Problem, engine_speeds: Sequence[float] | None, implausible: bool
+) -> tuple[float, ...]:
+    """The engine speeds (rad/s of the crank; None: those of the problem), refused as the two
+    functions below do.
+
+    ``implausible`` motions and parts pass.
+    """
+    speeds = problem.engine_speeds if engine_speeds is None else tuple(map(float, engine_speeds))
+    refuse_speeds(problem, speeds)
+    if not implausible:
+        refuse_implausible(problem, speeds)
+    return speeds
+
+
+def refuse_speeds(problem: Problem, engine_speeds: Sequence[float]) -> None:
+    """Raise :class:`InputError` for engine speeds (rad/s of the crank) that are not positive, or
+    without a lift.
+    """
+    if any(not (np.isfinite(speed) and speed > 0) for speed in engine_speeds):
+        raise InputError(
+            "every engine speed must be positive; give it as '4200 rpm'", "engine_speeds"
+        )
+    if engine_speeds and not problem.moves:
+        remedy = "add a [lift_law] table, or leave the engine speed out for its statics and modes"
+        raise InputError(
+            f"case '{problem.record.name}' holds no lift law, so its spring does not move; {remedy}",
+            "engine_speeds",
+        )
+
+
+def refuse_implausible(problem: Problem, engine_speeds: Sequence[float]) -> None:
+    """Raise :class:`InputError` for an implausible motion or part."""
+    if problem.moves:
+        refuse_implausible_motion(problem.valve_lift, (speed / 2 for speed in engine_speeds))
+    values: dict[str, float] = {}
+    for member in problem.members:
+        for spring in member.springs:
+            if (wire := spring.wire) is not None:
+                coil = np.linspace(0.0, wire.total_coils, 65)
+                values[f"spring '{spring.name}'.wire_diameter"] = float(
+                    np.min(wire.wire_diameter.value(coil))
+                )
+                values[f"spring '{spring.name}'.spring_index"] = float(np.max(wire.index(coil)))
+        if member.rubbing is not None:
+            values["rubbing.friction_coefficient"] = member.rubbing.coefficient
+        if member.gear is not None:
+            train = member.gear.parameters
+            for part in RUBBING:
+                values[f"train.{part}.friction"] = getattr(
+                    getattr(train, part, None), "friction", 0.0
+                )
+            for place, contact in train.contacts.items():
+                values[f"train.contacts.{place}.friction_coefficient"] = (
+                    contact.friction_coefficient
+                )
+    refuse_implausible_parts(values)
+
+
+def refusals_before_run(problem: Problem, implausible: bool = False) -> dict[str, str]:
+    """Label -> why the member cannot be integrated, for those that cannot; found by the parts that
+    a run is made of.
+
+    Springs under prescribed motion are also built for their statics. Raises :class:`InputError`
+    with what refuses the whole run; ``implausible`` values pass.
+    """
+    # A sweep of a train never needs these.
+    from valvetrain.runs.statics import default_model, reach_of
+    from valvetrain.springs.finite_element import FiniteElementRod
+
+    checked_speeds(problem, None, implausible)
+    lift = law_lift(problem)
+    found = {}
+    for member in problem.members:
+        if member.refusal:
+            found[member.label] = member.refusal
+        elif not member.model.needs_rest and (
+            refusal := prepare(problem, member, {}, problem.record.study).refusal
+        ):
+            found[member.label] = refusal
+        for spring in member.springs:
+            if spring.wire is None and member.gear is None:
+                problem.model_of(default_model(spring), spring)
+            elif spring.wire is not None and (member.gear is None or member.model.needs_rest):
+                rod = problem.model_of("finite-element", spring)
+                if spring.contact.stiffness > 0:
+                    spring.wire.refuse_solid(reach_of(spring, lift))
+                if isinstance(rod, FiniteElementRod):
+                    _ = rod.installed  # its statics need no time step
+    return found
