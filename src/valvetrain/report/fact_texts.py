@@ -89,15 +89,6 @@ def _contacts(fact: Fact) -> str:
     )
 
 
-def _unused_damping(facts: Sequence[Fact]) -> list[str]:
-    models = dict.fromkeys(one.fields["model"] for one in facts)
-    return [
-        f"A {model} spring has no inner motion: the damping of {_springs([one for one in facts if one.fields['model'] == model])} has no "
-        "effect in it."
-        for model in models
-    ]
-
-
 def _split(fact: Fact) -> str:
     shares = "; ".join(
         f"{name} {float(fact.fields[f'{name}_rate']) / 1e3:.4g} N/mm, {float(fact.fields[f'{name}_preload']):.4g} N, "
@@ -197,6 +188,21 @@ def _worse(fact: Fact) -> str:
     return f"{fact.fields['label']}, between the speeds of the sweep: {label_of(name)} {one} ({other})."
 
 
+def _spread(facts: Sequence[Fact]) -> list[str]:
+    speeds: dict[str, list[str]] = {}
+    for one in facts:
+        name = str(one.fields["quantity"])
+        low, high = (
+            f"{float(shown(name, float(one.fields[end]))[0]):.3g}" for end in ("low", "high")
+        )
+        text = f"{label_of(name)} {low} to {high} {shown(name, 1.0)[1]}"
+        speeds.setdefault(_rpm(one), []).append(text)
+    return [
+        f"{speed} rpm, what the calibration data leave open (5 to 95 %): {'; '.join(some)}."
+        for speed, some in speeds.items()
+    ]
+
+
 def _run_up(fact: Fact) -> str:
     first, last = _rpm(fact, "first_engine_speed"), _rpm(fact, "last_engine_speed")
     return f"Run-up from {first} to {last} rpm in {fact.fields['duration']:.6g} s, one value per cam revolution."
@@ -210,7 +216,7 @@ TEXTS: dict[str, Text] = {
     "assumed-ramp": _each(lambda one: f"Ramp of the cam assumed: {math.radians(float(one.fields['velocity'])) * 1e3:.4g} mm per cam degree, "
         "for your card gives none; the seating velocity follows from it (ramp_velocity, ramp_lift)."),
     "split-loads": _each(_split),
-    "unused-damping": _unused_damping,
+    "unused-damping": _whole(lambda facts: f"The damping of {_springs(facts)} has no effect in a spring without inner motion."),
     "not-the-default": _each(lambda one: f"Runs by {one.fields['model']}, not by the default reduced-rod: {one.fields['reason']}."),
     "chain-of-wire": _each(_chain),
     "buckles": _each(_buckles),
@@ -227,5 +233,6 @@ TEXTS: dict[str, Text] = {
     "above-strength": _whole(_above_strength),
     "between-speeds": _between,
     "worse-between": _each(_worse),
+    "calibration-spread": _spread,
     "run-up": _each(_run_up),
 }  # fmt: skip

@@ -25,7 +25,6 @@ from valvetrain.solution.critical import FLOAT_LIFT
 from valvetrain.solution.definition import NESTED
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
-from valvetrain.system.contract import TRAIN
 
 #: Heights of the valve at which a card gives its duration.
 CARD_LIFTS = ("50_thou", "1_mm")
@@ -49,10 +48,6 @@ EACH = OF_RUNS | {
     "clash_energy": ("clash energy", False),
     CLEARANCE: ("clearance to coil bind at full lift", True),
 }
-#: Share of the work below which a gap of the energy balance is given as that.
-CLOSED = 1e-5
-#: Work of the cam in one cycle, and what leaves a train that repeats: of contacts and guides, of springs.
-CYCLE_ENERGIES = ("cycle_work_energy", "cycle_dissipated_energy", "spring_dissipated_energy")
 PRELOAD = "begins at rest, at a preload of"
 #: Labels of which each is listed.
 MAX_LABELS = 4
@@ -208,18 +203,6 @@ def _impacts(runs: Runs, one: Worst) -> str:
     return IMPACTS if one.name in (POWER, CAM_FORCE) and beyond_control(run) else ""
 
 
-def _imbalance(run: Solution) -> float:
-    """Gap of the energy balance over the work done: of a spring the largest of its run, of a train whose
-    motion repeats that of one cycle, between work of the cam and what contacts and springs lose.
-    """
-    found = run.quantities
-    if run.provenance.system != TRAIN:
-        return found.get("energy_imbalance_ratio", math.nan)
-    work, lost, heat = (found.get(name, math.nan) for name in CYCLE_ENERGIES)
-    repeats = found.get("motion_period_count") == 1 and work > 0
-    return abs(work - lost - heat) / work if repeats else math.nan
-
-
 def _also_open(runs: Runs, run: Solution) -> str:
     """Durations of lobe and rigid valve at the same heights, which a card may mean; empty where none is
     known, or where runs differ in them.
@@ -255,17 +238,6 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
     known = {runs.value(run, "rigid_contact_loss_engine_speed") for run in runs.solutions}
     if math.isfinite(floats) and len(known) == 1:  # of several, a table has the range
         yield "contact-loss speed, rigid parts", worst, f"{rpm(floats):.0f} rpm"
-    stepped = next(
-        (run for run in (worst, *runs.solutions) if "time_step_duration" in run.quantities), None
-    )
-    if stepped is None:
-        return
-    step = quantity_text("time_step_duration", stepped.quantities["time_step_duration"])
-    gap = _imbalance(stepped)
-    if math.isfinite(gap):
-        least = 100 * max(gap, CLOSED)
-        step += f", energy closes to {figure(least, 2)} %{' or better' if gap < CLOSED else ''}"
-    yield "stable time step", stepped, step
-    preload = runs.value(stepped, "preload")
+    preload = runs.value(worst, "preload")
     if math.isfinite(preload):
-        yield PRELOAD, stepped, quantity_text("preload", preload)
+        yield PRELOAD, worst, quantity_text("preload", preload)

@@ -9,7 +9,6 @@ import math
 from valvetrain.report.clauses import (
     ENDED,
     Runs,
-    Worst,
     amount_text,
     clause_texts,
     ended_clauses,
@@ -31,7 +30,6 @@ from valvetrain.report.run_clauses import (
 from valvetrain.report.sections.at_rest import MODE_ORDERS, marked_compressions
 from valvetrain.report.springs_verdict import springs_verdict
 from valvetrain.report.sweep_verdict import runs_over_speed, sweep_clauses, worst_label
-from valvetrain.report.text import speed_text
 from valvetrain.solution.definition import NESTED
 from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
@@ -68,7 +66,6 @@ def study_verdict(study: Study) -> str:
         *rest_failures(study),
         *clause_texts(list(run_clauses(judged)), judged),
         _power(study),
-        _spread(study),
     ]
     return in_sentences(found, [], published, condition_of(judged))
 
@@ -113,39 +110,6 @@ def _power(study: Study) -> str:
     texts = [f"{quantity_text(POWER, value)} ({runs.name(run)})" for run, value in found]
     which = f", {more} {'more' if other > one else 'less'}"
     return f"cam power {', '.join(texts)}{which}"
-
-
-def _spread(study: Study) -> str:
-    """How far models of one spring set are apart in the peak force, where there are several."""
-    worst: tuple[float, float, str, str] | None = None
-    bars = judged_runs(study)
-    for speed in study.engine_speeds:
-        for name in {run.spring_set for run in study.solutions}:
-            peaks = {
-                run.model: run
-                for run in study.solutions
-                if run.label.rpartition(", ")[2] == run.model
-                and run.engine_speed == speed
-                and run.spring_set == name
-                and is_judged(run)
-                and math.isfinite(run.quantities.get(PEAK, math.nan))
-            }
-            if len(peaks) > 1:
-                ends = sorted(peaks.values(), key=lambda run: run.quantities[PEAK])
-                low, high = (ends[at].quantities[PEAK] for at in (0, -1))
-                known = sum(
-                    bars.bar(Worst(PEAK, run.quantities[PEAK], run), above=0.0)
-                    for run in (ends[0], ends[-1])
-                )
-                inside = ", inside their error bars" if high - low <= known else ""
-                found = (high - low) / max(abs(high), 1e-12), speed, inside, ends[0].model
-                worst = found if worst is None or found > worst else worst
-    if worst is None:
-        return ""
-    apart, speed, inside, least = worst
-    where = f" at {speed_text(speed)}" if len(study.engine_speeds) > 1 else ""
-    least = f" (least by {least})" if len({run.model for run in study.solutions}) > 2 else ""
-    return f"models differ by {share(apart)} in peak force{where}{least}{inside}"
 
 
 def rest_failures(study: Study) -> list[str]:

@@ -43,9 +43,8 @@ from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
 from valvetrain.runs.stopping import PointsStopped, StudyStopped, noted
 from valvetrain.runs.stored_error_bars import (
     load_uncertainty,
-    spread_sentences,
+    spread_facts,
     stored_rows,
-    uncertainty_sentences,
     with_blind,
 )
 from valvetrain.runs.train_runs import (
@@ -441,7 +440,8 @@ def next_to_published(study: Study, problem: Problem) -> Study:
     if rows or compared.findings:
         record, found = study.record, compared.quantities
         notes += record.remarks
-        notes += uncertainty_sentences(record, ran, found) + spread_sentences(record, ran, found)
+        facts = compared.facts + spread_facts(record, ran, found)
+        compared = replaced(compared, facts=facts)
     return replaced(compared, comparisons=rows, notes=notes)
 
 

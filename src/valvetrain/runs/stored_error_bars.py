@@ -1,23 +1,21 @@
-"""Error bars and calibration spread that ship with a library case, and the sentences on them in the
-notes of a run.
-"""
+"""Error bars and calibration spread that ship with a library case."""
 
 from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from valvetrain.parameters.loading import library_names
-from valvetrain.runs.error_bars import STIFFNESS_FACTORS, grouped
+from valvetrain.runs.error_bars import grouped
 from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.definition import shown
+from valvetrain.solution.facts import Fact
 from valvetrain.solution.later import LaterMapping
-from valvetrain.solution.provenance import CaseRecord, PublishedValue
-from valvetrain.solution.quantity import Quantity, same_speed, unit_of
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.uncertainty import Uncertainty
 
 if TYPE_CHECKING:
@@ -30,28 +28,9 @@ ROD = "finite-element"
 #: Heading of the rows without engine speed, and what separates engine speed and variant in the
 #: headings of a train.
 _STATICS, _OF = "statics", ", of "
-#: Share of a value beyond which its error bar is explained.
-COARSE = 0.05
 #: A stored row belongs to a computed value that differs by less than this share, or less than its
 #: own uncertainty.
 SAME = 1e-3
-#: Quantities in the sentence on a train, and in that on a clash, with their labels.
-TRAIN_LABELS = (
-    ("peak_spring_force", "peak spring force"), ("peak_cam_contact_force", "peak cam force"),
-    ("peak_seat_contact_force", "peak seat force"), ("seating_velocity", "seating velocity"),
-)  # fmt: skip
-CLASH_LABELS = (
-    ("main_clash_below_5_khz_peak_force", "height below 5 kHz"),
-    ("main_clash_peak_force", "raw"), ("main_clash_cam_angle", "at"), ("main_clash_impulse", "impulse"),
-)  # fmt: skip
-#: Quantities in the sentence on the calibration spread, with their labels.
-SPREAD_LABELS = {
-    "stage_2_peak_force": "Stage II peak force",
-    "stage_2_first_peak_force": "first Stage II peak",
-    "stage_2_second_peak_force": "second Stage II peak",
-    "stage_3_peak_force": "Stage III spike",
-    "node_2_maximum_displacement": "largest displacement of node 2",
-}
 
 
 def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
@@ -89,14 +68,6 @@ def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]
     return tuple(
         _row(name, label, numbers) for label, table in tables for name, numbers in table.items()
     )
-
-
-def meshes_of(record: CaseRecord) -> tuple[int, ...]:
-    """Elements per coil of the meshes behind :func:`load_uncertainty`; empty where that has no
-    rows.
-    """
-    content = _library_file(record, "uncertainty")
-    return tuple(content.get("case", {}).get("elements_per_coil", ()))
 
 
 def _library_file(record: CaseRecord, ending: str) -> dict[str, Any]:
@@ -161,74 +132,6 @@ def rows_that_hold(
     return tuple(row for row in rows if (row.engine_speed, row.label) not in lost)
 
 
-def uncertainty_sentences(
-    record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]
-) -> tuple[str, ...]:
-    """One sentence on the error bars per engine speed that was run (rad/s), and per variant of a
-    train.
-
-    None for a speed at which ``quantities`` are not those that were refined.
-    """
-    return sentences_of(rows_that_hold(record, quantities), meshes_of(record), engine_speeds)
-
-
-def sentences_of(
-    rows: Sequence[Uncertainty], elements_per_coil: Sequence[int], engine_speeds: Sequence[float]
-) -> tuple[str, ...]:
-    """One sentence per variant and engine speed (rad/s) of the rows that is among
-    ``engine_speeds``.
-    """
-    run, sentences = {round(speed / RPM) for speed in engine_speeds}, []
-    meshes = ", ".join(map(str, elements_per_coil))
-    for (speed, label), group in grouped(rows).items():
-        if speed is None or round(speed / RPM) not in run:
-            continue
-        found = {row.quantity: row for row in group}
-        if label != ROD:
-            sentences.append(
-                f"{_rpm(speed)}, {label}, with numerical uncertainty: {_bars(found, TRAIN_LABELS)}.{_coarse_springs(found)}"
-            )
-        elif CLASH_LABELS[0][0] in found:
-            sentences.append(_clash_sentence(speed, found, meshes))
-    return tuple(sentences)
-
-
-def _bars(rows: Mapping[str, Uncertainty], labels: Sequence[tuple[str, str]]) -> str:
-    """Label, value and error bar of the rows that are there."""
-    return "; ".join(
-        f"{label} {_with_unit(rows[name].value, name)} ± {_with_unit(rows[name].numerical, name, 2)}"
-        for name, label in labels
-        if name in rows
-    )
-
-
-def _coarse_springs(rows: Mapping[str, Uncertainty]) -> str:
-    """A sentence on large error bars that the division of the springs causes, not the step."""
-    large = [
-        label
-        for name, label in TRAIN_LABELS
-        if (row := rows.get(name)) is not None
-        and row.numerical > COARSE * abs(row.value)
-        and row.step_part < 0.1 * row.numerical
-    ]
-    if not large:
-        return ""
-    return (
-        f" More than {100 * COARSE:.0f} % of {', '.join(large)} depends on how finely the springs are divided (elements or masses), next "
-        "to nothing on the step: surge of few elements runs at other frequencies and meets the seating in another phase."
-    )
-
-
-def _clash_sentence(speed: float, rows: Mapping[str, Uncertainty], meshes: str) -> str:
-    raw, (soft, stiff) = rows["main_clash_peak_force"].contact_stiffness, STIFFNESS_FACTORS
-    filtered = rows["main_clash_below_5_khz_peak_force"].contact_stiffness
-    return (
-        f"{_rpm(speed)}, main clash of coils 1 and 2, numerical uncertainty from {meshes} elements per coil: "
-        f"{_bars(rows, CLASH_LABELS)}. Contact stiffness from {soft:g} to {stiff:g} times the case's moves the height from "
-        f"{filtered[0]:.4g} to {filtered[1]:.4g} N below 5 kHz and from {raw[0]:.4g} to {raw[1]:.4g} N raw."
-    )
-
-
 def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
     heading, _, variant = label.partition(_OF)
     speed = None if heading == _STATICS else float(heading.split()[0]) * math.pi / 30
@@ -255,11 +158,6 @@ def _numbers(row: Uncertainty) -> tuple[float, ...]:
 
 def _rpm(engine_speed: float) -> str:
     return f"{engine_speed * 30 / math.pi:g} rpm"
-
-
-def _with_unit(value: float, name: str, digits: int = 4) -> str:
-    number, unit = shown(name, value)
-    return f"{float(f'{number:.{digits}g}'):g} {unit}"
 
 
 def with_blind(rows: Sequence[Comparison], record: CaseRecord) -> tuple[Comparison, ...]:
@@ -299,54 +197,18 @@ def load_spread(record: CaseRecord) -> tuple[Spread, ...]:
     )
 
 
-def spread_sentences(
+def spread_facts(
     record: CaseRecord, engine_speeds: Sequence[float], quantities: Mapping[Quantity, float]
-) -> tuple[str, ...]:
-    """One sentence per engine speed that was run (rad/s): ranges of quantities, and whether they
-    hold the published value.
+) -> tuple[Fact, ...]:
+    """Ranges (5 to 95 %) that the calibration data leave open at the speeds that were run (rad/s).
 
     None for a speed at which ``quantities`` are not those that the spread was found with.
     """
-    reproduced = {
-        round(row.engine_speed / RPM)
-        for row in rows_that_hold(record, quantities)
-        if row.engine_speed is not None
-    }
-    run = {round(speed / RPM) for speed in engine_speeds}
-    return spread_sentences_of(load_spread(record), record.published, run & reproduced)
-
-
-def spread_sentences_of(
-    spread: Sequence[Spread], published: Sequence[PublishedValue], engine_rpms: Collection[int]
-) -> tuple[str, ...]:
-    """One sentence per engine speed (rpm) of the spread that is among ``engine_rpms``."""
-    sentences = []
-    for rpm in sorted({one.engine_rpm for one in spread} & set(engine_rpms)):
-        parts = [
-            _range_text(one, published)
-            for one in spread
-            if one.engine_rpm == rpm and one.quantity in SPREAD_LABELS
-        ]
-        if parts:
-            sentences.append(
-                f"{rpm} rpm, what the calibration data leave open (5 to 95 %): {'; '.join(parts)}."
-            )
-    return tuple(sentences)
-
-
-def _range_text(one: Spread, published: Sequence[PublishedValue]) -> str:
-    scale, unit = (1e3, "mm") if unit_of(one.quantity) == "m" else (1.0, unit_of(one.quantity))
-    low, high = (
-        float(f"{value * scale:.3g}") for value in (one.low, one.high)
-    )  # a round number, not 1.23e+03
-    text = f"{SPREAD_LABELS[one.quantity]} {low:g} to {high:g} {unit}"
-    for value in published:
-        speed = None if value.engine_speed is None else round(value.engine_speed / RPM)
-        if (value.quantity, speed, value.model) == (
-            one.quantity,
-            one.engine_rpm,
-            "solid finite elements",
-        ):
-            position = "inside" if one.low <= value.value <= one.high else "outside"
-            return f"{text} (published {value.value * scale:.4g}, {position})"
-    return text
+    held = rows_that_hold(record, quantities)
+    reproduced = {round(row.engine_speed / RPM) for row in held if row.engine_speed is not None}
+    run = reproduced & {round(speed / RPM) for speed in engine_speeds}
+    return tuple(
+        Fact("calibration-spread", {"quantity": one.quantity, "engine_speed": one.engine_rpm * RPM,
+                                    "low": one.low, "high": one.high})
+        for one in load_spread(record) if one.engine_rpm in run
+    )  # fmt: skip

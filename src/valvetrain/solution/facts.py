@@ -30,6 +30,7 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "above-strength": ("label", "engine_speed", "stress"),
     "between-speeds": ("label", "engine_speeds"),
     "worse-between": ("label", "quantity", "engine_speed", "value", "next_engine_speed", "next_value"),
+    "calibration-spread": ("quantity", "engine_speed", "low", "high"),
     "run-up": ("first_engine_speed", "last_engine_speed", "duration"),
 }  # fmt: skip
 
