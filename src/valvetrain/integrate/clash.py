@@ -227,7 +227,7 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
     # Contacts begin and end between samples: half a step is added either side, and the trapezoid
     # closes on nil force.
     start, end = max(first - 1, 0), min(last + 1, len(time) - 1)
-    summed, stored = np.zeros(end - start + 1), np.zeros(end - start + 1)
+    summed, stored = np.zeros((2, end - start + 1))
     for contact in group:
         mine, inside = (
             slice(contact.first, contact.last + 1),
@@ -243,16 +243,15 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
     )
     top, coil = start + int(np.argmax(summed)), upper_coil_of(pairs.places[strongest.pair])
     begin, finish = float(time[start] + time[first]) / 2, float(time[last] + time[end]) / 2
-    resting = angle[end] - angle[start] > RESTING_ANGLE
+    rests = angle[end] - angle[start] > RESTING_ANGLE
     details: dict[str, Detail] = {
         "impulse": impact_impulse(time[start : end + 1], summed, IMPACT_SHARE * pairs.first_period),
         "energy": float(np.max(stored)),
         "peak_cam_angle": float(angle[top]), "upper_coil": coil, "lower_coil": coil - 1,
         "first_pair": float(min(pairs.places[contact.pair] for contact in group)),
         "last_pair": float(max(pairs.places[contact.pair] for contact in group)),
-        "cause": Cause.COILS_REST if resting else Cause.COILS_STRIKE,
+        "cause": Cause.COILS_REST if rests else Cause.COILS_STRIKE,
     }  # fmt: skip
-    where = f"{spring}coils {coil - 1}-{coil}"
     return Event(
         "clash",
         float(angle[start] + angle[first]) / 2,
@@ -260,6 +259,6 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
         finish - begin,
         float(np.max(summed)),
         "N",
-        where,
+        f"{spring}coils {coil - 1}-{coil}",
         details,
     )

@@ -344,8 +344,9 @@ class Scatter:
 
 def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
     """Headline numbers (SI) of one cycle alone, as docs/quantities.md names them."""
-    mechanism, peaks = system.mechanism, peak_forces(record)
-    found = {name: value for name, value in peaks.items() if not name.endswith("_duration")}
+    mechanism = system.mechanism
+    peaks = peak_forces(record).items()
+    found = {name: value for name, value in peaks if not name.endswith("_duration")}
     valve = record.bodies[mechanism.index(mechanism.valve)]
     found |= {
         "cycle_work_energy": float(record.work[0]),

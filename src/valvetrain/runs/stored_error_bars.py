@@ -70,6 +70,14 @@ def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]
     )
 
 
+def meshes_of(record: CaseRecord) -> tuple[int, ...]:
+    """Elements per coil of the meshes behind :func:`load_uncertainty`; empty where that has no
+    rows.
+    """
+    content = _library_file(record, "uncertainty")
+    return tuple(content.get("case", {}).get("elements_per_coil", ()))
+
+
 def _library_file(record: CaseRecord, ending: str) -> dict[str, Any]:
     """Tables of a file next to a library case; empty without one, and where its digest is not that
     of ``record``.
