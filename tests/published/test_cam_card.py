@@ -113,6 +113,21 @@ def test_a_third_duration_is_met_too():
         assert 2 * math.degrees(closes - opens) == pytest.approx(duration, abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("duration", "fits"), [(1.225, False), (1.227, True), (1.3405, True), (1.3412, False)]
+)
+def test_a_nose_is_as_full_as_between_its_bounds(duration, fits):
+    """A fullness of -1 has 1.2261 rad at 5 mm, one of 1 has 1.3409 rad."""
+    given = {"maximum_lift": 9e-3, "nose": 1.9, "duration": 2.0, "duration_lift": 1.27e-3}
+    given |= {"upper_lift": 5e-3, "upper_duration": duration}
+    if fits:
+        lift = CamCard(**given).half_lobe.before_nose(duration / 2)
+        assert lift == pytest.approx(5e-3, abs=1e-8)
+    else:
+        with pytest.raises(InputError):
+            CamCard(**given)
+
+
 def test_cam_degrees_and_a_valve_lift_tell_the_same_lobe():
     crank = card("intake")
     text = """

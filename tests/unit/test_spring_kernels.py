@@ -10,7 +10,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import beehive, cylindrical
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.spring import OPEN_END
-from valvetrain.springs.chain_layout import axial_clearance, chain_from_definition
+from valvetrain.springs.chain_layout import CoilContacts, axial_clearance, chain_from_definition
 from valvetrain.springs.chain_statics import (
     contact_depths,
     contact_rows,
@@ -268,6 +268,16 @@ def test_sections_move_from_the_seat_to_the_retainer(name):
     assert np.all(np.diff(shown.axial_displacement[:: max(1, len(shown.coil_number) // 8)]) <= 1e-6)
     assert len(shown.coil_gap) == len(shown.upper_coil) == len(shown.coil_contact_force)
     assert np.all((shown.coil_contact_force > 0) <= (shown.coil_gap < 1e-12))
+
+
+@pytest.mark.parametrize(("fraction", "leading"), [(0.5, 4), (0.6, 2), (0.4, 2)])
+def test_contacts_are_even_as_long_as_they_touch_at_one_fraction(fraction, leading):
+    """Of four pairs the last two touch at another fraction than the first two, more or less."""
+    nodes, ones = np.arange(1, 5), np.ones(4)
+    pairs = CoilContacts(
+        nodes + 2, nodes, np.array([0.5, 0.5, fraction, fraction]), ones, ones, ones
+    )
+    assert pairs.regular(10) == leading
 
 
 def test_chain_gaps_close_with_the_wire():
