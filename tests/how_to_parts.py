@@ -85,20 +85,6 @@ class Guide:
         return shlex.split(command)[1:]
 
     @property
-    def said(self) -> str:
-        """What the page quotes of the sentence of its command; empty where it quotes nothing."""
-        quoted = re.search(r"^> (.*)$", self.text, re.MULTILINE)
-        return quoted[1] if quoted else ""
-
-    @property
-    def pictures(self) -> list[Path]:
-        """The pictures of the page."""
-        return [
-            (self.path.parent / name).resolve()
-            for name in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", self.text)
-        ]
-
-    @property
     def rows(self) -> list[Row]:
         """The table of numbers."""
         found = []

@@ -48,7 +48,6 @@ def test_a_guide_prints_what_its_command_gives(path, tmp_path, monkeypatch):
         if not holds(answer, row)
     ]
     assert not missed and len(guide.rows) >= 3
-    assert answer.get("verdict", guide.said).startswith(guide.said)
 
 
 def test_the_guide_on_nested_springs_prints_what_the_study_of_detuning_gives():
