@@ -37,9 +37,8 @@ def engine(**options) -> vt.Case:
 
 
 def run_of(case: vt.Case, model: str, speed: str, workers: int = 1) -> Study:
-    return vt.simulate(
-        case.parameters, speed, spring_models=model, spring_set="card", workers=workers
-    )
+    ways = {"spring_models": model, "spring_set": "card", "workers": workers}
+    return vt.simulate(case.parameters, speed, compute="error_bars", **ways)
 
 
 def bars_of(study: Study) -> dict[str, object]:
@@ -122,16 +121,16 @@ def test_openings_of_a_few_micrometres_are_there_or_not():
 
 def test_bars_do_not_depend_on_workers_nor_on_the_way_in():
     case = engine()
-    lazily = run_of(case, "modal-uniform", "6000 rpm", workers=2)
+    simulated = run_of(case, "modal-uniform", "6000 rpm", workers=2)
     at_once = run_study(
         case.parameters,
-        engine_speeds=lazily.engine_speeds,
+        engine_speeds=simulated.engine_speeds,
         spring_models=("modal-uniform",),
         spring_sets=("card",),
         workers=1,
         error_bars=True,
     )
-    assert at_once.error_bars == lazily.error_bars and len(at_once.error_bars.rows) > 10
+    assert at_once.error_bars == simulated.error_bars and len(at_once.error_bars.rows) > 10
     told = {one["quantity"]: one for one in study_json(at_once)["uncertainties"]}
     row = bars_of(at_once)["minimum_spring_force"]
     assert told["minimum_spring_force"]["numerical_uncertainty"]["value"] == row.numerical
@@ -139,7 +138,9 @@ def test_bars_do_not_depend_on_workers_nor_on_the_way_in():
 
 def test_what_has_no_bar_says_why():
     """A spring without mass under prescribed motion has neither division nor step; in a train it has a step."""
-    study = vt.simulate("job-t", "3000 rpm", spring_models="massless", workers=1)
+    study = vt.simulate(
+        "job-t", "3000 rpm", spring_models="massless", compute="error_bars", workers=1
+    )
     assert study.error_bars.rows == () and study.error_bars.sentences
     (without,) = study.error_bars.missing
     assert without.label == "massless" and without.reason in REASONS
@@ -167,7 +168,8 @@ def test_every_completed_run_has_bars_or_a_reason_in_every_interface(name, speed
     case = vt.Case(text).parameters if text else name
     *numbers, last = speeds.removesuffix(" rpm").split(", ")
     try:
-        study = vt.simulate(case, [f"{rpm} rpm" for rpm in (*numbers, last)], workers=1, **ways)
+        chosen = [f"{rpm} rpm" for rpm in (*numbers, last)]
+        study = vt.simulate(case, chosen, compute="error_bars", workers=1, **ways)
     except InputError:  # a case without a motion has no runs
         return
     runs = {(run.label, run.engine_speed) for run in study.solutions if run.status.completed}
@@ -194,17 +196,18 @@ def test_every_completed_run_has_bars_or_a_reason_in_every_interface(name, speed
 def test_a_study_and_a_search_have_the_bars_of_runs_of_their_points():
     """Contract: those of the base and of the least output, and of the best design."""
     vary = 'vary = [{ key = "spring.precompression", low = "6 mm", high = "8 mm" }]'
-    ways = 'case = "job-c"\nengine_speeds = "4000 rpm"\nspring_models = "modal-uniform"\n'
+    file = 'case = "job-c"\nengine_speeds = "4000 rpm"\nspring_models = "modal-uniform"\n'
     points = 'outputs = "peak_spring_force"\npoints = { sampler = "grid", levels = 3 }\n'
-    table = vt.study(f"{ways}{points}{vary}", workers=1)
+    table = vt.study(f"{file}{points}{vary}", workers=1)
     assert list(table.error_bars) == [0]
     alone = vt.Case(vt.load_case("job-c")).set({"spring.precompression": "6 mm"})
-    study = vt.simulate(alone.parameters, "4000 rpm", spring_models="modal-uniform", workers=1)
+    ways = {"spring_models": "modal-uniform", "workers": 1}
+    study = vt.simulate(alone.parameters, "4000 rpm", compute="error_bars", **ways)
     row, same = bars_of(study)["peak_spring_force"], table.error_bars[0]["peak_spring_force"]
     assert same.numerical == pytest.approx(row.numerical, rel=1e-6) and row.numerical > 0
     goal = 'objective = [{ quantity = "peak_spring_force", direction = "minimise" }]'
     found = vt.optimise(
-        f"{ways}{vary}\n{goal}\nsearch = {{ trials = 2, per_round = 2 }}", workers=1
+        f"{file}{vary}\n{goal}\nsearch = {{ trials = 2, per_round = 2 }}", workers=1
     )
     (bar,) = found.error_bars
     assert bar.quantity == "peak_spring_force" and bar.numerical > 0
@@ -277,7 +280,9 @@ def test_bars_of_coarse_chains_hold_in_every_template():
         for rpm in (2500, 3500, 4500, 5200, 5800):
             ways = {"spring_set": card, "workers": 1}
             limit = finest.run(f"{rpm} rpm", "modal-uniform", **ways).quantities
-            study = vt.simulate(case.parameters, f"{rpm} rpm", "multi-mass", **ways)
+            study = vt.simulate(
+                case.parameters, f"{rpm} rpm", "multi-mass", compute="error_bars", **ways
+            )
             for row in study.error_bars.rows:
                 if row.quantity in names:
                     true = limit[row.quantity]

@@ -1,5 +1,5 @@
-"""A run computes what is read of it, and with ``outputs=`` these alone: properties, and limits between
-both ways.
+"""A run computes all before it is returned, and with ``outputs=`` these alone: properties, and limits
+between both ways.
 """
 
 import pickle
@@ -11,8 +11,8 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore import evaluate  # noqa: F401  imported before its parts are counted
+from valvetrain.report.json import study_json
 from valvetrain.runs import statics
-from valvetrain.runs.run import run_study
 from valvetrain.springs.multi_mass import MultiMassSpring
 
 #: A spring of textbook size in no library case, and its lift.
@@ -53,39 +53,25 @@ def counted(monkeypatch):
     return counts
 
 
-def test_springs_are_solved_at_rest_when_a_number_of_theirs_is_read(counted):
-    run = CASE.run("3000 rpm", "multi-mass", workers=1)
-    assert run.quantities["peak_spring_force"] > 0 and float(run["seat_force"].max()) > 0
-    assert counted == {"rest": 0, "inner": 0}
-    assert run.status.completed and run["axial_velocity"].dims == ("cam_angle", "coil_number")
-    assert counted["rest"] == 0 < counted["inner"]
-    assert run.quantities["surge_frequency"] > 0 and counted["rest"] == 1
-    assert run.gaps == () and len(run.quantities) > 50 and counted["rest"] == 1
-
-
-@pytest.mark.parametrize("model", ["multi-mass", "massless"])
-def test_what_is_read_later_is_what_a_run_computes_at_once(model):
-    case = CASE.parameters
-    at_once = run_study(case, spring_models=(model,), workers=1)
-    later = vt.simulate(case, spring_models=model, workers=1)
-    first = [run.quantities["peak_spring_force"] for run in later.solutions]
-    sent = pickle.loads(pickle.dumps(later))
-    for found in (later, sent):
-        for run, other in zip(found.solutions, at_once.solutions, strict=True):
-            assert run.identical(other) and list(run.quantities) == list(other.quantities)
-        assert found.quantities == at_once.quantities and found.facts == at_once.facts
-        assert found.gaps == at_once.gaps and found.comparisons == at_once.comparisons
-        assert np.array_equal(found.rest[0].curve.force, at_once.rest[0].curve.force)
-    assert first == [run.quantities["peak_spring_force"] for run in at_once.solutions]
+def test_a_result_computes_nothing_when_it_is_read_printed_or_sent(counted):
+    study = vt.simulate(CASE.parameters, "3000 rpm", spring_models="multi-mass", workers=1)
+    (run,) = study.solutions
+    done = dict(counted)
+    assert done["rest"] == 1 and done["inner"] > 0
+    assert run["axial_velocity"].dims == ("cam_angle", "coil_number") and len(run.quantities) > 50
+    assert study.verdict and repr(study) and study_json(study) and study.error_bars.rows == ()
+    sent = pickle.loads(pickle.dumps(study))
+    assert sent.solutions[0].identical(run) and sent.quantities == study.quantities
+    assert counted == done
 
 
 def test_outputs_are_computed_alone(counted):
     whole = CASE.run("5500 rpm", "multi-mass", workers=1)
-    expected = whole.quantities["peak_spring_force"]
+    expected, done = whole.quantities["peak_spring_force"], dict(counted)
     run = CASE.run("5500 rpm", "multi-mass", workers=1, outputs=["peak_spring_force", "seat_force"])
     assert dict(run.quantities) == {"peak_spring_force": expected}
     assert list(run.channels) == ["seat_force"] and run["seat_force"].equals(whole["seat_force"])
-    assert run.status.completed and counted == {"rest": 0, "inner": 0}
+    assert run.status.completed and counted == done
     table = CASE.study(
         {"spring.wire_diameter": ["3.6 mm"]}, ["peak_spring_force"], sampling="listed",
         engine_speeds="5500 rpm", models="multi-mass", workers=1,

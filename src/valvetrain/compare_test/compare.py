@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -44,7 +44,6 @@ from valvetrain.runs.api import simulate
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
 from valvetrain.solution.display import table_and_picture, verdict_first
-from valvetrain.solution.later import replaced
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.saveable import Reported
@@ -253,7 +252,7 @@ def compare_study_with_test(
             for name in ("model", "spring_set")
         )
         problem = build(chosen, spring_models=models, spring_set=sets)
-    return _answer(replaced(study, solutions=near), request, active_wire(problem))
+    return _answer(replace(study, solutions=near), request, active_wire(problem))
 
 
 @dataclass(frozen=True)

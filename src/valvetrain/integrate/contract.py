@@ -91,8 +91,7 @@ class RunOptions:
     noted on every step (statistics ``least_..._force``, largest as ``open_..._force``). ``nose``:
     cam angle (rad) at which the force of the cam is taken to the angle itself. ``start``: motion at
     another speed that a train starts from instead of from rest. ``coil_contacts``: a train's coils are watched for
-    clashes. ``later``: channels inside a spring
-    may be made from its states when they are first read. ``watch``: called with the share of a long
+    clashes. ``watch``: called with the share of a long
     run that is done; False stops it.
     """
 
@@ -105,7 +104,6 @@ class RunOptions:
     nose: float | None = None
     start: Orbit | None = None
     coil_contacts: bool = True
-    later: bool = False
     watch: Callable[[float], bool] | None = None
 
 

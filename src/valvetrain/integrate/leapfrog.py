@@ -15,7 +15,6 @@ from valvetrain.integrate.contract import STEP_FRACTION, Cycles, Periodic, RunOp
 from valvetrain.integrate.leapfrog_kernel import advance
 from valvetrain.parameters.summary import share_text
 from valvetrain.solution.channels import FINE, ChannelArrays, spring_channels
-from valvetrain.solution.later import Later
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import COMPLETED, Event, Status
@@ -183,7 +182,6 @@ class Leapfrog:
             record_parts,
             fine,
             options.keep == "all",
-            later=options.later,
             stride=stride,
             place=motion[0][: len(record_parts[0][0])]
             if motion is not None and not acceleration and stride == 1
@@ -271,15 +269,13 @@ def run_channels(
     sub: int,
     whole: bool,
     half_behind: bool = True,
-    later: bool = False,
     stride: int = 1,
     place: Array | None = None,
 ) -> ChannelArrays:
     """Channels over the recorded revolutions: end forces at every sample and step, inner motion where states
     were recorded, energies.
 
-    ``half_behind``: velocities of the states are half a step before their places; ``later``:
-    inner motion and energies when one of them is read; ``stride``: steps between two recorded
+    ``half_behind``: velocities of the states are half a step before their places; ``stride``: steps between two recorded
     forces, of which ``sub`` make a sample; ``place`` (m) of the retainer at each of them (None: by
     the lift law).
     """
@@ -312,10 +308,7 @@ def run_channels(
     if not len(states):
         return spring_channels(at, angle, values, extra=FINE)
     step = float(time[1] - time[0]) / stride if half_behind and len(time) > 1 else 0.0
-    every = Later(_with_inner, model, states, (at, angle, values), step, whole)
-    if not later:
-        return every.value
-    return ChannelArrays.later(spring_channels(at, angle, values, extra=FINE), every)
+    return _with_inner(model, states, (at, angle, values), step, whole)
 
 
 def _with_inner(

@@ -20,7 +20,6 @@ from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
-from valvetrain.solution.later import replaced
 from valvetrain.solution.study import Study
 from valvetrain.units import as_names, known_arguments, si_speeds
 
@@ -209,7 +208,7 @@ def _study_of(shared: _Shared, draw: int) -> Study:
         label: {**study.still.get(label, {}), **_critical(critical, label)}
         for label in {*study.still, *critical.labels}
     }
-    return replaced(study, still=keep, critical_speeds=critical.critical_speeds)
+    return replace(study, still=keep, critical_speeds=critical.critical_speeds)
 
 
 def _critical(study: Study, label: str) -> dict[str, float]:

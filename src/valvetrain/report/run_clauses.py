@@ -27,7 +27,6 @@ from valvetrain.report.fact_texts import on_assumed_ramp, rings
 from valvetrain.report.text import CAUSES
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, places_text
 from valvetrain.solution.definition import NESTED, label_of
-from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
@@ -54,7 +53,7 @@ MAX_LABELS = 2
 
 def judged_runs(study: Study) -> Runs:
     """The runs of a study whose numbers count, with the error bars that are known."""
-    bars = study.error_bars.rows if is_computed(study, "error_bars") else ()
+    bars = study.error_bars.rows
     return Runs(tuple(run for run in study.solutions if is_judged(run)), study.still, bars)
 
 

@@ -31,7 +31,6 @@ from valvetrain.report.sections.at_rest import MODE_ORDERS, marked_compressions
 from valvetrain.report.springs_verdict import springs_verdict
 from valvetrain.report.sweep_verdict import runs_over_speed, sweep_clauses, worst_label
 from valvetrain.solution.definition import NESTED
-from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
@@ -72,7 +71,7 @@ def study_verdict(study: Study) -> str:
 
 def _too_hard(study: Study) -> list[str]:
     """That a model does not hold for some of the runs, by their error bars where these are computed."""
-    said = study.error_bars.sentences if is_computed(study, "error_bars") else ()
+    said = study.error_bars.sentences
     return [
         f"doubtful: {one[:1].lower()}{one[1:]}".removesuffix(".").replace(": take", ", take")
         for one in said

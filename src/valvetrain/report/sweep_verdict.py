@@ -38,7 +38,6 @@ from valvetrain.report.run_clauses import (
 from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
 from valvetrain.solution.definition import label_of
-from valvetrain.solution.later import is_computed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import NOT_RESOLVED
@@ -122,7 +121,7 @@ def runs_over_speed(study: Study, label: str) -> Runs:
     """The runs of a label whose numbers count, those between the swept speeds among them."""
     both = (*study.runs(label), *(run for run in study.between if run.label == label))
     judged = sorted(filter(is_judged, both), key=lambda run: run.engine_speed)
-    bars = study.error_bars.rows if is_computed(study, "error_bars") else ()
+    bars = study.error_bars.rows
     return Runs(tuple(judged), study.still, bars)
 
 

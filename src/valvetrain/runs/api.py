@@ -40,6 +40,15 @@ Speeds = Given | Sequence[Given]
 Models = Any
 
 
+def with_error_bars(compute: Sequence[str] | str) -> bool:
+    """Whether error bars are among what is to be computed; :class:`InputError` for another name."""
+    names = as_names(compute)
+    for name in names:
+        if name != "error_bars":
+            raise InputError(f"'{name[:40]}' is nothing to compute; name error_bars", "compute")
+    return bool(names)
+
+
 @known_arguments
 def simulate(
     case: AnyCase,
@@ -48,6 +57,7 @@ def simulate(
     *,
     spring_set: Sequence[str] | str = (),
     outputs: Sequence[str] | str = (),
+    compute: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -64,8 +74,8 @@ def simulate(
         the compression or a class of one's own (docs/extend/own-parts-in-a-script.md); the case's own or the default ones by default
     spring_set : name of a spring set of a train, or several
     outputs : names of quantities (docs/quantities.md) and channels; only these are computed and in
-        the solutions. Without them all can be read; what belongs to the springs at rest and inside
-        springs under prescribed motion is computed when it is first read
+        the solutions
+    compute : what else is computed: "error_bars", which takes two further runs of each that has none stored
     workers : runs at a time; results do not depend on it
     progress : called with the share done and a text
     limit : largest estimated time and memory, such as "2 h, 8 GB"; 10 min and 2 GB by default
@@ -111,8 +121,9 @@ def simulate(
         progress=progress,
         limits=limits,
         implausible=implausible,
-        later=True,
+        rest=requested is None or requested.rest,
         ends_alone=requested is not None and requested.ends_alone,
+        error_bars=with_error_bars(compute),
     )
     return study if requested is None else requested.of_study(study)
 
@@ -125,6 +136,7 @@ def compare(
     spring_models: Models = (),
     *,
     spring_set: Sequence[str] | str = (),
+    compute: Sequence[str] | str = (),
     workers: int | None = None,
     progress: Progress | None = None,
     limit: str = "",
@@ -135,7 +147,7 @@ def compare(
     Parameters
     ----------
     spring_models : as for :func:`simulate`; by default those that suit the case
-    case, engine_speeds, spring_set, workers, progress, limit, implausible : as for
+    case, engine_speeds, spring_set, compute, workers, progress, limit, implausible : as for
         :func:`simulate`
 
     Returns
@@ -173,6 +185,7 @@ def compare(
         progress=progress,
         limits=limits,
         implausible=implausible,
+        error_bars=with_error_bars(compute),
     )
 
 
@@ -185,6 +198,7 @@ def sweep(
     *,
     spring_set: Sequence[str] | str = (),
     outputs: Sequence[str] | str = (),
+    compute: Sequence[str] | str = (),
     whole: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -201,8 +215,8 @@ def sweep(
 
     Parameters
     ----------
-    case, spring_models, spring_set, outputs, workers, progress, limit, implausible : as for
-        :func:`simulate`
+    case, spring_models, spring_set, outputs, compute, workers, progress, limit, implausible : as
+        for :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint
         quantities
     whole : store the channels of every solution (megabytes each); without it solutions hold their
@@ -261,8 +275,9 @@ def sweep(
         critical=critical,
         limits=limits,
         implausible=implausible,
-        later=requested is not None,
+        rest=requested is None or requested.rest,
         ends_alone=requested is not None and requested.ends_alone,
+        error_bars=with_error_bars(compute),
     )
     return study if requested is None else requested.of_study(study)
 

@@ -1,4 +1,4 @@
-"""The springs of a problem under prescribed motion at rest: solved during its runs, or when read."""
+"""The springs of a problem under prescribed motion at rest: solved during its runs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.statics import buckling_quantities, closing_quantities, rest_quantities
 from valvetrain.runs.prepared import FAILURES, law_lift
-from valvetrain.runs.workers import result_of, threads
+from valvetrain.runs.workers import result_of
 from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.system.problem import Problem
@@ -49,12 +49,6 @@ class RestSolver:
                 self.found[spring] = result_of(job)
             except FAILURES as error:
                 self.errors[spring] = error
-
-    def all(self) -> AtRest:
-        """All springs at rest."""
-        with threads(1) as pool:
-            self.solve(self.problem.springs, pool)
-        return self.known()
 
     def known(self) -> AtRest:
         """Those that are solved."""

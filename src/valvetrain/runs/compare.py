@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from valvetrain.runs.statics import reach_of, statics_by_model
 from valvetrain.runs.stopping import StudyStopped
 from valvetrain.runs.train_runs import Finished
 from valvetrain.runs.workers import Progress
-from valvetrain.solution.later import replaced
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
@@ -98,7 +98,7 @@ def compare_study(
             _by_each_model(study, problem, spring, chosen, lift, (rest, failures))
     except KeyboardInterrupt:
         stopped = True
-    done = replaced(
+    done = replace(
         study,
         rest=tuple(rest) or study.rest,
         gaps=failures.sentences,

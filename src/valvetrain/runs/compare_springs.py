@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import AnyCase, case_of, case_of_tree, parse_toml
 from valvetrain.runs.stopping import StudyStopped
-from valvetrain.solution.later import replaced
 from valvetrain.solution.study import Study
 
 #: Key paths of a train that belong to its own springs.
@@ -115,6 +115,6 @@ def models_of(case: Case, spring_models: tuple[str, ...]) -> tuple[str, ...]:
 def compared(sweep: Callable[[], Study]) -> Study:
     """The sweep of such a case as the comparison that it is, also where it is stopped."""
     try:
-        return replaced(sweep(), command="compare-springs")
+        return replace(sweep(), command="compare-springs")
     except StudyStopped as stop:
-        raise StudyStopped(replaced(stop.study, command="compare-springs")) from None
+        raise StudyStopped(replace(stop.study, command="compare-springs")) from None

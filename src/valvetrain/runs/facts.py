@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.steel_contacts import default_contacts
@@ -13,7 +12,6 @@ from valvetrain.quantities.statics import formula_compression
 from valvetrain.quantities.stress import most_force_of_wire
 from valvetrain.runs.prepared import FAILURES, largest_lift
 from valvetrain.solution.facts import Fact, distinct
-from valvetrain.solution.later import replaced
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Detail
 from valvetrain.system.contract import TRAIN
@@ -125,9 +123,7 @@ def with_facts(problem: Problem, solutions: Sequence[Solution]) -> tuple[Solutio
     """The solutions of a problem, each with the facts that concern it."""
     case = {member.label: case_facts(problem, (member,)) for member in problem.members}
     return tuple(
-        replaced(run, provenance=replace(run.provenance, facts=facts))
-        if (facts := (*case[run.label], *run_facts((run,))))
-        else run
+        run.with_facts(facts) if (facts := (*case[run.label], *run_facts((run,)))) else run
         for run in solutions
     )
 

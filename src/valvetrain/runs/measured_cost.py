@@ -54,7 +54,7 @@ def sweep_seconds(
             begun = time.process_time()  # of this process: what else runs here does not last
             try:
                 with on_this_machine():
-                    study = run_problem(short, (speed,), workers=1, whole=False, later=True)
+                    study = run_problem(short, (speed,), workers=1, whole=False, rest=False)
             except InputError:
                 return None
             longer = UNSETTLED if any(map(_unsettled, study.solutions)) else 1.0

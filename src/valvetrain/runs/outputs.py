@@ -13,6 +13,7 @@ from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import is_defined, near_names, tables
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.springs.stress import STRESS_CHANNELS
 
 #: Channels at the ends of a spring, and all that a spring alone can have.
@@ -59,8 +60,13 @@ class RequestedOutputs:
         light = all(name in LIGHT or is_at_rest(name) for name in self.quantities)
         return light and all(name in END_CHANNELS for name in self.channels)
 
+    @property
+    def rest(self) -> bool:
+        """Whether the springs at rest are needed."""
+        return not self.ends_alone or any(map(is_at_rest, self.quantities))
+
     def of_study(self, study: Study) -> Study:
-        """The study with these outputs alone; nothing else of it is computed."""
+        """The study with these outputs alone."""
         still: dict[str, dict[str, float]] = {}
         if self.searches or any(map(is_at_rest, self.quantities)):
             for label, values in study.still.items():
@@ -75,6 +81,9 @@ class RequestedOutputs:
             provenance=study.provenance,
             wall_time=study.wall_time,
             critical_speeds=study.critical_speeds,
+            error_bars=ErrorBars(
+                tuple(row for row in study.error_bars.rows if row.quantity in self.quantities)
+            ),
         )
 
     def of_run(self, run: Solution) -> Solution:

@@ -30,7 +30,6 @@ from valvetrain.runs.refine_trains import DIVISIONS, ROUNDING, divided
 from valvetrain.runs.refine_trains import HEADLINES as TRAIN_HEADLINES
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.definition import label_of
-from valvetrain.solution.later import Later
 from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import TOO_HARD, ErrorBars, NoErrorBar, Uncertainty
 from valvetrain.springs.modal_uniform import oscillating_modes
@@ -110,7 +109,7 @@ def own_error_bars(
     problem: Problem,
     solutions: Sequence[Solution],
     plan: Plan,
-    at_rest: Later[AtRest],
+    at_rest: AtRest,
     workers: int,
     tell: Callable[[int, int], None] | None = None,
 ) -> ErrorBars:
@@ -120,7 +119,7 @@ def own_error_bars(
     solutions. Raises :class:`PointsStopped` when it is stopped.
     """
     runs = [run for run in solutions if run.status.completed and run.quantities]
-    numbers = further_numbers(problem, runs, plan, at_rest.value.springs, workers, tell)
+    numbers = further_numbers(problem, runs, plan, at_rest.springs, workers, tell)
     rows = tuple(row for run in runs for row in _rows(problem, run, numbers.get(_key(run), ())))
     barred = {(row.label, row.engine_speed) for row in rows}
     missing = tuple(
@@ -160,7 +159,7 @@ def further_numbers(
     ]
     again = map_points(
         _run_again,
-        (problem, ways, replace(plan, whole=False, later=False)),
+        (problem, ways, replace(plan, whole=False)),
         points,
         workers,
         processes=bool(problem.members and problem.members[0].gear),

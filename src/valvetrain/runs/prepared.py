@@ -6,22 +6,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from operator import attrgetter
-from typing import TYPE_CHECKING, cast
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from valvetrain.errors import InputError, NamedNumbers
+from valvetrain.errors import InputError
 from valvetrain.integrate.contract import Cycles, Keep, Periodic, RunOptions, Until
 from valvetrain.integrate.run import run_to_orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.cycle import Frame
-from valvetrain.quantities.end_events import LIFT_OFF
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import RigidMotion, rigid_motion
 from valvetrain.quantities.plausible import REMEDY, implausible
-from valvetrain.quantities.request import LIGHT
 from valvetrain.quantities.signal import ring_top
 from valvetrain.quantities.valve_events import open_window
 from valvetrain.runs.coil_bind import ENDED, bound
@@ -29,7 +26,6 @@ from valvetrain.runs.cost import Limits, duration_text
 from valvetrain.runs.stopping import noted
 from valvetrain.solution.channels import empty_channels
 from valvetrain.solution.force_peak import BANDWIDTH
-from valvetrain.solution.later import Later, LaterMapping
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import Option, Provenance, collect_provenance
 from valvetrain.solution.result import Solution
@@ -62,7 +58,7 @@ class Plan:
     ``keep`` of its channels (``contacts`` for a sweep), ``samples`` per cam revolution (None: the
     default), ``whole``: the solution has channels at all, ``cycles`` of prescribed motion, most
     ``cycles_to_settle`` of a train, ``created_at`` (ISO 8601), ``max_seconds`` of one run;
-    ``implausible`` results pass; ``later``, ``watch``, ``coil_contacts``: as in :class:`RunOptions`.
+    ``implausible`` results pass; ``watch``, ``coil_contacts``: as in :class:`RunOptions`.
     """
 
     keep: Keep = "all"
@@ -73,7 +69,6 @@ class Plan:
     created_at: str = ""
     max_seconds: float = Limits().seconds
     implausible: bool = False
-    later: bool = False
     watch: Callable[[float], bool] | None = None
     coil_contacts: bool = True
 
@@ -252,7 +247,6 @@ def integrate_from(
         nose=ready.nose,
         start=start,
         coil_contacts=plan.coil_contacts,
-        later=plan.later,
         watch=plan.watch or _goes_on,
     )
     try:
@@ -327,50 +321,6 @@ def with_quantities(ready: PreparedRun, solution: Solution, plan: Plan, rest: Re
         if failures.sentences:
             solution = replace(solution, gaps=(*solution.gaps, *failures.sentences))
     return solution if plan.whole else solution.reduced()
-
-
-def with_later_quantities(
-    ready: PreparedRun, solution: Solution, plan: Plan, rest: Later[Rest]
-) -> Solution:
-    """The same of prescribed motion, all that needs the inner motion or springs at ``rest`` when it
-    is read.
-    """
-    member, frame, given = ready.member, ready.frame, solution.arrays
-    alone = PreparedRun(member, replace(frame, rest=(), surge_frequencies=(), source=""))
-    inner = isinstance(given.variables, LaterMapping)
-    first = replace(solution, channels=given.known) if inner else solution
-    found = with_quantities(alone, first, plan, {})
-    if not len(solution.time):
-        return found
-    events = found.events
-    every = rest.then(partial(with_quantities, PreparedRun(member, frame), solution, plan))
-    known, status, between = (
-        dict(found.quantities),
-        cast(Status | Later[Status], found.status),
-        None,
-    )
-    if inner:
-        moved = Later(with_quantities, alone, solution, plan, {})
-        if any(
-            event.kind == LIFT_OFF for event in events
-        ):  # how fast it comes down is inner motion
-            events = moved.value.events
-        known = {name: one for name, one in known.items() if name in LIGHT}
-        status, between = moved.then(attrgetter("status")), moved.then(_quantities)
-    return Solution(
-        given if inner else found.arrays,
-        events,
-        status,
-        found.statistics,
-        found.provenance,
-        LaterMapping(known, every.then(_quantities), between),
-        every.then(attrgetter("gaps")),
-    )
-
-
-def _quantities(solution: Solution) -> Mapping[str, float]:
-    """The named numbers of a run, as what can be sent to another process."""
-    return NamedNumbers(solution.quantities)
 
 
 def unfinished(

@@ -8,9 +8,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import replace
-from functools import partial
-from operator import attrgetter
-from typing import Any
 
 import numpy as np
 
@@ -36,7 +33,6 @@ from valvetrain.runs.prepared import (
     prepare,
     provenance_of,
     unfinished,
-    with_later_quantities,
     with_quantities,
 )
 from valvetrain.runs.refusals import refuse_implausible, refuse_speeds
@@ -67,13 +63,12 @@ from valvetrain.runs.workers import (
 )
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.facts import Fact
-from valvetrain.solution.later import Later, replaced
 from valvetrain.solution.partial_failures import PartialFailures, reason
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import INTERRUPTED, Study
-from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
+from valvetrain.solution.uncertainty import ErrorBars
 from valvetrain.sources.contract import against_source, published_by
 from valvetrain.system.build import build
 from valvetrain.system.contract import TRAIN
@@ -101,14 +96,14 @@ def run_study(
     limits: Limits = Limits(),
     implausible: bool = False,
     finished: Finished | None = None,
-    later: bool = False,
+    rest: bool = True,
     ends_alone: bool = False,
     error_bars: bool = False,
 ) -> Study:
     """A case at ``engine_speeds`` (rad/s of the crank; None: its own) by its variants, or by given
     models and spring sets.
 
-    ``whole``: solutions store their channels; ``later``, ``ends_alone``: see :func:`run_problem`.
+    ``whole``: solutions store their channels; ``rest``, ``ends_alone``: see :func:`run_problem`.
     Results do not depend on ``workers`` (None: all
     cores). Raises :class:`InputError` for what cannot be built, for a speed that is not positive
     and when no model can run; a run that fails is a status.
@@ -126,7 +121,7 @@ def run_study(
         finished=finished,
         limits=limits,
         implausible=implausible,
-        later=later,
+        rest=rest,
         ends_alone=ends_alone,
         error_bars=error_bars,
     )
@@ -146,13 +141,13 @@ def sweep_study(
     finished: Finished | None = None,
     limits: Limits = Limits(),
     implausible: bool = False,
-    later: bool = False,
+    rest: bool = True,
     ends_alone: bool = False,
     error_bars: bool = False,
 ) -> Study:
     """A case over ``engine_speeds`` (rad/s of the crank): solutions, reduced unless ``whole``, and
     the critical speeds of a train between the lowest and the highest of them (``critical`` None:
-    not searched); ``later``, ``ends_alone``: see :func:`run_problem`.
+    not searched); ``rest``, ``ends_alone``: see :func:`run_problem`.
 
     By default the spring set that a train names, every one where it names none, each by its own
     model; a spring alone by its default models.
@@ -180,7 +175,7 @@ def sweep_study(
                 finished=finished,
                 limits=limits,
                 implausible=implausible,
-                later=later,
+                rest=rest,
                 ends_alone=ends_alone,
                 error_bars=error_bars,
             )
@@ -203,7 +198,7 @@ def _with_critical(study: Study) -> Study:
     still = {**study.still}
     for label in study.critical_speeds.labels:
         still[label] = {**still.get(label, {}), **study.critical_speeds.quantities(label)}
-    return replaced(study, still=still)
+    return replace(study, still=still)
 
 
 def run_problem(
@@ -219,7 +214,7 @@ def run_problem(
     finished: Finished | None = None,
     limits: Limits = Limits(),
     implausible: bool = False,
-    later: bool = False,
+    rest: bool = True,
     ends_alone: bool = False,
     error_bars: bool = False,
 ) -> Study:
@@ -227,10 +222,9 @@ def run_problem(
 
     ``critical``: search a train's critical speeds between the lowest and the highest of them;
     ``finished``: called with index and solution of each run as it arrives; ``limits`` of one run;
-    ``implausible``: do not apply the limits of :mod:`valvetrain.quantities.plausible`; ``later``:
-    what springs under prescribed motion have inside and at rest is computed when it is first read;
-    ``ends_alone``: of them the motion inside is not recorded; ``error_bars`` are computed at once and
-    not when they are first read. Raises :class:`StudyStopped`, a
+    ``implausible``: do not apply the limits of :mod:`valvetrain.quantities.plausible`; ``rest``: springs
+    under prescribed motion are solved at rest, those that no model needs too; ``ends_alone``: of them the motion inside is
+    not recorded; ``error_bars``: those that are not stored are computed. Raises :class:`StudyStopped`, a
     KeyboardInterrupt, with what is finished when it is stopped.
     """
     begun, failures = time.perf_counter(), PartialFailures()
@@ -255,16 +249,15 @@ def run_problem(
         created_at,
         limits.seconds,
         implausible,
-        later,
     )
     count = worker_count(workers)
     found, stopped = CriticalSpeeds(), False
-    at_rest: Later[AtRest] | None = None
+    at_rest: AtRest | None = None
     still: dict[str, dict[str, float]] = {}
     ready: tuple[PreparedRun, ...] = ()
     between: tuple[Solution, ...] = ()
     if problem.kind == TRAIN:
-        ready, rest = prepare_trains(problem, speeds, failures)
+        ready, springs = prepare_trains(problem, speeds, failures)
         part, tell = progress, None
         if progress is not None and critical is not None:
             part, tell = _shares(progress)
@@ -294,9 +287,9 @@ def run_problem(
             failures.add(_unsearched(problem, found, searched))
     else:
         solutions, at_rest, stopped = _run_springs(
-            problem, speeds, plan, count, progress, finished, later
+            problem, speeds, plan, count, progress, finished, rest or error_bars
         )
-        rest = ()
+        springs = ()
     solutions = failures.part("facts of runs", solutions, with_facts, problem, solutions)
     provenance = collect_provenance(
         problem.record.name,
@@ -309,7 +302,7 @@ def run_problem(
         problem.record,
         command,
         solutions,
-        rest,
+        springs,
         still,
         facts=failures.part("facts", (), _of_runs, solutions, between),
         lift_event=problem.lift_event,
@@ -321,10 +314,7 @@ def run_problem(
     if at_rest is None:
         study = _completed(study, problem, failures)
     else:
-        whole_study = at_rest.then(partial(_with_rest, study, problem))
-        parts = ("rest", "still", "comparisons", "findings", "notes", "facts", "gaps")
-        named: dict[str, Any] = {one: whole_study.then(attrgetter(one)) for one in parts}
-        study = replaced(study, **named) if later and not stopped else whole_study.value
+        study = _with_rest(study, problem, at_rest)
     if stopped:
         raise StudyStopped(study)
     stored = stored_rows(problem.record, solutions)
@@ -332,27 +322,20 @@ def run_problem(
     if stored:
         statics = (one for one in load_uncertainty(problem.record) if one.engine_speed is None)
         rows = (*statics, *rows)
+    study = replace(study, error_bars=ErrorBars(rows))
     barred = tuple(run for run in solutions if (run.label, run.engine_speed) not in stored)
-    if not barred:
-        return replaced(study, error_bars=ErrorBars(rows))
-    known = at_rest or Later(_rest_of_trains, ready)
+    if not barred or not error_bars:
+        return study
+    if progress is not None:
+        progress(0.99, "error bars")
     labels = {run.label for run in barred}
     members = problem.only(lambda member: member.label in labels)
-    bars = Later(own_error_bars, replace(problem, members=members), barred, plan, known, count)
-    study = replaced(study, error_bars=bars.then(partial(_behind, rows)))
-    if error_bars and progress is not None:
-        progress(0.99, "error bars")
-    if error_bars:
-        try:
-            return replaced(study, error_bars=study.error_bars)
-        except PointsStopped:
-            raise StudyStopped(replaced(study, error_bars=ErrorBars())) from None
-    return study
-
-
-def _behind(rows: tuple[Uncertainty, ...], computed: ErrorBars) -> ErrorBars:
-    """Computed error bars behind stored ``rows``."""
-    return computed._replace(rows=(*rows, *computed.rows))
+    known = at_rest or _rest_of_trains(ready)
+    try:
+        fresh = own_error_bars(replace(problem, members=members), barred, plan, known, count)
+    except PointsStopped:
+        raise StudyStopped(replace(study, error_bars=ErrorBars())) from None
+    return replace(study, error_bars=fresh._replace(rows=(*rows, *fresh.rows)))
 
 
 def _rest_of_trains(ready: Sequence[PreparedRun]) -> AtRest:
@@ -368,9 +351,9 @@ def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Stu
         problem.record
     ):  # a published run is reported next to its measured peaks
         facts += failures.part("facts", (), _beyond_wire, problem, study.solutions)
-    study = replaced(study, facts=facts)
+    study = replace(study, facts=facts)
     study = failures.part("published values", study, next_to_published, study, problem)
-    return replaced(study, gaps=failures.sentences)
+    return replace(study, gaps=failures.sentences)
 
 
 def _with_rest(study: Study, problem: Problem, at_rest: AtRest) -> Study:
@@ -389,7 +372,7 @@ def _with_rest(study: Study, problem: Problem, at_rest: AtRest) -> Study:
         for name, spring in zip(names, problem.springs, strict=True)
         if spring in found
     }
-    return _completed(replaced(study, rest=tuple(found.values()), still=still), problem, failures)
+    return _completed(replace(study, rest=tuple(found.values()), still=still), problem, failures)
 
 
 def _shares(progress: Progress) -> tuple[Progress, Callable[[int, int], None]]:
@@ -418,7 +401,7 @@ def next_to_published(study: Study, problem: Problem) -> Study:
     """
     if study.record.study and not study.record.published:
         values = published_by(study.record.study)
-        study = replaced(study, record=replace(study.record, published=values))
+        study = replace(study, record=replace(study.record, published=values))
     published = study.record.published
     given = {value.engine_speed for value in published if value.engine_speed is not None}
     ran = study.engine_speeds
@@ -441,8 +424,8 @@ def next_to_published(study: Study, problem: Problem) -> Study:
         record, found = study.record, compared.quantities
         notes += record.remarks
         facts = compared.facts + spread_facts(record, ran, found)
-        compared = replaced(compared, facts=facts)
-    return replaced(compared, comparisons=rows, notes=notes)
+        compared = replace(compared, facts=facts)
+    return replace(compared, comparisons=rows, notes=notes)
 
 
 def _run_springs(
@@ -452,17 +435,17 @@ def _run_springs(
     workers: int,
     progress: Progress | None,
     finished: Finished | None,
-    later: bool,
-) -> tuple[tuple[Solution, ...], Later[AtRest], bool]:
-    """Prescribed motion, over threads; the springs at rest during the first runs, or ``later`` those
-    that no model needs. Last: whether stopped.
+    rest: bool,
+) -> tuple[tuple[Solution, ...], AtRest, bool]:
+    """Prescribed motion, over threads; the springs at rest during the first runs, without ``rest`` those
+    alone that a model needs. Last: whether stopped.
     """
     source = problem.record.study
     points = [(member, speed) for member in problem.members for speed in speeds]
     done: dict[int, Solution] = {}
     refused: set[int] = set()
     solver = RestSolver(problem)
-    needed = problem.only(lambda member: member.model.needs_rest) if later else problem.members
+    needed = problem.members if rest else problem.only(lambda member: member.model.needs_rest)
 
     def tell(text: str) -> None:
         if progress is not None:
@@ -498,7 +481,6 @@ def _run_springs(
     ready: dict[Member, PreparedRun] = {
         m: prepare(problem, m, {}, source) for m in problem.members if not m.model.needs_rest
     }
-    at_rest: Later[AtRest] = Later(solver.all)
     try:
         with threads(workers) as pool:
             jobs = start(pool, ready)
@@ -517,13 +499,7 @@ def _run_springs(
                 member, speed = points[index]
                 if solution.status.code == "refused":
                     refused.add(index)
-                done[index] = (
-                    with_later_quantities(
-                        ready[member], solution, plan, at_rest.then(attrgetter("springs"))
-                    )
-                    if later
-                    else with_quantities(ready[member], solution, plan, solver.found)
-                )
+                done[index] = with_quantities(ready[member], solution, plan, solver.found)
                 if finished is not None:
                     finished(index, done[index])
                 del solution
@@ -535,12 +511,9 @@ def _run_springs(
         stopped = True
         if not done and not solver.found:
             raise
-    if stopped:
-        at_rest = Later(solver.known)
-    if refused == done.keys():
-        found = at_rest.value
-        if found.refused and not found.springs:
-            raise found.refused[0]  # nothing came out at all: the case cannot be run
+    at_rest = solver.known()
+    if refused == done.keys() and at_rest.refused and not at_rest.springs:
+        raise at_rest.refused[0]  # nothing came out at all: the case cannot be run
     solutions = (
         done.get(index) or unfinished(problem, *point, plan, STOPPED)
         for index, point in enumerate(points)

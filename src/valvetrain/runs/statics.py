@@ -29,7 +29,6 @@ from valvetrain.runs.buckling import find_buckling, find_leaning, path_status
 from valvetrain.runs.prepared import largest_lift
 from valvetrain.runs.stored_error_bars import belongs, load_uncertainty
 from valvetrain.runs.workers import Progress
-from valvetrain.solution.later import replaced
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.static import RestPoint, SpringAtRest, StaticCurve, StaticStress
@@ -166,7 +165,7 @@ def static_study(
     )
     statics = (row for row in load_uncertainty(record) if row.engine_speed is None)
     bars = ErrorBars(tuple(row for row in statics if belongs(row, study.quantities)))
-    return replaced(study, error_bars=bars)
+    return replace(study, error_bars=bars)
 
 
 def _travel(spring: InstalledSpring, lift: float, train: bool) -> dict[str, float]:

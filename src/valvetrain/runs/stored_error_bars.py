@@ -13,7 +13,6 @@ from valvetrain.parameters.loading import library_names
 from valvetrain.runs.error_bars import grouped
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.facts import Fact
-from valvetrain.solution.later import LaterMapping
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.quantity import Quantity, same_speed
 from valvetrain.solution.uncertainty import Uncertainty
@@ -43,20 +42,18 @@ def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
 def stored_rows(
     record: CaseRecord, solutions: Sequence[Solution]
 ) -> dict[tuple[str, float], tuple[Uncertainty, ...]]:
-    """Stored rows by label and engine speed (rad/s) of those ``solutions`` that reproduce every one of theirs.
-
-    Of a run that computes numbers when they are first read, only those at hand are compared.
+    """Stored rows by label and engine speed (rad/s) of those ``solutions`` that reproduce every one of theirs
+    that they have.
     """
     rows, found = load_uncertainty(record), {}
     for run in solutions:
         numbers = run.quantities
-        at_hand = numbers.known if isinstance(numbers, LaterMapping) else numbers
         own = tuple(
             row
             for row in rows
             if row.label == run.label and same_speed(row.engine_speed, run.engine_speed)
         )
-        known = [(row, at_hand[row.quantity]) for row in own if row.quantity in at_hand]
+        known = [(row, numbers[row.quantity]) for row in own if row.quantity in numbers]
         if known and all(_is_same(row, value) for row, value in known):
             found[run.label, run.engine_speed] = own
     return found

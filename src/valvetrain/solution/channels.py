@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,7 +18,6 @@ from valvetrain.solution.cycle_view import (
     first_revolution,
     revolution_coordinate,
 )
-from valvetrain.solution.later import Later, LaterMapping
 
 if TYPE_CHECKING:
     import xarray
@@ -80,38 +78,13 @@ class ChannelArrays:
         return cycle_dataset(self.variables, self.coords, self.attributes)
 
     def __reduce__(self) -> tuple[object, ...]:
-        parts = (
-            one if isinstance(one, LaterMapping) else dict(one)
-            for one in (self.variables, self.coords)
-        )
-        return ChannelArrays, (*parts, dict(self.attributes))
-
-    @classmethod
-    def later(cls, known: ChannelArrays, every: Later[ChannelArrays]) -> ChannelArrays:
-        """Channels of which those ``known`` are there, and the others when one of them is read."""
-        return cls(
-            LaterMapping(known.variables, every.then(attrgetter("variables"))),
-            LaterMapping(known.coords, every.then(attrgetter("coords"))),
-            known.attributes,
-        )
-
-    @property
-    def known(self) -> ChannelArrays:
-        """Those that are there without a computation."""
-        variables, coords = (
-            one.known if isinstance(one, LaterMapping) else one
-            for one in (self.variables, self.coords)
-        )
-        return ChannelArrays(variables, coords, self.attributes)
+        return ChannelArrays, (dict(self.variables), dict(self.coords), dict(self.attributes))
 
     def only(self, names: Iterable[str]) -> ChannelArrays:
         """The channels ``names`` with the coordinates along them."""
         variables = {name: self.variables[name] for name in names}
-        known = self.known.coords
         dims = {dim for one in variables.values() for dim in one.dims} | {"sample"}
-        there = {dim for one in known.values() for dim in one.dims}
-        coords = known if dims <= there else self.coords
-        chosen = {name: one for name, one in coords.items() if set(one.dims) <= dims}
+        chosen = {name: one for name, one in self.coords.items() if set(one.dims) <= dims}
         return ChannelArrays(variables, chosen, self.attributes)
 
     def __getitem__(self, name: str) -> Variable:
@@ -186,7 +159,7 @@ class DatasetField:
 
     def __set__(self, owner: Any, channels: xarray.Dataset | ChannelArrays) -> None:
         arrays = arrays_of(channels)
-        _check(arrays.known)
+        _check(arrays)
         owner.__dict__["_arrays"] = arrays
 
 

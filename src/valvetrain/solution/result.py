@@ -17,7 +17,6 @@ from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
 from valvetrain.solution.display import frame, span, table_and_picture, value_text, verdict_first
 from valvetrain.solution.facts import Fact
-from valvetrain.solution.later import LaterField, LaterMapping
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.saveable import Saveable
@@ -39,8 +38,7 @@ class Solution(Saveable):
     the start of the revolution in which the samples begin, whose number is ``revolution``) along
     it; a reduced solution has none. ``cycle``: the last whole revolution alone, by cam angle. ``quantities``: named numbers (SI) by
     :func:`valvetrain.quantities.evaluate.evaluate`; ``gaps``: a sentence per part of them that
-    failed. What needs the springs at rest or motion inside a spring may be computed when it is first
-    read. Raises :class:`InputError` when a channel breaks that rule.
+    failed. Raises :class:`InputError` when a channel breaks that rule.
 
     >>> from valvetrain.solution.channels import spring_channels
     >>> channels = spring_channels(time=[0.0, 0.01], cam_angle=[0.0, 2.0], values={"seat_force": [310.0, 620.0]})
@@ -53,30 +51,27 @@ class Solution(Saveable):
 
     channels: DatasetField = DatasetField()
     events: tuple[Event, ...] = ()
-    status: LaterField[Status] = LaterField(lambda: COMPLETED)
+    status: Status = COMPLETED
     statistics: Mapping[str, float | int | str | bool] = field(default_factory=dict)
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     quantities: Mapping[str, float] = field(default_factory=dict)
-    gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
+    gaps: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        numbers = self.quantities
-        if not isinstance(numbers, LaterMapping):
-            numbers = NamedNumbers(numbers)
+        numbers = MappingProxyType(NamedNumbers(self.quantities))
         object.__setattr__(self, "events", tuple(self.events))
-        object.__setattr__(self, "_numbers", numbers)
-        object.__setattr__(self, "quantities", MappingProxyType(numbers))
+        object.__setattr__(self, "quantities", numbers)
         object.__setattr__(self, "statistics", MappingProxyType(dict(self.statistics)))
 
     def __reduce__(self) -> tuple[object, ...]:
         return Solution, (
             self.arrays,
             self.events,
-            self.__dict__["_status"],
+            self.status,
             dict(self.statistics),
             self.provenance,
-            self.__dict__["_numbers"],
-            self.__dict__["_gaps"],
+            dict(self.quantities),
+            self.gaps,
         )
 
     @property
@@ -191,6 +186,11 @@ class Solution(Saveable):
         return replace(
             self, channels=self.arrays, events=tuple(events), quantities=quantities, gaps=named
         )
+
+    def with_facts(self, facts: tuple[Fact, ...]) -> Solution:
+        """A copy with other facts."""
+        provenance = replace(self.provenance, facts=facts)
+        return replace(self, channels=self.arrays, provenance=provenance)
 
     def with_channels(self, added: Mapping[str, Variable]) -> Solution:
         """A copy with further channels."""

@@ -17,7 +17,6 @@ from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.display import table_and_picture, value_text, verdict_first
 from valvetrain.solution.facts import Fact
-from valvetrain.solution.later import LaterField
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
     Quantities,
@@ -63,9 +62,8 @@ class Study(Reported):
     own. ``critical_speeds``: those of a sweep of a train. ``lift_event``: None without lift or
     where it spans the cam's zero. ``facts``: what its numbers rest on; ``notes``: remarks of its source.
     ``gaps``: a sentence per part, of no single run, that failed.
-    ``error_bars``: of the numbers of its runs, each run once more when they are first read; those of
-    a published study are stored. What needs the springs at rest may be computed when it is first
-    read. ``between``: reduced runs between the speeds of a sweep, where cam orders meet a surge
+    ``error_bars``: of the numbers of its runs, those that are stored
+    beside a library case and those that were requested. ``between``: reduced runs between the speeds of a sweep, where cam orders meet a surge
     frequency; no points of its curves.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
@@ -81,18 +79,18 @@ class Study(Reported):
     record: CaseRecord
     command: str = "run"
     solutions: tuple[Solution, ...] = ()
-    rest: LaterField[tuple[SpringAtRest, ...]] = LaterField(tuple)
-    still: LaterField[Mapping[str, Mapping[str, float]]] = LaterField(dict)
-    comparisons: LaterField[tuple[Comparison, ...]] = LaterField(tuple)
-    findings: LaterField[tuple[Finding, ...]] = LaterField(tuple)
-    notes: LaterField[tuple[str, ...]] = LaterField(tuple)
-    facts: LaterField[tuple[Fact, ...]] = LaterField(tuple)
+    rest: tuple[SpringAtRest, ...] = ()
+    still: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    comparisons: tuple[Comparison, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    notes: tuple[str, ...] = ()
+    facts: tuple[Fact, ...] = ()
     lift_event: LiftEvent | None = None
     provenance: Provenance = field(default_factory=lambda: Provenance("", ""))
     wall_time: float = field(default=0.0, compare=False)
     critical_speeds: CriticalSpeeds = field(default_factory=CriticalSpeeds)
-    gaps: LaterField[tuple[str, ...]] = LaterField(tuple)
-    error_bars: LaterField[ErrorBars] = LaterField(ErrorBars)
+    gaps: tuple[str, ...] = ()
+    error_bars: ErrorBars = ErrorBars()
     between: tuple[Solution, ...] = ()
 
     @property
