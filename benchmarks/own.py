@@ -180,7 +180,7 @@ def job_beehive(repeats: int) -> dict[str, Any]:
     """Two revolutions of the beehive at 4200, 5600 and 8000 rpm by the reduced rod and by its rod in turn, channels read
     later as in a run: median CPU times and median ratio of the pairs.
     """
-    from valvetrain.integrate.contract import Cycles, RunOptions
+    from valvetrain.integrate.contract import Cycles
     from valvetrain.integrate.run import run
     from valvetrain.springs.reduced_rod import ReducedRod
     from valvetrain.system.build import build
@@ -201,7 +201,7 @@ def job_beehive(repeats: int) -> dict[str, Any]:
             for model in models:
                 alone = PrescribedSpring((model,), system.valve_lift)
                 begun = time.process_time()
-                run(alone, rpm * np.pi / 60, Cycles(2), RunOptions(later=True))
+                run(alone, rpm * np.pi / 60, Cycles(2))
                 taken.append(time.process_time() - begun)
             pairs.append(taken)
         found["cpus"].append([statistics.median(side) for side in zip(*pairs, strict=True)])
