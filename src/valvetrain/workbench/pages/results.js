@@ -3,7 +3,7 @@ const FIRST = ["opening", "answers", "force"];
 const ORDER = ["sweep", "motion", "train", "in-motion", "coils", "orders", "at-rest", "stress", "critical-speeds", "energy", "events", "kinematics", "published"];
 // Short words for the tabs; a section of another package keeps its title.
 const SHORT = { sweep: "Over engine speed", motion: "Lift and motion", train: "Train", coils: "Coils and clashes", "in-motion": "Spring in motion", orders: "Orders", "at-rest": "Static curve and modes",
-  stress: "Stress", energy: "Energy", published: "Published values", gu2021: "Stages", uncertainty: "Error bars",
+  stress: "Stress", energy: "Energy", published: "Published values", "source-readings": "Source", uncertainty: "Error bars",
   case: "Case", runs: "Computation", references: "Papers" };
 export default {
   emits: ["shown"],
