@@ -10,7 +10,9 @@ from valvetrain.integrate.train_channels import spring_outputs
 from valvetrain.integrate.train_log import note_body
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
+from valvetrain.parameters import cylindrical
 from valvetrain.parameters.loading import load_case
+from valvetrain.springs import FiniteElementRod
 from valvetrain.system.build import build
 from valvetrain.system.train_system import TrainSystem
 
@@ -52,6 +54,16 @@ def test_the_recorded_head_of_a_large_state_is_enough(monkeypatch):
     assert (
         max(np.max(output.coil_contact_force) for output in found[0]) < 1e4
     )  # N, a clash and no artefact
+
+
+def test_the_end_of_a_wire_goes_as_far_as_the_retainer_went_since_its_step():
+    rod = FiniteElementRod(cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), 5e-3, 6)
+    state, top = rod.initial_state(0.0), slice(rod.mesh.last, None)
+    before = rod.rod_state(state, 0.0).position
+    rod.place_retainer(state, 2e-3, 1e-5)
+    after = rod.rod_state(state, 2e-3).position
+    assert before[top, 2] - after[top, 2] == pytest.approx(1e-5, rel=1e-9)
+    np.testing.assert_array_equal(after[: rod.mesh.last], before[: rod.mesh.last])
 
 
 def test_peaks_of_a_body_are_kept_with_their_cam_angles():
