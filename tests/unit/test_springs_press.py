@@ -66,6 +66,14 @@ def test_a_spring_of_wire_on_planes_presses_and_one_between_clamps_pulls(word):
         assert np.min(kicked(held)[0]) < 0
 
 
+@pytest.mark.parametrize(("seats", "pulls"), [("planes", False), ("clamps", True)])
+def test_a_retainer_that_leaves_a_rod_is_pulled_by_clamps_alone(seats, pulls):
+    wire = replace(WIRE.with_options("finite-element", elements_per_coil=6), seats=seats)
+    rod = spring_model("finite-element").build(wire)
+    force = rod.force(rod.initial_state(0.0), -2e-3).retainer
+    assert (force < -1e3) if pulls else force == 0.0
+
+
 @pytest.mark.parametrize("word", ["multi-mass", "wave-rod"])
 def test_a_loose_end_keeps_momentum_and_energy(word):
     """With an end open only the other force moves the masses; undamped, no energy is made or lost
