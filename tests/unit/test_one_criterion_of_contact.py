@@ -16,10 +16,10 @@ from valvetrain.integrate.train_channels import Scatter
 from valvetrain.quantities.train_events import LOSSES
 from valvetrain.report.clauses import Runs, Worst
 from valvetrain.report.key_figures import beyond_control
-from valvetrain.runs.error_bars import Uncertainty
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 
 RPM = math.pi / 30
 
@@ -96,7 +96,7 @@ def test_a_value_and_its_bar_have_one_unit():
 
     def said(value: float, bar: float) -> str:
         row = Uncertainty("loft_gap", run.engine_speed, value, bar, None, value, 0.0, (value, value), (value, value), run.label)  # fmt: skip
-        return Runs((run,), bars=(row,)).text(Worst("loft_gap", value, run))
+        return Runs((run,), bars=ErrorBars((row,))).text(Worst("loft_gap", value, run))
 
     assert said(2.94e-5, 1.5e-4) == "0.0294 mm (not resolved)"
     assert said(2.94e-5, 1.5e-5) == "29.4 ± 15 µm"

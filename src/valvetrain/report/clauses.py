@@ -9,9 +9,8 @@ from itertools import groupby
 
 from valvetrain.report.text import number, rpm, unit_text
 from valvetrain.solution.definition import shown
-from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
-from valvetrain.solution.uncertainty import NOT_RESOLVED, Uncertainty
+from valvetrain.solution.uncertainty import NOT_RESOLVED, ErrorBars
 from valvetrain.units.reader import reader_factor, reader_unit
 
 #: How the names of the stresses by EN 13906-1 begin, but for their spring.
@@ -59,7 +58,7 @@ class Runs:
 
     solutions: tuple[Solution, ...]
     still: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    bars: tuple[Uncertainty, ...] = ()
+    bars: ErrorBars = ErrorBars()
 
     def value(self, run: Solution, name: str) -> float:
         """A quantity of a run, or of its spring at rest; NaN where neither has it."""
@@ -137,16 +136,9 @@ class Runs:
     def bar(self, found: Worst, above: float = COARSE) -> float:
         """The known error bar of a value where it is ``above`` that share of it, else 0."""
         run = found.run or (self.solutions[0] if len(self.solutions) == 1 else None)
-        for row in self.bars:
-            if (
-                row.quantity == found.name
-                and run is not None
-                and row.label == run.label
-                and same_speed(row.engine_speed, run.engine_speed)
-                and row.numerical > above * abs(found.value)
-                and found.value
-            ):
-                return row.numerical
+        row = None if run is None else self.bars.of(found.name, run.label, run.engine_speed)
+        if row is not None and found.value and row.numerical > above * abs(found.value):
+            return row.numerical
         return 0.0
 
     def place(self, run: Solution) -> str:

@@ -11,6 +11,7 @@ from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.facts import Fact
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import ErrorBars
 
 #: What all facts of one code say together.
 Text = Callable[[Sequence[Fact]], Sequence[str]]
@@ -18,7 +19,7 @@ Text = Callable[[Sequence[Fact]], Sequence[str]]
 
 def study_notes(study: Study) -> tuple[str, ...]:
     """Sentences on the facts of a study, the remarks of its source, and those on its error bars."""
-    return (*fact_notes(study.facts), *study.notes, *study.error_bars.sentences)
+    return (*fact_notes(study.facts), *study.notes, *error_bar_notes(study.error_bars))
 
 
 def fact_notes(facts: Sequence[Fact]) -> tuple[str, ...]:
@@ -27,6 +28,26 @@ def fact_notes(facts: Sequence[Fact]) -> tuple[str, ...]:
     for one in facts:
         groups.setdefault(one.code, []).append(one)
     return tuple(text for code, found in groups.items() for text in TEXTS[code](found))
+
+
+def error_bar_notes(bars: ErrorBars) -> tuple[str, ...]:
+    """Sentences on runs without error bars, and on models that further runs contradict."""
+    found = []
+    if undivided := dict.fromkeys(one.label for one in bars.missing if one.reason == "no-division"):
+        found.append(
+            f"No error bars: none by {', '.join(undivided)}, whose spring has no division."
+        )
+    without = [
+        f"{one.label} at {rpm(one.engine_speed):.6g} rpm"
+        for one in bars.missing
+        if one.reason != "no-division"
+    ]
+    if without:
+        more = f" and {len(without) - 3} more" if len(without) > 3 else ""
+        found.append(
+            f"No error bar of {', '.join(without[:3])}{more}: that run or its repeat did not settle."
+        )
+    return (*found, *fact_notes(bars.facts))
 
 
 def on_assumed_ramp(facts: Sequence[Fact]) -> str:
@@ -203,6 +224,14 @@ def _spread(facts: Sequence[Fact]) -> list[str]:
     ]
 
 
+def _too_hard(facts: Sequence[Fact]) -> str:
+    far = ", ".join(
+        f"{_rpm(one)} rpm (peak {_share(float(one.fields['peak_share']))}, minimum {_share(float(one.fields['minimum_share']))})"
+        for one in facts
+    )
+    return f"Coils clash or swing too hard for reduced-rod at {far}: take finite-element there."
+
+
 def _run_up(fact: Fact) -> str:
     first, last = _rpm(fact, "first_engine_speed"), _rpm(fact, "last_engine_speed")
     return f"Run-up from {first} to {last} rpm in {fact.fields['duration']:.6g} s, one value per cam revolution."
@@ -234,5 +263,6 @@ TEXTS: dict[str, Text] = {
     "between-speeds": _between,
     "worse-between": _each(_worse),
     "calibration-spread": _spread,
+    "too-hard": _whole(_too_hard),
     "run-up": _each(_run_up),
 }  # fmt: skip

@@ -53,7 +53,7 @@ MAX_LABELS = 2
 
 def judged_runs(study: Study) -> Runs:
     """The runs of a study whose numbers count, with the error bars that are known."""
-    bars = study.error_bars.rows
+    bars = study.error_bars
     return Runs(tuple(run for run in study.solutions if is_judged(run)), study.still, bars)
 
 

@@ -18,6 +18,7 @@ from valvetrain.report.clauses import (
     quantity_text,
     sentence,
 )
+from valvetrain.report.fact_texts import fact_notes
 from valvetrain.report.published_verdict import published_sentences, share
 from valvetrain.report.run_clauses import (
     NEAR,
@@ -34,7 +35,6 @@ from valvetrain.solution.definition import NESTED
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
-from valvetrain.solution.uncertainty import TOO_HARD
 from valvetrain.units.reader import reader_factor
 
 #: Further springs whose loads are named, and share by which a rate differs from that as installed.
@@ -71,11 +71,9 @@ def study_verdict(study: Study) -> str:
 
 def _too_hard(study: Study) -> list[str]:
     """That a model does not hold for some of the runs, by their error bars where these are computed."""
-    said = study.error_bars.sentences
     return [
         f"doubtful: {one[:1].lower()}{one[1:]}".removesuffix(".").replace(": take", ", take")
-        for one in said
-        if one.startswith(TOO_HARD)
+        for one in fact_notes(study.error_bars.facts)
     ]
 
 

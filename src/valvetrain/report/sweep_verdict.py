@@ -121,7 +121,7 @@ def runs_over_speed(study: Study, label: str) -> Runs:
     """The runs of a label whose numbers count, those between the swept speeds among them."""
     both = (*study.runs(label), *(run for run in study.between if run.label == label))
     judged = sorted(filter(is_judged, both), key=lambda run: run.engine_speed)
-    bars = study.error_bars.rows
+    bars = study.error_bars
     return Runs(tuple(judged), study.still, bars)
 
 

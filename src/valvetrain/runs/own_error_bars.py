@@ -29,9 +29,9 @@ from valvetrain.runs.prepared import (
 from valvetrain.runs.refine_trains import DIVISIONS, ROUNDING, divided
 from valvetrain.runs.refine_trains import HEADLINES as TRAIN_HEADLINES
 from valvetrain.runs.workers import map_points
-from valvetrain.solution.definition import label_of
+from valvetrain.solution.facts import Fact
 from valvetrain.solution.result import Solution
-from valvetrain.solution.uncertainty import TOO_HARD, ErrorBars, NoErrorBar, Uncertainty
+from valvetrain.solution.uncertainty import ErrorBars, NoErrorBar, Uncertainty
 from valvetrain.springs.modal_uniform import oscillating_modes
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.problem import Member, Problem, Rest
@@ -62,8 +62,6 @@ REVOLUTIONS = 2
 PEAK_TOO_FAR, MINIMUM_TOO_FAR = 0.01, 0.02
 #: Numbers that differ by a constant from one whose scatter is known, or hold the same peak.
 SAME_SCATTER = {"lift_loss_displacement": "peak_valve_lift"}
-#: Share of a value that its uncertainty may be without being named.
-LARGE = 0.05
 #: Numbers that get a bar where a run has them; counts jump.
 NAMES = tuple(
     name
@@ -127,7 +125,8 @@ def own_error_bars(
         for run in runs
         if _key(run) not in barred
     )
-    return ErrorBars(rows, tuple(_sentences(runs, rows, numbers, missing)), missing)
+    facts = (one for run in runs for one in _too_hard(run, numbers.get(_key(run), ())))
+    return ErrorBars(rows, missing, tuple(facts))
 
 
 def _key(run: Solution) -> tuple[str, float]:
@@ -355,70 +354,16 @@ def _may_leave_the_cam(run: Solution, known: Sequence[tuple[float, Mapping[str, 
     return bool(forces) and min(forces) <= surge and max(forces) > 0.0
 
 
-def _sentences(
-    runs: Sequence[Solution],
-    rows: Sequence[Uncertainty],
-    numbers: Mapping[tuple[str, float], Sequence[tuple[float, Mapping[str, float]]]],
-    missing: Sequence[NoErrorBar],
-) -> Iterable[str]:
-    undivided = dict.fromkeys(one.label for one in missing if one.reason == "no-division")
-    none = f"none by {', '.join(undivided)}"
-    ways = sorted(
-        {fineness for found in numbers.values() for fineness, _ in found if fineness != 1}
-    )
-    if rows and ways:
-        large = sorted(
-            (row for row in rows if row.numerical > LARGE * abs(row.value) and row.value),
-            key=lambda row: -row.numerical / abs(row.value),
-        )
-        names = list(dict.fromkeys(label_of(row.quantity).lower() for row in large))
-        more = f", {len(names) - 1} more" if len(names) > 1 else ""
-        over = f"; over {100 * LARGE:.0f} %: {names[0]}{more}" if names else ""
-        sides = (
-            ("finer", [one for one in ways if one > 1]),
-            ("coarser", [1 / one for one in ways if one < 1]),
-        )
-        how = " and ".join(
-            f"{' to '.join(dict.fromkeys(f'{end:.3g}' for end in (min(sizes), max(sizes))))} times {side}"
-            for side, sizes in sides
-            if sizes
-        )
-        if any(run.model == SOLID for run in runs):
-            how += " (of solid along the wire alone, not in the section)"
-        yield f"± from runs {how} (all: --json){over}{f'; {none}' if undivided else ''}."
-    elif undivided and not rows:
-        yield f"No error bars: {none}, whose spring has no division."
-    without = [
-        f"{one.label} at {one.engine_speed * 30 / math.pi:.6g} rpm"
-        for one in missing
-        if one.reason != "no-division"
-    ]
-    if without:
-        more = f" and {len(without) - 3} more" if len(without) > 3 else ""
-        yield f"No error bar of {', '.join(without[:3])}{more}: that run or its repeat did not settle."
-    far = [
-        f"{run.engine_speed * 30 / math.pi:.6g} rpm ({share})"
-        for run in runs
-        if run.model == REDUCED and (share := _off_its_rod(run, numbers.get(_key(run), ())))
-    ]
-    if far:
-        yield f"{TOO_HARD} for {REDUCED} at {', '.join(far)}: take finite-element there."
-
-
-def _off_its_rod(run: Solution, further: Sequence[tuple[float, Mapping[str, float]]]) -> str:
-    """How far the peak, or the least force, of a reduced rod is from its rod's, where that is too far."""
+def _too_hard(run: Solution, further: Sequence[tuple[float, Mapping[str, float]]]) -> list[Fact]:
+    """How far the peak, and the least force, of a reduced rod are from its rod's, where that is too far."""
     rod = next((numbers for fineness, numbers in further if fineness == 1), {})
     ends = "peak_spring_force", "minimum_spring_force"
-    if any(name not in rod for name in ends):
-        return ""
+    if run.model != REDUCED or any(name not in rod for name in ends):
+        return []
     apart = [abs(run.quantities[name] - rod[name]) for name in ends]
-    shares = (
-        apart[0] / abs(rod[ends[0]]),
-        apart[1] / max(rod["peak_spring_force"] - rod[ends[1]], 1e-12),
-    )
-    limits = (("peak", PEAK_TOO_FAR), ("minimum", MINIMUM_TOO_FAR))
-    return ", ".join(
-        f"{word} {100 * share:.2g} %"
-        for share, (word, limit) in zip(shares, limits, strict=True)
-        if share > limit
-    )
+    peak = apart[0] / abs(rod[ends[0]])
+    least = apart[1] / max(rod[ends[0]] - rod[ends[1]], 1e-12)
+    if peak <= PEAK_TOO_FAR and least <= MINIMUM_TOO_FAR:
+        return []
+    name = {"label": run.label, "engine_speed": run.engine_speed}
+    return [Fact("too-hard", {**name, "peak_share": peak, "minimum_share": least})]

@@ -31,6 +31,7 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "between-speeds": ("label", "engine_speeds"),
     "worse-between": ("label", "quantity", "engine_speed", "value", "next_engine_speed", "next_value"),
     "calibration-spread": ("quantity", "engine_speed", "low", "high"),
+    "too-hard": ("label", "engine_speed", "peak_share", "minimum_share"),
     "run-up": ("first_engine_speed", "last_engine_speed", "duration"),
 }  # fmt: skip
 

@@ -6,6 +6,9 @@ import re
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from valvetrain.solution.facts import Fact
+from valvetrain.solution.quantity import same_speed
+
 Range = tuple[float, float]
 #: Least order of convergence that is trusted.
 MIN_ORDER = 0.5
@@ -88,10 +91,6 @@ class Uncertainty:
         )
 
 
-#: How the sentence of error bars begins on reduced rods that their rods contradict.
-TOO_HARD = "Coils clash or swing too hard"
-
-
 class NoErrorBar(NamedTuple):
     """A completed run without error bars: label, engine speed (rad/s) and the code of its reason, a key of
     :data:`REASONS`.
@@ -110,10 +109,30 @@ REASONS = {
 
 
 class ErrorBars(NamedTuple):
-    """Rows of the runs of a study, stored or computed, sentences on what they are and which are large, and
-    the completed runs that have none.
+    """Rows of the runs of a study, those stored beside a library case and those computed; the completed
+    runs that have none; and facts of models that the further runs contradict.
+
+    >>> ErrorBars().of("peak_spring_force", "massless", 400.0) is None
+    True
     """
 
     rows: tuple[Uncertainty, ...] = ()
-    sentences: tuple[str, ...] = ()
     missing: tuple[NoErrorBar, ...] = ()
+    facts: tuple[Fact, ...] = ()
+
+    def of(
+        self, quantity: str, label: str = "", engine_speed: float | None = None
+    ) -> Uncertainty | None:
+        """The row of a quantity of a run (``engine_speed`` in rad/s; None: at rest, whatever label); None
+        where there is none.
+        """
+        return next(
+            (
+                row
+                for row in self.rows
+                if row.quantity == quantity
+                and same_speed(row.engine_speed, engine_speed)
+                and (engine_speed is None or row.label == label)
+            ),
+            None,
+        )

@@ -10,7 +10,7 @@ import numpy as np
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Layer, Line, Marks, Panel, Rule
-from valvetrain.report.fact_texts import study_notes
+from valvetrain.report.fact_texts import error_bar_notes, study_notes
 from valvetrain.report.model_charts import error_bar_chart
 from valvetrain.report.page import (
     Block,
@@ -96,7 +96,7 @@ def ratio_chart(study: Study) -> Chart | None:
     height = np.arange(len(known), dtype=float)
     unsure = {
         (row.quantity, round(row.engine_speed or 0.0, 3)): row
-        for row in load_uncertainty(study.record)
+        for row in study.error_bars.rows
         if row.label == ROD
     }
     allowed = [
@@ -242,7 +242,7 @@ def uncertainty_blocks(study: Study) -> tuple[Block, ...]:
     grid: Block = uncertainty_grid(fresh)
     if len(fresh) > ONE_SCREEN:
         grid = Details(f"All {len(fresh)} numbers with their error bars", (grid,))
-    own = study.error_bars.sentences
+    own = error_bar_notes(study.error_bars)
     computed = {row.label for row in study.error_bars.rows}
     others = any(row.label not in computed for row in fresh)
     shipped = (lead(meshes_of(study.record)),) if others else ()
