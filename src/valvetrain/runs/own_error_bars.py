@@ -365,5 +365,5 @@ def _too_hard(run: Solution, further: Sequence[tuple[float, Mapping[str, float]]
     least = apart[1] / max(rod[ends[0]] - rod[ends[1]], 1e-12)
     if peak <= PEAK_TOO_FAR and least <= MINIMUM_TOO_FAR:
         return []
-    name = {"label": run.label, "engine_speed": run.engine_speed}
-    return [Fact("too-hard", {**name, "peak_share": peak, "minimum_share": least})]
+    shares = {"peak_share": peak, "minimum_share": least}
+    return [Fact("too-hard", {"label": run.label, "engine_speed": run.engine_speed, **shares})]
