@@ -1,4 +1,4 @@
-"""case file -> parameters -> Problem -> System -> integrate -> Solution -> quantities -> report
+"""case file -> parameters -> Problem -> System -> integrate -> Solution -> quantities -> findings -> views
 
 Dynamics of valve springs and valvetrains. Public names are in ``__init__.pyi`` of this package and
 of its folders; each loads its module on first use, so that ``import valvetrain`` costs next to nothing.

@@ -31,7 +31,6 @@ from valvetrain.explore.space import Values as Values
 from valvetrain.explore.study import study as study
 from valvetrain.parameters.loading import list_cases as list_cases
 from valvetrain.parameters.loading import load_case as load_case
-from valvetrain.report.study import write_study as write_study
 from valvetrain.runs.api import compare as compare
 from valvetrain.runs.api import critical_speeds as critical_speeds
 from valvetrain.runs.api import simulate as simulate
@@ -41,5 +40,6 @@ from valvetrain.runs.refine import refine as refine
 from valvetrain.runs.run_up import run_up as run_up
 from valvetrain.solution.result import Solution as Solution
 from valvetrain.solution.study import Study as Study
+from valvetrain.views.results import write_study as write_study
 
 __version__: str

@@ -35,6 +35,9 @@ KINDS: dict[str, tuple[str, str]] = {
     "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
     "samplers": ("valvetrain.samplers", "sampler"),
     "evaluators": ("valvetrain.evaluators", "evaluator of points"),
+    "rules": ("valvetrain.rules", "table of rules"),
+    "tables": ("valvetrain.tables", "table of a page"),
+    "figures": ("valvetrain.figures", "figure of a page"),
 }  # fmt: skip
 
 #: Kind -> word -> place. The order is the order of tables and menus.
@@ -62,6 +65,7 @@ BUILT_IN["commands"] = {
     "new": "valvetrain.cli.cases:register_new",
     "cases": "valvetrain.cli.cases:register_cases",
     "check": "valvetrain.cli.cases:register_check",
+    "findings": "valvetrain.cli.findings:register",
     "serve": "valvetrain.workbench.command:register",
 }
 BUILT_IN["springs"] = {
@@ -114,21 +118,21 @@ BUILT_IN["verdicts"] = {
     "TesterFit": "valvetrain.spring_card.verdict:tester_verdict",
     "ModelAgainstTest": "valvetrain.compare_test.verdict:test_verdict",
     "Solution": "valvetrain.report.run_verdict:solution_verdict",
-    "Study": "valvetrain.report.run_verdict:study_verdict",
+    "Study": "valvetrain.views.results:sentence_of",
     "UncertaintyStudy": "valvetrain.report.model_verdict:refine_verdict",
 }
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
     "verdict": "valvetrain.report.verdict:verdict_of",
     "html": "valvetrain.report.notebook:html_of",
-    "picture": "valvetrain.report.notebook:picture_of",
-    "figure": "valvetrain.report.notebook:figure_of",
+    "picture": "valvetrain.views.results:picture_for_notebook",
+    "figure": "valvetrain.views.results:figure_for_user",
     "progress": "valvetrain.cli.progress:session_bar",
 }
 #: Kind of result -> what writes the files of its ``save()`` (any result) or ``report()``.
 BUILT_IN["files"] = {
     "result": "valvetrain.solution.netcdf:save_result",
-    "study": "valvetrain.report.study:write_study",
+    "study": "valvetrain.views.results:write_study",
     "points": "valvetrain.explore.study_page:report_points",
     "optimum": "valvetrain.explore.optimum_page:report_optimum",
     "identification": "valvetrain.explore.identification_page:report_identification",
@@ -247,6 +251,37 @@ BUILT_IN["sections"] = {
     "case": "valvetrain.report.sections.inputs:CASE_SPEC",
     "runs": "valvetrain.report.sections.inputs:RUNS_SPEC",
     "references": "valvetrain.report.sections.inputs:REFERENCES_SPEC",
+}
+
+#: Tables of rules by importance, figures of a study's page and its folded tables, each in their order.
+BUILT_IN["rules"] = {
+    "first": "valvetrain.findings.rules_study:FIRST",
+    "train": "valvetrain.findings.rules_train:RULES",
+    "spring": "valvetrain.findings.rules_spring:RULES",
+    "last": "valvetrain.findings.rules_study:LAST",
+    "assumed": "valvetrain.findings.rules_assumed:RULES",
+    "published": "valvetrain.findings.rules_published:RULES",
+}
+BUILT_IN["figures"] = {
+    "run-up": "valvetrain.views.figures:RUN_UP",
+    "control": "valvetrain.views.figures:CONTROL",
+    "force": "valvetrain.views.figures:FORCE",
+    "lift": "valvetrain.views.figures:LIFT",
+    "contacts": "valvetrain.views.figures:CONTACTS",
+    "piston": "valvetrain.views.figures:PISTON",
+    "coils": "valvetrain.views.figures_of_springs:COILS",
+    "orders": "valvetrain.views.figures_of_springs:ORDERS_OF_SURGE",
+    "rest": "valvetrain.views.figures_of_springs:REST",
+    "paper": "valvetrain.views.figures_of_springs:PAPER",
+}
+BUILT_IN["tables"] = {
+    "findings": "valvetrain.views.tables:findings",
+    "numbers": "valvetrain.views.tables:numbers",
+    "published": "valvetrain.views.tables:published",
+    "source": "valvetrain.views.tables:source",
+    "events": "valvetrain.views.tables:events",
+    "error-bars": "valvetrain.views.tables:error_bars",
+    "at-rest": "valvetrain.views.tables:rest",
 }
 
 #: Kind -> what makes its object from a part given in Python (:mod:`valvetrain.parameters.own_parts`).

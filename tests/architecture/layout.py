@@ -13,9 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "valvetrain"
-DATA_FLOW = (
-    "case file -> parameters -> Problem -> System -> integrate -> Solution -> quantities -> report"
-)
+DATA_FLOW = "case file -> parameters -> Problem -> System -> integrate -> Solution -> quantities -> findings -> views"
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,8 @@ from synthetic_study import own_study, published_study, sweep_study, train_study
 from system_parts import program
 from valvetrain.report.page import charts, render
 from valvetrain.report.study import study_page
+from valvetrain.views.answer import Answer
+from valvetrain.views.page import data_of, page_of
 
 pytestmark = pytest.mark.chromium
 
@@ -101,3 +103,21 @@ def test_every_chart_is_drawn_and_nothing_goes_wrong(visit):
     }
     assert seen["errors"] == [] and console == []
     assert seen["refused"] == [] and seen["loaded"] == []
+
+
+@pytest.fixture(scope="module", params=["own", "published", "train"])
+def answered(request, tmp_path_factory):
+    text = page_of(Answer(STUDIES[request.param]()))
+    return text, *browse(text, tmp_path_factory.mktemp("answer"))
+
+
+def test_a_packed_page_unpacks_and_draws_every_figure_and_the_motion(answered):
+    text, seen, console = answered
+    figures = {key.removeprefix("data-") for key in data_of(text) if key.startswith("data-")}
+    assert figures == set(seen["charts"])
+    assert not {
+        key: one for key, one in seen["charts"].items() if not (one["traces"] and one["ink"])
+    }
+    assert seen["errors"] == [] and console == []
+    assert seen["refused"] == [] and seen["loaded"] == []
+    assert len(text) < 2_800_000

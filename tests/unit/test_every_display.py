@@ -15,7 +15,6 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.run import joined
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.report.json import study_json
-from valvetrain.report.study import write_study
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
 from valvetrain.solution.display import frame, table
 from valvetrain.solution.quantity import Quantities, Quantity
@@ -23,6 +22,7 @@ from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import _strains
+from valvetrain.views.results import write_study
 
 RPM = math.pi / 30
 

@@ -23,9 +23,9 @@ from synthetic_study import (
 )
 from unit.test_every_table import COMPARED
 from valvetrain.report.json import status_object, study_json
-from valvetrain.report.study import write_study
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.status import Event, Status
+from valvetrain.views.results import write_study
 
 RPM = np.pi / 30
 

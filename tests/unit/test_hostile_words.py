@@ -18,8 +18,9 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.report.page import render
 from valvetrain.report.plotly_chart import in_script
-from valvetrain.report.study import study_page, write_study
+from valvetrain.report.study import study_page
 from valvetrain.report.table import quoted
+from valvetrain.views.results import write_study
 
 COMMENT = "<!--<script>"
 BREAKS_OUT = "</script><script>lost()</script>"

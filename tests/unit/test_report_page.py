@@ -25,7 +25,7 @@ from valvetrain.errors import InputError
 from valvetrain.report import study as write
 from valvetrain.report.json import study_json
 from valvetrain.report.page import Page, Section, charts, render, text
-from valvetrain.report.study import study_page, write_study
+from valvetrain.report.study import study_page, write_parts
 from valvetrain.report.table import comparison_table
 from valvetrain.report.text import speed_text
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
@@ -67,7 +67,7 @@ def own_words(html: str) -> str:
 @pytest.fixture(scope="module", params=list(STUDIES))
 def written(request, tmp_path_factory):
     study = STUDIES[request.param]()
-    return study, write_study(study, tmp_path_factory.mktemp("report"), figures=True)
+    return study, write_parts(study, tmp_path_factory.mktemp("report"), figures=True)
 
 
 def test_page_loads_nothing_from_outside_and_every_entry_leads_to_its_section(written):
@@ -91,7 +91,7 @@ def test_page_loads_nothing_from_outside_and_every_entry_leads_to_its_section(wr
 
 
 def test_files_are_read_back(tmp_path):
-    files = write_study(own_study(), tmp_path)
+    files = write_parts(own_study(), tmp_path)
     names = {path.name for path in files.data}
     assert (
         files.figures == ()
@@ -123,7 +123,7 @@ def test_files_are_read_back(tmp_path):
 
 def test_a_sweep_writes_its_series_and_orders_and_no_reduced_runs(tmp_path):
     study = sweep_study()
-    files = write_study(study, tmp_path, page=False)
+    files = write_parts(study, tmp_path, page=False)
     assert files.page is None and {path.name for path in files.data} == {
         "quantities.csv",
         "events.csv",
@@ -144,7 +144,7 @@ def test_a_sweep_writes_its_series_and_orders_and_no_reduced_runs(tmp_path):
 def test_no_two_runs_share_a_file(tmp_path):
     near = (3000.001 * np.pi / 30, 3000.002 * np.pi / 30)
     runs = tuple(train_run(speed, label) for label in ("x 1", "x/1", "X 1") for speed in near)
-    files = write_study(replace(train_study(), solutions=runs), tmp_path, page=False)
+    files = write_parts(replace(train_study(), solutions=runs), tmp_path, page=False)
     found = [load_netcdf(path) for path in files.data if path.suffix == ".nc"]
     assert {(run.label, run.engine_speed) for run in found} == {
         (label, speed) for label in ("x 1", "x/1", "X 1") for speed in near
@@ -184,13 +184,13 @@ def test_words_from_outside_are_escaped():
 def test_runs_that_ended_at_once_do_not_break_the_page(tmp_path, keep):
     run = rod_run(status=Status("diverged", "at once"))
     short = replace(run, channels=run.channels.isel(sample=slice(0, keep)), events=())
-    html = write_study(own_study((short,)), tmp_path).page.read_text()
+    html = write_parts(own_study((short,)), tmp_path).page.read_text()
     assert "could not be drawn" not in html.split("<script>")[0]
 
 
 def test_page_of_nothing_but_a_case(tmp_path):
     bare = replace(own_study(()), rest=(), still={})
-    files = write_study(bare, tmp_path)
+    files = write_parts(bare, tmp_path)
     assert (
         "none run" in files.page.read_text() and "could not be drawn" not in files.page.read_text()
     )
@@ -202,7 +202,7 @@ def test_page_that_cannot_be_finished_is_not_begun(tmp_path, monkeypatch):
 
     monkeypatch.setattr(write, "render", fail)
     with pytest.raises(KeyboardInterrupt):
-        write_study(own_study(), tmp_path)
+        write_parts(own_study(), tmp_path)
     assert not (tmp_path / "report.html").exists()
     assert not [path for path in tmp_path.rglob("*") if path.name.endswith(".part")]
     assert load_netcdf(tmp_path / "finite-element-5600rpm.nc").status.completed
@@ -211,7 +211,7 @@ def test_page_that_cannot_be_finished_is_not_begun(tmp_path, monkeypatch):
 def test_unwritable_folder_is_an_input_error(tmp_path):
     (tmp_path / "taken").write_text("a file")
     with pytest.raises(InputError, match="cannot be written"):
-        write_study(own_study(), tmp_path / "taken")
+        write_parts(own_study(), tmp_path / "taken")
 
 
 def test_same_study_gives_the_same_page():

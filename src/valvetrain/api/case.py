@@ -260,8 +260,8 @@ class Case:
         self, folder: str | os.PathLike[str], engine_speeds: Any = None, **options: Any
     ) -> StudyFiles:
         """Run the case and write its report page and data files to ``folder``."""
-        from valvetrain.report.study import write_study
         from valvetrain.runs.api import simulate
+        from valvetrain.views.results import write_study
 
         return write_study(simulate(self.parameters, engine_speeds, **options), folder)
 

@@ -32,6 +32,9 @@ from valvetrain.report.text import rpm, rpm_text
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.definition import label_of, names_for
 from valvetrain.units.reader import reader_text, reader_unit
+from valvetrain.views.answer import Answer
+from valvetrain.views.results import moved, tables_in_full
+from valvetrain.views.terminal import screen
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -52,6 +55,11 @@ def show_study(
     console: Console, study: Study, folder: Path, page: Path | None, published: bool = False
 ) -> None:
     """Print the answer of a study; with ``published`` every comparison, finding and note in full."""
+    if moved(study):
+        console.print(screen(Answer(study), str(page or ""), str(folder)))
+        for one in tables_in_full(study).values() if published else ():
+            console.print(plain_table(one.columns, one.rows, f"\n{one.title}"))
+        return
     console.print(study.record.title or study.record.name)
     try:
         for table in _tables(study):

@@ -319,17 +319,17 @@ def _saved_outcome(
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.answers import show_study
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.report.json import study_json
     from valvetrain.report.text import rpm
     from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.units.reader import for_reader
+    from valvetrain.views.results import answer_json, moved
 
     gaps = PartialFailures(unfinished.gaps.sentences)
     none: tuple[str, ...] = ()
     failures = gaps.part("list of failures", none, lambda: study.failures)
     plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
-    data = gaps.part("JSON answer", plain, study_json, study) | {"command": request.command}
+    data = gaps.part("JSON answer", plain, answer_json, study) | {"command": request.command}
     verdict = verdict_of(study)  # with the error bars that the JSON has computed
     data |= {"verdict": verdict} if verdict else {}
     choices_made = {
@@ -344,7 +344,7 @@ def _saved_outcome(
     if page is not None and request.open_page:
         show_page(page)
     with for_reader():
-        read = verdict_of(study) if verdict else ""
+        read = verdict_of(study) if verdict and not moved(study) else ""
     return Outcome(
         data,
         lambda console: show_study(console, study, folder, page, request.published),
@@ -368,10 +368,10 @@ def save_study(
     """Write a study to the folder of its run: the folder, the page, and all that failed.
 
     ``data``, the JSON answer, is completed with them; the other arguments are those of
-    :func:`keep_run` and :func:`valvetrain.report.study.write_parts`.
+    :func:`keep_run` and :func:`valvetrain.views.results.write_answer`.
     """
     from valvetrain.cli.progress import busy
-    from valvetrain.report.study import write_parts
+    from valvetrain.views.results import write_answer
 
     pages: list[Path] = []
 
@@ -381,8 +381,8 @@ def save_study(
         return failed
 
     def write(folder: Path) -> list[Path]:
-        saved = () if unfinished is None else (unfinished.file_of,)
-        files = write_parts(study, folder, report, figures, *saved)
+        saved = {} if unfinished is None else {"written_before": unfinished.file_of}
+        files = write_answer(study, folder, report, figures, **saved)
         pages.extend([files.page] if files.page else [])
         for sentence in files.gaps:
             gaps.add(sentence)

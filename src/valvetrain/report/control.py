@@ -347,7 +347,7 @@ def _cause_in(
 
 
 def _control_of_runs(runs: Runs, red_line: float | None) -> str:
-    """The same of a run-up or of a sweep without search: from the runs themselves."""
+    """The same of a sweep without search: from the runs themselves."""
     speeds, first = [run.engine_speed for run in runs.solutions], first_losses(runs)
     if not first:
         reach = f"in contact from {rpm(min(speeds)):.0f} to {rpm(max(speeds)):.0f} rpm"
@@ -366,19 +366,12 @@ def _control_of_runs(runs: Runs, red_line: float | None) -> str:
 
 
 def first_losses(runs: Runs) -> dict[str, Solution]:
-    """Kind of critical speed -> the first run of a sweep without search, or turn of a run-up, that
-    shows it, the slowest first.
-    """
+    """Kind of critical speed -> the first run of a sweep without search that shows it, the slowest first."""
     first: dict[str, Solution] = {}
     for run in sorted(runs.solutions, key=lambda one: one.engine_speed):
         values = run.quantities
         for kind, value, limit in (
-            # a turn of a run-up has no such time, but its loft (m)
-            (
-                "contact-loss",
-                values.get("loss_of_contact_duration", values.get("loft_gap", 0.0)),
-                0.0,
-            ),
+            ("contact-loss", values.get("loss_of_contact_duration", 0.0), 0.0),
             ("float", values.get("float_excess_lift", 0.0), FLOAT_LIFT),
         ):
             if value > limit:

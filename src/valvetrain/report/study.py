@@ -59,7 +59,6 @@ _KICKERS = {
     "compare": "Comparison of models",
     "sweep": "Sweep over engine speed",
     "compare-springs": "Comparison of springs",
-    "run-up": "Run-up",
     "static": "Springs at rest",
     "modes": "Natural modes",
 }
@@ -153,19 +152,12 @@ def _facts(study: Study) -> tuple[tuple[str, str], ...]:
     sets = {label: set_and_model(study, label, True) for label in known}
     names = [sets[label] if sets[label] != label else look.label for label, look in known.items()]
     mark = "; " if any("," in name for name in names) else ", "
-    digits = 4 if study.command == "run-up" else 10  # a revolution of a run-up has a mean speed
-    listed = ", ".join(f"{rpm(speed):.{digits}g}" for speed in speeds)
+    listed = ", ".join(f"{rpm(speed):.10g}" for speed in speeds)
     if len(speeds) > _MAX_SPEEDS:
-        ends = (f"{rpm(speeds[at]):.{digits}g}" for at in (0, -1))
+        ends = (f"{rpm(speeds[at]):.10g}" for at in (0, -1))
         listed = f"{len(speeds)} from {' to '.join(ends)}"
     ended = sum(run.status.completed for run in study.solutions)
-    word = (
-        "cam revolutions of the run-up"
-        if study.command == "run-up"
-        else "settled"
-        if study.command in SWEEPS
-        else "completed"
-    )
+    word = "settled" if study.command in SWEEPS else "completed"
     open_ends = [
         f"{f'{label} at ' if len(study.labels) > 1 else ''}{found.partition(': ')[2]} rpm"
         for label in (study.labels if study.over_speed else ())
@@ -254,49 +246,8 @@ def with_page(page: Page, folder: Path, files: Sequence[Path]) -> StudyFiles:
     return files_of(folder, [*files, write_page(page, folder, figures=False)[0]])
 
 
-def write_study(
-    study: Study | Any, folder: str | os.PathLike[str], page: bool = True, figures: bool = False
-) -> StudyFiles:
-    """Write the data files of a study and, on request, its page and pictures.
-
-    Parameters
-    ----------
-    study : what ``simulate``, ``compare`` or ``sweep`` gave, or another result that has a
-        ``report``: of a study of points, an optimisation, an identification, a measurement
-    folder : made if absent; files of an earlier study there that are unchanged are removed
-    page : write report.html, one file that needs no network
-    figures : write every chart of the page as an SVG picture too
-
-    Returns
-    -------
-    StudyFiles with the paths: folder, page (None without), data, figures
-
-    Raises
-    ------
-    InputError : a folder that cannot be written; RunFailedError where the disk took some files
-        only, with their names
-
-    Examples
-    --------
-    >>> import valvetrain as vt
-    >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
-    >>> written = vt.write_study(study, "results", page=False)
-    >>> sorted(file.name for file in written.data)[:3]
-    ['massless-2000rpm.csv', 'massless-2000rpm.nc', 'modes-job-t-finite-element.csv']
-    """
-    if not isinstance(study, Study):
-        if not hasattr(study, "report"):
-            raise InputError(
-                f"a {type(study).__name__} has no page; give a study or another result with a report"
-            )
-        found: StudyFiles = study.report(folder)
-        return found
-    files = write_parts(study, Path(folder), page, figures)
-    if files.gaps:
-        raise RunFailedError(
-            f"not all of the study could be written to '{folder}', the rest is there: {'; '.join(files.gaps)}"
-        )
-    return files
+#: Study, folder, whether pictures are wanted, and what takes failures -> page and pictures.
+PageWriter = Callable[[Study, Path, bool, PartialFailures], tuple[Path | None, tuple[Path, ...]]]
 
 
 def write_parts(
@@ -305,13 +256,16 @@ def write_parts(
     page: bool = True,
     figures: bool = False,
     written_before: Callable[[Solution], Path | None] = lambda _: None,
+    pages: PageWriter | None = None,
 ) -> StudyFiles:
-    """As :func:`write_study`; a part that fails is named among the ``gaps`` and costs no other.
+    """Write the data files of a study and, on request, its page and pictures; a part that fails is named
+    among the ``gaps`` and costs no other.
 
     ``written_before`` gives the file that a solution was written to as it came, which then only
-    takes its name.
+    takes its name; ``pages`` writes the page and its pictures, by default :func:`study_page`.
     """
     names, gaps = FreeNames(), PartialFailures()
+    nothing: tuple[Path | None, tuple[Path, ...]] = (None, ())
     data: list[Path] = []
 
     def write(name: str, function: Callable[..., Path], *given: Any) -> None:
@@ -347,13 +301,9 @@ def write_parts(
     written: Path | None = None
     pictures: tuple[Path, ...] = ()
     if page:
-        with for_reader():
-            whole = gaps.part("report page", None, study_page, study)
-            for sentence in gaps_of(whole) if whole is not None else ():
-                gaps.add(f"report page: {sentence}")
-            if whole is not None:
-                given = (whole, target, "report.html", figures, gaps)
-                written, pictures = gaps.part("report page", (None, ()), write_page, *given)
+        written, pictures = gaps.part(
+            "report page", nothing, pages or _write_study_page, study, target, figures, gaps
+        )
     gaps.part(
         "list of files",
         (),
@@ -363,6 +313,18 @@ def write_parts(
         (*data, *pictures, *((written,) if written else ())),
     )
     return StudyFiles(target, written, tuple(data), pictures, gaps.sentences)
+
+
+def _write_study_page(
+    study: Study, target: Path, figures: bool, gaps: PartialFailures
+) -> tuple[Path | None, tuple[Path, ...]]:
+    with for_reader():
+        whole = gaps.part("report page", None, study_page, study)
+        if whole is None:
+            return None, ()
+        for sentence in gaps_of(whole):
+            gaps.add(f"report page: {sentence}")
+        return write_page(whole, target, "report.html", figures, gaps)
 
 
 def _named(run: Solution, path: Path, written_before: Callable[[Solution], Path | None]) -> Path:

@@ -63,8 +63,7 @@ def regime_chart(study: Study) -> Chart | None:
     title = f"Least cam force{' and control' if found else ''} over engine speed"
     title = title if train else "Forces over engine speed"
     whose = f", those of {label}" if len(study.labels) > 1 and not several else ""
-    caption = "A point per cam revolution." if study.command == "run-up" else ""
-    caption += f" Dotted: the speeds of the verdict{whose}." if marks else ""
+    caption = f" Dotted: the speeds of the verdict{whose}." if marks else ""
     if found:
         caption += (
             " Bars: speeds at which contact is lost, the valve floats or bounces; thin: where that begins with another "

@@ -16,7 +16,7 @@ from valvetrain.solution.force_peak import FORCE_BANDWIDTH, band_text
 NO_RESULT = (
     "command", "command_line", "case", "title", "digest", "checksum", "changed", "created_at", "choices", "versions", "files", "folder",
     "page", "units", "cite", "kept_from_before", "known_before", "quantities", "quantities_by_label", "springs_at_rest", "comparisons",
-    "findings", "definitions",
+    "findings", "source_findings", "definitions",
 )  # fmt: skip
 #: Entry of an answer with what its names mean where that has changed, and the name that it is about.
 DEFINITIONS, FORCE = "definitions", "peak_spring_force"

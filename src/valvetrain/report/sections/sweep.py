@@ -189,10 +189,6 @@ def sweep_chart(study: Study, topic: str, names: Sequence[str], place: int) -> C
     if not panels:
         return None
     caption = "Each engine speed on its own, those between the swept ones too. Open marks: the motion did not repeat there, its last cycle is shown."
-    if study.command == "run-up":
-        caption = (
-            "One value per cam revolution, at its mean engine speed: the envelope of the run-up."
-        )
     key = f"sweep-{place}" if place else "sweep"
     columns = min(len(panels), 2)
     height = 240 * (-(-len(panels) // 2)) + 30

@@ -10,6 +10,8 @@ from typing import Any
 from urllib.parse import quote
 
 from valvetrain.errors import InputError
+from valvetrain.report.plotly_chart import in_script
+from valvetrain.views.page import data_of
 from valvetrain.workbench import answers
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Results, tag
@@ -24,7 +26,7 @@ _DATA = re.compile(
 _FIGURE = re.compile(r'<script type="application/json" id="data-([^"]*)">([^<]*)</script>')
 #: Pictures for readers without scripts.
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>\n?", re.DOTALL)
-_VERDICT = re.compile(r'<p class="verdict">(.*?)</p>', re.DOTALL)
+_VERDICT = re.compile(r'<(p|h1) class="verdict">(.*?)</\1>', re.DOTALL)
 #: Parts between the picture of a report and its first section, which the page of a run shows itself.
 _ABOUT = re.compile(r'<div class="about">.*?</dl>\n</div>\n?', re.DOTALL)
 _TAG = re.compile(r"<[^>]*>")
@@ -54,7 +56,7 @@ def verdict_in(run: Run) -> str:
         found = _VERDICT.search(_report(run))
     except InputError:
         return ""
-    return "" if found is None else unescape(_TAG.sub("", found[1]))
+    return "" if found is None else unescape(_TAG.sub("", found[2]))
 
 
 def report_rest(run: Run) -> str:
@@ -72,9 +74,17 @@ def _taken_apart(run: Run) -> tuple[str, str]:
         raise InputError("the report of this run has no sections; run it again", run.run_id)
     scripts = text.find("\n<script>", end)
     shown = text[start:end]
+    if (content := data_of(text)) is not None:
+        return shown, "".join(_data_element(*one) for one in content.items())
     for left_out in (_WITHOUT_SCRIPTS, _ABOUT, _VERDICT):  # the page shows these itself
         shown = left_out.sub("", shown)
     return shown, text[end : scripts if scripts > 0 else len(text)]
+
+
+def _data_element(key: str, content: Any) -> str:
+    """The data of a figure as the script of the workbench reads them."""
+    text = in_script(json.dumps(content, separators=(",", ":")))
+    return f'<script type="application/json" id="{escape(key)}">{text}</script>\n'
 
 
 def _seen_first(sections: str) -> set[str]:
@@ -86,7 +96,11 @@ def _seen_first(sections: str) -> set[str]:
 
 def report_figures(run: Run) -> dict[str, dict[str, Any]]:
     """Figures of a run's report by their keys, each with data and layouts."""
-    found = {key: json.loads(content) for key, content in _FIGURE.findall(_report(run))}
+    text = _report(run)
+    if (content := data_of(text)) is not None:
+        found = {key.removeprefix("data-"): one for key, one in content.items()}
+    else:
+        found = {key: json.loads(one) for key, one in _FIGURE.findall(text)}
     return {key: figure for key, figure in found.items() if "data" in figure}
 
 
@@ -103,7 +117,7 @@ def _report(run: Run) -> str:
 #: Figures that are laid over each other, those that both runs have.
 FIGURES = {
     "force-retainer": "Spring force on the retainer", "force-seat": "Spring force on the cylinder head", "sweep": "Forces over engine speed",
-    "static-1": "Static curve",
+    "static-1": "Static curve", "force": "Spring force on the retainer", "control": "Force on the cam", "rest": "Static curve",
 }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from nicegui import ui
 from nicegui.context import context
 
 from valvetrain.report.page import motion_script, page_script, page_style, plotly_script
+from valvetrain.views.page import static
 from valvetrain.workbench.pages.elements import Theme, link, tag
 
 _KINDS = {"css": "text/css; charset=utf-8", "js": "text/javascript; charset=utf-8"}
@@ -25,6 +26,7 @@ def content(name: str) -> bytes:
     """The content of an asset; KeyError for another name."""
     made: dict[str, Callable[[], str]] = {
         "page.css": page_style,
+        "parts.css": lambda: static("parts.css"),
         "page.js": page_script,
         "plotly.js": plotly_script,
         "motion.js": motion_script,
@@ -75,7 +77,7 @@ def _prepare() -> None:
     case = load_case("job-c")
     fields(case)
     choices_for(case, (), {})
-    for name in ("page.css", "workbench.css", "page.js", "plotly.js", "motion.js"):
+    for name in ("page.css", "parts.css", "workbench.css", "page.js", "plotly.js", "motion.js"):
         address(name)
 
 
@@ -120,7 +122,8 @@ def frame(title: str, here: str = "", figures: bool = True) -> Iterator[None]:
     drawing = _LATER % ", ".join(f'"{address(name)}"' for name in ("plotly.js", "motion.js"))
     scripts = f'<script defer src="{address("page.js")}"></script>{drawing}' if figures else ""
     styles = "".join(
-        f'<link rel="stylesheet" href="{address(name)}">' for name in ("page.css", "workbench.css")
+        f'<link rel="stylesheet" href="{address(name)}">'
+        for name in ("page.css", "parts.css", "workbench.css")
     )
     ui.add_head_html(_HEAD + styles + scripts)
     with context.client.layout:

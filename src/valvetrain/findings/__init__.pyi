@@ -1,0 +1,9 @@
+from valvetrain.findings.engine import Finding as Finding
+from valvetrain.findings.engine import Findings as Findings
+from valvetrain.findings.engine import Hit as Hit
+from valvetrain.findings.engine import Rule as Rule
+from valvetrain.findings.table import explain as explain
+from valvetrain.findings.table import findings_of as findings_of
+from valvetrain.findings.table import rules as rules
+from valvetrain.findings.words import Amount as Amount
+from valvetrain.findings.words import Words as Words

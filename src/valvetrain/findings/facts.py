@@ -1,0 +1,203 @@
+"""What rules and views read of a study: the runs that decide, numbers with their error bars, events, places.
+
+No sentence is made here, and nothing is computed that a study does not hold.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from valvetrain.findings.words import Amount, joined, speed_text, speeds_text
+from valvetrain.mechanism.rigid import OPEN_SHARE
+from valvetrain.quantities.cycle import reported_cycle
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Cause, Event
+from valvetrain.solution.study import Study
+from valvetrain.system.contract import TRAIN
+
+#: Spring models by how much of the wire they know, the least first.
+TRUST = (
+    "massless", "modal-uniform", "modal-varied", "multi-mass", "wave-rod", "wave-rod-clash", "reduced-rod",
+    "finite-element", "solid",
+)  # fmt: skip
+#: Ends of runs whose numbers count: the motion ended, or does not repeat.
+JUDGED = ("completed", "not-converged")
+#: Prefixes of the quantities of a single spring and of the springs of a pair.
+SPRINGS = ("", "outer_", "inner_")
+#: A number of runs that a negative value of has no meaning: a valve that flies loses no lift.
+LOSSES = ("lift_loss_displacement",)
+LOST = ("loft", "loss-of-contact")
+TURN = 2 * math.pi
+Array = NDArray[np.float64]
+#: Cam angle (rad) over which :meth:`Facts.motion` looks ahead, and share of the lift below which a valve is shut.
+AHEAD, SHUT = 0.02, 0.003
+
+
+class Facts:
+    """A study as rules read it.
+
+    Parameters
+    ----------
+    study : what ``simulate`` or ``run_up`` gave
+
+    Attributes
+    ----------
+    runs : those that decide, by engine speed: of each spring set the model that knows most of its wire, of a run-up
+        the revolutions up to the red line
+    beyond : of the same models those above the red line
+    others : runs by other models, which findings name and never judge by
+    ended : runs that did not end well
+    """
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+        judged = [run for run in study.solutions if run.status.code in JUDGED]
+        best: dict[str, int] = {}
+        for run in judged:
+            best[run.spring_set] = max(best.get(run.spring_set, 0), trust(run))
+        lead = [run for run in judged if trust(run) == best[run.spring_set]]
+        lead.sort(key=lambda run: run.engine_speed)
+        in_use = [run for run in lead if run.engine_speed <= self.red_line]
+        self.run_up = study.command == "run-up"
+        self.runs = tuple((in_use or lead) if self.run_up else lead)
+        self.beyond = tuple(run for run in lead if run not in self.runs)
+        self.others = tuple(run for run in judged if run not in lead)
+        self.ended = tuple(run for run in study.solutions if run.status.code not in JUDGED)
+        self.train = any(run.provenance.system == TRAIN for run in study.solutions)
+
+    # -- numbers -----------------------------------------------------------------------------------
+
+    def value(self, run: Solution, name: str) -> float:
+        """A quantity (SI) of a run, or of what belongs to no run; NaN where neither has it."""
+        if name in run.quantities:
+            value = float(run.quantities[name])
+            return max(0.0, value) if name in LOSSES else value
+        still = self.study.still
+        places = (still.get(key, {}) for key in (run.label, run.spring_set, run.model, ""))
+        return next((float(one[name]) for one in places if name in one), math.nan)
+
+    def amount(self, run: Solution, name: str) -> Amount | None:
+        """The same with its error bar; None where there is no such number."""
+        value = self.value(run, name)
+        if not math.isfinite(value):
+            return None
+        bar = self.study.error_bars.of(name, run.label, run.engine_speed)
+        return Amount(name, value, 0.0 if bar is None else bar.numerical)
+
+    def amounts(
+        self, name: str, runs: Iterable[Solution] | None = None
+    ) -> Iterator[tuple[Amount, Solution]]:
+        """A quantity of all runs that have it; by default of those that decide."""
+        for run in self.runs if runs is None else runs:
+            if (one := self.amount(run, name)) is not None:
+                yield one, run
+
+    # -- events ------------------------------------------------------------------------------------
+
+    def losses(self, run: Solution) -> list[Event]:
+        """Losses of contact of the drive that count, the largest gap first."""
+        found = (one for one in run.events if one.kind in LOST and one.counts)
+        return sorted(found, key=lambda one: -one.size)
+
+    def strikes(self, run: Solution) -> list[Event]:
+        """Blows of coils, the hardest first; coils that come to rest on each other strike no blow."""
+        found = (one for one in run.events if one.kind == "clash" and not rests(one))
+        return sorted(found, key=lambda one: -one.size)
+
+    def motion(self, run: Solution, cam_angle: float) -> str:
+        """Code of what the valve does at a cam angle (rad): ``closes``, ``opens`` or ``shut``; empty without its lift."""
+        if not run.has("valve_lift"):
+            return ""
+        lift, angles = over_turn(run, "valve_lift"), cam_angles(run)
+        here, later = np.interp([cam_angle, cam_angle + AHEAD], angles, lift, period=TURN)
+        if max(here, later) < SHUT * lift.max():
+            return "shut"
+        return "closes" if later < here else "opens"
+
+    def least_angle(self, run: Solution, channel: str) -> Amount | None:
+        """Cam angle at which a channel is least while the valve is open; None without channels."""
+        if not run.has(channel, "valve_lift"):
+            return None
+        values = np.where(open_mask(run), over_turn(run, channel), np.inf)
+        angle = float(cam_angles(run)[int(np.argmin(values))])
+        return Amount("loft_cam_angle", angle)
+
+    # -- places ------------------------------------------------------------------------------------
+
+    @cached_property
+    def speeds(self) -> tuple[float, ...]:
+        """Engine speeds (rad/s) of the runs that decide."""
+        return tuple(sorted({run.engine_speed for run in self.runs}))
+
+    @property
+    def several(self) -> bool:
+        """Whether the runs that decide differ in more than their engine speed."""
+        return len({run.label for run in self.runs}) > 1
+
+    def at(self, run: Solution) -> str:
+        """``at 8000 rpm`` where several speeds were run, with the label where several variants were."""
+        speed = f"at {speed_text(run.engine_speed)}" if len(self.speeds) > 1 else ""
+        return f"{speed} ({run.label})".strip() if self.several else speed
+
+    def where(self, runs: Sequence[Solution]) -> str:
+        """``from 5600 rpm up``, ``at every speed``, ``at 7000 and 7200 rpm``; empty where one speed was run."""
+        hit = tuple(sorted({run.engine_speed for run in runs}))
+        if len(self.speeds) < 2 or not hit:
+            return ""
+        if len(hit) == len(self.speeds):
+            return "at every speed"
+        if hit == self.speeds[-len(hit) :] and len(hit) > 1:
+            return f"from {speed_text(hit[0])} up"
+        if len(hit) <= 3:
+            return f"at {speeds_text(hit)}"
+        return f"between {speed_text(hit[0], '')} and {speed_text(hit[-1])}"
+
+    @property
+    def red_line(self) -> float:
+        """The highest engine speed in use (rad/s); infinite where the case states none."""
+        return self.study.record.red_line or math.inf
+
+    @property
+    def case(self) -> str:
+        """What a command takes for this case: the name of its file, or of its library case."""
+        from valvetrain.parameters.loading import library_names
+
+        name = self.study.record.name
+        return name if name in library_names() else f"{name}.toml"
+
+    @property
+    def labels(self) -> str:
+        """The labels of the runs that decide, as text."""
+        return joined(list(dict.fromkeys(run.label for run in self.runs)))
+
+
+def trust(run: Solution) -> int:
+    """Place of a run's spring model in :data:`TRUST`; 0 for a model that is not in it."""
+    return TRUST.index(run.model) if run.model in TRUST else 0
+
+
+def open_mask(run: Solution) -> NDArray[np.bool_]:
+    """Samples (sample,) of a cycle in which the rigid valve is open by more than a tenth of its lift."""
+    name = "rigid_valve_lift" if run.has("rigid_valve_lift") else "valve_lift"
+    lift = over_turn(run, name)
+    return np.asarray(lift > OPEN_SHARE * lift.max())
+
+
+def over_turn(run: Solution, name: str) -> Array:
+    """A channel (sample, ...) over the reported cam revolution, without labels, which cost time to load."""
+    return np.asarray(reported_cycle(run).channel(name))
+
+
+def cam_angles(run: Solution) -> Array:
+    """Cam angles (sample,) of the reported revolution (rad)."""
+    return np.asarray(reported_cycle(run).cam_angle)
+
+
+def rests(event: Event) -> bool:
+    """Whether a clash is of coils that come to rest on each other as the spring closes."""
+    return event.details.get("cause") == Cause.COILS_REST

@@ -1,0 +1,74 @@
+"""Rules on what a result rests on (A): assumptions of its case, and what its models leave out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+from valvetrain.findings.engine import Condition, Fields, Hit, Rule
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_train import SEAT
+from valvetrain.findings.words import Amount, digits_text, joined
+from valvetrain.solution.facts import Fact
+
+#: Fields of a fact that its rule names, as text or amounts.
+Reader = Callable[[Fact], Fields]
+
+
+def rests_on(*codes: str, read: Reader = lambda _: {}) -> Condition:
+    """A fact of the study, or of a run that decides, of any of ``codes``; ``read`` gives the fields of its text."""
+
+    def hits(facts: Facts) -> Iterator[Hit]:
+        known = (*facts.study.facts, *(one for run in facts.runs for one in run.facts))
+        for one in known:
+            if one.code in codes:
+                yield Hit(fields=read(one))
+
+    hits.__doc__ = f"The result rests on: {joined([one.replace('-', ' ') for one in codes], 'or')}."
+    return hits
+
+
+def _ramp(fact: Fact) -> Fields:
+    return {"ramp": digits_text(1e3 * math.radians(float(fact.fields["velocity"])))}
+
+
+def _places(fact: Fact) -> Fields:
+    places = str(fact.fields["places"]).replace("_", " ")
+    return {"places": joined([one.strip() for one in places.split(",")])}
+
+
+def _spring(fact: Fact) -> Fields:
+    return {"spring": str(fact.fields["spring"])}
+
+
+def _buckles(fact: Fact) -> Fields:
+    return {"at": Amount("compression", float(fact.fields["compression"])), **_spring(fact)}
+
+
+def _driver(fact: Fact) -> Fields:
+    force = Amount("driver_difference_force", float(fact.fields["force_difference"]))
+    return {"driver": str(fact.fields["driver"]), "force": force}
+
+
+RULES = (
+    Rule("A104", "warns", "no damping in the spring {spring}, so surge lives on from cycle to cycle",
+         rests_on("no-damping", read=_spring), step="give the spring a damping", guide="how-to/15-damping.md"),
+    Rule("A107", "warns", "the spring {spring} buckles at {at}, before full lift", rests_on("buckles", read=_buckles),
+         guide="how-to/05-coil-bind.md"),
+    Rule("A101", "notes", "the ramp of the cam is assumed ({ramp} mm per cam deg)", rests_on("assumed-ramp", read=_ramp),
+         SEAT, step="measure your ramp: ramp_velocity, ramp_lift", remark="assumed ramp"),
+    Rule("A102", "notes", "contacts at {places} have usual steel values", rests_on("default-contacts", read=_places),
+         remark="default contacts"),
+    Rule("A103", "notes", "springs known by card alone: no clash, no stress", rests_on("card-alone"),
+         step="valvetrain spring-card gives them a wire", remark="springs by card (no clash, no stress)"),
+    Rule("A105", "notes", "the total loads were split between the two springs by their wires", rests_on("split-loads"),
+         remark="loads of the pair split by wire"),
+    Rule("A106", "notes", "coil bind of the {spring} spring is unknown", rests_on("unknown-solid-height", read=_spring),
+         ("coil_bind_clearance",), remark="{spring} not checked"),
+    Rule("A108", "notes", "a chain of masses stands for the rod: surge and clash are estimates",
+         rests_on("chain-of-wire", "not-the-default"), remark="a chain for the wire (estimates)"),
+    Rule("A109", "notes", "the wire of the spring is assumed from its card", rests_on("assumed-wire"),
+         step="valvetrain spring-card fits the wire", remark="a wire assumed from the card"),
+    Rule("A110", "notes", "the solid follows the train that runs with {driver}, which does not feel {force} of it",
+         rests_on("follows-a-train", read=_driver), remark="a train that runs with {driver}"),
+)  # fmt: skip

@@ -1,0 +1,184 @@
+"""Rules on springs: coil bind (B), coils that clash (K), ends that lift (E), stress (S), surge (G)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from valvetrain.findings.engine import Condition, Hit, Rule, above, below, per_run
+from valvetrain.findings.facts import SPRINGS, TURN, Facts
+from valvetrain.findings.words import Amount
+from valvetrain.solution.result import Solution
+
+#: Travel to coil bind (m) below which it is close.
+NEAR = 1e-3
+#: Surge is large above this share of what the spring has to spare, and none below this share of its peak force.
+LARGE, NONE = 0.2, 0.01
+#: A raw peak above that below 10 kHz by this share is a spike.
+SPIKE = 0.05
+#: Models that know the coils of a spring.
+KNOWS_COILS = ("finite-element", "solid", "reduced-rod")
+#: Code of :meth:`Facts.motion` -> words.
+MOTIONS = {
+    "closes": "as the valve closes", "opens": "as the valve opens", "shut": "with the valve shut", "": "",
+}  # fmt: skip
+
+
+def in_system(train: bool, condition: Condition) -> Condition:
+    """A condition for springs of trains alone, or for springs under a given motion alone."""
+
+    def hits(facts: Facts) -> Iterator[Hit]:
+        return iter(condition(facts) if facts.train is train else ())
+
+    hits.__doc__ = condition.__doc__
+    return hits
+
+
+def _strike(facts: Facts, run: Solution) -> Hit | None:
+    events = facts.strikes(run)
+    rest = facts.value(run, "preload")
+    rest = rest if math.isfinite(rest) else run.quantities.get("minimum_spring_force", 0.0)
+    if not events or events[0].size <= rest:
+        return None
+    hardest, known = events[0], facts.amount(run, "surge_clash_peak_force")
+    size = Amount("surge_clash_peak_force", hardest.size, known.bar if known else 0.0)
+    angle = float(hardest.details.get("peak_cam_angle", hardest.cam_angle)) % TURN
+    upper, lower = (f"{float(hardest.details.get(k, 0)):g}" for k in ("upper_coil", "lower_coil"))
+    spring = hardest.where.partition("coils")[0].strip()
+    return Hit(size, run, rest, {
+        "upper": upper, "lower": lower, "spring": spring and f"{spring} spring, ", "count": str(len(events)),
+        "angle": Amount("clash_cam_angle", angle), "motion": MOTIONS[facts.motion(run, angle)], "size": size,
+    })  # fmt: skip
+
+
+@per_run
+def strikes(facts: Facts, run: Solution) -> Hit | None:
+    """Coils strike one another harder than the spring presses at rest."""
+    return _strike(facts, run)
+
+
+@per_run
+def touches(facts: Facts, run: Solution) -> Hit | None:
+    """Coils meet, but not harder than the spring presses at rest."""
+    events = facts.strikes(run)
+    if not events or _strike(facts, run):
+        return None
+    return Hit(Amount("surge_clash_peak_force", events[0].size), run)
+
+
+@per_run
+def quiet(facts: Facts, run: Solution) -> Hit | None:
+    """The model knows the coils, and none of them strikes another."""
+    peak = facts.amount(run, "peak_retainer_force") or facts.amount(run, "peak_spring_force")
+    known = "clash_count" in run.quantities
+    return Hit(peak, run) if known and peak and not _strike(facts, run) else None
+
+
+@per_run
+def unknown_coils(facts: Facts, run: Solution) -> Hit | None:
+    """The run computes no clash of coils, by its model or by its case."""
+    peak = facts.amount(run, "peak_spring_force")
+    if peak is None or "clash_count" in run.quantities:
+        return None
+    better = "" if run.model in KNOWS_COILS else KNOWS_COILS[0]
+    return Hit(peak, run, fields={"better": better})
+
+
+@per_run
+def spike(facts: Facts, run: Solution) -> Hit | None:
+    """The raw peak force is above that below 10 kHz by a twentieth: it lasts so short that mesh and contact constants
+    decide its height.
+    """
+    raw, smooth = (facts.amount(run, name) for name in ("raw_peak_spring_force", FORCE[0]))
+    if raw is None or smooth is None or raw.value <= (1 + SPIKE) * smooth.value:
+        return None
+    return Hit(raw, run, fields={"smooth": smooth})
+
+
+@per_run
+def lifts(facts: Facts, run: Solution) -> Hit | None:
+    """The least spring force is below zero by more than its error bar: the spring would leave its seat."""
+    least = facts.amount(run, "minimum_spring_force")
+    if least is None or least.value + least.bar >= 0:
+        return None
+    return Hit(least, run, 0.0, severity=-least.value)
+
+
+def _surge(facts: Facts, large: bool) -> Iterator[Hit]:
+    for amount, run in facts.amounts("surge_amplitude_force"):
+        spare = facts.amount(run, "minimum_spring_margin_force" if facts.train else "preload")
+        peak = run.quantities.get("peak_spring_force", math.inf)
+        if not amount.resolved or amount.value < NONE * peak:
+            continue
+        left = spare.value if spare and spare.value > 0 else 0.0
+        if (amount.value > LARGE * left) is large:
+            order = run.quantities.get("surge_amplitude_cam_order", 0)
+            fields = {
+                "order": f"{order:.0f}" if order else "",
+                "left": spare if spare and left else "",
+            }
+            yield Hit(amount, run, fields=fields)
+
+
+def large_surge(facts: Facts) -> Iterator[Hit]:
+    """Surge above a fifth of what the spring has to spare: in a train its margin over inertia, alone its preload."""
+    return _surge(facts, True)
+
+
+def surge(facts: Facts) -> Iterator[Hit]:
+    """Surge up to a fifth of what the spring has to spare."""
+    return _surge(facts, False)
+
+
+def resting(facts: Facts) -> Iterator[Hit]:
+    """Coils come to rest on each other as the spring closes: they press without a blow."""
+    for run in facts.runs:
+        blows = facts.strikes(run)
+        rest = [one for one in run.events if one.kind == "clash" and one not in blows]
+        if pairs := sorted({one.where for one in rest}):
+            fields = {"pairs": ", ".join(pairs).replace("-", "–")}
+            yield Hit(Amount("clash_count", len(rest)), run, fields=fields)
+
+
+BIND = tuple(f"{prefix}coil_bind_clearance" for prefix in SPRINGS)
+CLASH = ("clash_count", "surge_clash_peak_force", "clash_energy")
+STRESS = tuple(f"{prefix}peak_shear_stress" for prefix in SPRINGS)
+FORCE = ("peak_spring_force", "minimum_spring_force")
+SURGE = ("surge_amplitude_force",)
+STRIKE = "coil {upper} strikes coil {lower}[ {motion}][, {where}]"
+BLOW = "[{spring}]surge at {angle}[, {size}]"
+SWEEP = "valvetrain sweep {case}"
+
+RULES = (
+    Rule("B101", "decides", "coil bind: the [{spring} ]spring is solid {excess} before full lift[ {at}]",
+         below("coil_bind_clearance", 0.0, springs=True), BIND, step="install it taller or lift less",
+         guide="how-to/05-coil-bind.md"),
+    Rule("K101", "decides", STRIKE, in_system(False, strikes), CLASH, BLOW, SWEEP, "{count} strikes",
+         "how-to/16-force-spikes.md"),
+    Rule("E101", "decides", "the spring would leave its seat: least force {value}[ {where}]", in_system(False, lifts),
+         FORCE, guide="how-to/03-resonance.md"),
+    Rule("K103", "decides", "no coil strikes another: at most {value} on the retainer[ {at}]", in_system(False, quiet),
+         CLASH, step=SWEEP, mark="ok", unless=("K101", "E101", "B101")),
+    Rule("K104", "decides", "{value} at most[ {at}]; clash of coils is not computed",
+         in_system(False, unknown_coils), step="[valvetrain run {case} --spring {better}]", mark="warn",
+         unless=("K10", "E101", "B101")),
+    Rule("S101", "warns", "{value} of shear, above the {limit} its wire may bear at rest[ {where}]",
+         above("uncorrected_peak_shear_stress", "permitted_shear_stress", springs=True),
+         (*STRESS, "uncorrected_peak_shear_stress"), remark="above its static limit", guide="how-to/17-life.md"),
+    Rule("S102", "warns", "no wire bears {value}[ {at}]: above its tensile strength of {limit}",
+         above("peak_shear_stress", "wire_tensile_strength", springs=True), STRESS, remark="no wire bears it"),
+    Rule("B102", "warns", "only {value} left to coil bind[, {spring} spring][ {at}]",
+         below("coil_bind_clearance", NEAR, springs=True), BIND, remark="close", guide="how-to/05-coil-bind.md",
+         unless=("B101",)),
+    Rule("K102", "warns", STRIKE, in_system(True, strikes), CLASH, BLOW, remark="{count} strikes",
+         guide="how-to/16-force-spikes.md"),
+    Rule("K110", "warns", "the peak on the seat is a spike[ {at}]: {value}, and {smooth} below 10 kHz", spike, FORCE[:1],
+         remark="below 10 kHz; a spike above", guide="how-to/16-force-spikes.md"),
+    Rule("G101", "warns", "surge of {value}[ {at}][ of the {left} that the spring has to spare]", large_surge, SURGE,
+         "[cam order {order}]", SWEEP, "[of {left} to spare][, order {order}]", "how-to/03-resonance.md"),
+    Rule("G102", "notes", "surge of {value}[ {at}][, cam order {order}]", surge, SURGE, remark="[order {order}]",
+         guide="how-to/20-orders.md", mark="ok", unless=("G101",)),
+    Rule("K120", "notes", "coils rest on each other at lift ({pairs}), which is no blow", resting, ("clash_count",)),
+    Rule("K121", "notes", "coils meet lightly[, at most {value}][ {at}]", touches, CLASH, remark="light touches",
+         mark="ok", unless=("K101", "K102")),
+)  # fmt: skip

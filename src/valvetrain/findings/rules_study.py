@@ -1,0 +1,217 @@
+"""Rules on any study: runs that did not end (R), models that disagree (M), run-ups (U)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from valvetrain.findings.engine import Fields, Hit, Rule
+from valvetrain.findings.facts import Facts, trust
+from valvetrain.findings.rules_train import CONTACT, FLOAT
+from valvetrain.findings.words import COARSE, Amount, Phrase, Said, joined, speed_text, speeds_text
+from valvetrain.solution.definition import label_of
+from valvetrain.solution.facts import with_code
+from valvetrain.solution.result import Solution
+
+#: Status -> what a run did.
+ENDED = {
+    "diverged": "diverged", "out-of-range": "left the range of its tables", "coil-bind": "reached coil bind",
+    "solid": "ran solid", "buckled": "buckled", "refused": "was refused", "interrupted": "was interrupted",
+    "worker-lost": "lost its process",
+}  # fmt: skip
+#: A number of things, which no quantity names.
+COUNT = "clash_count"
+
+
+# -- runs ------------------------------------------------------------------------------------------
+
+
+def ended(facts: Facts) -> Iterator[Hit]:
+    """Runs that did not end, the kind of the slowest one first."""
+    some = sorted(facts.ended, key=lambda run: run.engine_speed)
+    if some:
+        first = some[0].status
+        alike = [run.engine_speed for run in some if run.status.code == first.code][:3]
+        yield Hit(Amount(COUNT, len(some)), some[0], None, {
+            "did": ENDED.get(first.code, first.code), "message": first.message, "remedy": first.remedy,
+            "at": f"at {speeds_text(sorted(set(alike)))}",
+        })  # fmt: skip
+
+
+def nothing(facts: Facts) -> Iterator[Hit]:
+    """No run ended."""
+    return iter(()) if facts.runs else ended(facts)
+
+
+def at_rest(facts: Facts) -> Iterator[Hit]:
+    """Nothing was run: the case names no engine speed."""
+    if not facts.study.solutions:
+        yield Hit()
+
+
+def unsettled(facts: Facts) -> Iterator[Hit]:
+    """Runs whose motion does not repeat."""
+    return (Hit(None, run) for run in facts.runs if run.status.code == "not-converged")
+
+
+def pulls(facts: Facts) -> Iterator[Hit]:
+    """A model with fixed ends shows a pull where the spring would leave its seat."""
+    for run in facts.runs:
+        if any(one.kind == "end-pull" for one in run.events):
+            yield Hit(None, run, None, {"model": run.model}, -run.engine_speed)
+
+
+def too_hard(facts: Facts) -> Iterator[Hit]:
+    """Coils clash harder than the reduced rod is made for, as its error bars show."""
+    for one in with_code(facts.study.error_bars.facts, "too-hard"):
+        yield Hit(fields={"speed": speed_text(float(one.fields["engine_speed"]))})
+
+
+def unsure(facts: Facts) -> Iterator[Hit]:
+    """Numbers that move by more than a twentieth on other meshes."""
+    rows = [one for one in facts.study.error_bars.rows if one.numerical > COARSE * abs(one.value)]
+    names = list(dict.fromkeys(label_of(one.quantity) for one in rows))
+    if names:
+        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        yield Hit(Amount(COUNT, len(names)), fields={"first": names[0], "more": more})
+
+
+def missing(facts: Facts) -> Iterator[Hit]:
+    """Parts of the study that failed."""
+    for one in dict.fromkeys((*facts.study.gaps, *(gap for run in facts.runs for gap in run.gaps))):
+        yield Hit(fields={"said": one})
+
+
+# -- models ----------------------------------------------------------------------------------------
+
+
+def _models(facts: Facts) -> list[tuple[Solution, str]]:
+    """A run of every model at the highest speed that decides, and how it loses control; the most trusted first."""
+    speed = max(facts.speeds, default=math.nan)
+    found: dict[str, Solution] = {}
+    for run in (*facts.runs, *facts.others):
+        if math.isclose(run.engine_speed, speed, rel_tol=1e-6):
+            found.setdefault(run.model, run)
+    runs = sorted(found.values(), key=lambda run: -trust(run))
+    return [(run, _loses(facts, run)) for run in runs]
+
+
+def _loses(facts: Facts, run: Solution) -> str:
+    if not facts.losses(run):
+        return ""
+    flies = run.quantities.get("float_excess_lift", 0.0) > FLOAT
+    return "floats" if flies else "loses contact"
+
+
+def _compares_models(facts: Facts) -> bool:
+    sets = {run.spring_set for run in facts.runs}
+    return facts.train and not facts.run_up and len(sets) == 1 and not facts.several
+
+
+def disagree(facts: Facts) -> Iterator[Hit]:
+    """Some models lose contact at one speed and some do not; a massless spring, which knows no surge, has no vote."""
+    if not _compares_models(facts):
+        return
+    models = [one for one in _models(facts) if one[0].model != "massless"]
+    lost = [run.model for run, does in models if does]
+    amounts = [(facts.amount(run, CONTACT[0]), run.model) for run, does in models if not does]
+    kept = [(one, model) for one, model in amounts if one and one.resolved]
+    if lost and kept:
+        least = min((one for one, _ in kept), key=lambda one: one.value)
+        yield Hit(least, None, 0.0, {
+            "lost": joined(lost), "kept": joined([model for _, model in kept]), "speed": speed_text(facts.speeds[-1]),
+        })  # fmt: skip
+
+
+def other_models(facts: Facts) -> Iterator[Hit]:
+    """What the other models say of the same train."""
+    if not _compares_models(facts):
+        return
+    own, said = {run.model for run in facts.runs}, list[Said]()
+    for run, does in _models(facts):
+        left = facts.amount(run, CONTACT[0])
+        if run.model not in own and (does or left):
+            said.append(Phrase("{model} {said}", {"model": run.model, "said": does or left or ""}))
+    if said:
+        yield Hit(Amount(COUNT, len(said)), fields={"said": said})
+
+
+def spread(facts: Facts) -> Iterator[Hit]:
+    """Another model of a spring alone, next to the one that decides."""
+    for run in facts.others if not facts.train else ():
+        for mine in facts.runs:
+            peaks = [facts.amount(one, "peak_retainer_force") for one in (run, mine)]
+            if mine.engine_speed == run.engine_speed and peaks[0] and peaks[1]:
+                fields: Fields = {"model": run.model, "best": peaks[1], "lead": mine.model}
+                yield Hit(peaks[0], run, None, fields, abs(peaks[0].value - peaks[1].value))
+
+
+# -- run-ups ---------------------------------------------------------------------------------------
+
+
+def _lost(facts: Facts) -> list[Solution]:
+    """Revolutions of a run-up in which control is lost, in their order of speed."""
+    runs = facts.runs if facts.run_up else ()
+    return [run for run in runs if _without_contact(facts, run) > 0]
+
+
+def _without_contact(facts: Facts, run: Solution) -> float:
+    """Time (s) without contact of a revolution; its largest gap (m) where that is all it has."""
+    values = (facts.value(run, name) for name in ("loss_of_contact_duration", "loft_gap"))
+    return next((one for one in values if math.isfinite(one)), 0.0)
+
+
+def loses_running_up(facts: Facts) -> Iterator[Hit]:
+    """The first revolution of a run-up in which the cam is left, up to the red line."""
+    lost = _lost(facts)
+    if lost:
+        red, first = facts.red_line, lost[0]
+        short = f"{speed_text(red - first.engine_speed)}" if math.isfinite(red) else ""
+        gap = max((facts.value(run, "loft_gap") for run in lost), default=math.nan)
+        yield Hit(facts.amount(first, "loft_gap"), first, 0.0, {
+            "speed": speed_text(first.engine_speed), "short": short,
+            "gap": Amount("loft_gap", gap) if math.isfinite(gap) else "", "label": first.label if facts.several else "",
+        })  # fmt: skip
+
+
+def kept_running_up(facts: Facts) -> Iterator[Hit]:
+    """A run-up in which the cam is never left."""
+    if facts.run_up and facts.runs and not _lost(facts):
+        least = min(
+            facts.amounts(CONTACT[0]),
+            key=lambda pair: pair[0].value,
+            default=(None, facts.runs[-1]),
+        )
+        fields: Fields = {
+            "speed": speed_text(max(facts.speeds)), "least": least[0] or "",
+            "there": speed_text(least[1].engine_speed),
+        }  # fmt: skip
+        yield Hit(least[0], least[1], 0.0, fields)
+
+
+FIRST = (
+    Rule("R101", "decides", "nothing to judge: the run {did}[ {at}]", nothing, reason="[{message}]",
+         step="[{remedy}]"),
+    Rule("R100", "decides", "nothing moves: the case names no engine speed", at_rest, mark="",
+         step="valvetrain static {case}"),
+    Rule("U101", "decides", "loses the cam from {speed} on[, {short} short of the red line]",
+         loses_running_up, (*CONTACT, "float_excess_lift"), "[at most {gap} off the cam][, {label}]", "valvetrain sweep {case}", "[from {speed}]",
+         "how-to/02-power-drops.md"),
+    Rule("U102", "decides", "in control up to {speed}", kept_running_up, CONTACT,
+         "[at least {least} on the cam][, at {there}]", "valvetrain sweep {case}", mark="ok"),
+    Rule("M101", "decides", "control ends about here: {lost} loses contact at {speed}", disagree, CONTACT[:1],
+         "{value} left by {kept}", "valvetrain sweep {case} --spring wave-rod", guide="models.md", mark="warn"),
+)  # fmt: skip
+
+LAST = (
+    Rule("R102", "warns", "a run {did} {at}", ended, step="[{remedy}]", unless=("R101",)),
+    Rule("R110", "warns", "the motion does not repeat[ {where}]: cycles differ", unsettled),
+    Rule("R120", "warns", "doubtful[ {where}]: the spring's ends would lift, which {model} cannot show", pulls,
+         ("minimum_spring_force",), step="valvetrain run {case} --spring wave-rod", remark="ends would lift"),
+    Rule("R121", "warns", "doubtful at {speed}: coils clash too hard for the reduced rod", too_hard,
+         step="valvetrain run {case} --spring finite-element"),
+    Rule("M110", "notes", "other models: {said}", other_models),
+    Rule("M111", "notes", "the {model} model says {value}[ {at}] where {lead} has {best}", spread),
+    Rule("R130", "notes", "unsure by more than 5 % on other meshes: {first}[{more}]", unsure, guide="uncertainty.md"),
+    Rule("R140", "notes", "not computed: {said}", missing),
+)  # fmt: skip

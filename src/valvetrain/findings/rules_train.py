@@ -1,0 +1,162 @@
+"""Rules on a valvetrain at given speeds: control of the valve (C), landing (V), lift (L), piston (P)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from valvetrain.findings.engine import Fields, Hit, Rule, above, below, per_run
+from valvetrain.findings.facts import LOST, TURN, Facts, open_mask, over_turn
+from valvetrain.findings.words import Amount, joined
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Cause, Event
+
+#: Lift above the path of rigid parts that is float, and height of a bounce that counts (m).
+FLOAT, BOUNCE = 50e-6, 100e-6
+#: Gap (m) from which a loss of contact is a flight.
+FLIGHT = 20e-6
+#: Share of the cam force of rigid parts below which what is left of it is little.
+BARELY = 0.2
+#: Seating velocity (m/s) to which one hydraulic engine was called smooth, and travel to the piston (m) that is close.
+SMOOTH, NEAR_PISTON = 0.52, 1e-3
+#: Why contact is lost: cause of an event -> what a verdict says.
+CAUSES: dict[str, str] = {
+    Cause.INERTIA: "the spring is too weak for the inertia",
+    Cause.SURGE: "surge",
+    Cause.VIBRATION: "the train flexes and rebounds",
+}
+
+
+def cause(run: Solution, events: list[Event]) -> str:
+    """Why contact is lost, by the largest loss; a small one that vibrates gives way to the next that says more."""
+
+    def telling(one: Event) -> bool:
+        return one.size > FLIGHT or one.details.get("cause") != Cause.VIBRATION
+
+    leading = next(filter(telling, events), events[0])
+    code = str(leading.details.get("cause", ""))
+    found, order = CAUSES.get(code, ""), run.quantities.get("surge_amplitude_cam_order", 0)
+    return f"surge, cam order {order:.0f}" if code == Cause.SURGE and order else found
+
+
+def loss(facts: Facts, run: Solution) -> Hit | None:
+    """The longest gap of a contact of the drive while the valve is open by more than a tenth of its lift."""
+    events = facts.losses(run)
+    if not events:
+        return None
+    first = min(
+        (one for one in events if one.size >= 0.2 * events[0].size), key=lambda one: one.time
+    )
+    places = list(dict.fromkeys(one.where.replace("_", " ") for one in events))
+    landing = first.details.get("landing_cam_angle")
+    fields: Fields = {
+        "gap": Amount("loft_gap", events[0].size), "place": "cam" if "cam" in places else joined(places),
+        "angle": Amount("loft_cam_angle", first.cam_angle % TURN), "cause": cause(run, events),
+        "landing": "" if landing is None else Amount("loft_cam_angle", float(landing) % TURN),
+    }  # fmt: skip
+    return Hit(facts.amount(run, "loss_of_contact_duration"), run, 0.0, fields, events[0].size)
+
+
+@per_run
+def floats(facts: Facts, run: Solution) -> Hit | None:
+    """The cam is left while the valve is open, and the valve flies above the path of rigid parts by 0.05 mm."""
+    over = run.quantities.get("float_excess_lift", 0.0)
+    hit = loss(facts, run) if over > FLOAT else None
+    return hit and Hit(facts.amount(run, "float_excess_lift"), run, FLOAT, hit.fields)
+
+
+@per_run
+def loses(facts: Facts, run: Solution) -> Hit | None:
+    """A contact of the drive opens while the valve is open, but the valve follows its path."""
+    return loss(facts, run)
+
+
+def _kept(facts: Facts, little: bool) -> Iterator[Hit]:
+    for amount, run in facts.amounts("minimum_cam_contact_force"):
+        rigid = rigid_force(run)
+        scarce = amount.value < BARELY * rigid.value if rigid else False
+        if not facts.losses(run) and scarce is little:
+            fields: Fields = {
+                "angle": facts.least_angle(run, "cam_contact_force") or "", "rigid": rigid or "",
+            }  # fmt: skip
+            yield Hit(amount, run, 0.0, fields, -amount.value)
+
+
+def rigid_force(run: Solution) -> Amount | None:
+    """The least force of rigid parts on the cam while the valve is open; None without channels."""
+    if not run.has("rigid_contact_force", "rigid_valve_lift"):
+        return None
+    force = over_turn(run, "rigid_contact_force")[open_mask(run)]
+    return Amount("minimum_cam_contact_force", float(force.min()))
+
+
+def kept(facts: Facts) -> Iterator[Hit]:
+    """Runs that keep contact throughout."""
+    return _kept(facts, little=False)
+
+
+def barely(facts: Facts) -> Iterator[Hit]:
+    """Runs that keep contact with less than a fifth of the cam force of rigid parts."""
+    return _kept(facts, little=True)
+
+
+@per_run
+def near_seat(facts: Facts, run: Solution) -> Hit | None:
+    """Contacts that open near the seat alone: no control is lost."""
+    every = [one for one in run.events if one.kind in LOST]
+    if not every or facts.losses(run):
+        return None
+    largest = max(every, key=lambda one: one.size)
+    return Hit(
+        Amount("loft_gap", largest.size), run, fields={"place": largest.where.replace("_", " ")}
+    )
+
+
+@per_run
+def flex(facts: Facts, run: Solution) -> Hit | None:
+    """Flexing parts take more than 0.05 mm of lift or one crank degree of duration from the valve."""
+    lost = facts.amount(run, "lift_loss_displacement")
+    rigid, real = (
+        facts.value(run, f"{name}_50_thou_open_crank_angle_range")
+        for name in ("rigid_valve", "valve")
+    )
+    shorter = rigid - real
+    if lost is None or lost.value <= 0 or not (lost.value > FLOAT or shorter > math.radians(1)):
+        return None
+    angle = Amount("valve_50_thou_lost_crank_angle_range", shorter) if shorter > 0 else ""
+    return Hit(lost, run, fields={"shorter": angle})
+
+
+CONTACT = ("minimum_cam_contact_force", "loss_of_contact_duration", "loft_gap")
+SEAT = ("seating_velocity", "bounce_height")
+FLEX = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range")
+PISTON = ("minimum_piston_clearance_gap",)
+SWEEP = "valvetrain sweep {case}"
+
+RULES = (
+    Rule("P101", "decides", "the valve meets the piston[ {at}]", below(PISTON[0], 1e-9), PISTON,
+         step="check timing and depth of the table 'piston'"),
+    Rule("C101", "decides", "the valve floats: {value} above its path[ {where}]", floats,
+         (*CONTACT, "float_excess_lift"), "{cause}", SWEEP, "[cam left at {angle}][, met again at {landing}]",
+         "how-to/09-loft.md", unless=("U",)),
+    Rule("C102", "decides", "contact is lost at the {place}[, {gap} open][ for {value}][ {where}]", loses, CONTACT,
+         "{cause}", SWEEP, "[opens at {angle}][, meets at {landing}]", "how-to/09-loft.md", unless=("U", "C101")),
+    Rule("C103", "decides", "in control, barely: {value} left on the cam[ at {angle}][ {at}]", barely, CONTACT,
+         "rigid parts would leave {rigid}", SWEEP, "rigid parts {rigid}", "how-to/09-loft.md", "warn", ("U", "C10")),
+    Rule("C104", "decides", "in control: {value} left on the cam[ at {angle}][ {at}]", kept, CONTACT,
+         "[rigid parts would leave {rigid}]", SWEEP, mark="ok", unless=("U", "C10")),
+    Rule("C110", "warns", "the valve bounces {value} off its seat[ {where}]", above("bounce_height", BOUNCE), SEAT,
+         remark="bounces", guide="how-to/10-seating.md"),
+    Rule("P102", "warns", "{value} left to the piston[ {at}]", below(PISTON[0], NEAR_PISTON), PISTON, remark="close",
+         unless=("P101",)),
+    Rule("V101", "warns", "the valve lands at {value}[ {where}], above your limit of {limit}",
+         above("seating_velocity", "permitted_seating_velocity"), SEAT, remark="above {limit}",
+         guide="how-to/10-seating.md"),
+    Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of duration][ {at}]", flex, FLEX,
+         step="stiffer pushrod or lever: valvetrain study", remark="to flex", guide="how-to/08-flex.md"),
+    Rule("V102", "notes", "the valve lands at {value}[ {where}]; one hydraulic engine was called smooth to {limit}",
+         above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
+         guide="limits.md", unless=("V101",)),
+    Rule("C120", "notes", "a contact opens by {value} at the {place} near the seat, which loses no control", near_seat,
+         ("loss_of_contact_duration",), guide="how-to/09-loft.md", unless=("C101", "C102", "U101")),
+)  # fmt: skip

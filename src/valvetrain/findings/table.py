@@ -1,0 +1,99 @@
+"""The table of rules by importance, and the findings of a study by it."""
+
+from __future__ import annotations
+
+from valvetrain.errors import UnknownNameError
+from valvetrain.findings.engine import Findings, Rule, judge
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.words import Words
+from valvetrain.registry import find as registered
+from valvetrain.registry import names
+from valvetrain.solution.study import Study
+
+#: Version of the table, which stored findings carry; it rises with every change of a code or a threshold.
+VERSION = 1
+LEVELS = {
+    "decides": "decides the verdict", "warns": "warns", "notes": "notes",
+}  # fmt: skip
+
+
+def rules() -> tuple[Rule, ...]:
+    """All rules by importance: the tables that the registry lists (kind ``rules``), those of packages last.
+
+    Returns
+    -------
+    The rules, those that decide a verdict among them
+
+    Raises
+    ------
+    InputError : a table of another package that cannot be loaded
+
+    Examples
+    --------
+    >>> any(rule.code == "C101" for rule in rules())
+    True
+    """
+    return tuple(rule for name in names("rules") for rule in registered("rules", name))
+
+
+def findings_of(study: Study, words: Words | None = None) -> Findings:
+    """What a study shows, the verdict first.
+
+    Parameters
+    ----------
+    study : what ``simulate`` or ``run_up`` gave
+    words : system of units and language; SI and English by default
+
+    Returns
+    -------
+    Findings in order of importance
+
+    Raises
+    ------
+    InputError : a table of rules of another package that cannot be loaded
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> found = findings_of(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> found.verdict.code, found.verdict.mark
+    ('K104', 'warn')
+    """
+    return judge(Facts(study), rules(), words or Words())
+
+
+def rule_of(code: str) -> Rule:
+    """The rule of a ``code``. Raises :class:`UnknownNameError` for an unknown one, with the nearest."""
+    known = {one.code: one for one in rules()}
+    if code.upper() not in known:
+        raise UnknownNameError(code, known, "finding")
+    return known[code.upper()]
+
+
+def explain(code: str) -> dict[str, str]:
+    """A rule in words.
+
+    Parameters
+    ----------
+    code : of the rule, such as ``"C101"``
+
+    Returns
+    -------
+    What it says, when it holds, what it reads, why, and what to do next
+
+    Raises
+    ------
+    UnknownNameError : an unknown code, with the nearest
+
+    Examples
+    --------
+    >>> explain("C101")["level"]
+    'decides the verdict'
+    """
+    rule = rule_of(code)
+    found = {
+        "code": rule.code, "level": LEVELS[rule.level], "says": rule.text,
+        "holds": " ".join((rule.hits.__doc__ or "").split()), "reads": ", ".join(rule.reads), "why": rule.reason,
+        "next": rule.step, "not after": ", ".join(rule.unless), "guide": f"docs/{rule.guide}" if rule.guide else "",
+    }  # fmt: skip
+    return {name: text for name, text in found.items() if text}

@@ -1,0 +1,251 @@
+"""Numbers and templates as a person reads them: the one place for units, digits, error bars and language.
+
+Findings hold SI numbers with the names of their quantities. What stands behind this file is text, so another
+system of units or another language is a table here, and never a second set of rules.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple, Union
+
+from valvetrain.solution.definition import definition_of
+
+#: Share of a value from which its error bar is printed, and from which the value is not resolved.
+COARSE, UNRESOLVED = 0.05, 0.5
+#: One turn per minute (rad/s).
+RPM = math.pi / 30
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """A number (SI) of the quantity ``name`` with its error ``bar`` (SI; 0: none is known).
+
+    >>> Amount("peak_spring_force", 1900.0, 1000.0).resolved
+    False
+    """
+
+    name: str
+    value: float
+    bar: float = 0.0
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the error bar is below half of the number."""
+        return self.bar == 0 or self.bar < UNRESOLVED * abs(self.value)
+
+
+class Unit(NamedTuple):
+    """A unit for values below ``upto`` (SI); ``size``: one of it in SI."""
+
+    text: str
+    size: float
+    upto: float = math.inf
+
+
+#: System -> dimension -> its units by rising size; a dimension that a system does not list is that of ``si``.
+UNITS: dict[str, dict[str, tuple[Unit, ...]]] = {
+    "si": {
+        "length": (Unit("µm", 1e-6, 0.0995e-3), Unit("mm", 1e-3)),
+        "force": (Unit("N", 1, 1e4), Unit("kN", 1e3)),
+        "time": (Unit("ms", 1e-3, 1), Unit("s", 1)),
+        "pressure": (Unit("MPa", 1e6),),
+        "stiffness": (Unit("N/mm", 1e3),),
+        "energy": (Unit("mJ", 1e-3, 1), Unit("J", 1)),
+        "impulse": (Unit("mN s", 1e-3),),
+        "velocity": (Unit("m/s", 1),),
+        "acceleration": (Unit("m/s²", 1),),
+        "moment": (Unit("N m", 1),),
+        "power": (Unit("W", 1),),
+        "mass": (Unit("g", 1e-3),),
+        "frequency": (Unit("Hz", 1),),
+        "angle": (Unit("deg", math.pi / 180),),
+        "angular speed": (Unit("rpm", RPM),),
+        "ratio": (Unit("", 1),),
+    },
+    # small lengths in thousandths of an inch, as engine shops write them
+    "imperial": {
+        "length": (Unit("thou", 25.4e-6, 2.54e-3), Unit("in", 25.4e-3)),
+        "force": (Unit("lbf", 4.4482216),),
+        "pressure": (Unit("ksi", 6.894757e6),),
+        "stiffness": (Unit("lbf/in", 175.12684),),
+        "energy": (Unit("in lbf", 0.112984829),),
+        "impulse": (Unit("lbf s", 4.4482216),),
+        "velocity": (Unit("ft/s", 0.3048),),
+        "acceleration": (Unit("g", 9.80665),),
+        "moment": (Unit("lbf in", 0.112984829),),
+        "power": (Unit("hp", 745.69987),),
+    },
+}
+_TURNING = re.compile(r"(cam|crank)_angle(_range)?$")
+_FIELD = re.compile(r"\{(\w+)(?:\.\.(\w+))?(?::(\d))?\}")
+_OPTIONAL = re.compile(r"\[([^\[\]]*)\]")
+
+
+def digits_text(value: float, bar: float = 0.0, digits: int = 3) -> str:
+    """A number with at most ``digits`` significant digits, and none behind the first digit of its error bar.
+
+    >>> digits_text(1957.4), digits_text(6729, 57), digits_text(0.03), digits_text(80.89, 12)
+    ('1960', '6730', '0.03', '80')
+    """
+    if not math.isfinite(value):
+        return "–"
+    if value == 0:
+        return "0"
+    places = digits - 1 - math.floor(math.log10(abs(value)))
+    if bar > 0:
+        places = min(places, -math.floor(math.log10(bar)))
+    rounded = round(value, places)
+    text = f"{rounded:.{max(places, 0)}f}"
+    exact = "." in text and not bar and math.isclose(rounded, value, rel_tol=1e-9)
+    return (text.rstrip("0").rstrip(".") if exact else text).replace("-", "−")
+
+
+def speed_text(engine_speed: float, unit: str = " rpm") -> str:
+    """An engine speed (rad/s) that was asked for: ``5600 rpm``."""
+    return f"{round(engine_speed / RPM, 3):.0f}{unit}"
+
+
+def speeds_text(engine_speeds: Sequence[float]) -> str:
+    """Several engine speeds (rad/s): ``4200, 5600 and 8000 rpm``."""
+    return f"{joined([speed_text(one, '') for one in engine_speeds])} rpm"
+
+
+def joined(parts: Sequence[str], last: str = "and") -> str:
+    """``a``, ``a and b``, ``a, b and c``; empty for none."""
+    return f"{', '.join(parts[:-1])} {last} {parts[-1]}" if len(parts) > 1 else "".join(parts)
+
+
+@dataclass(frozen=True, slots=True)
+class Phrase:
+    """A part of a sentence as data: a ``template`` with its ``fields``, so that it has units and a language too."""
+
+    template: str
+    fields: Mapping[str, Said] = field(default_factory=dict)
+
+
+#: What a field of a template may hold.
+Said = Union[Amount, str, Phrase, Sequence["Said"]]  # noqa: UP007
+
+
+class MissingFieldError(KeyError):
+    """A field that a template names outside brackets and a finding does not have."""
+
+
+@dataclass(frozen=True)
+class Words:
+    """How numbers and templates become text.
+
+    >>> Words("imperial").amount(Amount("loft_gap", 3.2e-4))
+    '12.6 thou'
+
+    Parameters
+    ----------
+    units : system of :data:`UNITS`, ``si`` or ``imperial``
+    brief : in cells of tables a number that is not resolved is printed without its range
+    templates : rule code -> part (``text``, ``reason``, ``step``, ``remark``) -> template in another language
+    """
+
+    units: str = "si"
+    brief: bool = False
+    templates: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+
+    def unit(self, name: str, value: float) -> Unit:
+        """The unit in which a ``value`` (SI) of the quantity ``name`` is read."""
+        row = definition_of(name)
+        dimension = row.dimension or "ratio"
+        choice = UNITS[self.units].get(dimension) or UNITS["si"].get(dimension)
+        if choice is None:
+            return Unit(row.si_unit, 1.0)
+        found = next(one for one in choice if abs(value) < one.upto)
+        turning = _TURNING.search(name) if dimension == "angle" else None
+        return found._replace(text=f"{turning[1]} deg") if turning else found
+
+    def number(self, one: Amount, unit: Unit, digits: int = 3) -> str:
+        """The number alone, in ``unit``."""
+        return digits_text(one.value / unit.size, one.bar / unit.size, digits)
+
+    def amount(self, one: Amount, digits: int = 3) -> str:
+        """``81 N``, ``1130 ± 100 N``; for a number that is not resolved the range of its error bar.
+
+        >>> Words().amount(Amount("peak_spring_force", 1900.0, 1000.0))
+        'not resolved (900 to 2900 N)'
+        """
+        unit = self.unit(one.name, max(abs(one.value), one.bar))
+        if not one.resolved and self.brief:
+            return "not resolved"
+        if not one.resolved:
+            least = one.value - one.bar
+            ends = (max(0.0, least) if one.value >= 0 else least), one.value + one.bar
+            low, high = (digits_text(end / unit.size, 0, 2) for end in ends)
+            return f"not resolved ({f'{low} to {high} {unit.text}'.strip()})"
+        text = self.number(one, unit, digits)
+        if one.bar > COARSE * abs(one.value):
+            text += f" ± {digits_text(one.bar / unit.size, one.bar / unit.size)}"
+        return f"{text} {unit.text}".strip()
+
+    def span(self, least: Amount, most: Amount, digits: int = 3) -> str:
+        """``436 to 1960 N``: two numbers with their unit once; only the larger where one is not resolved."""
+        if not (least.resolved and most.resolved):
+            return f"up to {self.amount(most, digits)}" if most.resolved else "not resolved"
+        unit = self.unit(most.name, most.value)
+        low, high = (self.number(one, unit, digits) for one in (least, most))
+        return f"{low} to {high} {unit.text}".strip()
+
+    def fill(self, template: str, fields: Mapping[str, Said], digits: int = 3) -> str:
+        """A template with its fields in place: ``{name}``, ``{least..most}`` for a range, ``{name:2}`` for two digits.
+
+        What stands in ``[ ]`` is left out where a field of it is missing, empty, zero or not resolved.
+
+        Raises
+        ------
+        MissingFieldError : a field outside brackets that is missing
+
+        >>> Words().fill("{x}[ at {y}][, {z}]", {"x": "contact", "y": Amount("loft_cam_angle", 4.0)})
+        'contact at 229 cam deg'
+        """
+
+        def value(found: re.Match[str], sure: bool = False) -> str:
+            one, other = fields.get(found[1], ""), fields.get(found[2] or "")
+            if one in ("", ()) or (found[2] and other is None):
+                raise MissingFieldError(found[1])
+            if sure and isinstance(one, Amount) and (abs(one.value) < 1e-9 or not one.resolved):
+                raise MissingFieldError(found[1])
+            count = int(found[3] or digits)
+            if isinstance(one, Amount) and isinstance(other, Amount):
+                return self.span(one, other, count)
+            return self.said(one, count)
+
+        def optional(found: re.Match[str]) -> str:
+            try:
+                return _FIELD.sub(lambda one: value(one, sure=True), found[1])
+            except MissingFieldError:
+                return ""
+
+        while _OPTIONAL.search(template):
+            template = _OPTIONAL.sub(optional, template)
+        return re.sub(r" ([,;:.])", r"\1", _FIELD.sub(value, template)).strip(" ,;:")
+
+    def said(self, one: Said, digits: int = 3) -> str:
+        """What a field holds, as text; several parts with commas."""
+        if isinstance(one, Amount):
+            return self.amount(one, digits)
+        if isinstance(one, Phrase):
+            return self.fill(one.template, one.fields, digits)
+        return one if isinstance(one, str) else ", ".join(self.said(part, digits) for part in one)
+
+    def part(self, code: str, part: str, default: str) -> str:
+        """The template of a part of a rule in this language; ``default`` where the language has none."""
+        return self.templates.get(code, {}).get(part, default)
+
+
+def fields_of(template: str) -> tuple[str, ...]:
+    """Names of the fields of a template, in order.
+
+    >>> fields_of("{least..most}[ at {where:2}]")
+    ('least', 'most', 'where')
+    """
+    return tuple(name for found in _FIELD.findall(template) for name in found[:2] if name)

@@ -1,0 +1,1 @@
+from valvetrain.views.answer import Answer as Answer

@@ -1,0 +1,105 @@
+"""The answer of a command on a study: findings, rows, what it rests on and what to do next, in one set of words.
+
+Terminal, page and JSON show an :class:`Answer` and compute nothing of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from valvetrain.findings.engine import Finding, Findings
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.table import findings_of
+from valvetrain.findings.words import Words, speed_text
+from valvetrain.solution.study import Study
+from valvetrain.units.reader import shown_system
+from valvetrain.views.published import PaperTable, paper_table
+from valvetrain.views.rows import Line, first_rows, headings
+
+#: Topics of notes that are said in full; others stand in the table of findings alone.
+SAID = ("M", "H")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is shown of a ``study``, in the units of the reader by default.
+
+    >>> import valvetrain as vt
+    >>> answer = Answer(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> answer.verdict.code, len(answer.lines) > 4
+    ('K104', True)
+    """
+
+    study: Study
+    words: Words = field(default_factory=lambda: Words(shown_system()))
+
+    @cached_property
+    def facts(self) -> Facts:
+        """The study as rules read it."""
+        return Facts(self.study)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """All findings, the verdict first."""
+        return findings_of(self.study, self.words)
+
+    @property
+    def verdict(self) -> Finding | None:
+        """The finding that decides; None of a study that shows nothing."""
+        return self.findings.verdict
+
+    @property
+    def title(self) -> str:
+        """What was run: ``LS 6.0, 6600 rpm (red line 7000)``."""
+        record, speeds = self.study.record, self.study.engine_speeds
+        where = f", {speed_text(speeds[0])}" if len(speeds) == 1 else ""
+        if self.facts.run_up and len(speeds) > 1:
+            where = f", {speed_text(speeds[0], '')} to {speed_text(speeds[-1])}"
+        line = f" (red line {speed_text(record.red_line, '')})" if record.red_line else ""
+        return f"{record.title or record.name}{where}{line}"
+
+    @property
+    def headline(self) -> tuple[str, str]:
+        """The verdict in two parts: the fact, and the rest with the reason."""
+        if self.verdict is None:
+            return "", ""
+        text, reason = self.verdict.text, self.verdict.reason
+        place = next((at for mark in (": ", ", ") if (at := text.find(mark)) > 0), len(text))
+        return text[:place], text[place:] + (f": {reason}" if reason else "")
+
+    @cached_property
+    def lines(self) -> list[Line]:
+        """The rows of the first table."""
+        return first_rows(self.facts, self.findings, self.words)
+
+    @property
+    def headings(self) -> list[str]:
+        """What tells the columns of the first table apart."""
+        return headings(self.facts)
+
+    @cached_property
+    def paper(self) -> PaperTable | None:
+        """Printed values next to those computed here; None without a published source."""
+        return paper_table(self.study.comparisons)
+
+    @property
+    def bullets(self) -> list[Finding]:
+        """What is said besides verdict and rows: warnings, then models and published values."""
+        told = {one.remark for one in self.lines if one.remark}
+        rest = self.findings[1:]
+        warned = [one for one in rest if one.level == "warns" and one.remark not in told]
+        decided = [one for one in rest if one.level == "decides"]
+        notes = [one for one in rest if one.level == "notes" and one.code.startswith(SAID)]
+        return [*decided, *warned, *notes]
+
+    @property
+    def rests_on(self) -> list[str]:
+        """The assumptions, a few words each."""
+        return [one.remark for one in self.findings.by("A") if one.remark]
+
+    @property
+    def next_step(self) -> str:
+        """What to run or do next: that of the first finding that has one, but not this command again."""
+        again = f"valvetrain {self.study.command} {self.facts.case}"
+        return next((one.step for one in self.findings if one.step and one.step != again), "")

@@ -1,0 +1,130 @@
+"""Figures of springs: gaps between coils, cam orders of surge, at rest, next to a paper."""
+
+from __future__ import annotations
+
+import numpy as np
+import plotly.graph_objects as go
+
+from valvetrain.findings.facts import Facts, over_turn
+from valvetrain.findings.words import RPM, speed_text
+from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.definition import definition_of, label_of
+from valvetrain.solution.result import Solution
+from valvetrain.views.style import (
+    ANGLE,
+    LEAD,
+    OTHER,
+    SPEEDS,
+    FigureSpec,
+    degrees,
+    line,
+    styled,
+    window,
+)
+
+#: Cam orders that are drawn, from the first that a valve spring answers to.
+ORDERS = range(3, 31)
+#: Printed forces that make a figure worth it.
+LEAST_PRINTED = 3
+
+
+def _fastest(facts: Facts, channel: str) -> tuple[Solution, str] | None:
+    """The fastest run that has a channel, of a pair that of its outer spring; the run and the name there."""
+    for run in reversed(facts.runs):
+        for spring in run.springs:
+            name = run.channel_of(spring, channel)
+            if run.has(name):
+                return run, name
+    return None
+
+
+def coils(facts: Facts) -> go.Figure | None:
+    """Gap (mm) between neighbouring coils over the cam angle, of the fastest run that knows its coils."""
+    known = _fastest(facts, "coil_gap")
+    if known is None:
+        return None
+    run, name = known
+    gaps, uppers = over_turn(run, name), run.arrays.along(name)
+    if uppers is None or gaps.ndim != 2:
+        return None
+    coil_numbers = np.unique(uppers.round())  # one point of the wire stands for a coil
+    places = [int(np.argmin(np.abs(uppers - one))) for one in coil_numbers]
+    fig = go.Figure()
+    for place, colour in zip(places, SPEEDS * len(places), strict=False):
+        upper = uppers[place]
+        values = 1e3 * gaps[:, place]
+        fig.add_trace(line(degrees(run), values, f"{upper - 1:.3g}–{upper:.3g}", colour))
+    return styled(fig, ANGLE, ("gap, mm",)).update_xaxes(range=window(run))
+
+
+def orders(facts: Facts) -> go.Figure | None:
+    """Amplitude (N) of each cam order of the spring force, of up to four runs."""
+    runs = [run for run in facts.runs if "surge_order_3_force" in run.quantities][-4:]
+    if not runs:
+        return None
+    fig = go.Figure()
+    for run, colour in zip(runs, SPEEDS, strict=False):
+        sizes = [run.quantities.get(f"surge_order_{one}_force", 0.0) for one in ORDERS]
+        name = run.label if facts.several else speed_text(run.engine_speed)
+        fig.add_trace(go.Bar(x=list(ORDERS), y=sizes, name=name, marker_color=colour))
+    fig.update_layout(barmode="group")
+    return styled(fig, "cam order", ("N",), 300)
+
+
+def rest(facts: Facts) -> go.Figure | None:
+    """Force (N) over compression (mm) of every spring, with the installed point."""
+    some = [(one, one.curve) for one in facts.study.rest if one.curve is not None]
+    if not some:
+        return None
+    fig = go.Figure()
+    for (one, curve), colour in zip(some, SPEEDS * len(some), strict=False):
+        name = f"{one.spring}, {one.model}"
+        fig.add_trace(line(1e3 * curve.compression, curve.force, name, colour))
+        at = one.precompression
+        if curve.compression[0] <= at <= curve.compression[-1]:
+            fig.add_trace(go.Scatter(
+                x=[1e3 * at], y=[float(curve.force_at(at))], mode="markers", name="installed", showlegend=False,
+                marker={"size": 9, "color": colour},
+            ))  # fmt: skip
+    return styled(fig, "compression, mm", ("N",), 300)
+
+
+def paper(facts: Facts) -> go.Figure | None:
+    """How far (per cent) each printed force is from the one computed here, and from that of the blind case."""
+
+    def row(one: Comparison) -> str:
+        speed = "rest" if one.engine_speed is None else f"{one.engine_speed / RPM:.0f} rpm"
+        return f"{label_of(one.quantity)}, {speed}, {one.origin}"
+
+    known = [
+        one
+        for one in facts.study.comparisons
+        if one.published and one.computed is not None and not one.doubt and definition_of(one.quantity).dimension == "force"
+    ]  # fmt: skip
+    if len(known) < LEAST_PRINTED:
+        return None
+    fig = go.Figure()
+    for word, symbol, colour in (("blind", "circle-open", OTHER), ("here", "circle", LEAD)):
+        values = [one.blind if word == "blind" else one.computed for one in known]
+        shares = [
+            None if value is None else 100 * (value - one.published) / abs(one.published)
+            for value, one in zip(values, known, strict=True)
+        ]
+        if any(share is not None for share in shares):
+            marker = {"size": 8, "color": colour, "symbol": symbol}
+            names = [row(one) for one in known]
+            fig.add_trace(go.Scatter(x=shares, y=names, mode="markers", name=word, marker=marker))
+    fig.add_vline(0, line={"color": "#999", "width": 1})
+    styled(fig, "off the printed value, %", ("",), 120 + 19 * len(known))
+    fig.update_layout(hovermode="closest", margin={"l": 250})
+    return fig.update_yaxes(autorange="reversed", tickfont={"size": 11}, dtick=1, automargin=True)
+
+
+COILS = FigureSpec("Gaps between coils", "smallest gap of each pair; 0: the coils touch", coils)
+ORDERS_OF_SURGE = FigureSpec(
+    "What makes the spring surge",
+    "amplitude (0 to peak) of each cam order of the spring force less its static value",
+    orders,
+)
+REST = FigureSpec("The spring at rest", "force over compression; dot: installed", rest)
+PAPER = FigureSpec("Here and in the paper: forces", "open: by the case that was not fitted", paper)

@@ -1,0 +1,176 @@
+"""Rows of the first table of a study, declared one by one: what each shows of a run, and its mark and remark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from valvetrain.findings.engine import Findings, Mark
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.table import rules
+from valvetrain.findings.words import (
+    Amount,
+    MissingFieldError,
+    Words,
+    digits_text,
+    fields_of,
+    speed_text,
+)
+from valvetrain.solution.result import Solution
+from valvetrain.solution.static import SpringAtRest
+
+#: Marks by falling gravity.
+GRAVITY: tuple[Mark, ...] = ("bad", "warn", "ok", "")
+#: Runs that are columns of the first table, at most.
+COLUMNS = 4
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of the first table.
+
+    Parameters
+    ----------
+    label : what it shows
+    texts : templates over the names of quantities of a run; the first that can be filled is taken
+    note : a few words behind it, where no finding has any
+    of : what has the row, ``train``, ``spring`` or both (empty)
+    """
+
+    label: str
+    texts: tuple[str, ...]
+    note: str = ""
+    of: str = ""
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """Quantities that its templates name."""
+        return tuple(name for text in self.texts for name in fields_of(text))
+
+
+CAM = "{minimum_cam_contact_force..peak_%scam_contact_force}"
+SEAT = "{minimum_spring_force..peak_spring_force}"
+ROWS = (
+    Row("on the cam", (CAM % "open_", CAM % ""), "valve open", "train"),
+    Row("off the cam", ("[{loft_gap}][, {loss_of_contact_duration}]", "[{loft_gap}]"), of="train"),
+    Row("above its path", ("[{float_excess_lift}]",), of="train"),
+    Row("on the retainer", ("{minimum_retainer_force..peak_retainer_force}",), "what cam and valve feel", "spring"),
+    Row("on the seat", (SEAT,), "below 10 kHz", "spring"),
+    Row("coil on coil", ("{surge_clash_peak_force}",), "hardest blow", "spring"),
+    Row("landing", ("{seating_velocity}",), of="train"),
+    Row("bounce", ("[{bounce_height:2}]",), of="train"),
+    Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train"),
+    Row("spring", (SEAT,), of="train"),
+    Row("surge", ("{surge_amplitude_force}",), "0 to peak"),
+    Row("coil bind", ("{coil_bind_clearance} left",), "at full lift"),
+    Row("wire, shear", ("{peak_shear_stress}",)),
+    Row("open", ("{valve_50_thou_open_crank_angle_range}",), "at 0.050 in", "train"),
+    Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
+    Row("cam power", ("{mean_cam_power}",), "per valve", "train"),
+    Row("first mode", ("{surge_frequency}",), of="spring"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Line:
+    """A row with its texts: ``cells`` of the columns, ``mark`` and ``remark``."""
+
+    label: str
+    cells: tuple[str, ...]
+    mark: Mark = ""
+    remark: str = ""
+
+
+def columns(facts: Facts) -> list[Solution]:
+    """The runs of the first table: those that decide; of many the first, the last and some between, of a run-up those of
+    the variant that loses control first.
+    """
+    runs = list(facts.runs)
+    if facts.run_up and runs:
+        lost = (run.label for run in runs if facts.value(run, "loft_gap") > 0)
+        label = next(lost, runs[-1].label)
+        runs = [run for run in runs if run.label == label]
+    places = np.linspace(0, len(runs) - 1, COLUMNS).round() if runs else np.zeros(0)
+    return [runs[int(place)] for place in np.unique(places)]
+
+
+def _rest(facts: Facts) -> list[SpringAtRest]:
+    """The springs at rest, which are the columns where nothing was run."""
+    return [] if facts.study.solutions else [one for one in facts.study.rest if one.curve][:COLUMNS]
+
+
+def headings(facts: Facts) -> list[str]:
+    """What tells the columns apart: the label, the engine speed, or both; of springs at rest the model."""
+    if rest := _rest(facts):
+        several = len({one.spring for one in rest}) > 1
+        return [f"{one.spring}, {one.model}" if several else one.model for one in rest]
+    runs = columns(facts)
+    speeds = len({run.engine_speed for run in runs}) > 1
+    labels = len({run.label for run in runs}) > 1
+    return [
+        ", ".join(
+            filter(None, (run.label * labels, speed_text(run.engine_speed) if speeds else ""))
+        )
+        for run in runs
+    ]
+
+
+def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
+    """Six to ten rows; the mark is that of the gravest finding about a row, ``ok`` where a rule looked and found nothing.
+
+    Parameters
+    ----------
+    facts, findings : of the study
+    words : units and language
+    """
+    if rest := _rest(facts):
+        return _rest_rows(rest, words)
+    looked_at = {name for rule in rules() for name in rule.reads}
+    lines, brief, told, runs = list[Line](), replace(words, brief=True), set[str](), columns(facts)
+    for row in ROWS:
+        if row.of not in ("", "train" if facts.train else "spring"):
+            continue
+        cells = tuple(_cell(row, facts, run, brief) for run in runs)
+        if not any(cells):
+            continue
+        about = findings.about(row.reads)
+        amounts = [facts.amount(run, name) for run in runs for name in row.reads]
+        sure = all(one.resolved for one in amounts if one)
+        sound: Mark = "ok" if looked_at & set(row.reads) else ""
+        mark = min((one.mark for one in about), key=GRAVITY.index, default=sound)
+        telling = next((one for one in about if one.remark and one.code not in told), None)
+        told.add(telling.code if telling else "")
+        remark = telling.remark if telling else row.note
+        lines.append(Line(row.label, cells, mark if sure or mark != "ok" else "", remark))
+    return lines
+
+
+def _rest_rows(rest: Sequence[SpringAtRest], words: Words) -> list[Line]:
+    """Preload, rate and first axial frequencies of springs at rest."""
+    found: dict[str, list[str]] = {"preload": [], "rate": [], "axial modes": []}
+    for one in rest:
+        curve, at = one.curve, one.precompression
+        inside = curve is not None and curve.compression[0] <= at <= curve.compression[-1]
+        force, rate = "", ""
+        if curve is not None and inside:
+            force = words.amount(Amount("preload", float(curve.force_at(at))))
+            rate = words.amount(Amount("installed_rate", float(curve.stiffness_at(at))))
+        modes = () if one.modes is None else tuple(one.modes.axial_frequencies[:3])
+        frequencies = ", ".join(digits_text(float(value)) for value in modes)
+        found["preload"].append(force)
+        found["rate"].append(rate)
+        found["axial modes"].append(f"{frequencies} Hz" if frequencies else "")
+    return [Line(name, tuple(cells)) for name, cells in found.items() if any(cells)]
+
+
+def _cell(row: Row, facts: Facts, run: Solution, words: Words) -> str:
+    """A row of one run; empty where numbers are missing."""
+    fields = {name: one for name in row.reads if (one := facts.amount(run, name)) is not None}
+    for text in row.texts:
+        try:
+            return words.fill(text, fields)
+        except MissingFieldError:
+            continue
+    return ""

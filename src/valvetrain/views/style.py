@@ -1,0 +1,127 @@
+"""The one look of all figures: colours by meaning, lines in single precision, panels that share an axis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import ArrayLike
+from plotly.subplots import make_subplots
+
+from valvetrain.findings.facts import Array, Facts, cam_angles, over_turn
+from valvetrain.solution.result import Solution
+from valvetrain.units.reader import reader_factor, reader_unit
+
+#: Colours by meaning: what decides, what stands next to it, rigid parts, the second quantity, and the marks.
+LEAD, OTHER, RIGID, SECOND, BAD, OK = (
+    "#1f5fa8", "#8a8f98", "#a9b0b9", "#e07b28", "#c62f2f", "#2f8f4e",
+)  # fmt: skip
+#: Colours of engine speeds or variants, in order.
+SPEEDS = ("#1f5fa8", "#e07b28", "#7a3fa0", "#2f8f4e", "#b23a48", "#5b6b7a")
+ANGLE = "cam angle, deg"
+#: Share of the lift from which a window over the cam angle begins, and room (deg) before and behind it.
+SHUT, BEFORE, BEHIND = 0.004, 18.0, 34.0
+
+
+@dataclass(frozen=True)
+class FigureSpec:
+    """A declared figure: its ``title``, a ``hint`` on what it shows, and its maker, which gives None without data."""
+
+    title: str
+    hint: str
+    make: Callable[[Facts], go.Figure | None]
+
+
+def panels(heights: tuple[float, ...]) -> go.Figure:
+    """An empty figure with panels below each other that share their x axis; ``heights`` are shares."""
+    return make_subplots(
+        len(heights), 1, shared_xaxes=True, row_heights=list(heights), vertical_spacing=0.06
+    )
+
+
+def styled(fig: go.Figure, x: str, y: tuple[str, ...], height: int = 360) -> go.Figure:
+    """The figure with axis titles and the look of all: no box, a light grid, no ground of its own.
+
+    Parameters
+    ----------
+    fig : with a panel per title in ``y``
+    x : title of the x axis of the lowest panel
+    y : titles of the y axes, from the top
+    height : px
+    """
+    fig.update_layout(
+        template="none", height=height, margin={"l": 62, "r": 14, "t": 30, "b": 44}, hovermode="x unified",
+        font={"family": "system-ui, sans-serif", "size": 13, "color": "#333"}, paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="rgba(0,0,0,0)", legend={"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0},
+    )  # fmt: skip
+    fig.update_xaxes(
+        gridcolor="#e6e8eb", zeroline=False, ticks="outside", ticklen=4, tickcolor="#c4c8cd"
+    )
+    fig.update_yaxes(gridcolor="#e6e8eb", zeroline=False, nticks=6)
+    for place, title in enumerate(y):
+        fig.layout[f"yaxis{place + 1 if place else ''}"].title.update(text=title, font={"size": 12})
+    fig.layout[f"xaxis{len(y) if len(y) > 1 else ''}"].title.text = x
+    return fig
+
+
+def line(
+    x: ArrayLike, y: ArrayLike, name: str, colour: str, dash: str = "solid", **more: Any
+) -> go.Scatter:
+    """A line in single precision, which halves a page; of many samples the extremes of every interval."""
+    at, values = thinned(np.asarray(x, np.float64), np.asarray(y, np.float64))
+    return go.Scatter(
+        x=at.astype(np.float32), y=values.astype(np.float32), name=name, mode="lines",
+        line={"color": colour, "dash": dash, "width": 1.8}, hovertemplate="%{y:.4~g}", **more,
+    )  # fmt: skip
+
+
+def thinned(x: Array, y: Array, most: int = 3000) -> tuple[Array, Array]:
+    """At most about ``most`` points of a curve, with the least and the largest value of every interval.
+
+    >>> x, y = thinned(np.arange(10000.0), np.sin(np.arange(10000.0)), 100)
+    >>> len(x) <= 102, bool(y.max() > 0.99)
+    (True, True)
+    """
+    if len(x) <= most:
+        return x, y
+    size = -(-2 * len(x) // most)
+    whole = len(x) // size * size
+    blocks = np.nan_to_num(y[:whole]).reshape(-1, size)
+    starts = np.arange(0, whole, size)
+    chosen = (starts + blocks.argmin(1), starts + blocks.argmax(1), np.array([0, len(x) - 1]))
+    places = np.unique(np.concatenate(chosen))
+    return x[places], y[places]
+
+
+def degrees(run: Solution) -> Array:
+    """Cam angle (deg) of the samples of a run's cycle."""
+    return np.asarray(np.degrees(cam_angles(run)))
+
+
+def window(run: Solution) -> tuple[float, float]:
+    """Cam angles (deg) between which the valve is open, with some room."""
+    lift, angle = over_turn(run, "valve_lift"), degrees(run)
+    there = angle[lift > SHUT * lift.max()]
+    if not there.size:
+        return 0.0, 360.0
+    return max(0.0, float(there.min()) - BEFORE), min(360.0, float(there.max()) + BEHIND)
+
+
+def in_reader_units(fig: go.Figure) -> go.Figure:
+    """The figure with every axis in the units of the reader, by the unit at the end of its title."""
+    for axis, key in [(one, f"{xy}axis") for xy in "xy" for one in fig.select_traces()]:
+        place = (getattr(axis, key) or key[0])[1:]
+        layout = fig.layout[f"{key}{place}"]
+        unit = (layout.title.text or "").rpartition(", ")[2] or (layout.title.text or "")
+        if reader_unit(unit) != unit:
+            values = np.asarray(axis[key[0]], float) * reader_factor(unit)
+            axis.update({key[0]: values.astype(np.float32)})
+    for layout in (*fig.select_xaxes(), *fig.select_yaxes()):
+        head, comma, unit = (layout.title.text or "").rpartition(", ")
+        if layout.range and reader_unit(unit) != unit:
+            layout.range = [float(end) * reader_factor(unit) for end in layout.range]
+        layout.title.text = f"{head}{comma}{reader_unit(unit)}"
+    return fig

@@ -1,0 +1,179 @@
+"""Whole tables of a study, folded on its page: findings, numbers, events, printed values, error bars, springs at rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from valvetrain.findings.facts import TURN
+from valvetrain.findings.words import COARSE, Amount, digits_text, speed_text
+from valvetrain.registry import find, names
+from valvetrain.report.fact_texts import study_notes
+from valvetrain.report.text import CAUSES
+from valvetrain.solution.definition import is_defined, label_of, topics
+from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Event
+from valvetrain.views.answer import Answer
+from valvetrain.views.published import published_rows
+
+#: Runs that stand side by side; more are rows. Events of a run that are listed, the largest.
+SIDE_BY_SIDE, EVENTS = 8, 12
+#: Unit of the size of an event -> a quantity of its kind, which gives digits and the reader's unit.
+SIZES = {"N": "peak_clash_force", "m": "loft_gap", "m/s": "seating_velocity", "s": "loft_duration"}
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table as texts.
+
+    Parameters
+    ----------
+    title : above the table
+    columns : headings
+    rows : cells, a text for each column; a row of one cell is a heading across
+    """
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...] = field(default=())
+
+
+def tables_of(answer: Answer) -> dict[str, TextTable]:
+    """Every table that the registry lists (kind ``tables``) and a study has rows for, by its key, in order."""
+    made = ((key, find("tables", key)(answer)) for key in names("tables"))
+    return {key: one for key, one in made if one is not None and one.rows}
+
+
+def findings(answer: Answer) -> TextTable:
+    """All findings by importance."""
+    rows = tuple(
+        (one.code, one.mark, one.text, one.reason, one.step, one.guide) for one in answer.findings
+    )
+    return TextTable("Findings", ("code", "mark", "finding", "why", "next", "guide"), rows)
+
+
+def numbers(answer: Answer) -> TextTable:
+    """Headline quantities by topic; few runs side by side, of many a row each."""
+    facts, words = answer.facts, answer.words
+    runs = [*facts.runs, *facts.beyond, *facts.others]
+    units, rows = dict[str, str](), list[tuple[str, ...]]()
+    for topic, chosen in topics().items():
+        first = True
+        for name in chosen:
+            amounts = [facts.amount(run, name) for run in runs]
+            if any(amounts):
+                most = max(abs(one.value) for one in amounts if one)
+                unit = words.unit(name, most)
+                units[name] = f"{label_of(name)}{f', {unit.text}' if unit.text else ''}"
+                if first:
+                    rows.append((topic,))
+                cells = ("" if one is None else _short(one, unit.size) for one in amounts)
+                rows.append((units[name], *cells))
+                first = False
+    heads = [_head(answer, run) for run in runs]
+    title = "Numbers of every run"
+    if len(runs) <= SIDE_BY_SIDE:
+        return TextTable(title, ("", *heads), tuple(rows))
+    numbers = [row for row in rows if len(row) > 1]
+    across = zip(heads, *(row[1:] for row in numbers), strict=True)
+    return TextTable(title, ("", *(row[0] for row in numbers)), tuple(across))
+
+
+def _head(answer: Answer, run: Solution) -> str:
+    several = answer.facts.several or bool(answer.facts.others)
+    speed = speed_text(run.engine_speed)
+    return f"{run.label}, {speed}" if several else speed
+
+
+def _short(one: Amount, size: float) -> str:
+    """A value with its bar where that is coarse: ``1910 ± 1000``."""
+    text = digits_text(one.value / size, one.bar / size, 4)
+    coarse = one.bar > COARSE * abs(one.value)
+    return f"{text} ± {digits_text(one.bar / size, one.bar / size)}" if coarse else text
+
+
+def published(answer: Answer) -> TextTable:
+    """Every printed value next to those computed here and blind."""
+    heads = (
+        "quantity", "rpm", "method", "unit", "paper", "here", "blind", "off", "used", "doubt",
+    )  # fmt: skip
+    return TextTable(
+        "Here and in the paper", heads, tuple(published_rows(answer.study.comparisons))
+    )
+
+
+def source(answer: Answer) -> TextTable:
+    """What a source states in words, and what the runs show."""
+    rows = tuple((one.place, one.statement, one.computed) for one in answer.study.findings)
+    return TextTable("What the source states", ("place", "the source", "here"), rows)
+
+
+def events(answer: Answer) -> TextTable:
+    """The largest events of every run that decides."""
+    rows = []
+    for run in answer.facts.runs:
+        for one in _largest(run):
+            angle = Amount("loft_cam_angle", one.cam_angle % TURN)
+            size = Amount(SIZES.get(one.unit, "clash_count"), one.size)
+            lasts = Amount("loft_duration", one.duration)
+            texts = (answer.words.amount(each) for each in (angle, size, lasts))
+            kind, why = one.kind.replace("-", " "), CAUSES.get(str(one.details.get("cause")), "")
+            rows.append((_head(answer, run), kind, one.where.replace("_", " "), *texts, why))
+    heads = ("run", "event", "where", "begins", "size", "lasts", "cause")
+    return TextTable("Events", heads, tuple(rows))
+
+
+def _largest(run: Solution) -> list[Event]:
+    lead = [one for one in run.events if one.kind != "seating" or one.details.get("touch") == 1]
+    largest = sorted(lead, key=lambda one: -one.size)[:EVENTS]
+    return sorted(largest, key=lambda one: one.cam_angle)
+
+
+def error_bars(answer: Answer) -> TextTable:
+    """Numbers with their error bars."""
+    rows = []
+    for one in answer.study.error_bars.rows:
+        unit = answer.words.unit(one.quantity, one.value)
+        speed = "" if one.engine_speed is None else speed_text(one.engine_speed)
+        numbers = [digits_text(value / unit.size) for value in (one.value, one.numerical)]
+        reach = one.range
+        ends = "" if reach is None else " to ".join(digits_text(v / unit.size) for v in reach[:2])
+        rows.append((label_of(one.quantity), one.label, speed, unit.text, *numbers, ends))
+    heads = (
+        "quantity",
+        "run",
+        "engine speed",
+        "unit",
+        "value",
+        "error bar",
+        "over contact constants",
+    )
+    return TextTable("Error bars", heads, tuple(rows))
+
+
+def rest(answer: Answer) -> TextTable:
+    """Springs and lift before anything moves."""
+    rows = tuple(
+        (owner, label_of(name), answer.words.amount(Amount(name, value), 4))
+        for owner, values in answer.study.still.items()
+        for name, value in values.items()
+        if math.isfinite(value) and is_defined(name)
+    )
+    return TextTable("At rest", ("of", "quantity", "value"), rows)
+
+
+def how_computed(answer: Answer) -> Iterator[str]:
+    """Sentences on the computation: models, step, error bars, notes, version, papers."""
+    study, step = answer.study, Amount("time_step_duration", 0.0)
+    for run in {run.model: run for run in study.solutions}.values():
+        value = run.quantities.get(step.name, run.statistics.get("time_step", math.nan))
+        text = f", step {digits_text(1e6 * float(value))} µs" if isinstance(value, float) else ""
+        yield f"{run.model}: {run.statistics.get('integrator', 'no integrator')}{text}."
+    yield from study_notes(study)
+    record, made = study.record, study.provenance
+    zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
+    yield f"Cam angles are cam degrees, engine speed is that of the crank.{zero}"
+    yield f"valvetrain {made.package_version}, case {record.name} ({record.digest[:12]})."
+    cited = (*record.citations, *study.provenance.citations)
+    yield from dict.fromkeys(cited)

@@ -1,0 +1,107 @@
+"""The answer of a command in the terminal: one screen."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+
+from rich.console import Console, Group, RenderableType
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from valvetrain.findings.words import speed_text
+from valvetrain.views.answer import Answer
+from valvetrain.views.published import PaperTable
+from valvetrain.views.rows import columns
+
+STYLE = {"bad": "bold red", "warn": "yellow", "ok": "green", "": ""}
+SIGN = {"bad": "✗", "warn": "!", "ok": "✓", "": ""}
+#: Findings behind the rows, and width of the bars of control.
+BULLETS, WIDTH = 6, 48
+
+
+def screen(answer: Answer, page: str = "", folder: str = "") -> RenderableType:
+    """Title, verdict, rows, printed values, further findings, assumptions, what to run next, and the ``page``, or the
+    ``folder`` of the files where no page was written.
+    """
+    return Group(*_parts(answer, page, folder))
+
+
+def plain(answer: Answer, page: str = "", width: int = 100) -> str:
+    """The screen as plain text of ``width`` columns."""
+    console = Console(width=width, file=io.StringIO(), force_terminal=False)
+    with console.capture() as capture:
+        console.print(screen(answer, page))
+    return "\n".join(line.rstrip() for line in capture.get().splitlines())
+
+
+def _parts(answer: Answer, page: str, folder: str) -> Iterator[RenderableType]:
+    yield Text(answer.title, style="bold")
+    if answer.verdict is not None:
+        fact, rest = answer.headline
+        yield Text.assemble((fact.upper(), STYLE[answer.verdict.mark]), rest)
+    if answer.facts.run_up and len(answer.facts.speeds) > 1:
+        yield Padding(_bars(answer), (0, 2), expand=False)
+    if answer.lines:
+        yield Padding(_rows(answer), (0, 2), expand=False)
+    if answer.paper is not None:
+        yield Padding(_paper(answer.paper), (0, 2), expand=False)
+    for one in answer.bullets[:BULLETS]:
+        sign = f"{SIGN[one.mark]} " if one.mark == "warn" else ""
+        yield Text(f"  {sign}{one}", style=STYLE[one.mark])
+    if answer.rests_on:
+        yield Text(f"  rests on: {', '.join(answer.rests_on)}", style="dim")
+    if answer.next_step:
+        yield Text.assemble(("  next: ", "dim"), answer.next_step)
+    if folder and not page:
+        yield Text.assemble(("  files: ", "dim"), folder, overflow="fold")
+    if page:
+        count = f"  ({len(answer.findings)} findings)"
+        yield Text.assemble(("  page: ", "dim"), page, (count, "dim"), overflow="fold")
+
+
+def _rows(answer: Answer) -> Table:
+    """The rows with their marks."""
+    several = len(answer.headings) > 1
+    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid.add_column(style="dim", no_wrap=True)
+    for _ in answer.headings:
+        grid.add_column(justify="right" if several else "left")
+    grid.add_column()
+    if several:
+        grid.add_row("", *(Text(one, style="dim") for one in answer.headings), "")
+    for row in answer.lines:
+        remark = f"{SIGN[row.mark]} {row.remark}".strip()
+        grid.add_row(row.label, *row.cells, Text(remark, style=STYLE[row.mark]))
+    return grid
+
+
+def _paper(paper: PaperTable) -> Table:
+    """Printed values next to those here."""
+    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid.add_row(*(Text(one, style="dim") for one in (paper.head, *paper.engine_speeds)))
+    for name, *cells in paper.rows:
+        grid.add_row(Text(name, style="dim"), *cells)
+    return grid
+
+
+def _bars(answer: Answer) -> Table:
+    """Bars of control over the engine speed of a run-up, of the variant that loses control first."""
+    facts, first = answer.facts, columns(answer.facts)[0]
+    runs = [run for run in (*facts.runs, *facts.beyond) if run.label == first.label]
+    low, high = runs[0].engine_speed, runs[-1].engine_speed
+    lost = [facts.value(run, "loft_gap") > 0 for run in runs]
+    cells = [" "] * WIDTH
+    for at in range(WIDTH):
+        speed = low + (high - low) * at / (WIDTH - 1)
+        nearest = min(range(len(runs)), key=lambda k: abs(runs[k].engine_speed - speed))
+        cells[at] = "x" if lost[nearest] else "o"
+    grid = Table.grid(padding=(0, 2, 0, 0))
+    scale = f"{speed_text(low, '')}{speed_text((low + high) / 2, ''):^{WIDTH - 8}}{speed_text(high, '')}"
+    grid.add_row("", Text(scale, style="dim"))
+    for word, sign, style in (("in control", "o", "green"), ("off the cam", "x", "red")):
+        if sign in cells:
+            bar = "".join("█" if one == sign else " " for one in cells)
+            grid.add_row(Text(word, style="dim"), Text(bar, style=style))
+    return grid

@@ -1,0 +1,169 @@
+"""Every rule on two real runs: one in which it holds and one in which it does not; codes and numbers, no sentences."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import valvetrain as vt
+from valvetrain.errors import UnknownNameError
+from valvetrain.findings.engine import LEVELS
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.table import explain, findings_of, rules
+from valvetrain.findings.words import Amount, Phrase, Words, digits_text
+from valvetrain.solution.status import Cause
+from valvetrain.solution.study import Study
+from valvetrain.views.answer import Answer
+
+LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
+CRANK = {"train.crank.radius": "46 mm", "train.crank.rod_length": "155 mm", "train.crank.valve_inclination": "15 deg"}  # fmt: skip
+MODAL = {"spring_models": "modal-uniform"}
+CHAIN = {"spring_models": "multi-mass"}
+ROD = {"spring_models": "finite-element"}
+STOCK = {"spring_models": "massless", "spring_set": "stock"}
+
+
+def ls(speed: str, **changes: str) -> tuple:
+    return LS, speed, {key.replace("__", "."): value for key, value in changes.items()}, MODAL
+
+
+def wire(speed: str, height: str = "46 mm") -> tuple:
+    return LS, speed, {"train.spring_set": "wire", "train.springs.wire[0].installed_height": height}, CHAIN  # fmt: skip
+
+
+#: Name -> case, engine speeds, changes, options of a run; all take seconds.
+RUNS = {
+    "calm": ("tdi-pushrod", "3000 rpm", {}, STOCK),
+    "lost": ("tdi-pushrod", "7500 rpm", {}, STOCK),
+    "flies": ("tdi-pushrod", "9000 rpm", {}, STOCK),
+    "published": ("tdi-pushrod", None, {}, {"spring_set": "as printed"}),
+    "ls-5000": ls("5000 rpm"),
+    "ls-6600": ls("6600 rpm"),
+    "ls-7300": ls("7300 rpm"),
+    "ls-7375": ls("7375 rpm"),
+    "ls-limit": ls("5000 rpm", train__valve__permitted_seating_velocity="0.3 m/s"),
+    "ls-open": (LS, "5000 rpm", {"train.springs.mydual[1].solid_height": None}, MODAL),
+    "ls-undamped": (LS, "5000 rpm", {"train.springs.mydual[0].damping": None, "train.springs.mydual[1].damping": None}, MODAL),
+    "ls-close": (LS, "5000 rpm", {"train.spring_set": "card", "train.springs.card[0].solid_height": "1.19 in"}, MODAL),
+    "ls-models": (LS, "6600 rpm", {}, {"spring_models": ["wave-rod", "modal-uniform", "massless"], "compute": "error_bars"}),
+    "piston-far": (LS, "6000 rpm", {**CRANK, "train.crank.clearance": "7 mm"}, MODAL),
+    "piston-near": (LS, "6000 rpm", {**CRANK, "train.crank.clearance": "4 mm"}, MODAL),
+    "piston-hit": (LS, "6000 rpm", {**CRANK, "train.crank.clearance": "1 mm"}, MODAL),
+    "wire": wire("6000 rpm"),
+    "wire-short": wire("6000 rpm", "42 mm"),
+    "no-coils": ("job-t", "2000 rpm", {}, {"spring_models": "massless"}),
+    "lifts": ("job-t", "9000 rpm", {}, {"spring_models": ["massless", "modal-varied"]}),
+    "slow": ("job-c", "1000 rpm", {}, ROD),
+    "clash": ("job-c", "8000 rpm", {}, {"spring_models": ["finite-element", "modal-varied"]}),
+    "still": ("uniform-spring", None, {}, {}),
+}  # fmt: skip
+
+
+@cache
+def study(name: str) -> Study:
+    case, speeds, changes, options = RUNS[name]
+    return vt.simulate(vt.Case(case).set(changes), speeds, workers=1, **options)
+
+
+@cache
+def running_up(last: str) -> Study:
+    return vt.run_up("tdi-pushrod", "7000 rpm", last, "0.2 s", workers=1, **STOCK)
+
+
+@pytest.mark.parametrize(
+    ("code", "holds", "holds_not"),
+    [
+        ("C101", "flies", "lost"), ("C102", "lost", "calm"), ("C103", "ls-6600", "ls-5000"), ("C104", "calm", "ls-6600"),
+        ("C110", "ls-7300", "ls-5000"), ("C120", "calm", "flies"), ("V101", "ls-limit", "ls-6600"),
+        ("V102", "ls-6600", "calm"), ("L101", "calm", "flies"), ("P101", "piston-hit", "piston-near"),
+        ("P102", "piston-near", "piston-far"), ("B102", "ls-close", "ls-5000"), ("K101", "clash", "slow"),
+        ("K102", "wire-short", "wire"), ("K103", "slow", "clash"), ("K104", "no-coils", "slow"),
+        ("K110", "clash", "slow"), ("K120", "slow", "no-coils"), ("K121", "slow", "clash"), ("E101", "lifts", "no-coils"),
+        ("G101", "ls-6600", "ls-5000"), ("G102", "ls-5000", "ls-6600"), ("R100", "still", "calm"),
+        ("R120", "ls-7375", "ls-5000"), ("R130", "ls-models", "no-coils"), ("M101", "ls-models", "ls-6600"),
+        ("M110", "ls-models", "ls-6600"), ("M111", "clash", "slow"), ("H101", "published", "ls-5000"),
+        ("A101", "ls-5000", "calm"), ("A102", "ls-5000", "calm"), ("A103", "ls-5000", "wire"),
+        ("A104", "ls-undamped", "ls-5000"), ("A105", "ls-5000", "wire"), ("A106", "ls-open", "ls-5000"),
+        ("A108", "wire", "ls-5000"),
+    ],
+)  # fmt: skip
+def test_a_rule_holds_in_one_run_and_not_in_another(code, holds, holds_not):
+    assert code in findings_of(study(holds)).codes
+    assert code not in findings_of(study(holds_not)).codes
+
+
+def test_a_run_up_loses_the_cam_or_keeps_it():
+    lost, kept = (findings_of(running_up(last)) for last in ("9000 rpm", "7300 rpm"))
+    assert lost.verdict.code == "U101" and "U102" not in lost.codes
+    assert kept.verdict.code == "U102" and "U101" not in kept.codes
+    first = lost.verdict.engine_speed
+    gaps = [
+        run.quantities["loft_gap"]
+        for run in running_up("9000 rpm").solutions
+        if run.engine_speed < first
+    ]
+    assert max(gaps) == 0
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_verdict_is_short_and_its_numbers_are_those_of_its_run(name):
+    answer = Answer(study(name))
+    verdict = answer.verdict
+    assert verdict.level == "decides" and len(str(verdict).split()) <= 25
+    if verdict.quantity and verdict.label:
+        run = study(name).solution(verdict.label)
+        assert verdict.value == pytest.approx(Facts(study(name)).value(run, verdict.quantity))
+    levels = [LEVELS.index(one.level) for one in answer.findings]
+    assert levels == sorted(levels)
+    json.dumps([one.to_dict() for one in answer.findings], allow_nan=False)
+
+
+def test_numbers_of_a_finding_are_those_of_the_physics():
+    strike = findings_of(study("clash")).verdict
+    blows = [one for one in study("clash").solution("finite-element").events if one.kind == "clash"]
+    hardest = max(one.size for one in blows if one.details["cause"] == Cause.COILS_STRIKE)
+    assert strike.value == hardest and strike.fields["angle"].name == "clash_cam_angle"
+    (left,) = findings_of(study("ls-close")).by("B102")
+    assert 0 < left.value < 1e-3 == left.limit
+    barely = findings_of(study("ls-6600")).verdict
+    assert barely.value == pytest.approx(80.9, abs=0.5)
+    assert barely.fields["rigid"].value == pytest.approx(1130, abs=10)
+
+
+def test_marks_of_rows_are_those_of_findings_about_them():
+    marks = {line.label: line.mark for line in Answer(study("ls-7300")).lines}
+    assert marks["on the cam"] == "bad" and marks["bounce"] == "warn" and marks["spring"] == "ok"
+
+
+def test_a_rule_has_one_code_and_is_explained():
+    codes = [rule.code for rule in rules()]
+    assert len(set(codes)) == len(codes)
+    for code in codes:
+        assert {"code", "level", "says"} <= set(explain(code))
+    with pytest.raises(UnknownNameError):
+        explain("C999")
+
+
+def test_units_and_language_are_tables():
+    imperial = Answer(study("flies"), Words("imperial")).verdict
+    german = Answer(study("flies"), Words(templates={"C101": {"text": "hebt ab: {value}"}})).verdict
+    assert "thou" in imperial.text and german.text.startswith("hebt ab: ")
+    assert imperial.value == german.value
+
+
+@pytest.mark.parametrize(
+    ("value", "bar", "text"),
+    [(1957.4, 0, "1960"), (6729, 57, "6730"), (80.89, 12, "80"), (0, 0, "0"), (float("nan"), 0, "–"), (-3.14159, 0, "−3.14")],
+)  # fmt: skip
+def test_a_number_has_the_digits_of_its_bar(value, bar, text):
+    assert digits_text(value, bar) == text
+
+
+def test_a_number_that_is_not_resolved_stays_out_of_brackets():
+    force = Amount("peak_spring_force", 1900.0, 1000.0)
+    assert Words().fill("clash[ of {size}]", {"size": force}) == "clash"
+    assert Words(brief=True).amount(force) == "not resolved"
+    assert Words().said(Phrase("{model}: {said}", {"model": "rod", "said": "floats"})) == "rod: floats"  # fmt: skip
