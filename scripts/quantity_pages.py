@@ -78,7 +78,9 @@ object from the names above to such numbers.
 | `events` | per event `kind`, `cam_angle`, `time`, `duration`, `size`, `where`, `details`; of a clash `lower_coil`, `upper_coil`, `impulse`, `energy`, `peak_cam_angle` |
 | `options`, `statistics` | of a run: options of its model, and step, counts, residuals; numbers as value and unit, unit `1` for counts and shares |
 | `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `reading`, `published`, `computed`, `difference`, `tolerance`, `blind` (by the case that was not fitted to it), `verdict`, `source`, `samples` (where the source stored samples: `low`, `high`, `share_at_or_above` the published value, number of `phases`) |
-| `findings`, `notes` | findings of the source next to what was computed; sentences on what must be known of the numbers |
+| `findings` | what the runs show, the verdict first: `code`, `level`, `text`, `reason`, `step`, `quantity`, `value`, `limit`, `label`, `engine_speed`, and the `fields` of its text; `valvetrain findings CODE` explains one. Commands other than `run` and `run-up`: findings of the source |
+| `source_findings` | findings of the source next to what was computed (`run`, `run-up`) |
+| `notes` | sentences on what must be known of the numbers |
 | `cite` | references behind the results |
 | `created_at`, `command_line`, `versions`, `choices` | of a saved run: when, by what, with which packages; engine speeds, models and sets that were run |
 | `folder`, `files`, `page` | where the results were written |

@@ -167,6 +167,6 @@ def test_every_command_is_tried_here_or_in_the_tests_of_its_tool():
         if name.startswith("test_")
     }
     of_tools = {"optimise", "film", "scan", "rig", "lift", "compare-test"}
-    of_files = {"check", "cases", "new", "runs", "compare-runs", "serve"}
+    of_files = {"check", "cases", "new", "runs", "compare-runs", "serve", "findings"}
     commands = {one.name for one in app.registered_commands}
     assert commands <= here | {"modes", "compare", "sweep"} | of_tools | of_files, commands

@@ -228,7 +228,9 @@ def _plain(one: Any) -> Any:
     if isinstance(one, Amount):
         unit = definition_of(one.name).si_unit
         measured = {"value": _measured(one.value, unit), "bar": _measured(one.bar, unit)}
-        return {"quantity": one.name, **measured}
+        return {"quantity": one.name, **measured} | (
+            {"rests_on": one.rests_on} if one.rests_on else {}
+        )
     if isinstance(one, Phrase):
         return {"template": one.template, "fields": _plain(one.fields)}
     if isinstance(one, Mapping):

@@ -18,6 +18,7 @@ from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
+from valvetrain.solution.uncertainty import OF_CONTACT
 from valvetrain.system.contract import TRAIN
 
 #: Spring models by how much of the wire they know, the least first.
@@ -31,6 +32,8 @@ JUDGED = ("completed", "not-converged")
 SPRINGS = ("", "outer_", "inner_")
 #: A number of runs that a negative value of has no meaning: a valve that flies loses no lift.
 LOSSES = ("lift_loss_displacement",)
+#: What decides blows and raw peaks, of which no error bar tells.
+CONSTANTS = "contact constants"
 LOST = ("loft", "loss-of-contact")
 TURN = 2 * math.pi
 Array = NDArray[np.float64]
@@ -86,8 +89,12 @@ class Facts:
         value = self.value(run, name)
         if not math.isfinite(value):
             return None
-        bar = self.study.error_bars.of(name, run.label, run.engine_speed)
-        return Amount(name, value, 0.0 if bar is None else bar.numerical)
+        row = self.study.error_bars.of(name, run.label, run.engine_speed)
+        bar, ends = (0.0, None) if row is None else (row.numerical, row.range)
+        if ends is not None:
+            return Amount(name, value, max(bar, value - ends.low, ends.high - value))
+        open_ = value != 0 and OF_CONTACT.search(name) is not None
+        return Amount(name, value, bar, CONSTANTS if open_ else "")
 
     def amounts(
         self, name: str, runs: Iterable[Solution] | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from valvetrain.findings.engine import Condition, Hit, Rule, above, below, per_run
 from valvetrain.findings.facts import SPRINGS, TURN, Facts
@@ -41,13 +42,15 @@ def _strike(facts: Facts, run: Solution) -> Hit | None:
     if not events or events[0].size <= rest:
         return None
     hardest, known = events[0], facts.amount(run, "surge_clash_peak_force")
-    size = Amount("surge_clash_peak_force", hardest.size, known.bar if known else 0.0)
+    size = Amount("surge_clash_peak_force", hardest.size)
+    size = replace(size, bar=known.bar, rests_on=known.rests_on) if known else size
     angle = float(hardest.details.get("peak_cam_angle", hardest.cam_angle)) % TURN
     upper, lower = (f"{float(hardest.details.get(k, 0)):g}" for k in ("upper_coil", "lower_coil"))
     spring = hardest.where.partition("coils")[0].strip()
     return Hit(size, run, rest, {
         "upper": upper, "lower": lower, "spring": spring and f"{spring} spring, ", "count": str(len(events)),
         "angle": Amount("clash_cam_angle", angle), "motion": MOTIONS[facts.motion(run, angle)], "size": size,
+        "rests": size.rests_on,
     })  # fmt: skip
 
 
@@ -147,13 +150,14 @@ FORCE = ("peak_spring_force", "minimum_spring_force")
 SURGE = ("surge_amplitude_force",)
 STRIKE = "coil {upper} strikes coil {lower}[ {motion}][, {where}]"
 BLOW = "[{spring}]surge at {angle}[, {size}]"
+STRIKES = "{count} strikes[; {rests} decide their height]"
 SWEEP = "valvetrain sweep {case}"
 
 RULES = (
     Rule("B101", "decides", "coil bind: the [{spring} ]spring is solid {excess} before full lift[ {at}]",
          below("coil_bind_clearance", 0.0, springs=True), BIND, step="install it taller or lift less",
          guide="how-to/05-coil-bind.md"),
-    Rule("K101", "decides", STRIKE, in_system(False, strikes), CLASH, BLOW, SWEEP, "{count} strikes",
+    Rule("K101", "decides", STRIKE, in_system(False, strikes), CLASH, BLOW, SWEEP, STRIKES,
          "how-to/16-force-spikes.md"),
     Rule("E101", "decides", "the spring would leave its seat: least force {value}[ {where}]", in_system(False, lifts),
          FORCE, guide="how-to/03-resonance.md"),
@@ -170,9 +174,9 @@ RULES = (
     Rule("B102", "warns", "only {value} left to coil bind[, {spring} spring][ {at}]",
          below("coil_bind_clearance", NEAR, springs=True), BIND, remark="close", guide="how-to/05-coil-bind.md",
          unless=("B101",)),
-    Rule("K102", "warns", STRIKE, in_system(True, strikes), CLASH, BLOW, remark="{count} strikes",
+    Rule("K102", "warns", STRIKE, in_system(True, strikes), CLASH, BLOW, remark=STRIKES,
          guide="how-to/16-force-spikes.md"),
-    Rule("K110", "warns", "the peak on the seat is a spike[ {at}]: {value}, and {smooth} below 10 kHz", spike, FORCE[:1],
+    Rule("K110", "warns", "the peak on the seat is a spike[ {at}][, {value} high]; below 10 kHz it is {smooth}", spike, FORCE[:1],
          remark="below 10 kHz; a spike above", guide="how-to/16-force-spikes.md"),
     Rule("G101", "warns", "surge of {value}[ {at}][ of the {left} that the spring has to spare]", large_surge, SURGE,
          "[cam order {order}]", SWEEP, "[of {left} to spare][, order {order}]", "how-to/03-resonance.md"),

@@ -22,7 +22,8 @@ RPM = math.pi / 30
 
 @dataclass(frozen=True, slots=True)
 class Amount:
-    """A number (SI) of the quantity ``name`` with its error ``bar`` (SI; 0: none is known).
+    """A number (SI) of the quantity ``name`` with its error ``bar`` (SI; 0: none is known). ``rests_on``: what
+    nobody knows and decides the number, which is then not resolved; empty otherwise.
 
     >>> Amount("peak_spring_force", 1900.0, 1000.0).resolved
     False
@@ -31,10 +32,13 @@ class Amount:
     name: str
     value: float
     bar: float = 0.0
+    rests_on: str = ""
 
     @property
     def resolved(self) -> bool:
-        """Whether the error bar is below half of the number."""
+        """Whether the error bar is below half of the number, and nothing unknown decides it."""
+        if self.rests_on:
+            return False
         return self.bar == 0 or self.bar < UNRESOLVED * abs(self.value)
 
 
@@ -177,6 +181,8 @@ class Words:
         unit = self.unit(one.name, max(abs(one.value), one.bar))
         if not one.resolved and self.brief:
             return "not resolved"
+        if one.rests_on:
+            return f"not resolved ({one.rests_on})"
         if not one.resolved:
             least = one.value - one.bar
             ends = (max(0.0, least) if one.value >= 0 else least), one.value + one.bar

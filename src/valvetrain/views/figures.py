@@ -36,6 +36,8 @@ from valvetrain.views.style import (
 
 #: Share of a peak by which a panel of forces reaches above it.
 ROOM = 1.25
+#: Room (deg) behind the last blow.
+AFTER = 6.0
 
 
 def worst_run(facts: Facts) -> Solution | None:
@@ -152,7 +154,9 @@ def force(facts: Facts) -> go.Figure | None:
     styled(fig, ANGLE, ("on the retainer, N", "coils") if struck else ("on the retainer, N",), 430)
     if struck:
         fig.update_yaxes(type="category", categoryorder="category ascending", row=2, col=1)
-    return fig.update_xaxes(range=window(last))
+    low, high = window(last)
+    struck_at = [math.degrees(angle) for some in hits.values() for angle, _, _ in some]
+    return fig.update_xaxes(range=(low, max([high, *(at + AFTER for at in struck_at)])))
 
 
 def _hardest(facts: Facts, run: Solution) -> list[tuple[float, str, float]]:

@@ -63,7 +63,7 @@ def styled(fig: go.Figure, x: str, y: tuple[str, ...], height: int = 360) -> go.
     fig.update_yaxes(gridcolor="#e6e8eb", zeroline=False, nticks=6)
     for place, title in enumerate(y):
         fig.layout[f"yaxis{place + 1 if place else ''}"].title.update(text=title, font={"size": 12})
-    fig.layout[f"xaxis{len(y) if len(y) > 1 else ''}"].title.text = x
+    fig.layout[f"xaxis{len(y) if len(y) > 1 else ''}"].title.update(text=x, font={"size": 12})
     return fig
 
 

@@ -73,6 +73,8 @@ def numbers(answer: Answer) -> TextTable:
                 first = False
     heads = [_head(answer, run) for run in runs]
     title = "Numbers of every run"
+    if any(cell.endswith(" *") for row in rows for cell in row):
+        rows.append(("* contact constants, which nobody knows, decide these numbers",))
     if len(runs) <= SIDE_BY_SIDE:
         return TextTable(title, ("", *heads), tuple(rows))
     numbers = [row for row in rows if len(row) > 1]
@@ -90,7 +92,8 @@ def _short(one: Amount, size: float) -> str:
     """A value with its bar where that is coarse: ``1910 ± 1000``."""
     text = digits_text(one.value / size, one.bar / size, 4)
     coarse = one.bar > COARSE * abs(one.value)
-    return f"{text} ± {digits_text(one.bar / size, one.bar / size)}" if coarse else text
+    text = f"{text} ± {digits_text(one.bar / size, one.bar / size)}" if coarse else text
+    return f"{text} *" if one.rests_on else text
 
 
 def published(answer: Answer) -> TextTable:
