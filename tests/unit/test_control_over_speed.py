@@ -14,11 +14,12 @@ from synthetic_study import train_study
 from valvetrain.report.control import control_of, controlled_to
 from valvetrain.report.sweep_chart import regime_chart
 from valvetrain.runs.critical_search import Search, SpeedSample
-from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed
+from valvetrain.runs.critical_speeds import CriticalOptions, _decisive, critical_speed
 from valvetrain.solution.critical import (
     CriticalSpeed,
     CriticalSpeeds,
     Crossing,
+    RangeMember,
     SpeedBracket,
 )
 from valvetrain.solution.provenance import CaseRecord
@@ -125,6 +126,19 @@ def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
     assert second.lower_engine_speed / RPM == pytest.approx(6517, abs=5.5)
     study = sweep(replace(row, nominal_engine_speed=row.begins.from_rest.upper_engine_speed))
     assert controlled_to(study, LABEL) == second.lower_engine_speed
+    deciding = _decisive(row, search, math.inf)
+    bracket = deciding.begins.from_rest
+    assert bracket.lower_engine_speed / RPM < 6512 < bracket.upper_engine_speed / RPM
+    assert first.upper_engine_speed < deciding.first_engine_speed < 6512 * RPM
+
+
+def test_the_range_of_a_critical_speed_is_that_of_the_loss_that_stays():
+    """Contract: the range of a short loss at 5040 rpm was given for control that ends at 6517."""
+    found = lost("contact-loss", 5040, 5060, bracket(6517, 8000), decisive_engine_speed=6517 * RPM)
+    row = replace(found, members=(RangeMember("mesh", "×1.5", 6600 * RPM),))
+    assert row.engine_speed == 5040 * RPM and row.causes == ("mesh",)
+    assert row.span == SpeedBracket(6517 * RPM, 6600 * RPM)
+    assert row.short_ranges(math.inf) == row.ranges[:1]
 
 
 def two(light: dict[str, float], heavy: dict[str, float], *rows: CriticalSpeed) -> Study:

@@ -16,7 +16,6 @@ from valvetrain.report.run_summary import searched
 from valvetrain.report.text import rpm
 from valvetrain.solution.critical import (
     FLOAT_LIFT,
-    NARROW,
     PULLED,
     CriticalSpeed,
     SpeedBracket,
@@ -33,8 +32,6 @@ LOST = {
 }
 #: Share of a critical speed that its range is named from.
 WIDE = 0.05
-#: Short ranges below the loss that stays; where control comes and goes more often it ends at the first.
-MAX_ISLANDS = 2
 
 
 @dataclass(frozen=True)
@@ -79,54 +76,17 @@ class Control:
 def control_of(study: Study, label: str) -> Control:
     """The control of a label by the critical speeds of a study."""
     losses = [
-        Loss(one, _ranges(one)) for one in study.critical_speeds if one.label == label and one.found
+        Loss(one, one.ranges) for one in study.critical_speeds if one.label == label and one.found
     ]
     contact = next((one for one in losses if one.row.kind == "contact-loss"), None)
     others = [one for one in losses if one is not contact]
-    islands = _islands(contact, min((one.begin for one in others), default=math.inf))
+    other = min((one.begin for one in others), default=math.inf)
+    islands = () if contact is None else contact.row.short_ranges(other)
     if contact is not None and islands:
         left = contact.ranges[len(islands) :]
         losses = [*others, *([Loss(contact.row, left)] if left else [])]
     ordered = tuple(sorted(losses, key=lambda one: one.begin))
     return Control(ordered, islands, None if contact is None else contact.row)
-
-
-def _ranges(row: CriticalSpeed) -> tuple[SpeedBracket, ...]:
-    begin = 0.0 if _from_first(row) else row.engine_speed
-    end = row.last_engine_speed if row.ends is None else row.ends.from_rest.lower_engine_speed
-    return SpeedBracket(begin, max(begin, end)), *row.again
-
-
-def _from_first(row: CriticalSpeed) -> bool:
-    """Whether control is lost at the first speed searched."""
-    return row.begins is None and not math.isfinite(row.nominal_engine_speed)
-
-
-def _islands(contact: Loss | None, other: float) -> tuple[SpeedBracket, ...]:
-    """The ranges of lost contact up to the one that stays, each narrow, below every ``other`` loss (rad/s);
-    none of more than :data:`MAX_ISLANDS`.
-    """
-    found: list[SpeedBracket] = []
-    for one in () if contact is None else contact.ranges:
-        low, high = one.lower_engine_speed, one.upper_engine_speed
-        last = contact.row.last_engine_speed if contact is not None else 0.0
-        if not (0 < low and high - low <= NARROW * low and high < min(other, last)):
-            break
-        if contact is not None and low == contact.begin and _both_motions(contact.row):
-            break  # lost here it is not regained for long
-        found.append(one)
-    return tuple(found) if len(found) <= MAX_ISLANDS else ()
-
-
-def _both_motions(row: CriticalSpeed) -> tuple[float, float] | None:
-    """The engine speeds (rad/s) between which control is maintained where the speed rises and is not regained where it
-    falls; None of a range that is narrow or was not followed.
-    """
-    begins = row.begins
-    if begins is None or begins.rising is None or begins.falling is None:
-        return None
-    low, high = begins.falling.lower_engine_speed, begins.rising.upper_engine_speed
-    return (low, high) if high - low > NARROW * low else None
 
 
 def controlled_to(study: Study, label: str) -> float:
@@ -179,7 +139,7 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
     begun = (
         f"not controlled: {what} already at {rpm(first):.6g} rpm, the lowest speed searched{margin}"
         if lost.begin <= 0
-        else f"controlled to {rpm(lost.begin):.0f} rpm{_over(row) if whole else ''}{margin}, where {what}"
+        else f"controlled to {rpm(lost.begin):.0f} rpm{_over(row)}{margin}, where {what}"
     )
     cause = _cause(row, runs) if whole else _cause_from(lost, runs)
     begun += f" because {cause}" if cause and cause != apart_cause else ""
@@ -187,7 +147,7 @@ def control_clauses(study: Study, label: str, runs: Runs) -> list[str]:
     others = [_loses(one, runs, cause) for one in control.losses[1:]]
     unit = " rpm" if others and not others[-1].endswith(")") else ""
     also = list(filter(None, (_first_angle(lost, runs),)))
-    both = _both_motions(row) if whole else None
+    both = row.both_motions if whole else None
     if both is not None:
         low, high = (f"{rpm(one):.0f}" for one in both)
         branches = f"from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it"
@@ -220,8 +180,7 @@ def _apart(control: Control, runs: Runs) -> tuple[str, str]:
     place = f" at the {places_text(*row.places)}" if row.places else ""
     cause = _cause(row, runs)
     why = f" because {cause}" if cause else ""
-    over = _over(row).replace("(", "(begins at ", 1)
-    return f", apart from {joined(spans)} rpm{over}, where contact is lost{place}{why}", cause
+    return f", apart from {joined(spans)} rpm, where contact is lost{place}{why}", cause
 
 
 def red_line_margin(engine_speed: float, red_line: float | None) -> str:
@@ -248,7 +207,7 @@ def span_text(one: SpeedBracket) -> str:
 def _over(row: CriticalSpeed) -> str:
     """The range of a critical speed where it is wide, rounded outwards, empty elsewhere."""
     span = row.span
-    wide = WIDE * row.engine_speed
+    wide = WIDE * row.deciding_speed
     if span is None or not span.upper_engine_speed - span.lower_engine_speed > wide:
         return ""
     return f" ({row.range_text})"
@@ -310,7 +269,7 @@ def _cause(row: CriticalSpeed, runs: Runs, size: bool = True) -> str:
     if row.cause:
         known = (row.spring_force_loss, row.surge_order) if size else (0.0, 0)
         return cause_phrase(row.cause, *known)
-    return _cause_from(Loss(row, _ranges(row)), runs, size)
+    return _cause_from(Loss(row, row.ranges), runs, size)
 
 
 def _cause_from(lost: Loss, runs: Runs, size: bool = True) -> str:

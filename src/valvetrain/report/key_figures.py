@@ -13,7 +13,6 @@ from valvetrain.report.clauses import (
     Runs,
     Worst,
     figure,
-    joined,
     one_bracket,
     quantity_text,
 )
@@ -28,8 +27,6 @@ from valvetrain.solution.study import Study
 
 #: Heights of the valve at which a card gives its duration.
 CARD_LIFTS = ("50_thou", "1_mm")
-#: Parts whose durations at these heights are given, too, next to the valve of the run.
-ALSO_OPEN = {"lobe": "lobe", "rigid_valve": "rigid valve"}
 POWER = "mean_cam_power"
 CAM_FORCE = "peak_cam_contact_force"
 MARGIN = "minimum_spring_margin_force"
@@ -203,24 +200,6 @@ def _impacts(runs: Runs, one: Worst) -> str:
     return IMPACTS if one.name in (POWER, CAM_FORCE) and beyond_control(run) else ""
 
 
-def _also_open(runs: Runs, run: Solution) -> str:
-    """Durations of lobe and rigid valve at the same heights, which a card may mean; empty where none is
-    known, or where runs differ in them.
-    """
-    texts = []
-    for subject, word in ALSO_OPEN.items():
-        names = [f"{subject}_{lift}_open_crank_angle_range" for lift in CARD_LIFTS]
-        known = [angle for name in names if math.isfinite(angle := runs.value(run, name))]
-        alike = all(
-            runs.value(one, name) == runs.value(run, name)
-            for one in runs.solutions
-            for name in names
-        )
-        if len(known) == len(names) and alike:
-            texts.append(f"{word} {joined([figure(math.degrees(one), 4) for one in known])}")
-    return f" ({', '.join(texts)})" if texts else ""
-
-
 def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]:
     open_for = [
         f"{figure(math.degrees(angle), 4)} {EVENT_LIFTS[lift]}"
@@ -228,8 +207,7 @@ def _figures(runs: Runs, worst: Solution) -> Iterator[tuple[str, Solution, str]]
         if math.isfinite(angle := runs.value(worst, f"valve_{lift}_open_crank_angle_range"))
     ]
     if open_for:
-        also = _also_open(runs, worst) if runs.labels == 1 else ""
-        yield "valve open, crank deg", worst, ", ".join(open_for) + also
+        yield "valve open, crank deg", worst, ", ".join(open_for)
     more = OF_RUNS if runs.labels <= MAX_LABELS else {}  # of many the answer stays short
     for name, (label, smallest) in {**more, POWER: ("cam power per valve", False)}.items():
         if (one := runs.worst(name, smallest)) is not None:

@@ -243,9 +243,22 @@ def _search(
     ends = min(samples), max(samples)
     rows = [critical_speed(search, kind, one.member.label, *ends, options) for kind in KINDS]
     whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
+    contact, *more = rows
+    other = min((row.ranges[0].lower_engine_speed for row in more if row.found), default=math.inf)
+    deciding = _decisive(contact, search, other)
     rows = [
-        repeated(row, search, precise, repeats, whole[row.kind], options.limits) for row in rows
+        repeated(row, search, precise, repeats, whole[row.kind], options.limits)
+        for row in (deciding, *more)
     ]
+    if deciding is not contact:
+        stays = rows[0]
+        onset = repeated(contact, search, precise, (), whole[contact.kind], options.limits)
+        rows[0] = replace(
+            onset,
+            members=stays.members,
+            onset=stays.onset,
+            decisive_engine_speed=stays.nominal_engine_speed,
+        )
     runs = sorted(search.samples.items())
     curve = tuple((at, run.cam_force) for at, run in runs if math.isfinite(run.cam_force))
     rows = [replace(row, curve=curve if row.kind == "contact-loss" else ()) for row in rows]
@@ -261,6 +274,25 @@ def _search(
         )
 
     return tuple(with_cause(row, one, run_there) for row in rows)
+
+
+def _decisive(row: CriticalSpeed, search: Search, other: float) -> CriticalSpeed:
+    """The row as if its search had begun above the short ranges of lost contact below the one that stays,
+    which is below ``other`` losses (rad/s); itself where none is short.
+    """
+    short = row.short_ranges(other)
+    if not short or len(row.ranges) == len(short):
+        return row
+    begin = row.ranges[len(short)].lower_engine_speed
+    first = short[-1].upper_engine_speed * (1 + NARROW)
+    search.sample(first)
+    kept = (
+        one
+        for one in search.samples
+        if first <= one < begin and not search.known(one).lost(row.kind)
+    )
+    bracket = SpeedBracket(max(kept, default=first), begin)
+    return replace(row, begins=Crossing(bracket), first_engine_speed=first)
 
 
 def _nearest(samples: Mapping[float, SpeedSample], engine_speed: float) -> Any:

@@ -30,6 +30,8 @@ DAMPING_FACTORS = (0.6, 1.5)
 MAX_AGAIN = 3
 #: Width of a range of lost control, over its speed, up to which it is a short one: an engine passes it at once.
 NARROW = 0.02
+#: Short ranges below the loss that stays; where control comes and goes more often it ends at the first.
+MAX_SHORT = 2
 #: Kind of onset -> what the text says of it; nothing of a sharp one.
 ONSETS = {"graze": "just touching zero", "non-repeating": "motion does not repeat"}
 #: Cause of a range -> what the text says of it, where that is another word.
@@ -131,6 +133,8 @@ class CriticalSpeed:
     ``curve``, of a loss of contact: engine speed and least cam force (N) of the runs from rest, those of the sweep among them.
     ``passed``: ranges below the onset, by their lowest and highest sampled speed, that are short (:data:`NARROW`) and
     whose motion does not repeat: the last revolution of a run lost control there, the next may not.
+    ``decisive_engine_speed``: from where control stays lost, above short ranges of lost contact; ``members`` and ``onset``
+    are then of that speed. NaN where the onset itself decides.
     """
 
     label: str
@@ -155,6 +159,7 @@ class CriticalSpeed:
     cam_angle: float = math.nan
     curve: tuple[tuple[float, float], ...] = ()
     passed: tuple[SpeedBracket, ...] = ()
+    decisive_engine_speed: float = math.nan
 
     @property
     def engine_speed(self) -> float:
@@ -170,6 +175,51 @@ class CriticalSpeed:
             if self.begins is None
             else self.begins.from_rest.upper_engine_speed
         )
+
+    @property
+    def deciding_speed(self) -> float:
+        """Speed (rad/s) that the range is of: the decisive one, or the onset; infinite for never."""
+        if math.isfinite(self.decisive_engine_speed):
+            return self.decisive_engine_speed
+        return self.engine_speed if self.found else math.inf
+
+    @property
+    def ranges(self) -> tuple[SpeedBracket, ...]:
+        """All ranges of lost control; the first from 0 where control is lost at the first speed searched."""
+        if not self.found:
+            return ()
+        from_first = self.begins is None and not math.isfinite(self.nominal_engine_speed)
+        begin = 0.0 if from_first else self.engine_speed
+        end = (
+            self.last_engine_speed if self.ends is None else self.ends.from_rest.lower_engine_speed
+        )
+        return SpeedBracket(begin, max(begin, end)), *self.again
+
+    @property
+    def both_motions(self) -> tuple[float, float] | None:
+        """Engine speeds (rad/s) between which control is kept where the speed rises and is not regained where
+        it falls; None of a range that is narrow or was not followed.
+        """
+        begins = self.begins
+        if begins is None or begins.rising is None or begins.falling is None:
+            return None
+        low, high = begins.falling.lower_engine_speed, begins.rising.upper_engine_speed
+        return (low, high) if high - low > NARROW * low else None
+
+    def short_ranges(self, other: float) -> tuple[SpeedBracket, ...]:
+        """The ranges of lost contact below the one that stays, each narrow and below every ``other`` loss
+        (rad/s); none of more than :data:`MAX_SHORT`, for control then ends at the first.
+        """
+        found: list[SpeedBracket] = []
+        for one in self.ranges:
+            low, high = one.lower_engine_speed, one.upper_engine_speed
+            narrow = 0 < low and high - low <= NARROW * low
+            if not narrow or high >= min(other, self.last_engine_speed):
+                break
+            if not found and self.both_motions:
+                break  # lost here it is not regained for long
+            found.append(one)
+        return tuple(found) if len(found) <= MAX_SHORT else ()
 
     @property
     def later_text(self) -> str:
@@ -197,7 +247,7 @@ class CriticalSpeed:
         speeds = [one.engine_speed for one in self.members if not one.refusal]
         if not speeds:
             return None
-        own = self.engine_speed if self.found else math.inf
+        own = self.deciding_speed
         return SpeedBracket(min(own, *speeds), max(own, *speeds))
 
     @property
@@ -206,7 +256,7 @@ class CriticalSpeed:
         span = self.span
         if span is None:
             return ()
-        own = self.engine_speed if self.found else math.inf
+        own = self.deciding_speed
         ends = (span.lower_engine_speed, span.upper_engine_speed)
         named = (
             next(one.cause for one in self.members if one.engine_speed == end)
@@ -258,6 +308,8 @@ class CriticalSpeed:
             speed = f"{self.nominal_engine_speed / RPM:.0f}"
         else:
             speed = str(self.begins.from_rest)
+        if math.isfinite(self.decisive_engine_speed):
+            speed += f", stays lost from {self.decisive_engine_speed / RPM:.0f}"
         if over := self.range_text:
             speed += f" ({over})"
         elif math.isfinite(self.nominal_engine_speed) and self.span is None:
