@@ -16,10 +16,9 @@ import time
 from pathlib import Path
 
 import valvetrain as vt
-from valvetrain.report.motion.project import motion_json
+from valvetrain.report.motion.project import motion_json, still_svg
 from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.opening import motion_blocks as blocks
-from valvetrain.report.page import Page, Section, motion_script, render
+from valvetrain.report.page import Motion, Page, Section, motion_script, render
 
 #: The page is put together on the processor, WebGL is drawn there too.
 OPTIONS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
@@ -49,7 +48,8 @@ def measure(study: vt.Study, seconds: float) -> dict[str, float]:
     assert moving is not None
     data = motion_json(moving)
     built = time.perf_counter() - begun
-    html = render(Page("motion", "", "", (), (Section("in-motion", "In motion", blocks(study)),)))
+    block = Motion("in-motion", moving.title, "", data, still_svg(moving.variants[0]))
+    html = render(Page("motion", "", "", (), (Section("in-motion", "In motion", (block,)),)))
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
         file, profile = Path(folder) / "page.html", f"{folder}/profile"
         file.write_text(html, encoding="utf-8")

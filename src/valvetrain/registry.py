@@ -25,7 +25,6 @@ KINDS: dict[str, tuple[str, str]] = {
     "integrators": ("valvetrain.integrators", "integrator"),
     "sources": ("valvetrain.sources", "source study"),
     "quantities": ("valvetrain.quantities", "table of quantities"),
-    "sections": ("valvetrain.sections", "section of the report"),
     "results": ("valvetrain.results", "kind of result"),
     "verdicts": ("valvetrain.verdicts", "verdict"),
     "displays": ("valvetrain.displays", "display"),
@@ -82,7 +81,6 @@ BUILT_IN["springs"] = {
 #: Class of a result -> the page, or its blocks, whose first table and figure a notebook shows.
 BUILT_IN["results"] = {
     "Solution": "valvetrain.report.results:solution_blocks",
-    "Study": "valvetrain.report.results:study_blocks",
     "StaticCurve": "valvetrain.report.results:static_curve_blocks",
     "ModalResult": "valvetrain.report.results:modes_blocks",
     "TrainModes": "valvetrain.report.results:train_modes_blocks",
@@ -117,7 +115,7 @@ BUILT_IN["verdicts"] = {
     "SpringFit": "valvetrain.spring_card.verdict:card_verdict",
     "TesterFit": "valvetrain.spring_card.verdict:tester_verdict",
     "ModelAgainstTest": "valvetrain.compare_test.verdict:test_verdict",
-    "Solution": "valvetrain.report.run_verdict:solution_verdict",
+    "Solution": "valvetrain.views.results:sentence_of_run",
     "Study": "valvetrain.views.results:sentence_of",
     "UncertaintyStudy": "valvetrain.report.model_verdict:refine_verdict",
 }
@@ -224,38 +222,10 @@ BUILT_IN["sources"] = {
     key: f"valvetrain.sources.library:{key.upper()}"
     for key in ("gu2021", "vasilyev2016", "multibody4b17")
 }
-#: In the order of the page: what answers first, what a paper says only after it.
-BUILT_IN["sections"] = {
-    "answers": "valvetrain.report.sections.answers:ANSWERS_SPEC",
-    "critical-speeds": "valvetrain.report.sections.sweep:CRITICAL_SPEC",
-    "sweep": "valvetrain.report.sections.sweep:SWEEP_SPEC",
-    "timing": "valvetrain.report.sections.timing:SPEC",
-    "published": "valvetrain.report.sections.published:PUBLISHED_SPEC",
-    "source-readings": "valvetrain.report.sections.source_readings:SPEC",
-    "uncertainty": "valvetrain.report.sections.published:UNCERTAINTY_SPEC",
-    "force": "valvetrain.report.sections.curves:FORCE_SPEC",
-    "coils": "valvetrain.report.sections.coils:COILS_SPEC",
-    "motion": "valvetrain.report.sections.curves:MOTION_SPEC",
-    "lift-by-speed": "valvetrain.report.sections.lift_by_speed:SPEC",
-    "train": "valvetrain.report.sections.curves:TRAIN_SPEC",
-    "spring-margin": "valvetrain.report.sections.cam_contact:MARGIN_SPEC",
-    "cam-pressure": "valvetrain.report.sections.cam_contact:PRESSURE_SPEC",
-    "piston": "valvetrain.report.sections.piston:SPEC",
-    "at-rest": "valvetrain.report.sections.at_rest:SPEC",
-    "orders": "valvetrain.report.sections.sweep:ORDERS_SPEC",
-    "stress": "valvetrain.report.sections.coils:STRESS_SPEC",
-    "strength": "valvetrain.report.sections.strength:SPEC",
-    "energy": "valvetrain.report.sections.curves:ENERGY_SPEC",
-    "events": "valvetrain.report.sections.coils:EVENTS_SPEC",
-    "kinematics": "valvetrain.report.sections.curves:KINEMATICS_SPEC",
-    "case": "valvetrain.report.sections.inputs:CASE_SPEC",
-    "runs": "valvetrain.report.sections.inputs:RUNS_SPEC",
-    "references": "valvetrain.report.sections.inputs:REFERENCES_SPEC",
-}
-
 #: Tables of rules by importance, figures of a study's page and its folded tables, each in their order.
 BUILT_IN["rules"] = {
     "first": "valvetrain.findings.rules_study:FIRST",
+    "sweep": "valvetrain.findings.rules_sweep:RULES",
     "train": "valvetrain.findings.rules_train:RULES",
     "spring": "valvetrain.findings.rules_spring:RULES",
     "last": "valvetrain.findings.rules_study:LAST",
@@ -264,13 +234,20 @@ BUILT_IN["rules"] = {
 }
 BUILT_IN["figures"] = {
     "run-up": "valvetrain.views.figures:RUN_UP",
+    "speeds": "valvetrain.views.over_speed:SPEEDS_FIGURE",
+    "forces": "valvetrain.views.over_speed:FORCES",
+    "models": "valvetrain.views.models:MODELS",
     "control": "valvetrain.views.figures:CONTROL",
     "force": "valvetrain.views.figures:FORCE",
     "lift": "valvetrain.views.figures:LIFT",
     "contacts": "valvetrain.views.figures:CONTACTS",
     "piston": "valvetrain.views.figures:PISTON",
+    "margin": "valvetrain.views.figures:MARGIN",
+    "pressure": "valvetrain.views.figures:PRESSURE",
     "coils": "valvetrain.views.figures_of_springs:COILS",
     "orders": "valvetrain.views.figures_of_springs:ORDERS_OF_SURGE",
+    "order-map": "valvetrain.views.over_speed:ORDER_MAP",
+    "strength": "valvetrain.views.figures_of_springs:STRENGTH",
     "rest": "valvetrain.views.figures_of_springs:REST",
     "paper": "valvetrain.views.figures_of_springs:PAPER",
 }
@@ -280,6 +257,8 @@ BUILT_IN["tables"] = {
     "published": "valvetrain.views.tables:published",
     "source": "valvetrain.views.tables:source",
     "events": "valvetrain.views.tables:events",
+    "critical": "valvetrain.views.tables:critical",
+    "models": "valvetrain.views.tables:models",
     "error-bars": "valvetrain.views.tables:error_bars",
     "at-rest": "valvetrain.views.tables:rest",
 }

@@ -5,8 +5,10 @@ there of compilation.
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 import threading
+from contextvars import ContextVar
 from functools import cache
 from multiprocessing import parent_process
 
@@ -19,6 +21,22 @@ COMPILING = "compiling kernels, once, about {:.0f} s"
 COMPILE_SECONDS = {
     "stretch_terms": 4.0, "advance_chain": 5.0, "integrate_in_time": 12.0, "advance_train": 16.0,
 }  # fmt: skip
+#: The case with its changes as the command line has it; empty in a program.
+_CASE: ContextVar[str] = ContextVar("case_of_the_command", default="")
+
+
+def call_case(arguments: list[str]) -> None:
+    """Remember how the command line names its case, so that a next step can be copied."""
+    _CASE.set(shlex.join(arguments))
+
+
+def called_case() -> str:
+    """How the command line names its case, with its changes; empty in a program.
+
+    >>> called_case()
+    ''
+    """
+    return _CASE.get()
 
 
 def interactive() -> bool:

@@ -16,10 +16,9 @@ from synthetic_study import own_study, rod_run
 from system_parts import program
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.project import motion_json
+from valvetrain.report.motion.project import motion_json, still_svg
 from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.opening import motion_blocks as blocks
-from valvetrain.report.page import Page, Section, motion_script, render, text
+from valvetrain.report.page import Motion, Page, Section, motion_script, render, text
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = pytest.mark.chromium
@@ -67,6 +66,13 @@ card.drawElements = function (...words) {
 """
 HANDLE = "document.querySelector('.vtm').parentElement.motion"
 TWO_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
+def blocks(study):
+    """The moving picture as a part of a page."""
+    moving = moving_picture(study)
+    still = still_svg(moving.variants[0])
+    return (Motion("in-motion", moving.title, "", motion_json(moving), still),)
 
 
 @pytest.fixture(scope="module")

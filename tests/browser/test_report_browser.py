@@ -14,8 +14,6 @@ import pytest
 
 from synthetic_study import own_study, published_study, sweep_study, train_study
 from system_parts import program
-from valvetrain.report.page import charts, render
-from valvetrain.report.study import study_page
 from valvetrain.views.answer import Answer
 from valvetrain.views.page import data_of, page_of
 
@@ -88,24 +86,6 @@ STUDIES = {
 
 
 @pytest.fixture(scope="module", params=STUDIES)
-def visit(request, tmp_path_factory):
-    page = study_page(STUDIES[request.param]())
-    return page, *browse(render(page), tmp_path_factory.mktemp("browser"))
-
-
-def test_every_chart_is_drawn_and_nothing_goes_wrong(visit):
-    page, seen, console = visit
-    assert {chart.key for chart in charts(page)} == set(seen["charts"])
-    assert not {
-        key: drawn
-        for key, drawn in seen["charts"].items()
-        if not (drawn["traces"] and drawn["ink"])
-    }
-    assert seen["errors"] == [] and console == []
-    assert seen["refused"] == [] and seen["loaded"] == []
-
-
-@pytest.fixture(scope="module", params=["own", "published", "train"])
 def answered(request, tmp_path_factory):
     text = page_of(Answer(STUDIES[request.param]()))
     return text, *browse(text, tmp_path_factory.mktemp("answer"))

@@ -17,17 +17,16 @@ import valvetrain.quantities.evaluate as evaluate
 from synthetic_study import own_study, rod_run
 from unit.cli_parts import call
 from valvetrain.parameters.loading import load_case
-from valvetrain.registry import names as registered_names
-from valvetrain.report import page, plotly_chart
-from valvetrain.report import study as build
 from valvetrain.report import study as write
 from valvetrain.report.files import FreeNames
-from valvetrain.report.page import charts, gaps_of, render
-from valvetrain.report.study import write_parts
 from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.views.answer import Answer
+from valvetrain.views.figures import figure_specs
+from valvetrain.views.page import data_of, page_of
+from valvetrain.views.results import write_answer
 
 BROKEN = "made to fail"
 #: Functions of the quantities that only ask what a run is, and what they stand for.
@@ -107,45 +106,20 @@ def test_most_numbers_outlive_a_quantity_that_fails(raw, before, monkeypatch):
     assert min(left.values()) > 0.5, left
 
 
-@pytest.mark.parametrize("word", registered_names("sections"))
-def test_a_section_that_fails_is_named_in_its_place(monkeypatch, word):
-    study, usual = own_study(), build.find
-    monkeypatch.setattr(
-        build,
-        "find",
-        lambda kind, one: (
-            replace(usual(kind, one), blocks=broken) if one == word else usual(kind, one)
-        ),
-    )
-    drawn = build.study_page(study)
-    assert [BROKEN in gap for gap in gaps_of(drawn)] == [True]
-    assert word in [section.key for section in drawn.sections] and len(drawn.sections) > 5
-
-
-def test_a_figure_that_fails_is_named_and_the_others_are_drawn(tmp_path, monkeypatch):
-    """Each figure of a page, in the page and as a picture."""
-    whole = build.study_page(own_study())
-    keys = [chart.key for chart in charts(whole)]
-    monkeypatch.setattr(page, "plotly_script", lambda: "")
-    usual_page, usual_svg = plotly_chart.to_json, write.svg
-    for key in keys:
-        monkeypatch.setattr(
-            plotly_chart,
-            "to_json",
-            lambda chart, opening, bad=key: (
-                broken() if chart.key == bad else usual_page(chart, opening)
-            ),
-        )
-        monkeypatch.setattr(
-            write, "svg", lambda chart, bad=key: broken() if chart.key == bad else usual_svg(chart)
-        )
+def test_a_figure_that_fails_is_named_and_the_others_are_drawn(monkeypatch):
+    """Each figure of a page in turn."""
+    answer = Answer(own_study())
+    drawn = {key for key in data_of(page_of(answer)) if key.startswith("data-")}
+    for key in sorted(drawn):
+        name = key.removeprefix("data-")
         gaps = PartialFailures()
-        html = render(whole, gaps)
-        assert len(gaps.sentences) == 1 and key in gaps.sentences[0] and html.count(BROKEN) == 1
-    _, pictures = write.write_page(whole, tmp_path, gaps=gaps)
-    assert {path.stem for path in pictures} == set(keys[:-1]) and any(
-        f"{keys[-1]}.svg" in gap for gap in gaps.sentences
-    )
+        with monkeypatch.context() as patch:
+            specs = figure_specs()
+            specs[name] = replace(specs[name], make=broken)
+            patch.setattr("valvetrain.views.page.figure_specs", lambda found=specs: found)
+            text = page_of(answer, gaps)
+        assert len(gaps.sentences) == 1 and BROKEN in gaps.sentences[0]
+        assert {one for one in data_of(text) if one.startswith("data-")} == drawn - {key}
 
 
 WRITERS = (
@@ -154,12 +128,9 @@ WRITERS = (
     "save_csv",
     "save_static_curve",
     "save_modal_result",
-    "study_page",
-    "render",
     "static_table",
     "frequency_table",
     "remove_earlier",
-    "write_page",
     "at_wire_points",
 )
 
@@ -172,7 +143,7 @@ def short_study():
 @pytest.fixture(scope="module")
 def whole(short_study, tmp_path_factory):
     """Names of the files of that study where none fails."""
-    files = write_parts(short_study, tmp_path_factory.mktemp("whole"), page=False)
+    files = write_answer(short_study, tmp_path_factory.mktemp("whole"), page=False, figures=False)
     return {path.name for path in files.data}
 
 
@@ -180,9 +151,8 @@ def whole(short_study, tmp_path_factory):
 def test_a_file_that_fails_is_named_and_the_others_are_written(
     short_study, whole, tmp_path, monkeypatch, name
 ):
-    study, drawn = short_study, name in ("study_page", "render", "write_page")
     monkeypatch.setattr(write, name, broken)
-    files = write_parts(study, tmp_path / "cut", page=drawn)
+    files = write_answer(short_study, tmp_path / "cut", page=False, figures=False)
     left = {path.name for path in files.data}
     assert files.gaps and all(BROKEN in gap for gap in files.gaps) and left <= whole
     assert len(whole - left) == sum(gap.startswith(("file", "table")) for gap in files.gaps)
@@ -196,8 +166,8 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
     for name in parts():
         monkeypatch.setattr(evaluate, name, broken)
     places = (
-        "report.study.study_page", "report.study.quantity_table", "report.study.remove_earlier", "report.json.study_json",
-        "cli.answers._tables", "runs.run.next_to_published", "runs.at_rest.closing_quantities", "runs.run.case_facts",
+        "views.results.page_of", "report.study.quantity_table", "report.study.remove_earlier", "report.json.study_json",
+        "views.terminal._rows", "runs.run.next_to_published", "runs.at_rest.closing_quantities", "runs.run.case_facts",
     )  # fmt: skip
     for place in places:
         monkeypatch.setattr(f"valvetrain.{place}", broken)
@@ -250,7 +220,9 @@ def test_every_labelled_run_has_a_file_of_its_own(tmp_path, monkeypatch):
         rod_run(samples=24, label="speed", engine_speed=speed * 3.141592653589793 / 30)
         for speed in (3000.001, 3000.002)
     ]
-    files = write_parts(replace(own_study(), solutions=tuple(runs), rest=()), tmp_path, page=False)
+    files = write_answer(
+        replace(own_study(), solutions=tuple(runs), rest=()), tmp_path, page=False, figures=False
+    )
     assert not files.gaps
     kept = [load_netcdf(path) for path in files.data if path.suffix == ".nc"]
     assert sorted((run.label, run.engine_speed) for run in kept) == sorted(

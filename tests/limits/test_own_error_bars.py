@@ -11,11 +11,11 @@ from importlib import resources
 import pytest
 
 import valvetrain as vt
-from valvetrain.cli.published import ErrorBars
+from synthetic_study import modal_run, rod_run
 from valvetrain.errors import InputError
+from valvetrain.findings.facts import Facts
 from valvetrain.quantities.clash import next_to_largest
 from valvetrain.quantities.train_events import marginal_duration
-from valvetrain.report.headlines import HeadlineColumn, HeadlineRow
 from valvetrain.report.json import study_json
 from valvetrain.runs.error_bars import grid_bar
 from valvetrain.runs.run import run_study
@@ -173,14 +173,11 @@ def test_every_completed_run_has_bars_or_a_reason_in_every_interface(name, speed
     except InputError:  # a case without a motion has no runs
         return
     runs = {(run.label, run.engine_speed) for run in study.solutions if run.status.completed}
-    barred = [
-        {(row.label, row.engine_speed) for row in rows}
-        for rows in (study.error_bars.rows, ErrorBars.of(study).rows["peak_spring_force"])
-    ]
+    barred = {(row.label, row.engine_speed) for row in study.error_bars.rows}
     missing = {(one.label, one.engine_speed) for one in study.error_bars.missing}
     assert all(one.reason in REASONS for one in study.error_bars.missing) and runs
     for label, speed in runs:
-        for found in (*barred, missing):
+        for found in (barred, missing):
             if any(label == one and same_speed(speed, at) for one, at in found):
                 break
         else:
@@ -221,10 +218,6 @@ def test_a_bar_beyond_its_value_is_a_state_and_no_number_of_a_sentence():
         "peak_clash_force", speed, 93.0, 1031.0, None, 93.0, 0.0, (93.0,) * 2, (93.0,) * 2, "rod"
     )
     assert not row.resolved and row.rests_on_contact_constants and row.range is None
-    cells = ErrorBars({row.quantity: (row,)}).cells(
-        HeadlineRow("", row.quantity, "", "N", (93.0,), (None,)), [HeadlineColumn("rod", speed)]
-    )
-    assert "1031" not in cells[0] and "±" not in cells[0]
     told = study_json(Study(CaseRecord("own"), error_bars=Bars((row,))))["uncertainties"][0]
     assert told["resolved"] is False and told["rests_on_contact_constants"] is True
     varied = replace(row, numerical=9.0, contact_stiffness=(60.0, 130.0), damping=(90.0, 95.0))
@@ -304,7 +297,8 @@ def test_bars_stored_of_the_rod_stand_beside_the_rod_alone():
         (value, value),
         "finite-element",
     )
-    columns = [HeadlineColumn(label, speed) for label in ("finite-element", "modal-varied")]
-    row = HeadlineRow("", held.quantity, "", "N", (value, 279.9), (None, None))
-    rod, modes = ErrorBars({held.quantity: (held,)}).cells(row, columns)
-    assert rod == "280.4 ± 0.99" and modes == "279.9"
+    runs = [replace(rod_run(speed), quantities={held.quantity: value})]
+    other = modal_run(speed)
+    runs.append(replace(other, quantities={held.quantity: 279.9}))
+    facts = Facts(Study(CaseRecord("own"), solutions=tuple(runs), error_bars=Bars((held,))))
+    assert [facts.amount(run, held.quantity).bar for run in runs] == [bar, 0.0]

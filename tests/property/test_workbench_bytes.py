@@ -14,7 +14,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from valvetrain.errors import InputError
-from valvetrain.report.read_page import sections_of
 from valvetrain.workbench.edits import with_change
 from valvetrain.workbench.form import check, fields, read_change
 from valvetrain.workbench.safety import Guard
@@ -118,12 +117,8 @@ def test_a_value_is_taken_or_refused_in_words_and_taken_alike_by_the_text(key, v
         )
 
 
-@given(text=st.text(max_size=200), line=st.binary(max_size=80))
-def test_pages_and_progress_of_any_text(text, line):
-    try:
-        sections_of('<meta name="generator" content="valvetrain">' + text)
-    except InputError:
-        pass
+@given(line=st.binary(max_size=80))
+def test_progress_of_any_bytes(line):
     told = read_progress(line)
     assert told is None or isinstance(told[1], str)
 

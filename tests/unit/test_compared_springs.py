@@ -11,12 +11,10 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import call
+from valvetrain.findings.table import findings_of
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.stress import most_force_of_wire
-from valvetrain.report.run_clauses import judged_runs
-from valvetrain.report.springs_stress import wire_stress
-from valvetrain.report.study import study_page
 from valvetrain.runs import run as run_module
 from valvetrain.runs.compare_springs import compared, with_two_springs
 from valvetrain.runs.facts import beyond_wire_facts
@@ -71,21 +69,24 @@ def test_the_force_at_solid_of_a_spring_is_compared_with_its_own_runs(both, stud
     assert found[0]["solid_force"] == pytest.approx(solid[low])
 
 
-def test_the_first_sentence_says_which_is_stressed_more(study):
+def test_the_larger_stress_amplitude_is_named(study):
     """Closed form: the amplitude is half of what lies between closed and largest lift, of the run where that is largest."""
-    assert study.verdict.startswith(("soft is stressed more", "stiff is stressed more"))
-    for name in ("soft", "stiff"):
-        runs = replace(judged_runs(study), solutions=tuple(run for run in study.solutions if run.spring_set == name))  # fmt: skip
-        found = wire_stress(runs)
-        halves = [
+    largest = {
+        name: max(
             (one.quantities["open_nominal_shear_stress"] - one.quantities["closed_nominal_shear_stress"]) / 2
-            for one in runs.solutions
-        ]  # fmt: skip
-        assert found is not None and found.amplitude == pytest.approx(max(halves))
+            for one in study.solutions if one.spring_set == name
+        )
+        for name in ("soft", "stiff")
+    }  # fmt: skip
+    (more, most), (_, less) = sorted(largest.items(), key=lambda one: -one[1])
+    found = findings_of(study).by("D103")
+    assert bool(found) == (most > 1.05 * less)
+    for one in found:
+        assert one.fields["more"] == more and one.value == pytest.approx(most)
 
 
-def test_a_stopped_search_is_said_first_and_ranks_nothing(both, monkeypatch):
-    """Contract: the verdict of the page begins with it; no spring is worst by what is unknown."""
+def test_a_stopped_search_is_named_and_ranks_nothing(both, monkeypatch):
+    """Contract: no spring is better by what is unknown."""
 
     def stop(*given, **options):
         raise PointsStopped({})
@@ -99,8 +100,5 @@ def test_a_stopped_search_is_said_first_and_ranks_nothing(both, monkeypatch):
         )
     study = caught.value.study
     assert study.command == "compare-springs"
-    assert study.verdict.startswith("Interrupted: critical speeds of soft and stiff not computed; s")  # fmt: skip
-    assert "orst" not in study.verdict and "float" not in study.verdict
-    assert study_page(study).verdict == study.verdict
-    swept = replace(study, command="sweep")
-    assert swept.verdict.startswith("Interrupted") and "orst (" not in swept.verdict
+    codes = findings_of(study).codes
+    assert "R103" in codes and not any(one.startswith(("D", "W")) for one in codes)

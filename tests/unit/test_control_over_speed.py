@@ -1,6 +1,4 @@
-"""Unit: how the verdict of a sweep and of two springs says up to where a train is controlled: short ranges
-of lost contact, single speeds, ranges over numerics and damping, what binds first and which stress tells.
-"""
+"""Unit: up to where a train is controlled by a search over engine speed: short ranges of lost contact, and what ends control."""
 
 from __future__ import annotations
 
@@ -11,8 +9,9 @@ import numpy as np
 import pytest
 
 from synthetic_study import train_study
-from valvetrain.report.control import control_of, controlled_to
-from valvetrain.report.sweep_chart import regime_chart
+from valvetrain.findings.control import control_of
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.table import findings_of
 from valvetrain.runs.critical_search import Search, SpeedSample
 from valvetrain.runs.critical_speeds import CriticalOptions, _decisive, critical_speed
 from valvetrain.solution.critical import (
@@ -26,6 +25,7 @@ from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
+from valvetrain.views.over_speed import bars
 
 RPM = np.pi / 30
 LABEL = "stock, modal-uniform"
@@ -72,19 +72,15 @@ def test_a_short_range_of_lost_contact_is_named_and_does_not_end_control():
     runs = (run(4000), run(6250, events=(inertia,), loss_of_contact_duration=1e-3), run(8000))
     found = lost("contact-loss", 5218, 5258, bracket(6100, 8000), **SURGE)
     study = sweep(found, lost("float", 6917), runs=runs)
-    assert study.verdict.startswith(
-        "Controlled to 6100 rpm, where contact is lost at the cam because inertia exceeds the spring force at 6250 rpm, apart from "
-        "5218 to 5258 rpm, where contact is lost at the cam because surge lowers the spring force by 54.6 N there (order 6); "
-        "floats from 6917 rpm; contact opens at 180 cam deg (run at 6250 rpm)."
+    found = findings_of(study)
+    assert found.codes[0] == "W101" and found.by("W110") and found.by("W111")
+    assert found.verdict.value == pytest.approx(6100 * RPM) and "short range" not in str(
+        found.verdict
     )
-    assert controlled_to(study, LABEL) == pytest.approx(6100 * RPM)
-    bars = {layer.name: layer.x for layer in regime_chart(study).panels[1].layers}
-    assert bars["controlled"][np.isfinite(bars["controlled"])] == pytest.approx([4000, 5218, 5258, 6100])  # fmt: skip
-    alone = sweep(lost("contact-loss", 5218, 5258, **SURGE))
-    assert alone.verdict.startswith(
-        "Controlled up to 8000 rpm, the highest speed searched, apart from 5218 to 5258 rpm, where contact is lost at the cam "
-        "because surge lowers the spring force by 54.6 N there (order 6), minimum cam force 40 N."
-    )
+    bar = bars(Facts(study))[0]
+    assert np.array(bar.spans) / RPM == pytest.approx(np.array([(4000, 5218), (5258, 6100)]))
+    alone = findings_of(sweep(lost("contact-loss", 5218, 5258, **SURGE)))
+    assert alone.codes[0] == "W103" and alone.by("W110")
 
 
 @pytest.mark.parametrize(
@@ -101,8 +97,9 @@ def test_a_short_range_of_lost_contact_is_named_and_does_not_end_control():
 def test_what_is_wide_or_floats_or_bounces_or_comes_often_ends_control(rows):
     begin = min(one.engine_speed for one in rows)
     study = sweep(*rows)
-    assert controlled_to(study, LABEL) == pytest.approx(begin) and not control_of(study, LABEL).islands  # fmt: skip
-    assert study.verdict.startswith(f"Controlled to {begin / RPM:.0f} rpm, ")
+    control = control_of(study, LABEL)
+    assert control.limit == pytest.approx(begin) and not control.islands
+    assert findings_of(study).verdict.value == pytest.approx(begin)
 
 
 def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
@@ -125,7 +122,7 @@ def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
     assert first.upper_engine_speed / RPM == pytest.approx(5525, abs=5.5)
     assert second.lower_engine_speed / RPM == pytest.approx(6517, abs=5.5)
     study = sweep(replace(row, nominal_engine_speed=row.begins.from_rest.upper_engine_speed))
-    assert controlled_to(study, LABEL) == second.lower_engine_speed
+    assert control_of(study, LABEL).limit == second.lower_engine_speed
     deciding = _decisive(row, search, math.inf)
     bracket = deciding.begins.from_rest
     assert bracket.lower_engine_speed / RPM < 6512 < bracket.upper_engine_speed / RPM
@@ -141,6 +138,27 @@ def test_the_range_of_a_critical_speed_is_that_of_the_loss_that_stays():
     assert row.short_ranges(math.inf) == row.ranges[:1]
 
 
-def two(light: dict[str, float], heavy: dict[str, float], *rows: CriticalSpeed) -> Study:
-    runs = tuple(run(speed, name, **values) for name, values in (("light", light), ("heavy", heavy)) for speed in (4000, 8000))  # fmt: skip
-    return Study(CaseRecord("own"), "compare-springs", runs, critical_speeds=CriticalSpeeds(rows))
+def test_what_a_search_could_not_see_and_two_motions_are_named():
+    pulled = sweep(lost("contact-loss", 6100, pulled=(bracket(5000, 5100),)))
+    assert findings_of(pulled).by("W114") and not findings_of(pulled).by("W112")
+    begins = Crossing(bracket(6095, 6100), bracket(6400, 6410), bracket(5900, 5910))
+    both = sweep(lost("contact-loss", 6100, begins=begins))
+    assert findings_of(both).by("W112") and not findings_of(both).by("W114")
+
+
+@pytest.mark.parametrize(("heavy", "code"), [(6000, "D102"), (6500, "D101")])
+def test_of_two_springs_the_one_that_keeps_control_longer_is_named(heavy, code):
+    names = ("light", "heavy")
+    runs = tuple(run(speed, name) for name in names for speed in (4000, 8000))
+    ends = zip(names, (6010, heavy), strict=True)
+    rows = tuple(
+        replace(lost("contact-loss", end), label=f"{name}, modal-uniform") for name, end in ends
+    )
+    found = findings_of(
+        Study(CaseRecord("own"), "compare-springs", runs, critical_speeds=CriticalSpeeds(rows))
+    )
+    assert found.codes[0] == code and not found.by("W10")
+    if code == "D101":
+        assert found.verdict.fields["better"] == "heavy" and found.verdict.value == pytest.approx(
+            6010 * RPM
+        )

@@ -21,11 +21,46 @@ from synthetic_study import (
     sweep_study,
     train_run,
 )
-from unit.test_every_table import COMPARED
 from valvetrain.report.json import status_object, study_json
+from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.status import Event, Status
 from valvetrain.views.results import write_study
+
+RPM = np.pi / 30
+
+
+def row(
+    quantity: str, unit: str, given: float, computed: float | None, verdict: str, **more
+) -> Comparison:
+    difference = None if computed is None else computed - given
+    known = {
+        "engine_speed": 5600 * RPM,
+        "model": "finite-element",
+        "origin": "engine head test",
+        "role": "prediction",
+        "tolerance": None,
+    }
+    return Comparison(
+        quantity=quantity,
+        unit=unit,
+        published=given,
+        computed=computed,
+        difference=difference,
+        verdict=verdict,
+        **(known | more),
+    )
+
+
+COMPARED = (
+    row("stage_2_peak_force", "N", 790.0, 805.0, "within tolerance", tolerance=24.0, source="table 3"),
+    row("coil_1_2_installed_gap", "mm", 2e-3, 1.5e-3, "misses by -25.0 %, tolerance 3.0 %", engine_speed=None, role="calibration",
+        used_for="the pitch"),
+    row("stage_2_peak_cam_angle", "deg", np.radians(170), np.radians(171.5), "differs by +1.5 deg", model="modal-varied",
+        origin="solid finite elements"),
+    row("preload", "N", 280.0, None, "not computed", engine_speed=None, model=""),
+    row("largest_clash_impulse", "mN s", 0.031, 0.031, "differs by +0.0 %", engine_speed=4200 * RPM),
+)  # fmt: skip
 
 RPM = np.pi / 30
 
@@ -272,7 +307,7 @@ def written(tmp_path_factory):
         name: (
             study,
             folder / name,
-            write_study(study, folder / name, page=name == "own", figures=name == "own"),
+            write_study(study, folder / name, page=name == "own"),
         )
         for name, study in made.items()
     }
@@ -295,7 +330,7 @@ def test_every_file_is_told_and_there(written):
     assert sorted(path.name for path in files.data) == sorted(
         [*runs, *rest, "quantities.csv", "events.csv", "comparison.csv"]
     )
-    assert files.page == folder / "report.html" and len(files.figures) > 10
+    assert files.page == folder / "report.html"
     assert {path.name for path in folder.iterdir() if path.is_file()} >= {
         path.name for path in (*files.data, files.page)
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -13,13 +14,16 @@ from valvetrain.errors import UnknownNameError
 from valvetrain.findings.engine import LEVELS
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.table import explain, findings_of, rules
-from valvetrain.findings.words import Amount, Phrase, Words, digits_text
+from valvetrain.findings.words import RPM, Amount, Phrase, Words, digits_text
+from valvetrain.solution.definition import is_defined
 from valvetrain.solution.status import Cause
 from valvetrain.solution.study import Study
 from valvetrain.views.answer import Answer
+from valvetrain.views.rows import ROWS
 
 LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
 CRANK = {"train.crank.radius": "46 mm", "train.crank.rod_length": "155 mm", "train.crank.valve_inclination": "15 deg"}  # fmt: skip
+STEEL = {"train.spring_set": "wire", "train.springs.wire[0].material": "EN 10270-2 VDSiCr"}
 MODAL = {"spring_models": "modal-uniform"}
 CHAIN = {"spring_models": "multi-mass"}
 ROD = {"spring_models": "finite-element"}
@@ -58,6 +62,8 @@ RUNS = {
     "lifts": ("job-t", "9000 rpm", {}, {"spring_models": ["massless", "modal-varied"]}),
     "slow": ("job-c", "1000 rpm", {}, ROD),
     "clash": ("job-c", "8000 rpm", {}, {"spring_models": ["finite-element", "modal-varied"]}),
+    "wire-strong": (LS, "5000 rpm", {**STEEL, "train.springs.wire[0].installed_height": "46 mm"}, {"spring_models": "massless"}),
+    "wire-weak": (LS, "5000 rpm", {**STEEL, "train.springs.wire[0].installed_height": "40 mm"}, {"spring_models": "massless"}),
     "still": ("uniform-spring", None, {}, {}),
 }  # fmt: skip
 
@@ -82,7 +88,7 @@ def running_up(last: str) -> Study:
         ("P102", "piston-near", "piston-far"), ("B102", "ls-close", "ls-5000"), ("K101", "clash", "slow"),
         ("K102", "wire-short", "wire"), ("K103", "slow", "clash"), ("K104", "no-coils", "slow"),
         ("K110", "clash", "slow"), ("K120", "slow", "no-coils"), ("K121", "slow", "clash"), ("E101", "lifts", "no-coils"),
-        ("G101", "ls-6600", "ls-5000"), ("G102", "ls-5000", "ls-6600"), ("R100", "still", "calm"),
+        ("S101", "wire-weak", "wire-strong"), ("G101", "ls-6600", "ls-5000"), ("G102", "ls-5000", "ls-6600"), ("R100", "still", "calm"),
         ("R120", "ls-7375", "ls-5000"), ("R130", "ls-models", "no-coils"), ("M101", "ls-models", "ls-6600"),
         ("M110", "ls-models", "ls-6600"), ("M111", "clash", "slow"), ("H101", "published", "ls-5000"),
         ("A101", "ls-5000", "calm"), ("A102", "ls-5000", "calm"), ("A103", "ls-5000", "wire"),
@@ -106,6 +112,81 @@ def test_a_run_up_loses_the_cam_or_keeps_it():
         if run.engine_speed < first
     ]
     assert max(gaps) == 0
+
+
+@cache
+def swept(speeds: str, red_line: float | None = None, sets: tuple[str, ...] = ("stock",)) -> Study:
+    """A sweep whose critical speeds were searched once, without their ranges."""
+    ways = {"spring_models": ["massless"], "spring_set": list(sets), "workers": 1}
+    found = vt.critical_speeds("tdi-pushrod", speeds, ranges=False, **ways)
+    runs = vt.sweep("tdi-pushrod", speeds, critical_speeds=False, **ways)
+    record = replace(runs.record, red_line=red_line and red_line * RPM)
+    return replace(runs, critical_speeds=found, record=record)
+
+
+def test_a_sweep_says_to_which_speed_control_is_kept():
+    lost, kept, never = (
+        swept(one) for one in ("6000:8000:1000 rpm", "3000:5000:1000 rpm", "8000:9000:1000 rpm")
+    )
+    codes = {
+        "lost": lost,
+        "kept": kept,
+        "never": never,
+        "beyond": swept("6000:8000:1000 rpm", 6500.0),
+    }
+    verdicts = {name: findings_of(one).verdict for name, one in codes.items()}
+    assert {name: one.code for name, one in verdicts.items()} == {
+        "lost": "W101", "kept": "W103", "never": "W104", "beyond": "W102",
+    }  # fmt: skip
+    assert verdicts["lost"].value == lost.critical_speeds.of("contact-loss").engine_speed
+    assert verdicts["lost"].fields["cause"] and verdicts["beyond"].mark == "ok"
+    assert "W111" in findings_of(lost).codes and "W111" not in findings_of(kept).codes
+    two = findings_of(swept("6000:8000:1000 rpm", None, ("stock", "performance")))
+    assert "W113" in two.codes and "W113" not in findings_of(lost).codes
+    for one in (*codes.values(), swept("6000:8000:1000 rpm", None, ("stock", "performance"))):
+        assert len(str(findings_of(one).verdict).split()) <= 25
+        assert Answer(one).next_step.startswith("valvetrain compare tdi-pushrod --engine-speed ")
+
+
+@cache
+def compared(case: str, speeds: str, *models: str) -> Study:
+    return vt.compare(case, speeds, list(models), workers=1, **({"spring_set": "stock"} if case[0] == "t" else {}))  # fmt: skip
+
+
+def test_a_comparison_gives_the_range_over_models_and_which_one_decides():
+    calm, lost = (
+        compared("tdi-pushrod", one, "multi-mass", "modal-uniform", "massless")
+        for one in ("3000 rpm", "9000 rpm")
+    )
+    spring = compared("job-c", "1000, 3000 rpm", "massless", "modal-uniform")
+    found = {
+        name: findings_of(one)
+        for name, one in {"calm": calm, "lost": lost, "spring": spring}.items()
+    }
+    assert {name: one.codes[0] for name, one in found.items()} == {
+        "calm": "M102",
+        "lost": "M104",
+        "spring": "M105",
+    }
+    assert (
+        found["calm"].verdict.fields["lead"] == "multi-mass"
+        and found["calm"].verdict.fields["count"] == "2"
+    )
+    held = [
+        calm.solution(one).quantities["minimum_cam_contact_force"]
+        for one in ("multi-mass", "modal-uniform")
+    ]
+    assert found["calm"].verdict.value == min(held)
+    assert found["spring"].verdict.value == max(
+        run.quantities["peak_retainer_force"] for run in spring.solutions if run.engine_speed > 200
+    )
+    table = Answer(spring).models
+    assert [row[0] for row in table.rows] == [
+        "modal-uniform",
+        "massless",
+    ] and "good to" in table.columns
+    assert not {"M102", "M103", "M104", "M105"} & set(findings_of(study("ls-models")).codes)
+    assert all(len(str(one.verdict).split()) <= 25 for one in found.values())
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -136,6 +217,11 @@ def test_numbers_of_a_finding_are_those_of_the_physics():
 def test_marks_of_rows_are_those_of_findings_about_them():
     marks = {line.label: line.mark for line in Answer(study("ls-7300")).lines}
     assert marks["on the cam"] == "bad" and marks["bounce"] == "warn" and marks["spring"] == "ok"
+
+
+def test_rules_and_rows_read_quantities_that_exist():
+    read = {name for one in (*rules(), *ROWS) for name in one.reads}
+    assert not [name for name in read if not is_defined(name)]
 
 
 def test_a_rule_has_one_code_and_is_explained():

@@ -16,10 +16,10 @@ from synthetic_study import modal_run, own_study, record, rod_run, train_run, tr
 from unit.cli_parts import SMALL
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.report.page import render
 from valvetrain.report.plotly_chart import in_script
-from valvetrain.report.study import study_page
 from valvetrain.report.table import quoted
+from valvetrain.views.answer import Answer
+from valvetrain.views.page import page_of
 from valvetrain.views.results import write_study
 
 COMMENT = "<!--<script>"
@@ -99,7 +99,7 @@ def test_labels_of_a_train_stay_words_in_every_script_of_its_page():
         train_run(label=COMMENT, spring_set=BREAKS_OUT),
         train_run(label=QUOTES, spring_set=COMMENT),
     )
-    html = render(study_page(replace(train_study(), solutions=runs)))
+    html = page_of(Answer(replace(train_study(), solutions=runs)))
     assert COMMENT not in html and "<script>lost" not in html and "<img src=x" not in html
 
 

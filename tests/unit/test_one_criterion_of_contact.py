@@ -14,13 +14,10 @@ import valvetrain as vt
 from synthetic_study import train_study
 from valvetrain.findings.table import findings_of
 from valvetrain.integrate.train_channels import Scatter
-from valvetrain.quantities.train_events import LOSSES
-from valvetrain.report.clauses import Runs, Worst
-from valvetrain.report.key_figures import beyond_control
+from valvetrain.quantities.train_events import LOSSES, counted_losses
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
-from valvetrain.solution.uncertainty import ErrorBars, Uncertainty
 
 RPM = math.pi / 30
 
@@ -52,7 +49,11 @@ def test_a_run_loses_contact_where_the_search_over_speed_does():
         study = vt.simulate("tdi-pushrod", f"{engine_speed} rpm", spring_models=["multi-mass"], spring_set="stock", workers=1)  # fmt: skip
         (run,) = study.solutions
         assert (run.statistics["least_cam_contact_force"] <= 0) == lost
-        assert (run.quantities["loss_of_contact_duration"] > 0) == lost == beyond_control(run)
+        assert (
+            (run.quantities["loss_of_contact_duration"] > 0)
+            == lost
+            == bool(counted_losses(run.events))
+        )
         assert (findings_of(study).verdict.code in ("C101", "C102")) == lost
         if lost:  # by less than any vibration of a contact on a ramp may open
             assert run.quantities["loft_gap"] < 2e-6
@@ -67,12 +68,12 @@ def test_a_contact_that_opens_on_a_ramp_alone_is_no_loss_in_run_or_sweep():
     calm = train(loss_of_contact_duration=0.0, loft_gap=0.0)
     found = findings_of(study_of(calm, events=(ramp,)))
     assert found.verdict.code in ("C103", "C104") and found.by("C120")
-    assert study_of(calm, "sweep", events=(ramp,)).verdict.startswith("In contact from")
+    assert findings_of(study_of(calm, "sweep", events=(ramp,))).verdict.code in ("C103", "C104")
     lost, nose = train(loss_of_contact_duration=2e-4, loft_gap=2.4e-6), loss("loft", 180.0, 2.4e-6)
     verdict = findings_of(study_of(lost, events=(nose,))).verdict
     assert verdict.code == "C102" and verdict.value == 2e-4
     assert verdict.fields["gap"].value == 2.4e-6
-    assert "lost already" in study_of(lost, "sweep", events=(nose,)).verdict
+    assert findings_of(study_of(lost, "sweep", events=(nose,))).verdict.code == "C102"
 
 
 def test_losses_near_the_seat_are_events_that_do_not_count():
@@ -91,19 +92,6 @@ def test_landings_of_a_flight_that_does_not_repeat_have_their_ends():
     ends = [math.degrees(found[f"{name}_landing_cam_angle"]) for name in ("least", "largest")]
     assert ends == pytest.approx([355.0, 8.0])
     assert "least_landing_cam_angle" not in Scatter(1e-4, 9e-3, {}).statistics
-
-
-def test_a_value_and_its_bar_have_one_unit():
-    """Contract: "29.4 µm ± 0.15 mm" was said."""
-    run = train(loft_gap=2.94e-5)
-
-    def said(value: float, bar: float) -> str:
-        row = Uncertainty("loft_gap", run.engine_speed, value, bar, None, value, 0.0, (value, value), (value, value), run.label)  # fmt: skip
-        return Runs((run,), bars=ErrorBars((row,))).text(Worst("loft_gap", value, run))
-
-    assert said(2.94e-5, 1.5e-4) == "0.0294 mm (not resolved)"
-    assert said(2.94e-5, 1.5e-5) == "29.4 ± 15 µm"
-    assert said(1.2e-3, 9e-5) == "1.2 ± 0.09 mm"
 
 
 def test_the_energy_of_a_train_closes_and_its_preload_is_that_of_the_card():

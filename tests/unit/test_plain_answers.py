@@ -2,40 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-import pytest
 
-from synthetic_study import rod_run, sweep_study
+from synthetic_study import rod_run
 from valvetrain.cam.event import LiftEvent
 from valvetrain.parameters.summary import number
 from valvetrain.quantities import clash
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.sections.sweep import curve_topics, sweep_chart
-
-RPM = np.pi / 30
 
 
 def test_what_rounding_leaves_is_printed_as_zero():
     """A least torque of -2.22e-16 N m stood on the page of a bucket."""
     assert [number(value) for value in (-2.22e-16, 9e-13, 0.0)] == ["0"] * 3
     assert number(4.24e-9).startswith("4.24")
-
-
-def test_curves_over_engine_speed_hold_the_runs_between_the_swept_speeds():
-    """The sentence named 476 N at a speed that the figure below it left out."""
-    study = sweep_study()
-    label = study.labels[0]
-    first = study.runs(label)[0]
-    speed = first.engine_speed + 1.0
-    there = replace(first.provenance, engine_speed=speed)
-    values = {**first.quantities, "peak_spring_force": 4321.0}
-    between = replace(first, quantities=values, provenance=there)
-    chart = sweep_chart(replace(study, between=(between,)), "Forces", curve_topics()["Forces"], 0)
-    (peak,) = [panel for panel in chart.panels if panel.y_label.startswith("peak spring force")]
-    line = peak.layers[0]
-    assert line.y[np.argmin(abs(line.x - speed / RPM))] == pytest.approx(4321.0)
 
 
 def test_spikes_below_the_base_are_no_main_clash(monkeypatch):

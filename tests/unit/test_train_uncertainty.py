@@ -6,14 +6,10 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import replace
-from io import StringIO
-from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
 
-from valvetrain.cli.answers import show_study
 from valvetrain.parameters.loading import load_case
 from valvetrain.report.json import study_json
 from valvetrain.runs import stored_error_bars
@@ -117,18 +113,6 @@ def test_runs_tell_the_bars_of_their_numbers_and_no_others():
     told = study_json(own)["uncertainties"]
     assert len(told) == len(stored_error_bars.load_uncertainty(case.record()))
     assert {one["label"] for one in told} == set(own.labels)
-    console = Console(width=100, file=StringIO())
-    # four columns side by side leave no room for bars; the eight of every run are rows
-    show_study(console, run_study(case, spring_sets=("as printed",), workers=1), Path("out"), None)
-    table = console.file.getvalue()
-    row = next(
-        one for one in told if one["quantity"] == "peak_spring_force" and one["label"] == "stock"
-    )
-    shown = f"{row['value']['value']:.4g}±{row['numerical_uncertainty']['value']:.2g}"
-    assert (
-        shown in table.replace(" ± ", "±")
-        and max(map(len, table.split("published values")[0].splitlines())) <= 100
-    )
 
 
 def test_a_train_refined_by_the_common_way_is_refined_as_a_train():

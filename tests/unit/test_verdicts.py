@@ -7,7 +7,7 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.report.chart import Chart, Line, Panel
-from valvetrain.report.page import Card, Cards, Figure, Page, Section, text
+from valvetrain.report.page import Figure, Page, Section, text
 from valvetrain.solution.saveable import Saveable
 
 SENTENCE = "Holds <100 N> with 2 mm to spare."
@@ -29,7 +29,7 @@ class Answer(Saveable):
 
 def page_of(result: object) -> Page:
     sections = (
-        Section("first", "First", (Cards((Card("numbers", ("x",), (("a", ("1",)),)),)),)),
+        Section("first", "First", (text("one number"),)),
         Section("versions", "Versions", (text("one version"),), folded=True),
         Section("second", "Second", (figure("later"),)),
     )

@@ -1,7 +1,6 @@
-"""A report page read back: what its sections drew is what is read, and a kept run answers from it.
+"""A saved run answers from its files.
 
-Evidence: the charts and grids the page was rendered from, Hooke's law, and a test synthesised from
-a known curve.
+Evidence: Hooke's law, and a test synthesised from a known curve.
 """
 
 from __future__ import annotations
@@ -16,8 +15,6 @@ from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.parameters.loading import parse_case
 from valvetrain.report.json import study_json
-from valvetrain.report.page import render
-from valvetrain.report.read_page import sections_of
 from valvetrain.runs.saved_runs import Inputs, save_run
 from valvetrain.workbench.answers import against, compare, saved_study
 from valvetrain.workbench.pages.html import test_part as shown_test
@@ -30,13 +27,6 @@ def study():
     return vt.simulate(
         parse_case(SMALL, "small"), "3000, 4000 rpm", spring_models=["massless", "multi-mass"]
     )
-
-
-@pytest.fixture(scope="module")
-def read(study):
-    """The page of the study, and what is read back of it."""
-    page = vt.report.study_page(study)
-    return page, sections_of(render(page))
 
 
 @pytest.fixture(scope="module")
@@ -60,29 +50,6 @@ def runs(study, tmp_path_factory):
         save_run(folder, Inputs("small", f'name = "small"\n{text}'), answer)
         found.append(workspace.run(f"small/{name}"))
     return found
-
-
-def test_words_of_a_case_are_words_and_no_markup(read):
-    """What a stranger wrote into a title comes back as he wrote it, and ends no script."""
-    from dataclasses import replace
-
-    evil = "</script><script>alert(1)</script><b>&amp;"
-    page = replace(read[0], sections=tuple(replace(one, title=evil) for one in read[0].sections))
-    assert {one.title for one in sections_of(render(page))[1:]} == {evil}
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "<html>",
-        "x" * 100,
-        '<meta name="generator" content="valvetrain"><script type="application/json" id="data-a">{</script>',
-    ],
-)
-def test_what_is_no_page_is_refused(text):
-    with pytest.raises(InputError):
-        sections_of(text)
 
 
 def test_two_runs_are_compared(runs):

@@ -22,8 +22,8 @@ from beehive_study.modal import forces_of_equation_5
 from valvetrain.cam.build import build_lift_law
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.published_verdict import kind_of
 from valvetrain.solution.comparison import Comparison
+from valvetrain.solution.definition import definition_of
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.study import Study
 from valvetrain.sources.library import GU2021
@@ -237,12 +237,24 @@ def spike_text(study: Study) -> str:
     )
 
 
+#: Kind of a printed value -> dimensions of its quantities.
+KINDS = {
+    "forces": ("force",),
+    "motion": ("length", "velocity", "acceleration"),
+    "angles": ("angle",),
+}
+
+
 def unused_text(study: Study) -> str:
     """How far the printed values are off that were not used in the fit, by kind."""
     rows = [row for row in study.comparisons if row.role == "check" and row.difference is not None]
     parts = []
-    for kind in ("forces", "motion", "angles"):
-        mine = [row for row in rows if kind_of(row.quantity) == kind and row.published]
+    for kind, dimensions in KINDS.items():
+        mine = [
+            row
+            for row in rows
+            if definition_of(row.quantity).dimension in dimensions and row.published
+        ]
         if kind == "angles":
             text = f"{statistics.median(abs(r.difference or 0) for r in mine) / DEG:.0f} degrees"
         else:

@@ -52,6 +52,8 @@ from valvetrain.errors import InputError
 from valvetrain.runs.run_folders import ANSWER
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
@@ -194,8 +196,13 @@ def shared_options(
     the last two.
     """
     from valvetrain.runs.cost import read_limits
+    from valvetrain.session import call_case
 
     take_units(units)
+    changes = [one for text in settings or () for one in ("--set", text)]
+    sets = [one for text in spring_set or () for one in ("--spring-set", text)]
+    call_case([case, *changes, *sets])
+    at_end(functools.partial(call_case, []))
     chosen = choose_case(case, settings, elements_per_coil, more)
     take_folder(output)
     speeds = read_engine_speeds(engine_speed)
@@ -317,13 +324,11 @@ def _saved_outcome(
     request: StudyRequest, study: Study, choices: Mapping[str, Any], unfinished: UnfinishedRun
 ) -> Outcome:
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
-    from valvetrain.cli.answers import show_study
     from valvetrain.cli.outcome import Outcome
     from valvetrain.report.text import rpm
     from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.partial_failures import PartialFailures
-    from valvetrain.units.reader import for_reader
-    from valvetrain.views.results import answer_json, moved
+    from valvetrain.views.results import answer_json
 
     gaps = PartialFailures(unfinished.gaps.sentences)
     none: tuple[str, ...] = ()
@@ -343,14 +348,24 @@ def _saved_outcome(
     )  # fmt: skip
     if page is not None and request.open_page:
         show_page(page)
-    with for_reader():
-        read = verdict_of(study) if verdict and not moved(study) else ""
     return Outcome(
         data,
-        lambda console: show_study(console, study, folder, page, request.published),
+        lambda console: show_study(console, study, page or folder, request.published),
         failed,
-        read,
+        "",
     )
+
+
+def show_study(console: Console, study: Study, place: Path, published: bool = False) -> None:
+    """Print the answer of a study; with ``published`` every printed value and what the source states."""
+    from valvetrain.cli.outcome import plain_table
+    from valvetrain.views.answer import Answer
+    from valvetrain.views.results import tables_in_full
+    from valvetrain.views.terminal import screen
+
+    console.print(screen(Answer(study), str(place)))
+    for one in tables_in_full(study).values() if published else ():
+        console.print(plain_table(one.columns, one.rows, f"\n{one.title}"))
 
 
 def save_study(

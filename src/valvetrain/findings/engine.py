@@ -203,7 +203,7 @@ def _finding(rule: Rule, hits: Sequence[Hit], facts: Facts, words: Words) -> Fin
     """The worst hit of a rule with the templates filled."""
     hit = max(hits, key=lambda one: one.rank)
     amount, run = hit.amount, hit.run
-    values: dict[str, Said] = {"case": facts.case}
+    values: dict[str, Said] = {"case": words.case or facts.case}
     if amount is not None:
         values["value"] = amount
         if hit.limit is not None:

@@ -12,12 +12,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.findings.control import Control, control_of
 from valvetrain.findings.words import Amount, joined, speed_text, speeds_text
 from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
-from valvetrain.solution.study import Study
+from valvetrain.solution.study import SWEEPS, Study
 from valvetrain.solution.uncertainty import OF_CONTACT
 from valvetrain.system.contract import TRAIN
 
@@ -46,32 +47,35 @@ class Facts:
 
     Parameters
     ----------
-    study : what ``simulate`` or ``run_up`` gave
+    study : what ``simulate``, ``sweep``, ``compare``, ``compare_springs`` or ``run_up`` gave
 
     Attributes
     ----------
-    runs : those that decide, by engine speed: of each spring set the model that knows most of its wire, of a run-up
-        the revolutions up to the red line
-    beyond : of the same models those above the red line
+    runs : those that decide, by engine speed: of each spring set the model that knows most of its wire; over engine
+        speed those in use, up to the red line, else to where control ends
+    beyond : of the same models those at higher speeds
     others : runs by other models, which findings name and never judge by
     ended : runs that did not end well
     """
 
     def __init__(self, study: Study) -> None:
         self.study = study
-        judged = [run for run in study.solutions if run.status.code in JUDGED]
+        every = (*study.solutions, *study.between)
+        judged = [run for run in every if run.status.code in JUDGED]
         best: dict[str, int] = {}
         for run in judged:
             best[run.spring_set] = max(best.get(run.spring_set, 0), trust(run))
         lead = [run for run in judged if trust(run) == best[run.spring_set]]
         lead.sort(key=lambda run: run.engine_speed)
-        in_use = [run for run in lead if run.engine_speed <= self.red_line]
         self.run_up = study.command == "run-up"
-        self.runs = tuple((in_use or lead) if self.run_up else lead)
+        self.sweep = study.command in SWEEPS
+        self.lead_labels = tuple(dict.fromkeys(run.label for run in lead))
+        in_use = [run for run in lead if run.engine_speed <= self.in_use * (1 + 1e-9)]
+        self.runs = tuple(in_use or lead)
         self.beyond = tuple(run for run in lead if run not in self.runs)
         self.others = tuple(run for run in judged if run not in lead)
-        self.ended = tuple(run for run in study.solutions if run.status.code not in JUDGED)
-        self.train = any(run.provenance.system == TRAIN for run in study.solutions)
+        self.ended = tuple(run for run in every if run.status.code not in JUDGED)
+        self.train = any(run.provenance.system == TRAIN for run in every)
 
     # -- numbers -----------------------------------------------------------------------------------
 
@@ -140,6 +144,55 @@ class Facts:
     def speeds(self) -> tuple[float, ...]:
         """Engine speeds (rad/s) of the runs that decide."""
         return tuple(sorted({run.engine_speed for run in self.runs}))
+
+    @cached_property
+    def models(self) -> tuple[Solution, ...]:
+        """A run of every spring model at the highest speed that decides, the most trusted first; none of several spring
+        sets, of runs over engine speed, or by one model alone.
+        """
+        if (
+            len({run.spring_set for run in self.runs}) != 1
+            or self.several
+            or self.run_up
+            or self.sweep
+        ):
+            return ()
+        here = (
+            run
+            for run in (*self.runs, *self.others)
+            if math.isclose(run.engine_speed, self.speeds[-1], rel_tol=1e-6)
+        )
+        found: dict[str, Solution] = {}
+        for run in here:
+            found.setdefault(run.model, run)
+        return tuple(sorted(found.values(), key=lambda run: -trust(run))) if len(found) > 1 else ()
+
+    # -- control over engine speed -----------------------------------------------------------------
+
+    @cached_property
+    def searched(self) -> bool:
+        """Whether a search over engine speed looked for where control is lost."""
+        return self.sweep and bool(len(self.study.critical_speeds))
+
+    def control(self, label: str) -> Control:
+        """What a search found of a label."""
+        return control_of(self.study, label)
+
+    @cached_property
+    def first_label(self) -> str:
+        """The label that loses control first, of those that decide; the first one where none does."""
+        return min(self.lead_labels, key=lambda label: self.control(label).limit, default="")
+
+    @property
+    def in_use(self) -> float:
+        """Engine speed (rad/s) up to which runs count: over engine speed the red line, else where control ends."""
+        if not (self.run_up or self.sweep):
+            return math.inf
+        if self.study.record.red_line is not None or not self.searched:
+            return self.red_line
+        return self.control(self.first_label).limit
+
+    # -- text of places ----------------------------------------------------------------------------
 
     @property
     def several(self) -> bool:

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 
 from valvetrain.findings.engine import Fields, Hit, Rule
-from valvetrain.findings.facts import Facts, trust
-from valvetrain.findings.rules_train import CONTACT, FLOAT
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_train import BARELY, CONTACT, FLOAT, cause, rigid_force
 from valvetrain.findings.words import COARSE, Amount, Phrase, Said, joined, speed_text, speeds_text
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.facts import with_code
@@ -21,6 +21,8 @@ ENDED = {
 }  # fmt: skip
 #: A number of things, which no quantity names.
 COUNT = "clash_count"
+#: The model that knows no surge, and so has no vote on control.
+MASSLESS = "massless"
 
 
 # -- runs ------------------------------------------------------------------------------------------
@@ -76,6 +78,12 @@ def unsure(facts: Facts) -> Iterator[Hit]:
         yield Hit(Amount(COUNT, len(names)), fields={"first": names[0], "more": more})
 
 
+def stopped(facts: Facts) -> Iterator[Hit]:
+    """The study was stopped before its end, so that what is missing judges nothing."""
+    if facts.study.interruption:
+        yield Hit(fields={"said": facts.study.interruption})
+
+
 def missing(facts: Facts) -> Iterator[Hit]:
     """Parts of the study that failed."""
     for one in dict.fromkeys((*facts.study.gaps, *(gap for run in facts.runs for gap in run.gaps))):
@@ -85,17 +93,6 @@ def missing(facts: Facts) -> Iterator[Hit]:
 # -- models ----------------------------------------------------------------------------------------
 
 
-def _models(facts: Facts) -> list[tuple[Solution, str]]:
-    """A run of every model at the highest speed that decides, and how it loses control; the most trusted first."""
-    speed = max(facts.speeds, default=math.nan)
-    found: dict[str, Solution] = {}
-    for run in (*facts.runs, *facts.others):
-        if math.isclose(run.engine_speed, speed, rel_tol=1e-6):
-            found.setdefault(run.model, run)
-    runs = sorted(found.values(), key=lambda run: -trust(run))
-    return [(run, _loses(facts, run)) for run in runs]
-
-
 def _loses(facts: Facts, run: Solution) -> str:
     if not facts.losses(run):
         return ""
@@ -103,32 +100,83 @@ def _loses(facts: Facts, run: Solution) -> str:
     return "floats" if flies else "loses contact"
 
 
-def _compares_models(facts: Facts) -> bool:
-    sets = {run.spring_set for run in facts.runs}
-    return facts.train and not facts.run_up and len(sets) == 1 and not facts.several
+def _votes(facts: Facts) -> tuple[list[Solution], list[Solution]]:
+    """Models that keep contact at the speed that decides, and those that lose it; a massless spring has no vote."""
+    models = [run for run in facts.models if facts.train and run.model != MASSLESS]
+    lost = [run for run in models if facts.losses(run)]
+    return [run for run in models if run not in lost], lost
 
 
 def disagree(facts: Facts) -> Iterator[Hit]:
     """Some models lose contact at one speed and some do not; a massless spring, which knows no surge, has no vote."""
-    if not _compares_models(facts):
-        return
-    models = [one for one in _models(facts) if one[0].model != "massless"]
-    lost = [run.model for run, does in models if does]
-    amounts = [(facts.amount(run, CONTACT[0]), run.model) for run, does in models if not does]
+    held, lost = _votes(facts)
+    amounts = [(facts.amount(run, CONTACT[0]), run.model) for run in held]
     kept = [(one, model) for one, model in amounts if one and one.resolved]
     if lost and kept:
         least = min((one for one, _ in kept), key=lambda one: one.value)
         yield Hit(least, None, 0.0, {
-            "lost": joined(lost), "kept": joined([model for _, model in kept]), "speed": speed_text(facts.speeds[-1]),
+            "lost": joined([run.model for run in lost]), "kept": joined([model for _, model in kept]),
+            "speed": speed_text(facts.speeds[-1]),
         })  # fmt: skip
+
+
+def _agree(facts: Facts, little: bool) -> Iterator[Hit]:
+    held, lost = _votes(facts)
+    if facts.study.command != "compare" or lost or len(held) < 2:
+        return
+    known = [one for run in held if (one := facts.amount(run, CONTACT[0])) and one.resolved]
+    rigid = rigid_force(held[0])
+    if known:
+        least, most = (way(known, key=lambda one: one.value) for way in (min, max))
+        if (rigid is not None and least.value < BARELY * rigid.value) is little:
+            yield Hit(least, None, 0.0, _range(facts, held, least, most) | {"rigid": rigid or ""})
+
+
+def _range(facts: Facts, runs: list[Solution], least: Amount, most: Amount) -> dict[str, Said]:
+    """Both ends of a range over models, with the number of the model that decides."""
+    own = facts.amount(runs[0], least.name)
+    return {
+        "least": least, "most": most, "count": str(len(runs)), "lead": runs[0].model, "own": own or "",
+        "speed": speed_text(facts.speeds[-1]),
+    }  # fmt: skip
+
+
+def all_hold(facts: Facts) -> Iterator[Hit]:
+    """Every model that a comparison ran keeps contact at one speed, and keeps enough of the cam force."""
+    return _agree(facts, little=False)
+
+
+def all_barely(facts: Facts) -> Iterator[Hit]:
+    """Every model keeps contact at one speed, one of them with less than a fifth of the cam force of rigid parts."""
+    return _agree(facts, little=True)
+
+
+def all_lose(facts: Facts) -> Iterator[Hit]:
+    """Every model that a comparison ran loses contact at one speed."""
+    held, lost = _votes(facts)
+    gaps = [one for run in lost if (one := facts.amount(run, "loft_gap"))]
+    if facts.study.command == "compare" and len(lost) > 1 and not held and gaps:
+        least, most = (way(gaps, key=lambda one: one.value) for way in (min, max))
+        why = cause(lost[0], facts.losses(lost[0]))
+        yield Hit(most, None, 0.0, _range(facts, lost, least, most) | {"cause": why})
+
+
+def peaks(facts: Facts) -> Iterator[Hit]:
+    """The range of the peak force that a spring alone has by the models of a comparison, and which one decides."""
+    runs = [run for run in facts.models if not facts.train and facts.study.command == "compare"]
+    known = [
+        one for run in runs if (one := facts.amount(run, "peak_retainer_force")) and one.resolved
+    ]
+    if len(known) > 1:
+        least, most = (way(known, key=lambda one: one.value) for way in (min, max))
+        yield Hit(most, None, None, _range(facts, runs, least, most))
 
 
 def other_models(facts: Facts) -> Iterator[Hit]:
     """What the other models say of the same train."""
-    if not _compares_models(facts):
-        return
     own, said = {run.model for run in facts.runs}, list[Said]()
-    for run, does in _models(facts):
+    for run in facts.models if facts.train else ():
+        does = _loses(facts, run)
         left = facts.amount(run, CONTACT[0])
         if run.model not in own and (does or left):
             said.append(Phrase("{model} {said}", {"model": run.model, "said": does or left or ""}))
@@ -189,6 +237,8 @@ def kept_running_up(facts: Facts) -> Iterator[Hit]:
         yield Hit(least[0], least[1], 0.0, fields)
 
 
+SWEEP = "valvetrain sweep {case}"
+DECIDES = "{lead} decides[: {own}]"
 FIRST = (
     Rule("R101", "decides", "nothing to judge: the run {did}[ {at}]", nothing, reason="[{message}]",
          step="[{remedy}]"),
@@ -201,13 +251,22 @@ FIRST = (
          "[at least {least} on the cam][, at {there}]", "valvetrain sweep {case}", mark="ok"),
     Rule("M101", "decides", "control ends about here: {lost} loses contact at {speed}", disagree, CONTACT[:1],
          "{value} left by {kept}", "valvetrain sweep {case} --spring wave-rod", guide="models.md", mark="warn"),
+    Rule("M102", "decides", "in control by {count} models: {least..most} left on the cam at {speed}", all_hold, CONTACT[:1],
+         DECIDES, SWEEP, guide="models.md", mark="ok"),
+    Rule("M103", "decides", "in control by {count} models, barely: {least..most} left on the cam at {speed}", all_barely,
+         CONTACT[:1], DECIDES, SWEEP, guide="models.md", mark="warn"),
+    Rule("M104", "decides", "contact is lost by {count} models at {speed}: {least..most} open", all_lose, CONTACT,
+         "{lead} decides[: {cause}]", SWEEP, guide="models.md"),
+    Rule("M105", "decides", "{least..most} at most on the retainer at {speed}, by {count} models", peaks, ("peak_retainer_force",),
+         DECIDES, SWEEP, guide="models.md", mark=""),
 )  # fmt: skip
 
 LAST = (
     Rule("R102", "warns", "a run {did} {at}", ended, step="[{remedy}]", unless=("R101",)),
+    Rule("R103", "warns", "stopped before its end: {said}", stopped),
     Rule("R110", "warns", "the motion does not repeat[ {where}]: cycles differ", unsettled),
     Rule("R120", "warns", "doubtful[ {where}]: the spring's ends would lift, which {model} cannot show", pulls,
-         ("minimum_spring_force",), step="valvetrain run {case} --spring wave-rod", remark="ends would lift"),
+         ("minimum_spring_force",), step="valvetrain run {case} --spring wave-rod", remark="ends would lift", unless=("W114",)),
     Rule("R121", "warns", "doubtful at {speed}: coils clash too hard for the reduced rod", too_hard,
          step="valvetrain run {case} --spring finite-element"),
     Rule("M110", "notes", "other models: {said}", other_models),

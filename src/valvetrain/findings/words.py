@@ -16,6 +16,8 @@ from valvetrain.solution.definition import definition_of
 
 #: Share of a value from which its error bar is printed, and from which the value is not resolved.
 COARSE, UNRESOLVED = 0.05, 0.5
+#: A number below this is zero: what rounding leaves.
+NOTHING = 1e-9
 #: One turn per minute (rad/s).
 RPM = math.pi / 30
 
@@ -97,7 +99,7 @@ def digits_text(value: float, bar: float = 0.0, digits: int = 3) -> str:
     """
     if not math.isfinite(value):
         return "–"
-    if value == 0:
+    if abs(value) < NOTHING:
         return "0"
     places = digits - 1 - math.floor(math.log10(abs(value)))
     if bar > 0:
@@ -111,6 +113,16 @@ def digits_text(value: float, bar: float = 0.0, digits: int = 3) -> str:
 def speed_text(engine_speed: float, unit: str = " rpm") -> str:
     """An engine speed (rad/s) that was asked for: ``5600 rpm``."""
     return f"{round(engine_speed / RPM, 3):.0f}{unit}"
+
+
+def about(engine_speed: float, half: float = 0.0) -> str:
+    """An engine speed (rad/s) that was found, in rpm, without digits behind the first of ``half`` its range (rad/s).
+
+    >>> about(6729 * RPM), about(6729 * RPM, 57 * RPM), about(11819 * RPM)
+    ('6730', '6730', '11820')
+    """
+    speed = engine_speed / RPM
+    return digits_text(speed, half / RPM, 3 if speed < 9999.5 else 4)
 
 
 def speeds_text(engine_speeds: Sequence[float]) -> str:
@@ -150,11 +162,13 @@ class Words:
     ----------
     units : system of :data:`UNITS`, ``si`` or ``imperial``
     brief : in cells of tables a number that is not resolved is printed without its range
+    case : what a command is given to take the case again; empty: its name
     templates : rule code -> part (``text``, ``reason``, ``step``, ``remark``) -> template in another language
     """
 
     units: str = "si"
     brief: bool = False
+    case: str = ""
     templates: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     def unit(self, name: str, value: float) -> Unit:
@@ -199,7 +213,7 @@ class Words:
             return f"up to {self.amount(most, digits)}" if most.resolved else "not resolved"
         unit = self.unit(most.name, most.value)
         low, high = (self.number(one, unit, digits) for one in (least, most))
-        return f"{low} to {high} {unit.text}".strip()
+        return f"{low if low == high else f'{low} to {high}'} {unit.text}".strip()
 
     def fill(self, template: str, fields: Mapping[str, Said], digits: int = 3) -> str:
         """A template with its fields in place: ``{name}``, ``{least..most}`` for a range, ``{name:2}`` for two digits.
@@ -218,7 +232,7 @@ class Words:
             one, other = fields.get(found[1], ""), fields.get(found[2] or "")
             if one in ("", ()) or (found[2] and other is None):
                 raise MissingFieldError(found[1])
-            if sure and isinstance(one, Amount) and (abs(one.value) < 1e-9 or not one.resolved):
+            if sure and isinstance(one, Amount) and (abs(one.value) < NOTHING or not one.resolved):
                 raise MissingFieldError(found[1])
             count = int(found[3] or digits)
             if isinstance(one, Amount) and isinstance(other, Amount):

@@ -9,7 +9,6 @@ from valvetrain.report.text import rpm
 from valvetrain.solution.critical import places_text
 from valvetrain.solution.definition import label_of, shown
 from valvetrain.solution.facts import Fact
-from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import ErrorBars
 
@@ -48,18 +47,6 @@ def error_bar_notes(bars: ErrorBars) -> tuple[str, ...]:
             f"No error bar of {', '.join(without[:3])}{more}: that run or its repeat did not settle."
         )
     return (*found, *fact_notes(bars.facts))
-
-
-def on_assumed_ramp(facts: Sequence[Fact]) -> str:
-    """What stands behind a seating velocity that rests on an assumed ramp; empty elsewhere."""
-    assumed = any(one.code == "assumed-ramp" for one in facts)
-    return " (on a ramp that is assumed)" if assumed else ""
-
-
-def rings(run: Solution) -> bool:
-    """Whether no spring of a run damps."""
-    names = {str(one.fields["spring"]) for one in run.facts if one.code == "no-damping"}
-    return bool(names) and names.issuperset(run.springs)
 
 
 def _springs(facts: Sequence[Fact]) -> str:

@@ -19,8 +19,6 @@ from valvetrain.solution.partial_failures import PartialFailures, reason
 if TYPE_CHECKING:
     import jinja2
 
-    from valvetrain.solution.study import Study
-
 
 P = ParamSpec("P")
 #: Dashes of a line in the key above a figure.
@@ -90,49 +88,6 @@ class Grid:
         return tuple((name, found) for name, found in zip(self.filters, label, strict=True))
 
 
-@dataclass(frozen=True, slots=True)
-class Card:
-    """Answers: a table under a title, ``headers`` above ``lines`` of name and values; a line
-    without values heads those below it.
-    """
-
-    title: str
-    headers: tuple[str, ...]
-    lines: tuple[tuple[str, tuple[str, ...]], ...]
-
-    @property
-    def wide(self) -> bool:
-        """Whether the table needs the whole width of the page."""
-        if not self.title:
-            return True
-        columns = [
-            max([len(line[1][place]) for line in self.lines] + [6])
-            for place in range(len(self.headers))
-        ]
-        return sum(columns) + max(len(name) for name, _ in self.lines) > 52 or len(self.headers) > 3
-
-    kind = "card"
-
-
-@dataclass(frozen=True, eq=False)
-class Cards:
-    """Cards side by side."""
-
-    cards: tuple[Card, ...]
-
-    kind = "cards"
-
-
-@dataclass(frozen=True, eq=False)
-class Tabs:
-    """Alternative sets of blocks behind tabs, such as one per engine speed."""
-
-    items: tuple[tuple[str, tuple[Any, ...]], ...]
-    key: str = "tabs"
-
-    kind = "tabs"
-
-
 @dataclass(frozen=True, eq=False)
 class Details:
     """Blocks that a click opens."""
@@ -167,19 +122,7 @@ class Motion:
     kind = "motion"
 
 
-Block = Motion | Text | Figure | Grid | Cards | Tabs | Details | Listing
-
-
-@dataclass(frozen=True, slots=True)
-class SectionSpec:
-    """A section of the report as the registry lists it: ``blocks`` reads a study;
-    without blocks the section is left out. ``folded``: see :class:`Section`.
-    """
-
-    key: str
-    title: str
-    blocks: Callable[[Study], tuple[Block, ...]]
-    folded: bool = False
+Block = Motion | Text | Figure | Grid | Details | Listing
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,18 +213,15 @@ def figure_or_gap(
 
 
 def charts(page: Page) -> list[Chart]:
-    """Every chart on a page, in order, those behind tabs included."""
+    """Every chart on a page, in order, those behind folds included."""
     return [block.chart for part in page.parts for block in _all(part) if isinstance(block, Figure)]
 
 
 def _all(blocks: Sequence[Any]) -> Iterator[Any]:
-    """Every block, those behind tabs and folds included."""
+    """Every block, those behind folds included."""
     for block in blocks:
         if isinstance(block, Details):
             yield from _all(block.blocks)
-        elif isinstance(block, Tabs):
-            for _, inner in block.items:
-                yield from _all(inner)
         else:
             yield block
 

@@ -24,7 +24,6 @@ from valvetrain.report.chart import (
     visible_range,
 )
 from valvetrain.report.model_charts import error_bar_chart
-from valvetrain.report.opening import opening_chart
 from valvetrain.report.page import Block, Cell, Figure, Grid
 from valvetrain.report.sections.published import uncertainty_page
 from valvetrain.report.text import quantity_label
@@ -34,10 +33,8 @@ from valvetrain.solution.critical import CriticalSpeeds, places_text
 from valvetrain.solution.cycle_view import angle_within, first_revolution
 from valvetrain.solution.display import SHOWN_UNITS, heading, value_text
 from valvetrain.solution.modes import ModalResult, TrainModes
-from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.study import Study
 
 Blocks = tuple[Block, ...]
 RPM = np.pi / 30
@@ -66,24 +63,6 @@ def solution_blocks(run: Solution) -> Blocks:
         lift = [("valve lift", angle, run.channel("valve_lift") * 1e3)]
         panels.append(_panel(ANGLE, "valve lift (mm)", lift, theme.INK))
     return (_figure(run, *panels),)
-
-
-def study_blocks(study: Study) -> Blocks:
-    """The figure that opens its page; of runs without channels peak forces over engine speed. Raises
-    :class:`InputError` for a study without runs.
-    """
-    if not study.solutions:
-        raise InputError(
-            f"the study of {study.record.name} holds no runs to draw; draw its springs at rest instead"
-        )
-    if (chart := opening_chart(study)) is not None:
-        return (Figure(chart),)
-    name = _speaking_quantity(study)
-    unit, factor = SHOWN_UNITS.get(unit_of(name), (unit_of(name), 1.0))
-    found = [(label, *study.series(label, name)) for label in study.labels]
-    lines = [(label, speeds / RPM, values * factor) for label, speeds, values in found]
-    label = _with_unit(name.replace("_", " "), unit)
-    return (_figure(study, _panel("engine speed (rpm)", label, lines)),)
 
 
 def static_curve_blocks(curve: StaticCurve) -> Blocks:
@@ -199,21 +178,6 @@ def cycles_blocks(cycles: MeasuredCycles) -> Blocks:
     layers.append(Line(*thin(angle, mean), "mean", theme.SERIES[0]))
     panel = Panel(ANGLE, _with_unit(label, unit), tuple(layers), x_range=(0.0, 360.0))
     return _grid((label, "mean of the cycles", "", "cam angle"), rows), _figure(cycles, panel)
-
-
-def _speaking_quantity(study: Study) -> str:
-    """The first peak force of the runs, else their first quantity."""
-    names = list(dict.fromkeys(name for run in study.solutions for name in run.quantities))
-    peaks = [
-        name
-        for name in names
-        if unit_of(name) == "N" and name.startswith("peak") and "clash" not in name
-    ]
-    if not names:
-        raise InputError(
-            f"the runs of the study of {study.record.name} hold no quantities to draw; evaluate them first"
-        )
-    return (peaks or names)[0]
 
 
 def _panel(

@@ -1,6 +1,4 @@
-"""Verdicts of a study and of a single run: what did not complete, limits passed, then coil bind,
-contact, bounce or clash, and the figure that matters most.
-"""
+"""Verdict of springs at rest: loads, rate, first mode, and what is left to coil bind."""
 
 from __future__ import annotations
 
@@ -8,105 +6,30 @@ import math
 
 from valvetrain.report.clauses import (
     ENDED,
-    Runs,
     amount_text,
-    clause_texts,
-    ended_clauses,
     figure,
     joined,
-    parted,
     quantity_text,
     sentence,
 )
-from valvetrain.report.fact_texts import fact_notes
-from valvetrain.report.published_verdict import published_sentences, share
-from valvetrain.report.run_clauses import (
-    NEAR,
-    SOLID,
-    condition_of,
-    is_judged,
-    judged_runs,
-    run_clauses,
-)
+from valvetrain.report.run_summary import share
 from valvetrain.report.sections.at_rest import MODE_ORDERS, marked_compressions
-from valvetrain.report.springs_verdict import springs_verdict
-from valvetrain.report.sweep_verdict import runs_over_speed, sweep_clauses, worst_label
 from valvetrain.solution.definition import NESTED
-from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import reader_factor
 
+#: What is said of a spring that closes before full lift, and travel (m) to coil bind below which it is close.
+SOLID, NEAR = "solid", 1e-3
 #: Further springs whose loads are named, and share by which a rate differs from that as installed.
 MAX_SPRINGS, SAME_RATE = 2, 0.02
 #: Share within which a spring has the rate of the torsion of its wire.
 OF_TORSION = 0.03
-#: What models are compared in.
-PEAK = "peak_spring_force"
-#: What spring sets of a train are weighed by.
-POWER = "mean_cam_power"
 
 
 def study_verdict(study: Study) -> str:
-    """The sentence of a study: of its sweep, its map of models, its runs or its springs at rest."""
-    published = published_sentences(study.comparisons)
-    if not study.solutions:
-        return in_sentences([*rest_failures(study), *rest_clauses(study)], [], published, "")
-    if study.command == "compare-springs" and len(study.labels) == 2:
-        return springs_verdict(study)
-    if study.over_speed:
-        lead, more = sweep_clauses(study)
-        condition = condition_of(runs_over_speed(study, worst_label(study)))
-        return in_sentences(*parted([*rest_failures(study), *lead], more), published, condition)
-    judged = judged_runs(study)
-    found = [
-        *ended_clauses(study.solutions),
-        *_too_hard(study),
-        *rest_failures(study),
-        *clause_texts(list(run_clauses(judged)), judged),
-        _power(study),
-    ]
-    return in_sentences(found, [], published, condition_of(judged))
-
-
-def _too_hard(study: Study) -> list[str]:
-    """That a model does not hold for some of the runs, by their error bars where these are computed."""
-    return [
-        f"doubtful: {one[:1].lower()}{one[1:]}".removesuffix(".").replace(": take", ", take")
-        for one in fact_notes(study.error_bars.facts)
-    ]
-
-
-def in_sentences(lead: list[str], more: list[str], published: str, condition: str) -> str:
-    """Parts of the first sentence, which pages show in bold, of the second, and the sentences on what is
-    ``published`` of a case, behind what the spring does.
-    """
-    first, second = (lead, more) if lead else (more, [])
-    return " ".join(filter(None, (sentence(first, condition), sentence(second), published)))
-
-
-def solution_verdict(run: Solution) -> str:
-    """The sentence of one run."""
-    judged = Runs((run,) if is_judged(run) else ())
-    parts = [*ended_clauses((run,)), *clause_texts(list(run_clauses(judged)), judged)]
-    return sentence(parts, condition_of(judged))
-
-
-def _power(study: Study) -> str:
-    """What the springs cost, of two sets of one model at one speed: ``cam power 42.4 W (stock), 70.4 W
-    (performance), 28 W more``.
-    """
-    runs = judged_runs(study)
-    found = [(run, runs.value(run, POWER)) for run in runs.solutions]
-    known = [run for run, value in found if math.isfinite(value)]
-    sets = {run.spring_set for run in known}
-    if not len(known) == len(runs.solutions) == len(sets) == 2 or runs.speeds > 1:
-        return ""
-    one, other = (value for _, value in found)
-    more = quantity_text(POWER, abs(other - one))
-    texts = [f"{quantity_text(POWER, value)} ({runs.name(run)})" for run, value in found]
-    which = f", {more} {'more' if other > one else 'less'}"
-    return f"cam power {', '.join(texts)}{which}"
+    """The sentence of a study of springs at rest."""
+    return sentence([*rest_failures(study), *rest_clauses(study)])
 
 
 def rest_failures(study: Study) -> list[str]:

@@ -1,10 +1,9 @@
-"""Writes the folder of a study: data files first, then the one page that shows them; each whole or
-not at all.
-"""
+"""Writes the data files of a study, and the page that is given to it; each whole or not at all."""
 
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -14,204 +13,29 @@ from typing import Any
 import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.registry import find, places
 from valvetrain.report.chart import Chart
 from valvetrain.report.files import FreeNames, remove_earlier
-from valvetrain.report.key_figures import key_figures
-from valvetrain.report.opening import opening_blocks
 from valvetrain.report.page import (
-    Block,
-    Details,
-    Figure,
     Page,
-    Section,
-    SectionSpec,
-    Tabs,
     charts,
-    gap,
-    gaps_of,
-    prose,
     render,
-    sentences,
 )
 from valvetrain.report.reader_charts import chart_for_reader
-from valvetrain.report.run_charts import covered_by_source, line_styles, set_and_model
-from valvetrain.report.run_summary import unsettled_text
-from valvetrain.report.sections.sweep import order_table
 from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, comparison_table, table
 from valvetrain.report.text import rpm
-from valvetrain.report.verdict import state_cut_off, verdict_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.netcdf import save_modal_result, save_netcdf, save_static_curve
-from valvetrain.solution.partial_failures import PartialFailures, reason
+from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.study import SWEEPS, Study
+from valvetrain.solution.study import Study
 from valvetrain.solution.textfile import save_csv
-from valvetrain.units.reader import for_reader
 
-#: Command -> word above the title.
-_KICKERS = {
-    "run": "Run",
-    "compare": "Comparison of models",
-    "sweep": "Sweep over engine speed",
-    "compare-springs": "Comparison of springs",
-    "static": "Springs at rest",
-    "modes": "Natural modes",
-}
-#: Commands that run nothing.
-AT_REST = ("static", "modes")
-#: Sentences of a case's description on top of its page.
-_LEAD_SENTENCES = 2
-_MAX_SPEEDS = 6
-
-
-def study_page(study: Study) -> Page:
-    """The whole page of a study, whatever was studied; a section without blocks is left out, one
-    that fails is named in its place.
-
-    Parameters
-    ----------
-    study : what ``simulate``, ``compare`` or ``sweep`` gave
-
-    Returns
-    -------
-    Page with title, facts and sections, which :func:`write_study` writes as HTML
-
-    Raises
-    ------
-    InputError : a section added by another package that cannot be loaded
-
-    Examples
-    --------
-    >>> import valvetrain as vt
-    >>> page = vt.report.study_page(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
-    >>> len(page.sections) > 3
-    True
-    """
-    state_cut_off(study)
-    sections = tuple(
-        section
-        for word in places("sections")
-        if (section := _section(find("sections", word), study)) is not None
-    )
-    record, gaps = study.record, PartialFailures()
-    picture = gaps.part("picture at the top", (), opening_blocks, study)
-    verdict = verdict_of(study)
-    figures = gaps.part("figures below the verdict", (), key_figures, study)
-    by_source = gaps.part("what the source says about the case", False, covered_by_source, study)
-    lines = sentences(record.description) if by_source else []
-    facts = gaps.part("facts below the title", (), _facts, study)
-    lead, more = " ".join(lines[:_LEAD_SENTENCES]), tuple(lines[_LEAD_SENTENCES:])
-    if more and sections:
-        about = Section(
-            "about", "About the case", prose((" ".join(lines),), "The whole description"), True
-        )
-        sections = (*sections[:-1], about, sections[-1])
-    zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
-    footer = (
-        "Cam angles are cam degrees, engine speed is that of the crank."
-        + zero
-        + " Compressive forces and opening lift are positive."
-    )
-    if gaps.sentences:
-        sections = (
-            Section(
-                "missing", "What is missing", tuple(gap(sentence) for sentence in gaps.sentences)
-            ),
-            *sections,
-        )
-    return _unique_keys(
-        Page(
-            record.title or record.name,
-            _KICKERS.get(study.command, study.command),
-            lead,
-            facts,
-            sections,
-            footer,
-            verdict,
-            picture,
-            figures,
-        )
-    )
-
-
-def _section(spec: SectionSpec, study: Study) -> Section | None:
-    try:
-        blocks = spec.blocks(study)
-    except Exception as error:  # one section must not cost the page
-        blocks = (gap(f"The section '{spec.title}' could not be drawn: {reason(error)}"),)
-    return Section(spec.key, spec.title, blocks, spec.folded) if blocks else None
-
-
-def _facts(study: Study) -> tuple[tuple[str, str], ...]:
-    speeds, known = study.engine_speeds, line_styles(study)
-    sets = {label: set_and_model(study, label, True) for label in known}
-    names = [sets[label] if sets[label] != label else look.label for label, look in known.items()]
-    mark = "; " if any("," in name for name in names) else ", "
-    listed = ", ".join(f"{rpm(speed):.10g}" for speed in speeds)
-    if len(speeds) > _MAX_SPEEDS:
-        ends = (f"{rpm(speeds[at]):.10g}" for at in (0, -1))
-        listed = f"{len(speeds)} from {' to '.join(ends)}"
-    ended = sum(run.status.completed for run in study.solutions)
-    word = "settled" if study.command in SWEEPS else "completed"
-    open_ends = [
-        f"{f'{label} at ' if len(study.labels) > 1 else ''}{found.partition(': ')[2]} rpm"
-        for label in (study.labels if study.over_speed else ())
-        if (found := unsettled_text(study.runs(label)))
-    ]
-    unsettled = f"; not settled: {'; '.join(open_ends)}" if open_ends else ""
-    facts = {
-        "case": study.record.name, "engine speed": f"{listed} rpm" if speeds else "",
-        "spring model": mark.join(names), "changed": ", ".join(study.record.changed),
-        "runs": f"{ended} of {len(study.solutions)} {word}{unsettled}" if study.solutions else "" if study.command in AT_REST else "none run",
-    }  # fmt: skip
-    return tuple((name, value) for name, value in facts.items() if value)
-
-
-def _unique_keys(page: Page) -> Page:
-    """Keys of charts and sections name elements and files, so each is unique."""
-    seen: set[str] = set()
-
-    def unique(key: str) -> str:
-        free = next(
-            name
-            for n in range(1, len(seen) + 2)
-            if (name := key if n == 1 else f"{key}-{n}") not in seen
-        )
-        seen.add(free)
-        return free
-
-    def renamed(blocks: tuple[Block, ...]) -> tuple[Block, ...]:
-        found: list[Block] = []
-        for block in blocks:
-            if isinstance(block, Figure):
-                block = Figure(replace(block.chart, key=unique(block.chart.key)))
-            elif isinstance(block, Tabs):
-                block = Tabs(
-                    tuple((label, renamed(inner)) for label, inner in block.items), block.key
-                )
-            elif isinstance(block, Details):
-                block = Details(block.summary, renamed(block.blocks))
-            found.append(block)
-        return tuple(found)
-
-    taken: set[str] = set()
-    picture, sections = renamed(page.picture), []
-    for section in page.sections:
-        key = next(
-            name
-            for n in range(1, len(taken) + 2)
-            if (name := section.key if n == 1 else f"{section.key}-{n}") not in taken
-        )
-        taken.add(key)
-        sections.append(replace(section, key=key, blocks=renamed(section.blocks)))
-    return replace(page, picture=picture, sections=tuple(sections))
-
-
+#: Name of the size of a cam order.
+_ORDER = re.compile(r"surge_order_(\d+)_force")
 #: Wire points of the CSV files, in turns; the NetCDF files hold every one.
 CSV_SPACING = 0.5
 
@@ -253,16 +77,16 @@ PageWriter = Callable[[Study, Path, bool, PartialFailures], tuple[Path | None, t
 def write_parts(
     study: Study,
     target: Path,
+    pages: PageWriter,
     page: bool = True,
     figures: bool = False,
     written_before: Callable[[Solution], Path | None] = lambda _: None,
-    pages: PageWriter | None = None,
 ) -> StudyFiles:
     """Write the data files of a study and, on request, its page and pictures; a part that fails is named
     among the ``gaps`` and costs no other.
 
     ``written_before`` gives the file that a solution was written to as it came, which then only
-    takes its name; ``pages`` writes the page and its pictures, by default :func:`study_page`.
+    takes its name; ``pages`` writes the page and its pictures.
     """
     names, gaps = FreeNames(), PartialFailures()
     nothing: tuple[Path | None, tuple[Path, ...]] = (None, ())
@@ -301,9 +125,7 @@ def write_parts(
     written: Path | None = None
     pictures: tuple[Path, ...] = ()
     if page:
-        written, pictures = gaps.part(
-            "report page", nothing, pages or _write_study_page, study, target, figures, gaps
-        )
+        written, pictures = gaps.part("report page", nothing, pages, study, target, figures, gaps)
     gaps.part(
         "list of files",
         (),
@@ -313,18 +135,6 @@ def write_parts(
         (*data, *pictures, *((written,) if written else ())),
     )
     return StudyFiles(target, written, tuple(data), pictures, gaps.sentences)
-
-
-def _write_study_page(
-    study: Study, target: Path, figures: bool, gaps: PartialFailures
-) -> tuple[Path | None, tuple[Path, ...]]:
-    with for_reader():
-        whole = gaps.part("report page", None, study_page, study)
-        if whole is None:
-            return None, ()
-        for sentence in gaps_of(whole):
-            gaps.add(f"report page: {sentence}")
-        return write_page(whole, target, "report.html", figures, gaps)
 
 
 def _named(run: Solution, path: Path, written_before: Callable[[Solution], Path | None]) -> Path:
@@ -352,10 +162,15 @@ def _tables(study: Study, names: FreeNames) -> dict[str, Callable[[], Table]]:
 
 def orders_table(study: Study, label: str) -> Table:
     """Sizes (N) of the cam orders of one label over the engine speed (rpm); no rows without orders."""
-    speeds, orders, sizes = order_table(study, label)
-    columns = [(f"order {order:g}", "N", row) for order, row in zip(orders, sizes, strict=True)]
+    runs = study.runs(label)
+    names = (_ORDER.fullmatch(name) for run in runs for name in run.quantities)
+    orders = sorted({int(found[1]) for found in names if found})
+    columns = [
+        (f"order {order}", "N", study.series(label, f"surge_order_{order}_force")[1])
+        for order in orders
+    ]
     return table(
-        ("engine speed", "rpm", [rpm(speed) for speed in speeds] if len(orders) else []), *columns
+        ("engine speed", "rpm", [rpm(run.engine_speed) for run in runs] if orders else []), *columns
     )
 
 

@@ -11,16 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.report import theme
-from valvetrain.report.page import Cell, Grid
 from valvetrain.report.text import (
     in_unit,
-    number,
-    percent,
-    quantity_label,
     rpm,
-    speed_text,
-    unit_text,
 )
 from valvetrain.solution.comparison import Comparison
 
@@ -102,21 +95,6 @@ def quoted(value: Any) -> str:
     return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',"\n\r') else text
 
 
-HEADERS = (
-    "quantity",
-    "engine speed",
-    "given by",
-    "given",
-    "model",
-    "computed",
-    "difference",
-    "",
-    "unit",
-    "role",
-    "verdict",
-)
-
-
 def comparison_table(rows: Sequence[Comparison]) -> Table:
     """All rows as a table in the units shown, for ``comparison.csv``."""
 
@@ -164,64 +142,3 @@ def comparison_table(rows: Sequence[Comparison]) -> Table:
             for name, end in (("share at or above", "share"), ("phases", "phases"))
         ),
     )
-
-
-def comparison_grid(rows: Sequence[Comparison]) -> Grid:
-    """The same for the page, in order of engine speed, what is at rest first."""
-    ordered = sorted(rows, key=lambda row: -1.0 if row.engine_speed is None else row.engine_speed)
-    return Grid(
-        HEADERS,
-        tuple((_cells(row), (row.role, _speed(row), row.origin)) for row in ordered),
-        ("role", "engine speed", "given by"),
-    )
-
-
-def _speed(row: Comparison) -> str:
-    return "at rest" if row.engine_speed is None else speed_text(row.engine_speed)
-
-
-def _cells(row: Comparison) -> tuple[Cell, ...]:
-    sign, caption, _, _ = theme.origin_style(row.origin)
-    relative = row.relative_difference
-    wraps = row.unit == "deg" and row.quantity.endswith("_cam_angle")
-    share = "" if relative is None or wraps else percent(relative)
-    exact = row.difference is not None and abs(row.difference) < 1e-9 * max(
-        abs(row.published), abs(row.computed or 0.0)
-    )
-    size = 0.0 if row.difference is None else in_unit(row.difference, row.unit)
-    signed = ("+" if size > 0 else "") + number(size, 3)
-    difference = "–" if row.difference is None else "0" if exact else signed
-    return (
-        Cell(quantity_label(row.quantity), "long", row.quantity),
-        Cell(_speed(row), "quiet"),
-        Cell(sign, "tag", caption),
-        Cell(_in(row.published, row.unit), "number", row.reading),
-        Cell(theme.model_label(row.model) if row.model else "", "quiet", row.model),
-        Cell(
-            _in(row.computed, row.unit),
-            "number",
-            "" if row.blind is None else f"not fitted to it: {_in(row.blind, row.unit)}",
-        ),
-        Cell(difference, "number"),
-        Cell(share, "number quiet"),
-        Cell(unit_text(row.unit), "quiet"),
-        Cell(row.role, "quiet", row.used_for),
-        Cell(
-            "no tolerance stated"
-            if row.verdict.startswith("differs") and row.samples is None
-            else row.verdict.replace(" -", " −"),
-            tone(row),
-            row.source,
-        ),
-    )
-
-
-def tone(row: Comparison) -> str:
-    """``good`` or ``bad`` where a tolerance decides, ``quiet`` where none was stated."""
-    if row.verdict.startswith("within"):
-        return "good"
-    return "bad" if row.verdict.startswith("misses") else "quiet"
-
-
-def _in(value: float | None, unit: str) -> str:
-    return "–" if value is None else number(in_unit(value, unit))

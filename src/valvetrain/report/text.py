@@ -9,7 +9,7 @@ from valvetrain.parameters.summary import number as number
 from valvetrain.parameters.summary import percent as percent
 from valvetrain.parameters.summary import unit_text as unit_text
 from valvetrain.solution.definition import definition_of, label_of
-from valvetrain.solution.status import Cause, Event
+from valvetrain.solution.status import Cause
 from valvetrain.units.reader import reader_factor, reader_unit
 
 #: Cause of an event -> its words.
@@ -66,18 +66,3 @@ def quantity_label(name: str) -> str:
     """
     text = axis_label(name)
     return text[:1].upper() + text[1:]
-
-
-def peak_angle(event: Event) -> float:
-    """Cam angle (deg) at which the force of a clash is largest; where it begins, if that is not known."""
-    angle = event.details.get("peak_cam_angle", event.cam_angle)
-    return math.degrees(float(angle)) % 360
-
-
-def clash_pair(event: Event) -> str:
-    """The coils that met, with the spring where there are two: ``1–2``, ``outer 1–2``."""
-    detail = event.details
-    pair = "–".join(
-        number(float(detail[name]), 3) for name in ("lower_coil", "upper_coil") if name in detail
-    )
-    return event.where.partition("coils")[0] + pair if pair else event.where

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 from valvetrain import registry
-from valvetrain.sources.contract import SourceStudy
 from valvetrain.springs.spec import spring_model
 
 INK = "#1b2430"
@@ -21,8 +18,6 @@ FONT = "'Source Sans 3', 'Segoe UI', 'Helvetica Neue', 'Liberation Sans', Arial,
 #: Colours of models that are not installed here, as in a stored run of a package's.
 _SPARE = ("#3c7d3f", "#8c6d1f", "#4b5aa8")
 
-#: Colour and mark of the published values of a source, in the order of its origins.
-_ORIGIN_MARKS = (("#0f2c57", "circle"), ("#8f4514", "diamond"), ("#15713d", "triangle"))
 
 #: Colours of a series that belongs to no model, in order.
 SERIES = (
@@ -67,20 +62,6 @@ def model_label(model: str) -> str:
         if registry.is_known("springs", model)
         else model.replace("-", " ")
     )
-
-
-@cache
-def origin_style(origin: str) -> tuple[str, str, str, str]:
-    """Short sign, words, colour and mark of the origin of a published value, as its source study
-    states it.
-    """
-    for word in registry.places("sources"):
-        source: SourceStudy = registry.find("sources", word)
-        if origin in source.origins:
-            sign, place = source.origins[origin].sign, list(source.origins).index(origin)
-            return (sign, f"{sign}, published", *_ORIGIN_MARKS[place % len(_ORIGIN_MARKS)])
-    sign = origin[:2].upper() or "?"
-    return (sign, f"{sign}, published", INK, "square")
 
 
 #: Where the words next to a mark are, so that marks of several origins at one place stay readable.

@@ -12,13 +12,15 @@ from valvetrain.findings.engine import Finding, Findings
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.table import findings_of
 from valvetrain.findings.words import Words, speed_text
+from valvetrain.session import called_case
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import shown_system
+from valvetrain.views.models import ModelTable, model_table
 from valvetrain.views.published import PaperTable, paper_table
 from valvetrain.views.rows import Line, first_rows, headings
 
 #: Topics of notes that are said in full; others stand in the table of findings alone.
-SAID = ("M", "H")
+SAID = ("M", "H", "W", "D")
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class Answer:
     """
 
     study: Study
-    words: Words = field(default_factory=lambda: Words(shown_system()))
+    words: Words = field(default_factory=lambda: Words(shown_system(), case=called_case()))
 
     @cached_property
     def facts(self) -> Facts:
@@ -54,7 +56,7 @@ class Answer:
         """What was run: ``LS 6.0, 6600 rpm (red line 7000)``."""
         record, speeds = self.study.record, self.study.engine_speeds
         where = f", {speed_text(speeds[0])}" if len(speeds) == 1 else ""
-        if self.facts.run_up and len(speeds) > 1:
+        if self.study.over_speed and len(speeds) > 1:
             where = f", {speed_text(speeds[0], '')} to {speed_text(speeds[-1])}"
         line = f" (red line {speed_text(record.red_line, '')})" if record.red_line else ""
         return f"{record.title or record.name}{where}{line}"
@@ -79,6 +81,11 @@ class Answer:
         return headings(self.facts)
 
     @cached_property
+    def models(self) -> ModelTable | None:
+        """Spring models side by side, of a comparison of them."""
+        return model_table(self.facts, self.words) if self.study.command == "compare" else None
+
+    @cached_property
     def paper(self) -> PaperTable | None:
         """Printed values next to those computed here; None without a published source."""
         return paper_table(self.study.comparisons)
@@ -89,8 +96,13 @@ class Answer:
         told = {one.remark for one in self.lines if one.remark}
         rest = self.findings[1:]
         warned = [one for one in rest if one.level == "warns" and one.remark not in told]
-        decided = [one for one in rest if one.level == "decides"]
-        notes = [one for one in rest if one.level == "notes" and one.code.startswith(SAID)]
+        decided = [one for one in rest if one.level == "decides" and one.mark != "ok"]
+        in_table = ("M110", "M111") if self.models is not None else ()
+        notes = [
+            one
+            for one in rest
+            if one.level == "notes" and one.code.startswith(SAID) and one.code not in in_table
+        ]
         return [*decided, *warned, *notes]
 
     @property
@@ -100,6 +112,7 @@ class Answer:
 
     @property
     def next_step(self) -> str:
-        """What to run or do next: that of the first finding that has one, but not this command again."""
-        again = f"valvetrain {self.study.command} {self.facts.case}"
-        return next((one.step for one in self.findings if one.step and one.step != again), "")
+        """What to run or do next: that of the first finding besides notes that has one, but not this command again."""
+        again = f"valvetrain {self.study.command} {self.words.case or self.facts.case}"
+        steps = (one.step for one in self.findings if one.level != "notes")
+        return next((one for one in steps if one and one != again), "")

@@ -6,7 +6,7 @@ Numbers are in SI units but lengths in mm and angles in deg; a function gives No
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import plotly.graph_objects as go
@@ -218,16 +218,20 @@ def contacts(facts: Facts) -> go.Figure | None:
     return styled(fig, ANGLE, ("N",)).update_xaxes(range=window(run))
 
 
-def piston(facts: Facts) -> go.Figure | None:
-    """Clearance of the valve to the piston over the cam angle, of every run that has it."""
-    runs = [run for run in facts.runs if run.has("piston_clearance_gap")]
-    if not runs:
-        return None
-    fig = go.Figure()
-    for run, colour in zip(runs, SPEEDS, strict=False):
-        gap = 1e3 * over_turn(run, "piston_clearance_gap")
-        fig.add_trace(line(degrees(run), gap, facts.at(run) or run.label, colour))
-    return styled(fig, ANGLE, ("clearance, mm",)).update_xaxes(range=window(runs[-1]))
+def _of_every_run(channel: str, factor: float, title: str) -> Callable[[Facts], go.Figure | None]:
+    """A figure of one channel over the cam angle, of every run that has it."""
+
+    def make(facts: Facts) -> go.Figure | None:
+        runs = [run for run in facts.runs if run.has(channel, "valve_lift")]
+        if not runs:
+            return None
+        fig = go.Figure()
+        for run, colour in zip(runs, SPEEDS, strict=False):
+            name = facts.at(run) or run.label
+            fig.add_trace(line(degrees(run), factor * over_turn(run, channel), name, colour))
+        return styled(fig, ANGLE, (title,)).update_xaxes(range=window(runs[-1]))
+
+    return make
 
 
 RUN_UP = FigureSpec("Where control is lost", "one point a cam revolution", running_up)
@@ -243,7 +247,19 @@ FORCE = FigureSpec(
 )
 LIFT = FigureSpec("Lift, velocity and acceleration", "of the run that decides", lift)
 CONTACTS = FigureSpec("Forces in the contacts of the train", "of the run that decides", contacts)
-PISTON = FigureSpec("Clearance to the piston", "", piston)
+PISTON = FigureSpec(
+    "Clearance to the piston", "", _of_every_run("piston_clearance", 1e3, "clearance, mm")
+)
+MARGIN = FigureSpec(
+    "Spring force less inertia of rigid parts",
+    "below zero the valve would float",
+    _of_every_run("rigid_spring_margin", 1, "N"),
+)
+PRESSURE = FigureSpec(
+    "Pressure of cam and follower",
+    "by Hertz, of a line",
+    _of_every_run("cam_contact_pressure", 1e-6, "MPa"),
+)
 
 
 def figure_specs() -> dict[str, FigureSpec]:

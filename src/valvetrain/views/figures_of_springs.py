@@ -5,15 +5,18 @@ from __future__ import annotations
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.findings.facts import Facts, over_turn
+from valvetrain.findings.facts import SPRINGS, Facts, over_turn
 from valvetrain.findings.words import RPM, speed_text
+from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.solution.result import Solution
 from valvetrain.views.style import (
     ANGLE,
+    BAD,
     LEAD,
     OTHER,
+    RIGID,
     SPEEDS,
     FigureSpec,
     degrees,
@@ -89,6 +92,51 @@ def rest(facts: Facts) -> go.Figure | None:
     return styled(fig, "compression, mm", ("N",), 300)
 
 
+def strength(facts: Facts) -> go.Figure | None:
+    """Largest over least corrected shear (MPa) of every run, with the swings that spring steels bore without end and the
+    static limit of the wire; None where the strength of no wire is known.
+    """
+    names = ("closed_nominal", "open_nominal", "open_uncorrected", "permitted")
+    fig, bounds, top = go.Figure(), dict[str, float](), 0.0
+    fig.add_trace(line([0.0, 1.0], [0.0, 1.0], "no change of stress", RIGID, "dot"))
+    for prefix in SPRINGS:
+        runs = (*facts.runs, *facts.beyond)
+        found = [
+            [1e-6 * facts.value(run, f"{prefix}{name}_shear_stress") for name in names]
+            for run in runs
+        ]
+        known = [(one, run) for one, run in zip(found, runs, strict=True) if np.isfinite(one).all()]
+        if not known or (
+            not prefix and any("outer_open_nominal_shear_stress" in run.quantities for run in runs)
+        ):
+            continue
+        spring = prefix.rstrip("_") or "spring"
+        texts = [f"{run.label}, {speed_text(run.engine_speed)}" for _, run in known]
+        least, peak = ([one[place] for one, _ in known] for place in (0, 1))
+        fig.add_trace(go.Scatter(
+            x=least, y=peak, mode="markers", name=spring, text=texts, hovertemplate="%{text}: %{x:.0f} to %{y:.0f} MPa",
+            marker={"size": 8},
+        ))  # fmt: skip
+        one = known[0][0]
+        bounds[spring] = one[3] * one[1] / one[2]
+        top = max(top, *peak, bounds[spring])
+    if not bounds:
+        return None
+    borne = [(1e-6 * low, 1e-6 * high) for low, high in FATIGUE_RANGES.values()]
+    fig.add_trace(go.Scatter(
+        x=[low for low, _ in borne], y=[high for _, high in borne], mode="markers+text", name="borne without end (Zimmerli 1957)",
+        text=list(FATIGUE_RANGES), textposition="top right", marker={"size": 8, "symbol": "diamond-open", "color": OTHER},
+    ))  # fmt: skip
+    for spring, bound in bounds.items():
+        fig.add_hline(
+            bound, line={"color": BAD, "width": 1.2}, annotation_text=f"static limit, {spring}"
+        )
+    top = 1.08 * max(top, *(high for _, high in borne))
+    fig.data[0].update(x=[0.0, top], y=[0.0, top])
+    styled(fig, "least shear of the cycle, MPa", ("largest shear, MPa",), 400)
+    return fig.update_layout(hovermode="closest").update_yaxes(range=[0.0, top])
+
+
 def paper(facts: Facts) -> go.Figure | None:
     """How far (per cent) each printed force is from the one computed here, and from that of the blind case."""
 
@@ -128,3 +176,8 @@ ORDERS_OF_SURGE = FigureSpec(
 )
 REST = FigureSpec("The spring at rest", "force over compression; dot: installed", rest)
 PAPER = FigureSpec("Here and in the paper: forces", "open: by the case that was not fitted", paper)
+STRENGTH = FigureSpec(
+    "Stress and strength of the wire",
+    "corrected shear by EN 13906-1; the higher above the dotted line, the larger the swing",
+    strength,
+)

@@ -1,4 +1,4 @@
-"""Where a study is shown: those of the commands in :data:`MOVED` by findings and views, all others by the report."""
+"""Where a study is shown: its sentence, page, pictures and JSON."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from valvetrain.report.study import StudyFiles, write_parts
 from valvetrain.report.verdict import state_cut_off
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import for_reader
 from valvetrain.views.answer import Answer
@@ -26,23 +28,23 @@ from valvetrain.views.terminal import SIGN
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-#: Commands whose studies are shown by findings and views.
-MOVED = ("run", "run-up")
+#: Commands that run nothing.
+AT_REST = ("static", "modes")
 #: Scale of pictures of pixels, which are then sharp in print.
 SCALE = 2
 
 
-def moved(result: object) -> bool:
-    """Whether a result is a study of a command in :data:`MOVED`."""
-    return isinstance(result, Study) and result.command in MOVED
-
-
 def sentence_of(study: Study) -> str:
     """The verdict of a study in one sentence; empty of one that shows nothing."""
-    if not moved(study):
+    if study.command in AT_REST:
         return study_verdict(study)
     verdict = Answer(study).verdict
     return "" if verdict is None else str(verdict)
+
+
+def sentence_of_run(run: Solution) -> str:
+    """The verdict of one run in one sentence, as that of a study of it alone."""
+    return sentence_of(Study(CaseRecord(run.provenance.case_name), solutions=(run,)))
 
 
 def answer_json(study: Study) -> dict[str, Any]:
@@ -64,9 +66,8 @@ def answer_json(study: Study) -> dict[str, Any]:
     ('K104', 'N')
     """
     data = study_json(study)
-    if moved(study):
-        data["source_findings"] = data.pop("findings")
-        data["findings"] = [one.to_dict() for one in Answer(study).findings]
+    data["source_findings"] = data.pop("findings")
+    data["findings"] = [one.to_dict() for one in Answer(study).findings]
     return data
 
 
@@ -119,9 +120,7 @@ def write_answer(study: Study, folder: Path, page: bool, figures: bool, **more: 
     """As :func:`write_study`; a part that fails is named among the ``gaps`` and costs no other. ``more`` is for
     :func:`valvetrain.report.study.write_parts`.
     """
-    if not moved(study):
-        return write_parts(study, folder, page, figures, **more)
-    return write_parts(study, folder, page, figures, pages=_write_page, **more)
+    return write_parts(study, folder, _write_page, page, figures, **more)
 
 
 def _write_page(
@@ -160,14 +159,14 @@ def write_figures(study: Study, folder: Path) -> tuple[Path, ...]:
 
 def figure_for_user(result: object, name: str = "") -> go.Figure:
     """The figure ``name`` of a study, or the first of a result, by plotly."""
-    if isinstance(result, Study) and moved(result):
+    if isinstance(result, Study):
         return figure_of(result, name)
     return notebook.figure_of(result)
 
 
 def picture_for_notebook(result: object) -> str:
     """Verdict and rows of a study as HTML; of another result its verdict and first figure."""
-    if not (isinstance(result, Study) and moved(result)):
+    if not isinstance(result, Study):
         return notebook.picture_of(result)
     answer = Answer(result)
     head = f"<p><strong>{escape(sentence_of(result))}</strong></p>"

@@ -84,14 +84,23 @@ class Line:
 
 
 def columns(facts: Facts) -> list[Solution]:
-    """The runs of the first table: those that decide; of many the first, the last and some between, of a run-up those of
-    the variant that loses control first.
+    """The runs of the first table: those that decide; of many the first, the last and some between. Over engine speed
+    those of the variant that loses control first, but of two springs both at the highest speed in use.
     """
-    runs = list(facts.runs)
+    asked = {id(run) for run in facts.study.solutions}
+    runs = [run for run in facts.runs if id(run) in asked] or list(facts.runs)
+    if facts.study.command == "compare-springs" and runs:
+        shared = [
+            {run.engine_speed for run in runs if run.label == one} for one in facts.lead_labels
+        ]
+        common = set.intersection(*shared) or {runs[-1].engine_speed}
+        return [run for run in runs if run.engine_speed == max(common)][:COLUMNS]
     if facts.run_up and runs:
         lost = (run.label for run in runs if facts.value(run, "loft_gap") > 0)
         label = next(lost, runs[-1].label)
         runs = [run for run in runs if run.label == label]
+    elif facts.sweep:
+        runs = [run for run in runs if run.label == facts.first_label] or runs
     places = np.linspace(0, len(runs) - 1, COLUMNS).round() if runs else np.zeros(0)
     return [runs[int(place)] for place in np.unique(places)]
 

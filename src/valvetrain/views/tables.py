@@ -15,6 +15,7 @@ from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.views.answer import Answer
+from valvetrain.views.models import model_table
 from valvetrain.views.published import published_rows
 
 #: Runs that stand side by side; more are rows. Events of a run that are listed, the largest.
@@ -131,6 +132,22 @@ def _largest(run: Solution) -> list[Event]:
     lead = [one for one in run.events if one.kind != "seating" or one.details.get("touch") == 1]
     largest = sorted(lead, key=lambda one: -one.size)[:EVENTS]
     return sorted(largest, key=lambda one: one.cam_angle)
+
+
+def critical(answer: Answer) -> TextTable:
+    """Critical engine speeds of every run: from where control is lost, to where, and why."""
+    rows = [
+        (one.label, one.kind.replace("-", " "), one.text, one.later_text, CAUSES.get(one.cause, ""))
+        for one in answer.study.critical_speeds
+    ]
+    heads = ("run", "loss", "from, rpm", "to", "cause")
+    return TextTable("Critical engine speeds", heads, tuple(rows))
+
+
+def models(answer: Answer) -> TextTable | None:
+    """Spring models side by side, where the first screen does not show them."""
+    table = None if answer.models is not None else model_table(answer.facts, answer.words)
+    return None if table is None else TextTable("Spring models", table.columns, table.rows)
 
 
 def error_bars(answer: Answer) -> TextTable:

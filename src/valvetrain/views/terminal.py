@@ -12,8 +12,10 @@ from rich.text import Text
 
 from valvetrain.findings.words import speed_text
 from valvetrain.views.answer import Answer
+from valvetrain.views.models import ModelTable
+from valvetrain.views.over_speed import Bar, reach
+from valvetrain.views.over_speed import bars as control_bars
 from valvetrain.views.published import PaperTable
-from valvetrain.views.rows import columns
 
 STYLE = {"bad": "bold red", "warn": "yellow", "ok": "green", "": ""}
 SIGN = {"bad": "✗", "warn": "!", "ok": "✓", "": ""}
@@ -41,8 +43,10 @@ def _parts(answer: Answer, page: str, folder: str) -> Iterator[RenderableType]:
     if answer.verdict is not None:
         fact, rest = answer.headline
         yield Text.assemble((fact.upper(), STYLE[answer.verdict.mark]), rest)
-    if answer.facts.run_up and len(answer.facts.speeds) > 1:
-        yield Padding(_bars(answer), (0, 2), expand=False)
+    if bars := control_bars(answer.facts):
+        yield Padding(_bars(answer, bars), (0, 2), expand=False)
+    if answer.models is not None:
+        yield Padding(_models(answer.models), (0, 2), expand=False)
     if answer.lines:
         yield Padding(_rows(answer), (0, 2), expand=False)
     if answer.paper is not None:
@@ -86,22 +90,30 @@ def _paper(paper: PaperTable) -> Table:
     return grid
 
 
-def _bars(answer: Answer) -> Table:
-    """Bars of control over the engine speed of a run-up, of the variant that loses control first."""
-    facts, first = answer.facts, columns(answer.facts)[0]
-    runs = [run for run in (*facts.runs, *facts.beyond) if run.label == first.label]
-    low, high = runs[0].engine_speed, runs[-1].engine_speed
-    lost = [facts.value(run, "loft_gap") > 0 for run in runs]
-    cells = [" "] * WIDTH
-    for at in range(WIDTH):
-        speed = low + (high - low) * at / (WIDTH - 1)
-        nearest = min(range(len(runs)), key=lambda k: abs(runs[k].engine_speed - speed))
-        cells[at] = "x" if lost[nearest] else "o"
+def _bars(answer: Answer, bars: list[Bar]) -> Table:
+    """Bars over engine speed, with the red line where they leave room."""
+    low, high = reach(answer.facts)
+    step = (high - low) / WIDTH
+    red = (answer.facts.red_line - low) / step
     grid = Table.grid(padding=(0, 2, 0, 0))
     scale = f"{speed_text(low, '')}{speed_text((low + high) / 2, ''):^{WIDTH - 8}}{speed_text(high, '')}"
     grid.add_row("", Text(scale, style="dim"))
-    for word, sign, style in (("in control", "o", "green"), ("off the cam", "x", "red")):
-        if sign in cells:
-            bar = "".join("█" if one == sign else " " for one in cells)
-            grid.add_row(Text(word, style="dim"), Text(bar, style=style))
+    for bar in bars:
+        cells = [" "] * WIDTH
+        if 0 <= red < WIDTH:
+            cells[int(red)] = "¦"
+        for begin, end in bar.spans:
+            first = round((begin - low) / step)
+            for place in range(first, max(round((end - low) / step), first + 1)):
+                cells[min(place, WIDTH - 1)] = "█"
+        grid.add_row(Text(bar.word, style="dim"), Text("".join(cells), style=STYLE[bar.mark]))
+    return grid
+
+
+def _models(table: ModelTable) -> Table:
+    """Spring models side by side, without what each leaves out."""
+    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid.add_row(*(Text(one, style="dim") for one in table.columns[:-1]))
+    for name, *cells in table.rows:
+        grid.add_row(Text(name, style="dim"), *cells[:-1])
     return grid

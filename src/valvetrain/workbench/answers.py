@@ -12,7 +12,6 @@ from valvetrain.compare_test import ModelAgainstTest, compare_study_with_test
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import read_case
-from valvetrain.report.read_page import PageTable
 from valvetrain.report.run_summary import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
 from valvetrain.runs.differences import input_differences, result_differences
 from valvetrain.runs.saved_runs import SavedRun
@@ -25,6 +24,16 @@ from valvetrain.workbench.store import inside
 
 #: Largest file of a test (bytes), and rows of a comparison.
 MAX_TEST, MAX_ROWS = 20_000_000, 200
+
+
+@dataclass(frozen=True, slots=True)
+class PageTable:
+    """A table of words: ``title``, ``headers``, ``rows``, and ``right``: which columns hold numbers."""
+
+    title: str
+    headers: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    right: tuple[bool, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

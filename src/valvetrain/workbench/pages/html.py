@@ -12,7 +12,7 @@ from valvetrain.compare_test import ModelAgainstTest, compare_test_page
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.report.page import Block, Cell, Grid, Section, render_part, text
 from valvetrain.report.plotly_chart import in_script
-from valvetrain.report.read_page import PageTable
+from valvetrain.workbench.answers import PageTable
 from valvetrain.workbench.jobs import JobStatus
 
 

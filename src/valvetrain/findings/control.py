@@ -1,0 +1,86 @@
+"""Up to which engine speed a train is controlled, and what is lost from where: the loss that stays, and the short
+ranges of lost contact below it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from valvetrain.solution.critical import CriticalSpeed, SpeedBracket
+from valvetrain.solution.study import Study
+
+
+@dataclass(frozen=True)
+class Loss:
+    """One kind of lost control: its critical speed, and the ranges of engine speed (rad/s) that hold it, from 0 where
+    it is lost from the first speed searched on.
+    """
+
+    row: CriticalSpeed
+    ranges: tuple[SpeedBracket, ...]
+
+    @property
+    def begin(self) -> float:
+        """Engine speed (rad/s) from which control is lost."""
+        return self.ranges[0].lower_engine_speed
+
+    @property
+    def at_onset(self) -> bool:
+        """Whether it begins at the onset that the search looked at, whose cause is known."""
+        return self.begin in (0.0, self.row.engine_speed)
+
+
+@dataclass(frozen=True)
+class Control:
+    """What a search found of a label: ``losses`` by their begin, and ``islands``, short ranges of lost contact below all
+    of them in which the valve neither floats nor bounces; ``contact`` is the row of those.
+    """
+
+    losses: tuple[Loss, ...] = ()
+    islands: tuple[SpeedBracket, ...] = ()
+    contact: CriticalSpeed | None = None
+
+    @property
+    def limit(self) -> float:
+        """Engine speed (rad/s) up to which the train is controlled but for the islands; infinite for never lost."""
+        return min((one.begin for one in self.losses), default=math.inf)
+
+    def spans(self, kind: str) -> tuple[SpeedBracket, ...]:
+        """All ranges of engine speed (rad/s) that hold one kind of loss, islands among them."""
+        short = self.islands if kind == "contact-loss" else ()
+        return (
+            *short,
+            *(span for one in self.losses if one.row.kind == kind for span in one.ranges),
+        )
+
+
+def control_of(study: Study, label: str) -> Control:
+    """The control of a label by the critical speeds of a study.
+
+    Parameters
+    ----------
+    study : a sweep; of any other study nothing is lost
+    label : of its runs
+
+    Returns
+    -------
+    Control, whose ``limit`` is infinite where nothing is lost
+
+    Examples
+    --------
+    >>> from valvetrain.solution.provenance import CaseRecord
+    >>> control_of(Study(CaseRecord("own")), "stock").limit
+    inf
+    """
+    rows = [one for one in study.critical_speeds if one.label == label and one.found]
+    losses = [Loss(one, one.ranges) for one in rows]
+    contact = next((one for one in losses if one.row.kind == "contact-loss"), None)
+    others = [one for one in losses if one is not contact]
+    other = min((one.begin for one in others), default=math.inf)
+    islands = () if contact is None else contact.row.short_ranges(other)
+    if contact is not None and islands:
+        left = contact.ranges[len(islands) :]
+        losses = [*others, *([Loss(contact.row, left)] if left else [])]
+    ordered = tuple(sorted(losses, key=lambda one: one.begin))
+    return Control(ordered, islands, None if contact is None else contact.row)

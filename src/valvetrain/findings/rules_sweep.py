@@ -1,0 +1,300 @@
+"""Rules over engine speed: up to where a train is controlled (W), and which of two springs keeps control longer (D)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from valvetrain.findings.control import Loss
+from valvetrain.findings.engine import Fields, Hit, Rule
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_train import CAUSES, CONTACT, cause
+from valvetrain.findings.words import Amount, Phrase, Said, about, joined, speed_text
+from valvetrain.solution.critical import CriticalSpeed, SpeedBracket, places_text
+from valvetrain.solution.status import Cause
+
+#: Kind of critical speed -> what the valve does from there.
+DOES = {"contact-loss": "loses the {place}", "float": "floats", "bounce": "bounces"}
+#: Cause of the end of a range -> what is said of it.
+ENDS = {"force": "a tenth of the force", "ends": "ends that would pull", "revolution": "revolution"}
+SPEED = "contact_loss_engine_speed"
+#: Share of a critical speed from which its range is named, and within which two springs are alike.
+WIDE, ALIKE = 0.004, 0.01
+#: Share by which stresses of two wires differ where it is worth a word.
+STRESSED = 0.05
+
+
+def does(row: CriticalSpeed) -> Phrase:
+    """What the valve does from a critical speed."""
+    place = "cam" if "cam" in row.places or not row.places else places_text(*row.places)
+    return Phrase(DOES[row.kind], {"place": place})
+
+
+def why(facts: Facts, loss: Loss) -> str:
+    """Why control is lost: by the search where it looked at that onset, else by the first run within."""
+    row = loss.row
+    if row.cause and loss.at_onset:
+        found = CAUSES.get(row.cause, "")
+        return (
+            f"surge, cam order {row.surge_order}"
+            if row.cause == Cause.SURGE and row.surge_order
+            else found
+        )
+    low, high = loss.ranges[0].lower_engine_speed, loss.ranges[0].upper_engine_speed
+    for run in (*facts.runs, *facts.beyond):
+        if (
+            run.label == row.label
+            and low <= run.engine_speed <= high
+            and (events := facts.losses(run))
+        ):
+            return cause(run, events)
+    return ""
+
+
+def range_of(row: CriticalSpeed) -> tuple[Fields, float]:
+    """A range that is worth a word, with its causes, and its half width (rad/s); empty and 0 of a narrow one."""
+    span = row.span
+    if span is None or not row.causes:
+        return {}, row.resolution / 2
+    low, high = span.lower_engine_speed, span.upper_engine_speed
+    if high - low <= WIDE * row.deciding_speed:
+        return {}, row.resolution / 2
+    width = high - low if math.isfinite(high) and low > 0 else 0.0
+    begin = f"below {speed_text(row.first_engine_speed, '')}" if low <= 0 else about(low)
+    end = about(high) if math.isfinite(high) else f"above {speed_text(row.last_engine_speed, '')}"
+    causes = ", ".join(ENDS.get(one, one) for one in row.causes)
+    return {"range": f"{begin} to {end}", "over": causes}, width / 2
+
+
+def _first(facts: Facts) -> Loss | None:
+    """The loss that decides: the first one of the label that loses control first."""
+    if not (facts.searched and facts.train):
+        return None
+    return next(iter(facts.control(facts.first_label).losses), None)
+
+
+def _lost(facts: Facts, beyond: bool) -> Iterator[Hit]:
+    loss = _first(facts)
+    if loss is None or loss.begin <= 0 or (loss.begin >= facts.red_line) is not beyond:
+        return
+    row = loss.row
+    spread, half = range_of(row)
+    margin = abs(facts.red_line - loss.begin)
+    angle = row.cam_angle if loss.at_onset else math.nan
+    yield Hit(Amount(SPEED, loss.begin, half), None, facts.red_line if math.isfinite(margin) else None, {
+        "does": does(row), "speed": f"about {about(loss.begin, half)} rpm", "cause": why(facts, loss),
+        "short": f"{about(margin, half)} rpm" if math.isfinite(margin) else "", "round": about(loss.begin),
+        "label": row.label if len(facts.lead_labels) > 1 else "",
+        "angle": Amount("loft_cam_angle", angle) if math.isfinite(angle) else "", **spread,
+    })  # fmt: skip
+
+
+def lost(facts: Facts) -> Iterator[Hit]:
+    """Control is lost for good below the red line, or anywhere where none is stated."""
+    return _lost(facts, beyond=False)
+
+
+def lost_beyond(facts: Facts) -> Iterator[Hit]:
+    """Control is lost, but beyond the red line."""
+    return _lost(facts, beyond=True)
+
+
+def never_held(facts: Facts) -> Iterator[Hit]:
+    """Control is lost already at the lowest speed searched."""
+    loss = _first(facts)
+    if loss is not None and loss.begin <= 0:
+        first = loss.row.first_engine_speed
+        fields: Fields = {
+            "does": does(loss.row),
+            "speed": speed_text(first),
+            "cause": why(facts, loss),
+            "round": speed_text(first, ""),
+        }
+        yield Hit(Amount(SPEED, first), None, None, fields)
+
+
+def held(facts: Facts) -> Iterator[Hit]:
+    """Nothing is lost up to the highest speed searched."""
+    if facts.searched and facts.train and _first(facts) is None:
+        last = max(one.last_engine_speed for one in facts.study.critical_speeds)
+        kept = facts.amounts(CONTACT[0])
+        least = min(kept, key=lambda pair: pair[0].value, default=None)
+        fields: Fields = {
+            "speed": speed_text(last), "round": speed_text(last, ""),
+            "least": least[0] if least else "", "there": facts.at(least[1]) if least else "",
+        }  # fmt: skip
+        yield Hit(Amount(SPEED, last), None, None, fields)
+
+
+def islands(facts: Facts) -> Iterator[Hit]:
+    """Short ranges of lost contact below the loss that stays, which an engine passes at once."""
+    for label in facts.lead_labels if facts.searched else ():
+        control = facts.control(label)
+        if control.contact is not None and control.islands:
+            whole = Loss(control.contact, control.islands)
+            fields: Fields = {
+                "does": does(control.contact), "spans": joined([_span(one) for one in control.islands]),
+                "cause": why(facts, whole), "label": label if len(facts.lead_labels) > 1 else "",
+            }  # fmt: skip
+            yield Hit(Amount(SPEED, whole.begin), None, None, fields, -whole.begin)
+
+
+def _span(one: SpeedBracket) -> str:
+    low, high = (
+        speed_text(speed, "") for speed in (one.lower_engine_speed, one.upper_engine_speed)
+    )
+    return low if low == high else f"{low} to {high}"
+
+
+def also_lost(facts: Facts) -> Iterator[Hit]:
+    """What else is lost from which speed, and where control returns in between."""
+    first = _first(facts)
+    said = list[Said]()
+    for loss in facts.control(facts.first_label).losses if first is not None else ():
+        spans = loss.ranges[1:] if first is not None and loss.row is first.row else loss.ranges
+        if spans:
+            ranges = joined([_from(one, loss.row) for one in spans[:3]])
+            again = " again" if first is not None and loss.row is first.row else ""
+            fields: Fields = {"does": does(loss.row), "again": again, "ranges": ranges}
+            said.append(Phrase("{does}[{again}] from {ranges} rpm", fields))
+    if said:
+        yield Hit(Amount(SPEED, 0.0), None, None, {"said": said})
+
+
+def _from(one: SpeedBracket, row: CriticalSpeed) -> str:
+    low = max(one.lower_engine_speed, row.first_engine_speed)
+    ends = one.upper_engine_speed < row.last_engine_speed
+    return f"{about(low)}{f' to {about(one.upper_engine_speed)}' if ends else ''}"
+
+
+def two_motions(facts: Facts) -> Iterator[Hit]:
+    """Between two speeds control is kept as the speed rises, and not regained as it falls."""
+    for row in facts.study.critical_speeds if facts.searched else ():
+        if row.label in facts.lead_labels and row.both_motions is not None:
+            low, high = row.both_motions
+            yield Hit(
+                Amount(SPEED, high - low), None, None, {"low": about(low), "high": about(high)}
+            )
+
+
+def silent(facts: Facts) -> Iterator[Hit]:
+    """The ends of the spring would pull below the onset, in a model that cannot lift them: such runs show no control."""
+    for row in facts.study.critical_speeds if facts.searched else ():
+        if row.label in facts.lead_labels and row.pulled:
+            fields: Fields = {"spans": joined([_span(one) for one in row.pulled[:3]])}
+            yield Hit(Amount(SPEED, row.pulled[0].lower_engine_speed), None, None, fields)
+
+
+def unlike(facts: Facts) -> Iterator[Hit]:
+    """Spring sets of one sweep that lose control at different speeds."""
+    labels = facts.lead_labels if facts.searched else ()
+    ends = sorted(((facts.control(one).limit, one) for one in labels), reverse=True)
+    if len(ends) > 1:
+        said = tuple(
+            Phrase("{label} {reached}", {"label": one, "reached": _reached(end)})
+            for end, one in ends
+        )
+        yield Hit(Amount(SPEED, len(ends)), None, None, {"said": said})
+
+
+def _reached(end: float) -> str:
+    return (
+        f"keeps control to {about(end)} rpm"
+        if 0 < end < math.inf
+        else "at no speed"
+        if end <= 0
+        else "throughout"
+    )
+
+
+# -- two springs in one engine ---------------------------------------------------------------------
+
+
+def pair(facts: Facts) -> list[tuple[str, float]]:
+    """Names of the two springs and to which speed (rad/s) each keeps control, the better first; none of another study."""
+    labels = facts.study.labels
+    if facts.study.command != "compare-springs" or len(labels) != 2 or not facts.searched:
+        return []
+    names = {run.label: run.spring_set or run.label for run in facts.study.solutions}
+    ends = [(names[label], facts.control(label).limit) for label in labels]
+    return sorted(ends, key=lambda one: -one[1])
+
+
+def longer(facts: Facts) -> Iterator[Hit]:
+    """One of two springs keeps control longer by more than a hundredth of the speed."""
+    found = pair(facts)
+    if found and found[0][1] > (1 + ALIKE) * found[1][1]:
+        (better, high), (other, low) = found
+        fields: Fields = {"better": better, "other": other, "high": _to(high), "low": _to(low)}
+        yield Hit(Amount(SPEED, low), None, facts.study.record.red_line, fields)
+
+
+def alike(facts: Facts) -> Iterator[Hit]:
+    """Two springs lose control within a hundredth of the speed, or neither does."""
+    found = pair(facts)
+    if found and not found[0][1] > (1 + ALIKE) * found[1][1]:
+        yield Hit(Amount(SPEED, min(found[1][1], 1e9)), None, None, {"low": _to(found[1][1])})
+
+
+def _to(end: float) -> str:
+    return f"to {about(end)} rpm" if 0 < end < math.inf else "at no speed searched" if end <= 0 else "at every speed searched"  # fmt: skip
+
+
+def stressed(facts: Facts) -> Iterator[Hit]:
+    """The larger stress amplitude of two wires, where they differ by more than a twentieth."""
+    found = _largest(facts, ("open_nominal_shear_stress", "closed_nominal_shear_stress"), 0.5)
+    if found and found[0][1] > (1 + STRESSED) * found[1][1]:
+        yield _more(found, "peak_shear_stress")
+
+
+def surges(facts: Facts) -> Iterator[Hit]:
+    """The larger surge of two springs at the speeds in use, where they differ by more than a twentieth."""
+    found = _largest(facts, ("surge_amplitude_force",), 1.0)
+    if found and found[0][1] > (1 + STRESSED) * found[1][1]:
+        yield _more(found, "surge_amplitude_force")
+
+
+def _largest(facts: Facts, names: Sequence[str], factor: float) -> list[tuple[str, float]]:
+    """Name and largest number of either spring, the larger first: ``factor`` times a quantity, or times one less another."""
+    found: dict[str, float] = {}
+    for run in facts.runs if pair(facts) else ():
+        values = [run.quantities.get(name, math.nan) for name in names]
+        size = factor * (values[0] - sum(values[1:]))
+        if math.isfinite(size):
+            found[run.spring_set] = max(size, found.get(run.spring_set, 0.0))
+    ordered = sorted(found.items(), key=lambda one: -one[1])
+    return ordered if len(ordered) == 2 else []
+
+
+def _more(found: list[tuple[str, float]], name: str) -> Hit:
+    (more, largest), (_, less) = found
+    return Hit(Amount(name, largest), None, None, {"more": more, "less": Amount(name, less)})
+
+
+LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
+RANGE = "[{range}: {over}]"
+COMPARE = "[valvetrain compare {case} --engine-speed '{round} rpm']"
+DROPS, TWO = "how-to/02-power-drops.md", "how-to/04-two-springs.md"
+
+RULES = (
+    Rule("D101", "decides", "{better} keeps control {high}, {other} {low}", longer, CONTACT, mark="", guide=TWO),
+    Rule("D102", "decides", "no difference in control: both keep it {low}", alike, CONTACT, mark="", guide=TWO),
+    Rule("D103", "notes", "{more} is stressed more: amplitude {value} against {less}", stressed, ("open_nominal_shear_stress",),
+         guide=TWO),
+    Rule("D104", "notes", "{more} surges more at the speeds in use: {value} against {less}", surges, guide=TWO),
+    Rule("W104", "decides", "not in control: {does} already at {speed}", never_held, CONTACT, "[{cause}]", COMPARE,
+         guide="how-to/09-loft.md", unless=("D10",)),
+    Rule("W101", "decides", LOSS, lost, CONTACT, "[{cause}]", COMPARE, RANGE, DROPS, unless=("D10",)),
+    Rule("W102", "decides", "in control to {speed}, {short} above the red line[ ({label})]", lost_beyond, CONTACT,
+         "then it {does}[, {cause}]", COMPARE, RANGE, DROPS, "ok", ("D10",)),
+    Rule("W103", "decides", "in control up to {speed}, the highest searched", held, CONTACT,
+         "[{least} left on the cam][ {there}]", COMPARE, mark="ok", unless=("D10",)),
+    Rule("W110", "warns", "{does} at {spans} rpm as well, a short range[ ({label})]", islands, CONTACT, "[{cause}]",
+         guide="how-to/03-resonance.md"),
+    Rule("W114", "warns", "nothing is known of control at {spans} rpm: the spring's ends would lift", silent,
+         ("minimum_spring_force",), step="valvetrain sweep {case} --spring wave-rod", remark="ends would lift"),
+    Rule("W111", "notes", "it also {said}", also_lost, ("float_excess_lift", "bounce_height"), unless=("D10",)),
+    Rule("W112", "notes", "from {low} to {high} rpm both motions exist: rising speed keeps control, falling speed does not regain it",
+         two_motions),
+    Rule("W113", "notes", "{said}", unlike, unless=("D10",)),
+)  # fmt: skip

@@ -1,0 +1,156 @@
+"""Spring models side by side: numbers of each, how far it is off the one that decides, and to which speed it is good."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import plotly.graph_objects as go
+
+from valvetrain.findings.facts import Facts, over_turn, trust
+from valvetrain.findings.rules_train import CONTACT
+from valvetrain.findings.words import Amount, MissingFieldError, Words, speed_text
+from valvetrain.solution.result import Solution
+from valvetrain.springs.spec import spring_model
+from valvetrain.views.style import (
+    ANGLE,
+    BAD,
+    LEAD,
+    OTHER,
+    RIGID,
+    SPEEDS,
+    FigureSpec,
+    degrees,
+    line,
+    styled,
+    window,
+)
+
+#: Share of the largest force up to which a model is good.
+GOOD = 0.05
+#: Heading -> template of a cell, of a train and of a spring alone.
+CELLS = {
+    True: {"left on the cam": "{minimum_cam_contact_force}", "off the cam": "[{loft_gap}]",
+           "spring": "{minimum_spring_force..peak_spring_force}", "surge": "{surge_amplitude_force}"},
+    False: {"on the retainer": "{minimum_retainer_force..peak_retainer_force}", "surge": "{surge_amplitude_force}",
+            "coil on coil": "{surge_clash_peak_force}", "first mode": "{surge_frequency}"},
+}  # fmt: skip
+#: Forces by which a model is judged, of a train and of a spring alone.
+JUDGED = {
+    True: ("peak_cam_contact_force", CONTACT[0], "peak_spring_force"),
+    False: ("peak_retainer_force", "minimum_retainer_force"),
+}
+
+
+@dataclass(frozen=True)
+class ModelTable:
+    """Spring models of a study: ``columns`` of headings, ``rows`` of a text for each."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def model_table(facts: Facts, words: Words) -> ModelTable | None:
+    """Every spring model of a comparison at the highest speed, the one that decides first.
+
+    Parameters
+    ----------
+    facts : of a study
+    words : units and language
+
+    Returns
+    -------
+    The table; None of a study by one model
+    """
+    if not facts.models:
+        return None
+    brief, cells = replace(words, brief=True), CELLS[facts.train]
+    several = len(facts.speeds) > 1
+    rows = []
+    for run in facts.models:
+        texts = [_cell(text, facts, run, brief) for text in cells.values()]
+        lead = run is facts.models[0]
+        judged = "decides" if lead else _share(deviation(facts, run, facts.models[0]))
+        good = [] if not several else ["" if lead else good_to(facts, run.model)]
+        rows.append((run.model, *texts, judged, *good, spring_model(run.model).leaves_out))
+    speed = speed_text(facts.speeds[-1])
+    columns = (f"at {speed}", *cells, "forces", *(["good to"] if several else []), "leaves out")
+    filled = [k for k in range(len(columns)) if any(row[k] for row in rows)]
+    return ModelTable(
+        tuple(columns[k] for k in filled), tuple(tuple(row[k] for k in filled) for row in rows)
+    )
+
+
+def _cell(text: str, facts: Facts, run: Solution, words: Words) -> str:
+    names = {name for name in run.quantities if f"{{{name}" in text or f"..{name}" in text}
+    fields: dict[str, Amount] = {name: one for name in names if (one := facts.amount(run, name))}
+    try:
+        return words.fill(text, fields)
+    except MissingFieldError:
+        return ""
+
+
+def deviation(facts: Facts, run: Solution, lead: Solution) -> float:
+    """Largest difference of the judged forces of two runs, as a share of the largest force of the one that decides; NaN
+    where neither can be compared or the force that decides is not resolved.
+    """
+    names = JUDGED[facts.train]
+    amounts = [(facts.amount(run, name), facts.amount(lead, name)) for name in names]
+    pairs = [
+        (one, other) for one, other in amounts if one and other and one.resolved and other.resolved
+    ]
+    most = max((abs(other.value) for _, other in pairs), default=0.0)
+    return max(abs(one.value - other.value) for one, other in pairs) / most if most else math.nan
+
+
+def _share(value: float) -> str:
+    if not math.isfinite(value):
+        return ""
+    return f"{100 * value:.2g} % off" if value >= 1e-3 else "0.1 % off"
+
+
+def good_to(facts: Facts, model: str) -> str:
+    """The highest speed up to which a model is within :data:`GOOD` of the one that decides, at all lower ones too."""
+    reached = ""
+    for lead in sorted(facts.runs, key=lambda run: run.engine_speed):
+        mine = [
+            one
+            for one in facts.others
+            if one.model == model and math.isclose(one.engine_speed, lead.engine_speed)
+        ]
+        if not mine or not deviation(facts, mine[0], lead) <= GOOD:
+            return reached or "no speed"
+        reached = speed_text(lead.engine_speed)
+    return reached
+
+
+def models(facts: Facts) -> go.Figure | None:
+    """Force on the cam, or on the retainer of a spring alone, over the cam angle by every model of a comparison."""
+    name = "cam_contact_force" if facts.train else "retainer_force"
+    least = CONTACT[0] if facts.train else "peak_retainer_force"
+    runs = [run for run in facts.models if run.has(name, "valve_lift")]
+    if facts.study.command != "compare" or len(runs) < 2:
+        return None
+    fig, lead = go.Figure(), runs[0]
+    rigid = "rigid_contact_force" if facts.train else "static_retainer_force"
+    if lead.has(rigid):
+        word = "rigid parts" if facts.train else "at rest"
+        fig.add_trace(line(degrees(lead), over_turn(lead, rigid), word, RIGID, "dash"))
+    colours = (LEAD, *SPEEDS[1:], OTHER)
+    words = Words(brief=True)
+    for run, colour in sorted(zip(runs, colours * 2, strict=False), key=lambda one: trust(one[0])):
+        amount = facts.amount(run, least)
+        said = f", {'least' if facts.train else 'largest'} {words.amount(amount)}" if amount else ""
+        width = 2.4 if run is lead else 1.4
+        trace = line(degrees(run), over_turn(run, name), f"{run.model}{said}", colour)
+        fig.add_trace(trace.update(line={"width": width}))
+    if facts.train:
+        fig.add_hline(0, line={"color": BAD, "width": 1})
+    styled(fig, ANGLE, ("on the cam, N" if facts.train else "on the retainer, N",), 430)
+    fig.update_layout(
+        legend={"orientation": "h", "y": -0.16, "yanchor": "top", "x": 0}, margin={"t": 12}
+    )
+    return fig.update_xaxes(range=window(lead))
+
+
+MODELS = FigureSpec("What each model says", "click a name to hide its line", models)

@@ -1,0 +1,229 @@
+"""Figures over engine speed: where control is kept and what is lost, forces, cam orders of surge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import plotly.graph_objects as go
+
+from valvetrain.findings.engine import Mark
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.words import NOTHING, RPM
+from valvetrain.solution.result import Solution
+from valvetrain.views.style import BAD, LEAD, OK, SECOND, SPEEDS, FigureSpec, line, panels, styled
+
+#: Kind of critical speed -> what is said of its bar, and its colour.
+LOST = {
+    "contact-loss": ("off the cam", BAD),
+    "float": ("floats", "#8c2d6b"),
+    "bounce": ("bounces", "#d08a00"),
+}
+HELD = "in control"
+#: Cam orders of the map, from the first that a valve spring answers to.
+ORDERS = range(3, 31)
+Spans = list[tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """Ranges of engine speed (rad/s) over which one thing holds: ``word``, ``mark`` and ``colour``."""
+
+    word: str
+    spans: Spans
+    mark: Mark
+    colour: str
+
+
+def reach(facts: Facts) -> tuple[float, float]:
+    """Lowest and highest engine speed (rad/s) of a study over speed."""
+    speeds = facts.study.engine_speeds
+    return (speeds[0], speeds[-1]) if speeds else (math.nan, math.nan)
+
+
+def bars(facts: Facts) -> list[Bar]:
+    """What bars of control show: of one label where it is in control and each loss, of several where each is in control.
+
+    Parameters
+    ----------
+    facts : of a study over engine speed
+
+    Returns
+    -------
+    A bar for each, from the top; none where nothing was searched
+    """
+    if facts.run_up and len(facts.study.engine_speeds) > 1:
+        return _of_revolutions(facts)
+    if not (facts.searched and facts.train):
+        return []
+    first, last = reach(facts)
+    if len(facts.lead_labels) > 1:
+        sets = {run.label: run.spring_set or run.label for run in facts.runs}
+        names = {label: sets[label] for label in facts.lead_labels if label in sets}
+        named = names if len(set(names.values())) == len(names) else {one: one for one in names}
+        return [
+            Bar(name, _free(facts, label, first, last), "ok", OK) for label, name in named.items()
+        ]
+    label = facts.first_label
+    found = [Bar(HELD, _free(facts, label, first, last), "ok", OK)]
+    for kind, (word, colour) in LOST.items():
+        spans = _within(facts, label, kind, first, last)
+        found.append(Bar(word, spans, "bad" if kind == "contact-loss" else "warn", colour))
+    return [one for one in found if one.spans or one.word == HELD]
+
+
+def _within(facts: Facts, label: str, kind: str, first: float, last: float) -> Spans:
+    spans = facts.control(label).spans(kind)
+    return [
+        (max(one.lower_engine_speed, first), min(one.upper_engine_speed, last)) for one in spans
+    ]
+
+
+def _free(facts: Facts, label: str, first: float, last: float) -> Spans:
+    """What no loss takes of the speeds searched."""
+    lost = sorted(span for kind in LOST for span in _within(facts, label, kind, first, last))
+    found, edge = Spans(), first
+    for low, high in lost:
+        if low > edge:
+            found.append((edge, low))
+        edge = max(edge, high)
+    return [*found, (edge, last)] if edge < last else found
+
+
+def _of_revolutions(facts: Facts) -> list[Bar]:
+    """In control and off the cam by the revolutions of a run-up of the label that loses the cam first."""
+    lead = next(
+        (run.label for run in facts.runs if facts.value(run, "loft_gap") > 0), facts.runs[-1].label
+    )
+    runs = [run for run in (*facts.runs, *facts.beyond) if run.label == lead]
+    speeds = np.array([run.engine_speed for run in runs])
+    edges = np.concatenate((speeds[:1], (speeds[1:] + speeds[:-1]) / 2, speeds[-1:]))
+    spans: dict[bool, Spans] = {False: [], True: []}
+    for place, run in enumerate(runs):
+        spans[facts.value(run, "loft_gap") > 0].append(
+            (float(edges[place]), float(edges[place + 1]))
+        )
+    made = (Bar(HELD, spans[False], "ok", OK), Bar("off the cam", spans[True], "bad", BAD))
+    return [one for one in made if one.spans]
+
+
+def speeds(facts: Facts) -> go.Figure | None:
+    """Bars of control over engine speed, with the least force on the cam and surge below."""
+    shown = bars(facts) if facts.searched else []
+    if not shown:
+        return None
+    fig = panels((0.12 + 0.06 * len(shown), 0.88 - 0.06 * len(shown)))
+    first, last = (one / RPM for one in reach(facts))
+    for bar in reversed(shown):
+        low = [begin / RPM for begin, _ in bar.spans] or [first]
+        width = [(end - begin) / RPM for begin, end in bar.spans] or [0.0]
+        ends = [begin + size for begin, size in zip(low, width, strict=True)]
+        fig.add_trace(go.Bar(
+            y=[bar.word] * len(low), x=width, base=low, orientation="h", marker_color=bar.colour, width=0.62, showlegend=False,
+            customdata=ends, hovertemplate="%{base:.0f} to %{customdata:.0f} rpm<extra></extra>",
+        ), 1, 1)  # fmt: skip
+    several = len(facts.lead_labels) > 1
+    for label, colour in zip(facts.lead_labels, SPEEDS * len(facts.lead_labels), strict=False):
+        word = f"least on the cam, {label}" if several else "least force on the cam"
+        fig.add_trace(
+            _curve(facts, label, "minimum_cam_contact_force", word, colour if several else LEAD),
+            2,
+            1,
+        )
+        if not several:
+            fig.add_trace(
+                _curve(facts, label, "surge_amplitude_force", "surge, 0 to peak", SECOND), 2, 1
+            )
+    _red_line(fig, facts)
+    styled(fig, "engine speed, rpm", ("", "N"), 430)
+    fig.update_layout(
+        barmode="overlay", hovermode="closest", margin={"l": 92, "b": 84},
+        legend={"orientation": "h", "y": -0.2, "yanchor": "top", "x": 0},
+    )  # fmt: skip
+    fig.update_yaxes(rangemode="tozero", row=2, col=1)
+    fig.update_yaxes(gridcolor="rgba(0,0,0,0)", automargin=True, row=1, col=1)
+    return fig.update_xaxes(range=[first, last], tickformat="d")
+
+
+def _red_line(fig: go.Figure, facts: Facts) -> None:
+    if math.isfinite(facts.red_line):
+        fig.add_vline(facts.red_line / RPM, line={"color": BAD, "width": 1.4, "dash": "dash"})
+        fig.add_annotation(
+            x=facts.red_line / RPM, y=1.0, yref="paper", yanchor="bottom", text="red line", showarrow=False,
+            font={"size": 11, "color": BAD},
+        )  # fmt: skip
+
+
+def _curve(
+    facts: Facts, label: str, name: str, word: str, colour: str, dash: str = "solid"
+) -> go.Scatter:
+    """A quantity of a label over engine speed (rpm), with a mark for each run."""
+    runs = _of(facts, label)
+    values = [facts.value(run, name) for run in runs]
+    trace = line([run.engine_speed / RPM for run in runs], values, word, colour, dash)
+    return trace.update(mode="lines+markers", marker={"size": 4})
+
+
+def _of(facts: Facts, label: str) -> Sequence[Solution]:
+    """Runs of a label by engine speed, those of other models too."""
+    every: Iterable[Solution] = (*facts.runs, *facts.beyond, *facts.others)
+    return sorted((run for run in every if run.label == label), key=lambda run: run.engine_speed)
+
+
+def forces(facts: Facts) -> go.Figure | None:
+    """Largest and least force on the retainer over engine speed, of springs alone."""
+    if not facts.sweep or facts.train or len(facts.study.engine_speeds) < 2:
+        return None
+    fig = go.Figure()
+    for label, dash in zip(
+        facts.study.labels, ("solid", "dot", "dash", "dashdot") * 9, strict=False
+    ):
+        fig.add_trace(_curve(facts, label, "peak_retainer_force", f"largest, {label}", LEAD, dash))
+        fig.add_trace(
+            _curve(facts, label, "minimum_retainer_force", f"least, {label}", SECOND, dash)
+        )
+    _red_line(fig, facts)
+    return styled(fig, "engine speed, rpm", ("N",), 430).update_xaxes(tickformat="d")
+
+
+def order_map(facts: Facts) -> go.Figure | None:
+    """Amplitude (N) of each cam order of the spring force over engine speed, with the line of the surge frequency."""
+    label = facts.first_label
+    runs = (
+        [run for run in _of(facts, label) if "surge_order_3_force" in run.quantities]
+        if facts.sweep
+        else []
+    )
+    if len(runs) < 3:
+        return None
+    at = [run.engine_speed / RPM for run in runs]
+    sizes = np.array(
+        [[run.quantities.get(f"surge_order_{one}_force", np.nan) for run in runs] for one in ORDERS]
+    )
+    if not np.nanmax(sizes) > NOTHING:
+        return None
+    fig = go.Figure(go.Heatmap(
+        x=at, y=list(ORDERS), z=sizes.astype(np.float32), colorscale="Blues", colorbar={"title": "N", "thickness": 12},
+        hovertemplate="%{x:.0f} rpm, order %{y}: %{z:.3~g} N<extra></extra>",
+    ))  # fmt: skip
+    modes = sorted({facts.value(run, "surge_frequency") for run in runs})
+    for frequency in modes[:1] if modes and math.isfinite(modes[0]) else ():
+        fine = np.linspace(at[0], at[-1], 60)
+        order = frequency * 120 / fine  # cam orders turn at half the speed of the crank
+        fig.add_trace(line(fine, order, "surge frequency", BAD, "dash"))
+    styled(fig, "engine speed, rpm", ("cam order",), 400)
+    fig.update_layout(hovermode="closest")
+    return fig.update_yaxes(range=[ORDERS[0] - 0.5, ORDERS[-1] + 0.5]).update_xaxes(
+        range=[at[0], at[-1]], tickformat="d"
+    )
+
+
+SPEEDS_FIGURE = FigureSpec(
+    "Where control is lost", "bars: ranges of engine speed; below: forces of every run", speeds
+)
+FORCES = FigureSpec("Forces over engine speed", "below 10 kHz", forces)
+ORDER_MAP = FigureSpec(
+    "Cam orders of surge over engine speed", "dashed: the surge frequency of the spring", order_map
+)
