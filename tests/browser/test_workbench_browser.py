@@ -85,7 +85,8 @@ def test_a_finished_run_shows_the_numbers_of_its_files(bench, page, finished):
     )
     assert ("finite-element" in runs) is LONG
     page.get_by_role("tab", name="Gaps between coils").click()
-    page.wait_for_selector("#at-coils .plot .main-svg path")
+    page.wait_for_selector("#at-coils .plot .main-svg")
+    assert page.locator("#at-coils .plot .scatterlayer .trace").count() > 1
 
 
 def test_a_wrong_unit_is_refused_in_its_place_and_the_valid_value_kept(bench, page, finished):
