@@ -150,7 +150,7 @@ FORCE = ("peak_spring_force", "minimum_spring_force")
 SURGE = ("surge_amplitude_force",)
 STRIKE = "coil {upper} strikes coil {lower}[ {motion}][, {where}]"
 BLOW = "[{spring}]surge at {angle}[, {size}]"
-STRIKES = "{count} strikes[; {rests} decide their height]"
+STRIKES = "{count} strikes[; height by {rests}]"
 SWEEP = "valvetrain sweep {case}"
 
 RULES = (

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from valvetrain.findings.words import RPM, speed_text
+from valvetrain.findings.words import RPM, digits_text, speed_text
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import definition_of, label_of, shown
+from valvetrain.units.reader import shown_system
 
 #: Rows of a source that the first screen shows, and engine speeds that make it worth a table.
 LEAST_ROWS, LEAST_SPEEDS = 3, 2
@@ -68,9 +69,13 @@ def cell(row: Comparison) -> str:
 
 
 def value_text(row: Comparison, value: float | None) -> str:
-    """A value (SI) with as many decimals as the printed one has; empty for None."""
+    """A value (SI) with as many decimals as the printed one has, in units other than its own three digits; empty for
+    None.
+    """
     if value is None:
         return ""
+    if shown_system() != "si":
+        return digits_text(float(shown(row.quantity, value)[0]))
     printed = f"{float(shown(row.quantity, row.published)[0]):.10g}"
     places = min(len(printed.partition(".")[2]), 4)
     return f"{float(shown(row.quantity, value)[0]):.{places}f}".replace("-", "−")
