@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +18,8 @@ from valvetrain.findings.words import (
     fields_of,
     speed_text,
 )
+from valvetrain.registry import BUILT_IN
+from valvetrain.solution.definition import tables
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 
@@ -138,7 +140,7 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         return _rest_rows(rest, words)
     looked_at = {name for rule in rules() for name in rule.reads}
     lines, brief, told, runs = list[Line](), replace(words, brief=True), set[str](), columns(facts)
-    for row in ROWS:
+    for row in (*ROWS, *_added_rows()):
         if row.of not in ("", "train" if facts.train else "spring"):
             continue
         cells = tuple(_cell(row, facts, run, brief) for run in runs)
@@ -154,6 +156,15 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         remark = telling.remark if telling else row.note
         lines.append(Line(row.label, cells, mark if sure or mark != "ok" else "", remark))
     return lines
+
+
+def _added_rows() -> Iterator[Row]:
+    """Quantities of installed packages that are shown of a run among many."""
+    for table, rows in tables().items():
+        for one in () if table in BUILT_IN["quantities"] else rows:
+            if "brief" in one.uses:
+                of = one.systems[0] if len(one.systems) == 1 else ""
+                yield Row(one.label, (f"{{{one.name}}}",), of=of)
 
 
 def _rest_rows(rest: Sequence[SpringAtRest], words: Words) -> list[Line]:
