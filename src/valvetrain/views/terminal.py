@@ -61,7 +61,8 @@ def _parts(answer: Answer, page: str, folder: str) -> Iterator[RenderableType]:
     if folder and not page:
         yield Text.assemble(("  files: ", "dim"), folder, overflow="fold")
     if page:
-        count = f"  ({len(answer.findings)} findings)"
+        number = len(answer.findings)
+        count = f"  ({number} finding{'s' * (number != 1)})"
         yield Text.assemble(("  page: ", "dim"), page, (count, "dim"), overflow="fold")
 
 
