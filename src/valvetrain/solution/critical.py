@@ -188,12 +188,12 @@ class CriticalSpeed:
         """All ranges of lost control; the first from 0 where control is lost at the first speed searched."""
         if not self.found:
             return ()
-        from_first = self.begins is None and not math.isfinite(self.nominal_engine_speed)
-        begin = 0.0 if from_first else self.engine_speed
-        end = (
-            self.last_engine_speed if self.ends is None else self.ends.from_rest.lower_engine_speed
-        )
-        return SpeedBracket(begin, max(begin, end)), *self.again
+        begin, end = self.engine_speed, self.last_engine_speed
+        if self.begins is None and not math.isfinite(self.nominal_engine_speed):
+            begin = 0.0
+        if self.ends is not None:
+            end = max(begin, self.ends.from_rest.lower_engine_speed)
+        return SpeedBracket(begin, end), *self.again
 
     @property
     def both_motions(self) -> tuple[float, float] | None:
@@ -210,14 +210,16 @@ class CriticalSpeed:
         """The ranges of lost contact below the one that stays, each narrow and below every ``other`` loss
         (rad/s); none of more than :data:`MAX_SHORT`, for control then ends at the first.
         """
-        found: list[SpeedBracket] = []
+        found = list[SpeedBracket]()
         for one in self.ranges:
             low, high = one.lower_engine_speed, one.upper_engine_speed
-            narrow = 0 < low and high - low <= NARROW * low
-            if not narrow or high >= min(other, self.last_engine_speed):
+            # of a range with both motions control is not regained for long
+            if (
+                high - low > NARROW * low
+                or high >= min(other, self.last_engine_speed)
+                or self.both_motions
+            ):
                 break
-            if not found and self.both_motions:
-                break  # lost here it is not regained for long
             found.append(one)
         return tuple(found) if len(found) <= MAX_SHORT else ()
 

@@ -115,7 +115,10 @@ class Event:
     counts: bool = True
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "details", MappingProxyType(dict(self.details)))
+        # a code is plain text, as it comes back from a file
+        object.__setattr__(self, "details", MappingProxyType(
+            {name: getattr(one, "value", one) for name, one in self.details.items()}
+        ))  # fmt: skip
 
     def __reduce__(self) -> tuple[object, ...]:
         # A mappingproxy does not pickle, and sweeps send results between processes.
