@@ -162,7 +162,7 @@ def test_a_run_without_speeds_gives_statics_and_modes(small):
     assert re.search(r"axial modes +54[67], ", result.stdout)
 
 
-def test_compare_shows_every_model_at_rest_and_in_motion(small):
+def test_compare_shows_every_model(small):
     result = call("compare", "small.toml", *QUICK)
     assert result.exit_code == 0, result.stderr
     for model in (
@@ -173,8 +173,7 @@ def test_compare_shows_every_model_at_rest_and_in_motion(small):
         "wave-rod-clash",
         "finite-element",
     ):
-        rows = re.findall(rf"^{model} +[−–\d]", result.stdout, re.MULTILINE)
-        assert len(rows) == 2, model  # at rest and in motion
+        assert len(re.findall(rf"^  {model} +[−–\d]", result.stdout, re.MULTILINE)) == 1, model
     assert len(result.stdout.splitlines()) < 40
 
 

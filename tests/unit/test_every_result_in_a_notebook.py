@@ -133,7 +133,6 @@ def scan_compared() -> Shown:
 #: Class of a result -> one, a word of its table, and what the axes of its figure show.
 RESULTS = {
     "Solution": (rod_run, "peak spring force", "force (N)"),
-    "Study": (own_study, "engine speed", "spring force (N)"),
     "StaticCurve": (lambda: at_rest()[0].curve, "compression", "stiffness (N/mm)"),
     "ModalResult": (lambda: at_rest()[0].modes, "natural frequency", "axial displacement"),
     "TrainModes": (train_modes, "moving", "share of kinetic energy (%)"),
@@ -177,10 +176,17 @@ def test_a_result_shows_its_table_and_its_figure(name):
     assert figure.data and all(len(trace.x) and len(trace.y) for trace in figure.data)
 
 
+def test_a_study_shows_verdict_and_rows_and_its_figures():
+    study = own_study()
+    page = study._repr_html_()
+    assert study.verdict[:20] in page and "<table>" in page
+    assert study.plot().data and study.figure("models").data
+
+
 def test_every_registered_result_is_tried_and_every_public_one_is_registered():
     assert set(registry.names("results")) == set(RESULTS)
     shown = [one for one in vt.__all__[1:] if hasattr(getattr(vt, one), "_repr_html_")]
-    assert set(shown) - {"Case", "Quantities"} <= set(RESULTS)
+    assert set(shown) - {"Case", "Quantities", "Study"} <= set(RESULTS)
 
 
 def test_axes_of_a_map_and_doubled_names_keep_their_numbers():

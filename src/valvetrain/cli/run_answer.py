@@ -350,20 +350,22 @@ def _saved_outcome(
         show_page(page)
     return Outcome(
         data,
-        lambda console: show_study(console, study, page or folder, request.published),
+        lambda console: show_study(console, study, folder, page, request.published),
         failed,
         "",
     )
 
 
-def show_study(console: Console, study: Study, place: Path, published: bool = False) -> None:
+def show_study(
+    console: Console, study: Study, folder: Path, page: Path | None, published: bool = False
+) -> None:
     """Print the answer of a study; with ``published`` every printed value and what the source states."""
     from valvetrain.cli.outcome import plain_table
     from valvetrain.views.answer import Answer
     from valvetrain.views.results import tables_in_full
     from valvetrain.views.terminal import screen
 
-    console.print(screen(Answer(study), str(place)))
+    console.print(screen(Answer(study), str(page or ""), str(folder)))
     for one in tables_in_full(study).values() if published else ():
         console.print(plain_table(one.columns, one.rows, f"\n{one.title}"))
 
