@@ -50,7 +50,7 @@ BUILT_IN["commands"] = {
     "optimise": "valvetrain.explore.points_command:register_optimise",
     "run-up": "valvetrain.cli.run:register_run_up",
     "static": "valvetrain.cli.static:register",
-    "modes": "valvetrain.cli.modes:register",
+    "modes": "valvetrain.cli.static:register_modes",
     "refine": "valvetrain.cli.refine:register_refine",
     "runs": "valvetrain.cli.runs:register_runs",
     "compare-runs": "valvetrain.cli.runs:register_compare_runs",
@@ -86,7 +86,6 @@ BUILT_IN["results"] = {
     "TrainModes": "valvetrain.report.results:train_modes_blocks",
     "CriticalSpeeds": "valvetrain.report.results:critical_speeds_blocks",
     "Comparison": "valvetrain.report.results:comparison_blocks",
-    "UncertaintyStudy": "valvetrain.report.results:uncertainty_blocks",
     "MeasuredCycles": "valvetrain.report.results:cycles_blocks",
     "MeasuredLift": "valvetrain.lift.notebook:measured_lift_blocks",
     "SmoothedLift": "valvetrain.lift.notebook:smoothed_lift_blocks",
@@ -117,7 +116,7 @@ BUILT_IN["verdicts"] = {
     "ModelAgainstTest": "valvetrain.compare_test.verdict:test_verdict",
     "Solution": "valvetrain.views.results:sentence_of_run",
     "Study": "valvetrain.views.results:sentence_of",
-    "UncertaintyStudy": "valvetrain.report.model_verdict:refine_verdict",
+    "UncertaintyStudy": "valvetrain.views.results:sentence_of_refinement",
 }
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
@@ -225,6 +224,7 @@ BUILT_IN["sources"] = {
 #: Tables of rules by importance, figures of a study's page and its folded tables, each in their order.
 BUILT_IN["rules"] = {
     "first": "valvetrain.findings.rules_study:FIRST",
+    "rest": "valvetrain.findings.rules_rest:RULES",
     "sweep": "valvetrain.findings.rules_sweep:RULES",
     "train": "valvetrain.findings.rules_train:RULES",
     "spring": "valvetrain.findings.rules_spring:RULES",
@@ -248,7 +248,9 @@ BUILT_IN["figures"] = {
     "orders": "valvetrain.views.figures_of_springs:ORDERS_OF_SURGE",
     "order-map": "valvetrain.views.over_speed:ORDER_MAP",
     "strength": "valvetrain.views.figures_of_springs:STRENGTH",
-    "rest": "valvetrain.views.figures_of_springs:REST",
+    "surge-orders": "valvetrain.views.at_rest:SURGE_ORDERS",
+    "mode-shapes": "valvetrain.views.at_rest:MODE_SHAPES",
+    "rest": "valvetrain.views.at_rest:STATIC_CURVES",
     "paper": "valvetrain.views.figures_of_springs:PAPER",
 }
 BUILT_IN["tables"] = {
@@ -261,6 +263,10 @@ BUILT_IN["tables"] = {
     "models": "valvetrain.views.tables:models",
     "error-bars": "valvetrain.views.tables:error_bars",
     "at-rest": "valvetrain.views.tables:rest",
+    "requested": "valvetrain.views.at_rest:requested_table",
+    "curve": "valvetrain.views.at_rest:curve_table",
+    "modes": "valvetrain.views.at_rest:modes_table",
+    "train-modes": "valvetrain.views.at_rest:train_table",
 }
 
 #: Kind -> what makes its object from a part given in Python (:mod:`valvetrain.parameters.own_parts`).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -15,6 +16,7 @@ from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.cam_shape import cam_durations, cam_quantities
 from valvetrain.system.build import build
+from valvetrain.views.page import data_of
 
 INCH = 25.4e-3
 
@@ -102,8 +104,12 @@ def test_ramp_velocity_and_durations_are_those_of_the_card():
     assert math.degrees(found[card.duration_lift]) == pytest.approx(236)
 
 
-def check_text(path, *options: str) -> str:
-    return " ".join(CliRunner().invoke(app, ["check", str(path), *options]).stdout.split())
+def checked(path, *options: str) -> dict:
+    return json.loads(CliRunner().invoke(app, ["check", str(path), *options, "--json"]).stdout)
+
+
+def codes(found: dict) -> list[str]:
+    return [one["code"] for one in found["findings"]]
 
 
 OWN_TUBE = 'length = "7.63 in" # between its balls\nouter_diameter = "0.3125 in"\nwall_thickness = "0.080 in"'
@@ -122,9 +128,7 @@ def test_a_pushrod_by_its_tube_has_the_mass_and_stiffness_of_it(tmp_path):
     assert (other.mass, other.stiffness) == pytest.approx((0.05, 114e9 * area / length))
     path = tmp_path / "tube.toml"
     path.write_text(bare, encoding="utf-8")
-    text = check_text(path)
-    assert "193.8 mm between its balls, mass 72.77 g, stiffness 50.84 kN/mm" in text
-    assert "Ready to run: the cam's" in text
+    assert codes(checked(path))[0] == "Q101"
     for wrong, said in (
         (TUBE.replace('"0.080 in"', '"0.200 in"'), "a wall of 5.08 mm does not fit"),
         (TUBE.split("\n")[0], "add outer_diameter, wall_thickness"),
@@ -135,20 +139,52 @@ def test_a_pushrod_by_its_tube_has_the_mass_and_stiffness_of_it(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("new", "said"),
+    ("new", "code", "value"),
     [
-        (OWN_TUBE, ""),
-        ('mass = "62 g"\nstiffness = "60 kN/mm"', "the pushrod's 60 kN/mm are more than the 43.3 kN/mm of a tube of 62 g and 193.8 mm"),
-        ('mass = "62 g"\nstiffness = "43 kN/mm"', ""),
-        ('mass = "62 g"\nstiffness = "20 kN/mm"', "the pushrod's 20 kN/mm are less than half of the 43.3 kN/mm"),
-        (f'mass = "90 g"\n{TUBE.replace("7.63", "8.2")}', "the pushrod is 208.3 mm long and its balls are 193.8 mm apart ("),
+        (OWN_TUBE, "Q101", None),
+        ('mass = "62 g"\nstiffness = "60 kN/mm"', "Q114", 60e6),
+        ('mass = "62 g"\nstiffness = "43 kN/mm"', "Q101", None),
+        ('mass = "62 g"\nstiffness = "20 kN/mm"', "Q115", 20e6),
+        (f'mass = "90 g"\n{TUBE.replace("7.63", "8.2")}', "Q113", 8.2 * INCH),
     ],
 )  # fmt: skip
-def test_mass_stiffness_and_length_of_a_pushrod_are_those_of_one_tube(new, said, tmp_path):
+def test_mass_stiffness_and_length_of_a_pushrod_are_those_of_one_tube(new, code, value, tmp_path):
     """Closed form: E m / (density L^2) is E A / L of a tube of any diameters: 43.3 kN/mm of 62 g
     and 193.8 mm of steel."""
-    assert 206e9 * 0.062 / (7850 * 0.19376**2) == pytest.approx(43.3e6, rel=1e-3)
+    tube = 206e9 * 0.062 / (7850 * 0.19376**2)
+    assert tube == pytest.approx(43.3e6, rel=1e-3)
     path = tmp_path / "v8.toml"
     path.write_text(template_text("pushrod").replace(OWN_TUBE, new, 1), encoding="utf-8")
-    end = check_text(path).partition("Ready to run")[2]
-    assert end.startswith(f", but {said}" if said else ": the cam")
+    first = checked(path)["findings"][0]
+    assert first["code"] == code
+    if value is not None:
+        assert first["value"]["value"] == pytest.approx(value)
+    if code in ("Q114", "Q115"):
+        assert first["limit"]["value"] == pytest.approx(tube, rel=1e-3)
+
+
+def test_lash_face_and_solid_height_are_looked_at(tmp_path):
+    path = tmp_path / "own.toml"
+
+    def of(text: str, *options: str) -> list[str]:
+        path.write_text(text, encoding="utf-8")
+        return codes(checked(path, *options))
+
+    bucket_text = template_text("direct")
+    assert of(bucket_text)[0] == "Q101" and "Q121" not in of(bucket_text)
+    assert of(bucket_text, "--set", "train.follower.face_diameter=14 mm")[0] == "Q112"
+    assert "Q121" in of(bucket_text.replace('face_diameter = "28 mm" #', "#"))
+    ramp = [("ramp_lift", "0.1 mm"), ("ramp_velocity", "0.01 mm/deg"), ("lash", "0.5 mm")]
+    words = [part for key, value in ramp for part in ("--set", f"lift_law.{key}={value}")]
+    assert of(template_text("direct", cards=True), *words)[0] == "Q111"
+    assert "Q120" in codes(checked("tdi-pushrod")) and "Q120" not in codes(checked("job-c"))
+    law = bucket_text[bucket_text.index("[lift_law]") : bucket_text.index("[train]")]
+    assert of(law) == ["Q102"]
+
+
+def test_the_page_of_a_case_shows_its_picture_and_the_set_in_use(tmp_path):
+    folder = tmp_path / "page"
+    found = checked("tdi-pushrod", "--output", str(folder))
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert found["page"] == str(folder / "report.html") and "<svg" in page and data_of(page)
+    assert [name for name in found["facts"] if name.startswith("springs")] == ["springs 'stock'"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,12 @@ from valvetrain import __version__
 from valvetrain.cli.options import read_engine_speeds
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
 
 UNIFORM = ("uniform-spring", "--elements-per-coil", "8")
 
@@ -67,7 +74,7 @@ def test_cases_lists_every_case_and_prints_the_file_of_one():
 @pytest.mark.parametrize("name", library_names())
 def test_check_understands_every_library_case(name):
     result = call("check", name)
-    assert result.exit_code == 0 and result.stdout.startswith(f"{name}: a valid case with")
+    assert result.exit_code == 0 and result.stdout.startswith(name)
     assert max(map(len, result.stdout.splitlines())) <= 100
 
 
@@ -113,8 +120,8 @@ def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
         "8 mm",
         "--steps",
         "4",
-        "--csv",
-        str(tmp_path / "curve.csv"),
+        "--output",
+        str(tmp_path / "own"),
         "--json",
     )
     assert result.exit_code == 0
@@ -133,13 +140,12 @@ def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
         [0, 2e-3, 4e-3, 6e-3, 8e-3]
     )
     assert found["quantities"]["preload"]["value"] == pytest.approx(curve.force_at(7e-3))
-    rows = (tmp_path / "curve.csv").read_text().splitlines()
-    assert (
-        rows[0]
-        == "compression [mm],force [N],stiffness [N/mm],height [mm],nominal shear [MPa],wire shear [MPa]"
-        and len(rows) == 6
-    )
-    assert float(rows[-1].split(",")[1]) == curve.force[-1]
+    (file,) = (tmp_path / "own").glob("static-*.csv")
+    last = list(csv.DictReader(file.read_text().splitlines()))[-1]
+    height = spring.wire.free_length - 8e-3
+    assert float(last["force [N]"]) == pytest.approx(curve.force[-1])
+    assert float(last["height [mm]"]) == pytest.approx(1e3 * height)
+    assert float(last["wire shear [MPa]"]) > float(last["nominal shear [MPa]"]) > 0
 
 
 def test_static_shows_every_spring_of_a_train_by_the_models_asked_for():
@@ -182,7 +188,6 @@ def test_modes_agree_with_the_library():
     assert found["quantities"]["mode_1_frequency"]["value"] == pytest.approx(
         expected.axial_frequencies[0]
     )
-    assert "axial mode 1" in call("modes", *UNIFORM, "--count", "6").stdout
 
 
 #: What a user types wrong: names, numbers, units, key paths, files.
@@ -200,7 +205,7 @@ WRONG = [
     ("run", "job-c", "--set", "spring.options.finite-element.time_step="), ("run", "job-c", "--elements-per-coil", "2"),
     ("run", "job-c", "--elements-per-coil", "many"), ("static", "uniform-spring", "--to", "40 mm"),
     ("static", "uniform-spring", "--to", "12"), ("static", "uniform-spring", "--to", "-1 mm"), ("static", "uniform-spring", "--steps", "1"),
-    ("static", "uniform-spring", "--csv", "."), ("modes", "uniform-spring", "--count", "0"),
+    ("static", "uniform-spring", "--output", "/dev/null"), ("modes", "uniform-spring", "--count", "0"),
     ("modes", "uniform-spring", "--compression", "30 mm"), ("cases", "uniform"), ("check", "."), ("check", "x" * 5000), ("check", "a\0b"),
     ("check", "missing.toml"), ("check", "binary.toml"), ("check", ""), ("run", "job-c", "--output", "binary.toml"),
     ("run", "job-c", "--output", "binary.toml/deeper"),

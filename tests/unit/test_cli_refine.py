@@ -6,12 +6,16 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 
 import pytest
 
 from unit.cli_parts import PUBLISHED, SMALL, call, sentence
 from valvetrain.parameters.loading import parse_case
+from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
 from valvetrain.runs.run import run_study
+from valvetrain.views.page import data_of
+from valvetrain.views.refinement import RefineAnswer
 
 
 @pytest.fixture
@@ -58,9 +62,35 @@ def test_error_bars_of_the_headline_numbers(small):
     assert {line[0] for line in told[1:]} >= {
         name for name, _ in rows
     } and "engine speed [rpm]" in " ".join(told[0])
-    assert "How exact the numbers are" in (small / "out" / "report.html").read_text(
-        encoding="utf-8"
-    )
+    page = data_of((small / "out" / "report.html").read_text(encoding="utf-8"))
+    assert page is not None and set(page) == {"data-bars"}
+    known = [row for row in data["uncertainties"] if row["value"]["value"]]
+    largest = max(known, key=size)
+    assert [one["code"] for one in data["findings"]] == ["X103"]
+    assert data["findings"][0]["quantity"] == largest["quantity"]
+    assert data["findings"][0]["bar"] == largest["numerical_uncertainty"]
+
+
+def size(row: dict) -> float:
+    """The error bar as a share of the value."""
+    return row["numerical_uncertainty"]["value"] / abs(row["value"]["value"])
+
+
+def refined_with(*rows: Uncertainty, failures: tuple[str, ...] = ()) -> list[str]:
+    record = parse_case(SMALL, name="small").record()
+    study = UncertaintyStudy(record, (8, 12, 18), rows, {}, failures)
+    return [one.code for one in RefineAnswer(study).findings]
+
+
+def test_each_rule_of_a_refinement_on_rows_that_hit_and_rows_that_do_not():
+    still = (300.0, 300.0)
+    good = Uncertainty("preload", None, 300.0, 1.5, 2.0, 299.0, 0.0, still, still)
+    wild = replace(good, quantity="peak_clash_force", numerical=200.0)
+    moved = replace(good, quantity="peak_clash_force", contact_stiffness=(250.0, 310.0))
+    assert refined_with(good) == ["X103"] and refined_with() == ["X101"]
+    assert refined_with(good, wild) == ["X102"]
+    assert refined_with(good, moved) == ["X103", "X120"]
+    assert refined_with(good, failures=("mesh 18: diverged",)) == ["X103", "X110"]
 
 
 def numbers(elements_per_coil: int) -> dict[str, float]:
@@ -71,13 +101,6 @@ def numbers(elements_per_coil: int) -> dict[str, float]:
     )
     study = run_study(case, spring_models=("finite-element",), workers=1)
     return {key.name: value for key, value in study.quantities.items()}
-
-
-def test_the_table_for_people(small):
-    result = call("refine", "small.toml", "--output", "out", "--workers", "1")
-    assert result.exit_code == 0, result.stderr
-    assert "8, 12, 18 elements per coil, step halved" in result.stdout
-    assert all(word in result.stdout for word in ("± num.", "9000 rpm", "report.html"))
 
 
 def test_what_cannot_be_refined_is_told_in_a_sentence(small):

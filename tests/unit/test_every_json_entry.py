@@ -506,7 +506,7 @@ def test_closed_turns_are_counted_by_their_share_of_the_wire():
     (rod, _) = at_rest()
     force = np.zeros_like(rod.curve.coil_contact_force)
     force[10:, :3] = 5.0  # three of thirteen pairs half a turn apart
-    assert static_table(replace(rod.curve, coil_contact_force=force))["closed turns"][
+    assert static_table(rod, replace(rod.curve, coil_contact_force=force))["closed turns"][
         [9, 10]
     ].tolist() == [0.0, 1.5]
 

@@ -138,7 +138,6 @@ RESULTS = {
     "TrainModes": (train_modes, "moving", "share of kinetic energy (%)"),
     "CriticalSpeeds": (critical_speeds, "contact-loss", "engine speed (rpm)"),
     "Comparison": (lambda: published_study().comparisons[0], "published", "(N)"),
-    "UncertaintyStudy": (error_bars, "Statics and modes", "share of the value (%)"),
     "MeasuredCycles": (cycles, "largest", "valve lift (mm)"),
     "MeasuredLift": (lift, "question", "valve lift (mm)"),
     "SmoothedLift": (lambda: lift(smoothed=True), "lift (mm)", "jerk (mm/deg³)"),
@@ -183,10 +182,17 @@ def test_a_study_shows_verdict_and_rows_and_its_figures():
     assert study.plot().data and study.figure("models").data
 
 
+def test_a_refinement_shows_its_rows_and_its_error_bars():
+    assert "<table>" in error_bars()._repr_html_()
+    (trace,) = error_bars().plot().data
+    assert trace.x[0] == pytest.approx(0.5)
+
+
 def test_every_registered_result_is_tried_and_every_public_one_is_registered():
     assert set(registry.names("results")) == set(RESULTS)
+    by_views = {"Study", "UncertaintyStudy"}
     shown = [one for one in vt.__all__[1:] if hasattr(getattr(vt, one), "_repr_html_")]
-    assert set(shown) - {"Case", "Quantities", "Study"} <= set(RESULTS)
+    assert set(shown) - {"Case", "Quantities"} - by_views <= set(RESULTS)
 
 
 def test_axes_of_a_map_and_doubled_names_keep_their_numbers():

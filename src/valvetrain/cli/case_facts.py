@@ -29,11 +29,6 @@ if TYPE_CHECKING:
 #: Spring -> its states with the valve closed and at full lift, or why there are none.
 Loads = Mapping["InstalledSpring", "tuple[RestPoint, RestPoint] | str"]
 NO_LOADS: Loads = MappingProxyType({})
-#: Stiffness over that of a tube of the same mass, above which no such tube is: mass and length are rounded.
-#: Below half of it the value holds more than the tube.
-ABOVE_TUBE, BELOW_TUBE = 1.05, 0.5
-#: Share by which the length given may differ from that between the balls.
-LENGTH_SHARE = 0.02
 
 
 def case_facts(
@@ -73,7 +68,7 @@ def case_facts(
             facts += _sentences("default-contacts", contacts)
         if train.pushrod is not None:
             facts.append(("pushrod", _pushrod_fact(train)))
-        for name, springs in train.springs.items():
+        for name, springs in _in_use(train):
             texts = [
                 ", ".join(
                     (_spring_fact(one), *([_load_fact(one, loads[one])] if one in loads else []))
@@ -121,6 +116,11 @@ def case_facts(
     return facts
 
 
+def _in_use(train: TrainParameters) -> list[tuple[str, tuple[InstalledSpring, ...]]]:
+    """The set in use by its name."""
+    return [(name, one) for name, one in train.springs.items() if name == train.spring_set]
+
+
 def _lift_fact(case: Case, problem: Problem) -> str:
     """``; the lobe lifts 9.4 mm, the valve 9.24 mm (less the lash of 0.16 mm)`` of a train, of a law at the
     valve ``; 9.6 mm at zero lash, the valve lifts 9.5 mm ...``; empty of springs alone.
@@ -150,40 +150,9 @@ def _pushrod_fact(train: TrainParameters) -> str:
     return f"{between}mass {number(rod.mass * 1e3)} g, {stiffness}"
 
 
-def pushrod_doubt(train: TrainParameters | None) -> str:
-    """Why mass, stiffness and length of a pushrod are hardly those of one tube; empty where they may be.
-
-    A tube of mass m and length L has E A / L = E m / (density L^2), whatever its diameters.
-    """
-    rod = None if train is None else train.pushrod
-    if train is None or rod is None:
-        return ""
-    length, given = pushrod_length(train), rod.length
-    if given is not None and abs(given / length - 1) > LENGTH_SHARE:
-        own, between = amount(given * 1e3, "mm"), amount(length * 1e3, "mm")
-        apart, way = (
-            amount(abs(given - length) * 1e3, "mm", 2),
-            "away from" if given > length else "towards",
-        )
-        return (
-            f"the pushrod is {own} long and its balls are {between} apart (pivot, drive_arm, drive_angle, lower_end): about right with pivot "
-            f"{apart} {way} the cam"
-        )
-    if rod.stiffness is None or not isfinite(length):
-        return ""
-    tube = rod.youngs_modulus * rod.mass / (rod.density * length**2)
-    own, most = (amount(one * 1e-6, "kN/mm", 3) for one in (rod.stiffness, tube))
-    size = f"{number(rod.mass * 1e3, 3)} g and {amount(length * 1e3, 'mm')}"
-    if rod.stiffness > ABOVE_TUBE * tube:
-        return f"the pushrod's {own} are more than the {most} of a tube of {size}, whatever its diameters: one of both is wrong"
-    if rod.stiffness < BELOW_TUBE * tube:
-        return f"the pushrod's {own} are less than half of the {most} of a tube of {size}, as if more than the tube gave way"
-    return ""
-
-
 def spring_loads(case: Case, problem: Problem | None) -> Loads:
-    """The springs of a case at rest, those of every set of a train, with the valve closed and at full
-    lift: wires by the finite-element rod, cards by their rate.
+    """The springs in use of a case at rest, with the valve closed and at full lift: wires by the finite-element rod,
+    cards by their rate.
     """
     from valvetrain.runs.prepared import largest_lift
     from valvetrain.runs.statics import default_model, point_of
@@ -192,7 +161,7 @@ def spring_loads(case: Case, problem: Problem | None) -> Loads:
     if problem is None or not problem.moves:
         return NO_LOADS
     lift = largest_lift(problem)
-    sets = () if case.train is None else case.train.springs.values()
+    sets = () if case.train is None else [one for _, one in _in_use(case.train)]
     found: dict[InstalledSpring, tuple[RestPoint, RestPoint] | str] = {}
     for spring in (*case.springs, *(one for springs in sets for one in springs)):
         closed = spring.precompression

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
-from functools import partial
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,11 +15,13 @@ from valvetrain.cli.options import (
     ElementsOption,
     ImplausibleOption,
     JsonOption,
+    OutputOption,
     QuietOption,
     SetOption,
     SpringOption,
     UnitsOption,
     read_models,
+    take_folder,
     take_units,
 )
 from valvetrain.errors import InputError
@@ -28,6 +32,10 @@ if TYPE_CHECKING:
 
     from valvetrain.parameters.case import Case, CaseSummary
     from valvetrain.system.problem import Problem
+
+
+#: Cases of no engine, on which spring models are measured.
+BENCHMARKS = ("clamped-helix", "job-c", "job-t", "uniform-spring")
 
 
 def register_cases(app: typer.Typer) -> None:
@@ -84,15 +92,15 @@ def _show_cases(console: Console, found: tuple[CaseSummary, ...]) -> None:
             if reference is not None
         )
 
-    console.print(
-        plain_table(
-            ("name", "title", "source"),
-            ((one.name, one.title, source(one.sources)) for one in found),
-        )
+    groups = (
+        ("engines and their springs", [one for one in found if one.name not in BENCHMARKS]),
+        ("benchmarks of spring models", [one for one in found if one.name in BENCHMARKS]),
     )
-    console.print(
-        "\n'valvetrain cases NAME' prints the file of a case, 'valvetrain run NAME' runs it."
-    )
+    for title, some in groups:
+        rows = ((one.name, one.title, source(one.sources)) for one in some)
+        console.print(plain_table(("name", "title", "source"), rows, title))
+        console.print()
+    console.print("  next: valvetrain run tdi-pushrod")
 
 
 def _short(authors: str, year: str) -> str:
@@ -116,42 +124,71 @@ def check(
     settings: SetOption = None,
     elements_per_coil: ElementsOption = None,
     implausible: ImplausibleOption = False,
+    output: OutputOption = None,
     units: UnitsOption = "si",
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Check a case file: print its values as they were understood, or what is wrong with it, and
-    where.
+    """Check a case file: what is in doubt, its values as they were understood, or what is wrong with it, and
+    where. With --output a page with a picture to scale.
     """
-    from valvetrain.cli.cam_facts import cam_facts, cam_rows, check_verdict
+    from valvetrain.cli.cam_facts import cam_facts, gear_of
     from valvetrain.cli.case_facts import case_facts, case_quantities, spring_loads
-    from valvetrain.cli.options import choose_case
-    from valvetrain.cli.outcome import Outcome, deliver, measured
+    from valvetrain.cli.options import choose_case, folder_of
+    from valvetrain.cli.outcome import Outcome, deliver, measured, plain_table
+    from valvetrain.cli.run_answer import SavedRequest, keep_run
+    from valvetrain.findings.rules_case import CaseFacts
+    from valvetrain.findings.words import Words
     from valvetrain.report.json import quantities_object
+    from valvetrain.solution.atomic import write_text
+    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.system.build import lift_law_of
     from valvetrain.units.reader import for_reader
+    from valvetrain.views.case_answer import CaseAnswer
+    from valvetrain.views.terminal import screen
 
     take_units(units)
     chosen = choose_case(case, settings, elements_per_coil)
+    take_folder(output)
     problem = put_together(chosen, read_models(spring), implausible)
     quantities = case_quantities(chosen, problem)
     cam, durations = cam_facts(chosen, problem)
-    facts = partial(case_facts, chosen, problem, spring_loads(chosen, problem))
-    data = {
-        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(facts()),
+    loads = spring_loads(chosen, problem)
+    facts = CaseFacts(chosen, quantities | cam, gear_of(problem), problem is not None, case)
+    law = None if chosen.lift_law is None else lift_law_of(chosen)
+
+    def answer() -> CaseAnswer:
+        said = case_facts(chosen, problem, loads)
+        named = {one.name: state for one, state in loads.items()}
+        return CaseAnswer(facts, said, named, durations, law)
+
+    data: dict[str, Any] = {
+        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(case_facts(chosen, problem, loads)),
         "quantities": quantities_object(quantities | cam),
         "durations": [
             {"lift": measured(lift, "m"), "crank_angle": measured(angle, "rad")} for lift, angle in durations.items()
         ],
+        "findings": [one.to_dict() for one in replace(answer(), words=Words()).findings],
     }  # fmt: skip
-    data["verdict"] = check_verdict(chosen, problem, quantities, cam)
-    with for_reader():
-        read = check_verdict(chosen, problem, quantities, cam)
+    gaps = PartialFailures()
+    if output is not None:
+        now = datetime.now(UTC).replace(microsecond=0)
+        request = SavedRequest("check", chosen, output, now, folder_of(case))
+
+        def write(folder: Path) -> list[Path]:
+            with for_reader():
+                return [write_text(folder / "report.html", answer().page(gaps))]
+
+        data["page"] = str(output / "report.html")
+        keep_run(request, chosen.record().text, {}, data, write, gaps=gaps)
 
     def show(console: Console) -> None:
-        rows = cam_rows(cam, durations)
-        _show_check(console, chosen, facts(), quantities, rows)
+        made = answer()
+        console.print(screen(made, data.get("page", "")))
+        console.print()
+        console.print(plain_table(("", ""), made.said))
 
-    deliver(Outcome(data, show, verdict=read))
+    deliver(Outcome(data, show, gaps.sentences))
 
 
 def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:
@@ -188,26 +225,6 @@ def _holds(case: Case) -> list[str]:
     return [name for name, held in named if held]
 
 
-def _show_check(
-    console: Console,
-    case: Case,
-    facts: list[tuple[str, str]],
-    quantities: dict[str, float],
-    cam: list[tuple[str, str, str]],
-) -> None:
-    from valvetrain.cli.outcome import plain_table, quantity_rows
-
-    console.print(f"{case.name}: a valid case with {', '.join(_holds(case))}\n")
-    console.print(plain_table(("", ""), facts))
-    if quantities:
-        console.print()
-        console.print(plain_table(("", "", ""), quantity_rows(quantities), right=(1,)))
-    if cam:
-        console.print()
-        title = "Lift law and cam" if case.train is not None else "Lift law"
-        console.print(plain_table(("", "", ""), cam, title=title, right=(1,)))
-
-
 def register_new(app: typer.Typer) -> None:
     """Add the command."""
     app.command("new")(new)
@@ -238,8 +255,7 @@ def new(
     kind = template_kind(kind)
     path = write_template(name, kind, cards)
     data = {"command": "new", "kind": kind, "files": [str(path)]}
-    typed = f'"{path}"' if " " in str(path) else path
-    label = f"{path}: {KINDS[kind]}; put in your values, then run 'valvetrain run {typed}'\n{_damping(path)}"
+    label = f"{path}: {KINDS[kind]}\n  {_damping(path)}\n  next: valvetrain check {shlex.quote(str(path))}"
     deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
 
 

@@ -26,13 +26,13 @@ def findings(
     quiet: QuietOption = False,
 ) -> None:
     """Explain a finding: what it says, when it holds, what it reads and what to do next."""
-    from valvetrain.findings.table import explain, rules
+    from valvetrain.findings.table import every_rule, explain
 
     if code:
         told = explain(code)
         deliver(Outcome(told, lambda console: _show(console, list(told.items()))))
         return
-    rows = [(one.code, one.level, one.text) for one in rules()]
+    rows = [(one.code, one.level, one.text) for one in every_rule()]
     data = {"findings": [dict(zip(("code", "level", "says"), row, strict=True)) for row in rows]}
     deliver(Outcome(data, lambda console: _show(console, rows)))
 

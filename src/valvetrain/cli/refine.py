@@ -30,8 +30,6 @@ from valvetrain.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from valvetrain.cli.outcome import Outcome
     from valvetrain.parameters.case import Case
     from valvetrain.runs.cost import Limits
@@ -82,7 +80,9 @@ def refine(
     from valvetrain.cli.outcome import deliver, say_cost
     from valvetrain.runs.cost import FEWER_REFINED, read_limits
     from valvetrain.runs.request_cost import refine_cost
+    from valvetrain.session import call_case
 
+    call_case([case, *(one for text in settings or () for one in ("--set", text))])
     chosen = choose_case(case, settings, elements_per_coil)
     take_folder(output)
     request = RefineRequest(
@@ -140,16 +140,15 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import busy
     from valvetrain.cli.run_answer import keep_run
+    from valvetrain.findings.words import Words
     from valvetrain.report.json import uncertainty_object
-    from valvetrain.report.sections.published import (
-        levels_table,
-        uncertainty_page,
-        uncertainty_table,
-    )
-    from valvetrain.report.study import write_page
     from valvetrain.report.text import rpm
-    from valvetrain.report.verdict import verdict_of
+    from valvetrain.report.uncertainty_tables import levels_table, uncertainty_table
     from valvetrain.solution.atomic import write_text
+    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.units.reader import for_reader
+    from valvetrain.views.refinement import RefineAnswer
+    from valvetrain.views.terminal import screen
 
     case, engine_speeds = request.case, request.engine_speeds
     if stopped:
@@ -159,13 +158,15 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
         "command": "refine", "case": case.name, "title": case.title, "elements_per_coil": list(study.elements_per_coil),
         "uncertainties": [uncertainty_object(row) for row in study.rows], "completed": not study.failures,
         "failures": list(study.failures), "page": "report.html",
+        "findings": [one.to_dict() for one in RefineAnswer(study, Words()).findings],
     }  # fmt: skip
 
     def write(folder: Path) -> list[Path]:
         table = write_text(folder / "uncertainty.csv", uncertainty_table(study.rows).csv())
         levels = write_text(folder / "levels.csv", levels_table(study).csv())
-        page, figures = write_page(uncertainty_page(study), folder)
-        return [table, levels, *figures, page]
+        with for_reader():
+            page = write_text(folder / "report.html", RefineAnswer(study).page(PartialFailures()))
+        return [table, levels, page]
 
     choices = {
         "engine_speeds": [rpm(speed) for speed in engine_speeds or case.operation.engine_speeds],
@@ -176,61 +177,6 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
     return Outcome(
         data,
-        lambda console: _show(console, study, str(folder / "report.html")),
+        lambda console: console.print(screen(RefineAnswer(study), str(folder / "report.html"))),
         study.failures,
-        verdict_of(study),
     )
-
-
-def _show(console: Console, study: UncertaintyStudy, page: str) -> None:
-    from valvetrain.cli.outcome import plain_table, shown_text
-    from valvetrain.report.text import speed_text
-    from valvetrain.runs.error_bars import grouped
-    from valvetrain.solution.definition import label_of
-    from valvetrain.solution.uncertainty import NOT_RESOLVED
-
-    console.print(study.record.title or study.record.name)
-    meshes = ", ".join(map(str, study.elements_per_coil))
-    varied = (
-        f"{meshes} elements per coil, step halved"
-        if meshes
-        else "step halved twice, springs divided more finely, half the samples"
-    )
-    console.print(f"{varied}, contact constants varied")
-    headers = (
-        "quantity",
-        "value",
-        "± num.",
-        "unit",
-        "order",
-        "contact stiffness",
-        "damping",
-    )
-    for (speed, label), group in grouped(study.rows).items():
-        rows = []
-        for row in group:
-            name = row.quantity
-            order = "–" if row.trusted_order is None else f"{row.trusted_order:.1f}"
-            ranges = [
-                " to ".join(dict.fromkeys(shown_text(name, value, 4)[0] for value in values))
-                for values in (row.contact_stiffness, row.damping)
-            ]
-            value, word = shown_text(name, row.value)
-            rows.append(
-                (
-                    label_of(name),
-                    value,
-                    shown_text(name, row.numerical, 2)[0] if row.resolved else NOT_RESOLVED,
-                    word,
-                    order,
-                    *ranges,
-                )
-            )
-        place = (
-            "statics and modes"
-            if speed is None
-            else f"{speed_text(speed)}{f', {label}' if label else ''}"
-        )
-        console.print()
-        console.print(plain_table(headers, rows, place, right=(1, 2, 4, 5, 6)))
-    console.print(f"\nresults  {page}", soft_wrap=True)

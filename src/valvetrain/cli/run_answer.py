@@ -228,14 +228,15 @@ def shared_options(
     }
 
 
-def run_command(function: Callable[..., None]) -> Callable[..., None]:
-    """Give ``function(request, own options...)`` the options that all studies share; its own come
-    after them in the help.
+def run_command(function: Callable[..., None], without: Sequence[str] = ()) -> Callable[..., None]:
+    """Give ``function(request, own options...)`` the options that all studies share, but those in ``without``;
+    its own come after them in the help.
 
     An own option that :data:`valvetrain.cli.options.IN_EVERY_SPRING` knows is set in the case.
     """
     own = list(inspect.signature(function).parameters.values())[1:]
-    shared = list(inspect.signature(shared_options).parameters.values())[:-1]
+    every = list(inspect.signature(shared_options).parameters.values())[:-1]
+    shared = [parameter for parameter in every if parameter.name not in without]
 
     @functools.wraps(function)
     def command(**given: Any) -> None:
@@ -262,6 +263,11 @@ def run_command(function: Callable[..., None]) -> Callable[..., None]:
     command.__annotations__ = {parameter.name: hints[parameter.name] for parameter in parameters}
     del command.__wrapped__  # typer would look through it at the shorter signature
     return command
+
+
+def rest_command(function: Callable[..., None]) -> Callable[..., None]:
+    """As :func:`run_command`, of springs at rest, without the options of motion."""
+    return run_command(function, ("engine_speed", "dask", "workers", "published"))
 
 
 def answer_study(
@@ -339,7 +345,7 @@ def _saved_outcome(
     data |= {"verdict": verdict} if verdict else {}
     choices_made = {
         **choices, "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
-        "spring_models": list(dict.fromkeys(run.model for run in study.solutions)) or list(request.spring_models),
+        "spring_models": list(dict.fromkeys(one.model for one in study.solutions or study.rest)) or list(request.spring_models),
         "spring_sets": list(request.spring_sets),
     }  # fmt: skip
     origin = study.solutions[0].provenance if study.solutions else None

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, overload
+from typing import Any, Literal, Protocol, overload
 
 from valvetrain.findings.facts import SPRINGS, Facts
 from valvetrain.findings.words import RPM, Amount, Phrase, Said, Words
@@ -51,7 +51,21 @@ class Hit:
         return self.amount.value if self.amount else 0.0
 
 
-Condition = Callable[[Facts], Iterable[Hit]]
+class Subject(Protocol):
+    """What the engine asks of anything that rules judge: a study, a case."""
+
+    @property
+    def case(self) -> str:
+        """What a command takes for the case."""
+
+    def at(self, run: Solution) -> str:
+        """Where a run is, as text."""
+
+    def where(self, runs: Sequence[Solution]) -> str:
+        """In which of its runs a rule holds, as text."""
+
+
+Condition = Callable[[Any], Iterable[Hit]]
 
 
 @dataclass(frozen=True)
@@ -177,7 +191,7 @@ class Findings(Sequence[Finding]):
         return [one for one in self.items if known & set(one.reads)]
 
 
-def judge(facts: Facts, rules: Iterable[Rule], words: Words) -> Findings:
+def judge(facts: Subject, rules: Iterable[Rule], words: Words) -> Findings:
     """The findings of a result.
 
     Parameters
@@ -199,7 +213,7 @@ def judge(facts: Facts, rules: Iterable[Rule], words: Words) -> Findings:
     return Findings(tuple(sorted(found, key=lambda one: LEVELS.index(one.level))))
 
 
-def _finding(rule: Rule, hits: Sequence[Hit], facts: Facts, words: Words) -> Finding:
+def _finding(rule: Rule, hits: Sequence[Hit], facts: Subject, words: Words) -> Finding:
     """The worst hit of a rule with the templates filled."""
     hit = max(hits, key=lambda one: one.rank)
     amount, run = hit.amount, hit.run

@@ -47,7 +47,7 @@ def nothing(facts: Facts) -> Iterator[Hit]:
 
 def at_rest(facts: Facts) -> Iterator[Hit]:
     """Nothing was run: the case names no engine speed."""
-    if not facts.study.solutions:
+    if not facts.study.solutions and not facts.study.at_rest_only:
         yield Hit()
 
 

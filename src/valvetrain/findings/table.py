@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from valvetrain.errors import UnknownNameError
+from valvetrain.findings import rules_case, rules_refine
 from valvetrain.findings.engine import Findings, Rule, judge
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.words import Words
@@ -36,6 +37,11 @@ def rules() -> tuple[Rule, ...]:
     return tuple(rule for name in names("rules") for rule in registered("rules", name))
 
 
+def every_rule() -> tuple[Rule, ...]:
+    """The rules on studies, then those on cases and refinements."""
+    return (*rules(), *rules_case.RULES, *rules_refine.RULES)
+
+
 def findings_of(study: Study, words: Words | None = None) -> Findings:
     """What a study shows, the verdict first.
 
@@ -64,7 +70,7 @@ def findings_of(study: Study, words: Words | None = None) -> Findings:
 
 def rule_of(code: str) -> Rule:
     """The rule of a ``code``. Raises :class:`UnknownNameError` for an unknown one, with the nearest."""
-    known = {one.code: one for one in rules()}
+    known = {one.code: one for one in every_rule()}
     if code.upper() not in known:
         raise UnknownNameError(code, known, "finding")
     return known[code.upper()]

@@ -17,6 +17,7 @@ from valvetrain.report.text import rpm
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
 from valvetrain.solution.definition import definition_of
+from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, named
@@ -151,6 +152,11 @@ def study_json(study: Study) -> dict[str, Any]:
         "quantities": still.pop("", {}),
         "quantities_by_label": still,
         "springs_at_rest": [_rest_object(one) for one in study.rest],
+        **(
+            {"train_modes": [_train_object(one) for one in study.train_modes]}
+            if study.train_modes
+            else {}
+        ),
         "runs": [_run_object(run) for run in study.solutions],
         "critical_speeds": [_critical_object(one) for one in study.critical_speeds],
         "comparisons": [comparison_object(row) for row in study.comparisons],
@@ -176,6 +182,36 @@ def study_json(study: Study) -> dict[str, Any]:
                 )
             )
         ),
+    }
+
+
+def _train_object(modes: TrainModes) -> dict[str, Any]:
+    """Modes of a train: SI, bodies and parts by name; which mode of the closed valve (from 1) each continues."""
+    each = [
+        {
+            "mode": place + 1,
+            "natural_frequency": measured(float(frequency), "Hz"),
+            "shape": dict(zip(modes.bodies, modes.shape[place].tolist(), strict=True)),
+            "energy_share": dict(zip(modes.parts, modes.energy_share[place].tolist(), strict=True)),
+            **(
+                {
+                    "closed_mode": modes.closed_mode[place] + 1,
+                    "overlap": measured(modes.overlap[place], "1"),
+                }
+                if modes.closed_mode
+                else {}
+            ),
+        }
+        for place, frequency in enumerate(modes.natural_frequency)
+    ]
+    return {
+        "label": modes.label,
+        "state": modes.state,
+        "closed": modes.closed,
+        "open": modes.open,
+        "cam_angle": measured(modes.cam_angle, "rad"),
+        "valve_lift": measured(modes.valve_lift, "m"),
+        "modes": each,
     }
 
 

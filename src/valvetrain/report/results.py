@@ -23,11 +23,8 @@ from valvetrain.report.chart import (
     thin,
     visible_range,
 )
-from valvetrain.report.model_charts import error_bar_chart
 from valvetrain.report.page import Block, Cell, Figure, Grid
-from valvetrain.report.sections.published import uncertainty_page
 from valvetrain.report.text import quantity_label
-from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeeds, places_text
 from valvetrain.solution.cycle_view import angle_within, first_revolution
@@ -154,12 +151,6 @@ def comparison_blocks(row: Comparison) -> Blocks:
     panel = Panel(label, "", tuple(layers), y_range=(0.5, 1.5), y_tick_labels=((1.0, row.model),))
     panel = replace(panel, x_range=_wider(visible_range(panel)[0]))
     return _grid(heads, [cells]), _figure(row, panel)
-
-
-def uncertainty_blocks(study: UncertaintyStudy) -> Blocks:
-    """The error bars of the page of ``refine``, and their sizes."""
-    first, *others = uncertainty_page(study).sections[0].blocks[1:]
-    return first, *_figures(error_bar_chart(study.rows)), *others
 
 
 def cycles_blocks(cycles: MeasuredCycles) -> Blocks:

@@ -30,7 +30,7 @@ from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.netcdf import save_modal_result, save_netcdf, save_static_curve
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
-from valvetrain.solution.static import StaticCurve
+from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.study import Study
 from valvetrain.solution.textfile import save_csv
 
@@ -226,8 +226,8 @@ def _write_rest(study: Study, folder: Path, names: FreeNames, write: Callable[..
             )
             write(
                 f"{stem}.csv",
-                lambda curve, path: write_text(path, static_table(curve).csv()),
-                one.curve,
+                lambda rest, path: write_text(path, static_table(rest, rest.curve).csv()),
+                one,
                 folder / f"{stem}.csv",
             )
         if one.modes is not None:
@@ -243,19 +243,29 @@ def _write_rest(study: Study, folder: Path, names: FreeNames, write: Callable[..
             )
 
 
-def static_table(curve: StaticCurve) -> Table:
-    """``compression`` (mm), ``force`` (N), ``stiffness`` (N/mm), ``closed turns`` (turns of wire
-    lying on the turn below).
+def static_table(rest: SpringAtRest, curve: StaticCurve) -> Table:
+    """``compression`` (mm), ``force`` (N), ``stiffness`` (N/mm), ``closed turns`` (turns of wire lying on the turn
+    below); ``height`` (mm), ``nominal shear`` by EN 13906-1 and ``wire shear`` (MPa), each where it is known.
     """
     pairs = curve.coil_gap.shape[1]
     span = float(np.ptp(curve.upper_coil)) / max(pairs - 1, 1) if pairs else 0.0
     closed = np.sum(curve.coil_contact_force > 0, axis=1) * span
-    return table(
+    columns = [
         ("compression", "mm", curve.compression * 1e3),
         ("force", "N", np.asarray(curve.force)),
         ("stiffness", "N/mm", curve.stiffness * 1e-3),
         ("closed turns", "", closed.astype(float)),
-    )
+    ]
+    installed, per_force = rest.installed, rest.stress_per_force
+    if installed is not None and installed.height is not None:
+        free = installed.height + installed.compression
+        columns.append(("height", "mm", (free - curve.compression) * 1e3))
+    if per_force is not None:
+        columns.append(("nominal shear", "MPa", per_force * curve.force * 1e-6))
+    if rest.stress is not None:
+        along = rest.stress.shear_at(curve.compression).max(axis=1) * (curve.force > 0)
+        columns.append(("wire shear", "MPa", along * 1e-6))
+    return table(*columns)
 
 
 def frequency_table(result: ModalResult) -> Table:

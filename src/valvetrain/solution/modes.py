@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -209,6 +209,14 @@ class TrainModes(Saveable):
         modes = len(self.natural_frequency)
         shapes = {"shape": (modes, len(self.bodies)), "energy_share": (modes, len(self.parts))}
         check_shapes(self, "the modes of a train", shapes)
+
+    def lowest(self, count: int) -> TrainModes:
+        """The same with the ``count`` lowest modes alone."""
+        first = {
+            name: getattr(self, name)[:count]
+            for name in ("natural_frequency", "shape", "energy_share", "closed_mode", "overlap")
+        }
+        return replace(self, **first)
 
     def moving(self, mode: int, least: float = 0.15) -> str:
         """Parts with a share of ``least`` or more in the kinetic energy of a mode (from 0): ``valve

@@ -18,6 +18,7 @@ from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.display import Figure, table_and_picture, value_text, verdict_first
 from valvetrain.solution.facts import Fact
+from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.provenance import CaseRecord, Provenance
 from valvetrain.solution.quantity import (
     Quantities,
@@ -41,6 +42,8 @@ Array = NDArray[np.float64]
 INTERRUPTED = "interrupted"
 #: Commands whose study is a sweep over engine speed.
 SWEEPS = ("sweep", "compare-springs")
+#: Commands whose study is of springs at rest, which runs nothing.
+AT_REST = ("static", "modes")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +68,8 @@ class Study(Reported):
     ``gaps``: a sentence per part, of no single run, that failed.
     ``error_bars``: of the numbers of its runs, those that are stored
     beside a library case and those that were requested. ``between``: reduced runs between the speeds of a sweep, where cam orders meet a surge
-    frequency; no points of its curves.
+    frequency; no points of its curves. ``train_modes``: those of a train with its springs, by pairs with the
+    valve closed and at full lift, where modes were asked for.
 
     >>> study = Study(CaseRecord("own-spring"), still={"": {"preload": 301.5}})
     >>> study.quantities["preload"]
@@ -93,6 +97,7 @@ class Study(Reported):
     gaps: tuple[str, ...] = ()
     error_bars: ErrorBars = ErrorBars()
     between: tuple[Solution, ...] = ()
+    train_modes: tuple[TrainModes, ...] = ()
 
     @property
     def interruption(self) -> str:
@@ -260,6 +265,11 @@ class Study(Reported):
         run-up.
         """
         return self.command in (*SWEEPS, "run-up")
+
+    @property
+    def at_rest_only(self) -> bool:
+        """Whether it is of springs at rest: static curves, or modes."""
+        return self.command in AT_REST
 
     @property
     def failures(self) -> tuple[str, ...]:

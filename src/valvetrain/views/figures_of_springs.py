@@ -1,4 +1,4 @@
-"""Figures of springs: gaps between coils, cam orders of surge, at rest, next to a paper."""
+"""Figures of springs: gaps between coils, cam orders of surge, next to a paper."""
 
 from __future__ import annotations
 
@@ -72,24 +72,6 @@ def orders(facts: Facts) -> go.Figure | None:
         fig.add_trace(go.Bar(x=list(ORDERS), y=sizes, name=name, marker_color=colour))
     fig.update_layout(barmode="group")
     return styled(fig, "cam order", ("N",), 300)
-
-
-def rest(facts: Facts) -> go.Figure | None:
-    """Force (N) over compression (mm) of every spring, with the installed point."""
-    some = [(one, one.curve) for one in facts.study.rest if one.curve is not None]
-    if not some:
-        return None
-    fig = go.Figure()
-    for (one, curve), colour in zip(some, SPEEDS * len(some), strict=False):
-        name = f"{one.spring}, {one.model}"
-        fig.add_trace(line(1e3 * curve.compression, curve.force, name, colour))
-        at = one.precompression
-        if curve.compression[0] <= at <= curve.compression[-1]:
-            fig.add_trace(go.Scatter(
-                x=[1e3 * at], y=[float(curve.force_at(at))], mode="markers", name="installed", showlegend=False,
-                marker={"size": 9, "color": colour},
-            ))  # fmt: skip
-    return styled(fig, "compression, mm", ("N",), 300)
 
 
 def strength(facts: Facts) -> go.Figure | None:
@@ -174,7 +156,6 @@ ORDERS_OF_SURGE = FigureSpec(
     "amplitude (0 to peak) of each cam order of the spring force less its static value",
     orders,
 )
-REST = FigureSpec("The spring at rest", "force over compression; dot: installed", rest)
 PAPER = FigureSpec("Here and in the paper: forces", "open: by the case that was not fitted", paper)
 STRENGTH = FigureSpec(
     "Stress and strength of the wire",

@@ -6,11 +6,13 @@ import base64
 import gzip
 import json
 import re
+from collections.abc import Mapping
 from functools import cache
 from importlib import resources
 from typing import Any
 
 import jinja2
+import plotly.graph_objects as go
 
 from valvetrain.errors import InputError
 from valvetrain.report.motion.parts import Moving
@@ -18,9 +20,10 @@ from valvetrain.report.motion.project import motion_data
 from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.page import motion_script
 from valvetrain.solution.partial_failures import PartialFailures
-from valvetrain.views.answer import Answer
+from valvetrain.views.answer import Answer, Shown
 from valvetrain.views.figures import figure_specs, worst_run
 from valvetrain.views.style import in_reader_units
+from valvetrain.views.table import TextTable
 from valvetrain.views.tables import how_computed, tables_of
 from valvetrain.views.terminal import SIGN
 
@@ -47,36 +50,51 @@ def page_of(answer: Answer, gaps: PartialFailures | None = None) -> str:
     The text of the page
     """
     missing = PartialFailures() if gaps is None else gaps
-    drawn = _figures(answer, missing)
+    drawn = {
+        name: (spec.title, spec.hint, figure_content(fig))
+        for name, spec in figure_specs().items()
+        if (fig := missing.part(f"figure '{spec.title}'", None, spec.make, answer.facts))
+        is not None
+    }
     moving = missing.part("moving picture", None, _moving, answer)
+    computed = list(how_computed(answer)), answer.study.record.text
+    return rendered(answer, drawn, tables_of(answer), computed, missing, moving=moving)
+
+
+#: Title, hint and content of a figure.
+Drawn = tuple[str, str, dict[str, Any]]
+
+
+def rendered(
+    answer: Shown, drawn: Mapping[str, Drawn], tables: Mapping[str, TextTable], computed: tuple[list[str], str],
+    gaps: PartialFailures, moving: Moving | None = None, picture: str = "",
+) -> str:  # fmt: skip
+    """The page of anything that is shown: figures by name, tables, how it was computed with the case as text, parts
+    that are missing, and a moving picture or a still one as SVG.
+    """
     data: dict[str, Any] = {f"data-{name}": one for name, (_, _, one) in drawn.items()}
     if moving is not None:
         data["motion-in-motion"] = motion_data(moving)
     names = list(drawn)
     several = len(answer.headings) > 1
-    aside = bool(answer.bullets or answer.paper or answer.rests_on or missing.sentences)
+    aside = bool(answer.bullets or answer.paper or answer.rests_on or gaps.sentences)
     return _template().render(
         answer=answer, fact=answer.headline[0], several=several, aside=aside, sign=SIGN, figures=drawn, first=names[:1], others=names[1:],
-        moving=moving, hint=HINT, tables=tables_of(answer), computed=list(how_computed(answer)), gaps=missing.sentences,
+        moving=moving, hint=HINT, tables=tables, computed=computed[0], gaps=gaps.sentences, picture=picture,
         style=static("page.css") + static("parts.css"), script=static("page.js"), plotly=packed_plotly(),
         mover=motion_script() if moving is not None else "", data=packed(json.dumps(data, separators=(",", ":")).encode()),
-        text=answer.study.record.text,
+        text=computed[1],
     )  # fmt: skip
 
 
-def _figures(answer: Answer, gaps: PartialFailures) -> dict[str, tuple[str, str, dict[str, Any]]]:
-    """Title, hint and content of every figure that has data."""
-    found = {}
-    for name, spec in figure_specs().items():
-        fig = gaps.part(f"figure '{spec.title}'", None, spec.make, answer.facts)
-        if fig is not None:
-            content = json.loads(in_reader_units(fig).to_json())
-            margin = content["layout"]["margin"]
-            left = NARROW_NAMES if margin["l"] > 2 * NARROW_NUMBERS else NARROW_NUMBERS
-            narrow = {"margin": margin | {"l": min(left, margin["l"])}, "dragmode": False}
-            content["narrow"] = content["layout"] | narrow
-            found[name] = (spec.title, spec.hint, content)
-    return found
+def figure_content(fig: go.Figure) -> dict[str, Any]:
+    """A figure in the units of the reader as plain values, with its layout on a narrow page."""
+    content: dict[str, Any] = json.loads(in_reader_units(fig).to_json())
+    margin = content["layout"]["margin"]
+    left = NARROW_NAMES if margin["l"] > 2 * NARROW_NUMBERS else NARROW_NUMBERS
+    narrow = {"margin": margin | {"l": min(left, margin["l"])}, "dragmode": False}
+    content["narrow"] = content["layout"] | narrow
+    return content
 
 
 def _moving(answer: Answer) -> Moving | None:

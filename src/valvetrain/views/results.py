@@ -11,33 +11,30 @@ from typing import TYPE_CHECKING, Any
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError
 from valvetrain.report import notebook
 from valvetrain.report.json import study_json
-from valvetrain.report.run_verdict import study_verdict
 from valvetrain.report.study import StudyFiles, write_parts
 from valvetrain.report.verdict import state_cut_off
+from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import for_reader
-from valvetrain.views.answer import Answer
+from valvetrain.views.answer import Answer, Shown
 from valvetrain.views.figures import figure_of, figures_of
 from valvetrain.views.page import page_of
+from valvetrain.views.refinement import RefineAnswer
 from valvetrain.views.terminal import SIGN
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-#: Commands that run nothing.
-AT_REST = ("static", "modes")
 #: Scale of pictures of pixels, which are then sharp in print.
 SCALE = 2
 
 
 def sentence_of(study: Study) -> str:
     """The verdict of a study in one sentence; empty of one that shows nothing."""
-    if study.command in AT_REST:
-        return study_verdict(study)
     verdict = Answer(study).verdict
     return "" if verdict is None else str(verdict)
 
@@ -45,6 +42,19 @@ def sentence_of(study: Study) -> str:
 def sentence_of_run(run: Solution) -> str:
     """The verdict of one run in one sentence, as that of a study of it alone."""
     return sentence_of(Study(CaseRecord(run.provenance.case_name), solutions=(run,)))
+
+
+def sentence_of_refinement(study: UncertaintyStudy) -> str:
+    """The verdict of a refinement in one sentence."""
+    verdict = RefineAnswer(study).verdict
+    return "" if verdict is None else str(verdict)
+
+
+def _shown(result: object) -> Shown | None:
+    """What is shown of a study or a refinement; None of any other result."""
+    if isinstance(result, UncertaintyStudy):
+        return RefineAnswer(result)
+    return Answer(result) if isinstance(result, Study) else None
 
 
 def answer_json(study: Study) -> dict[str, Any]:
@@ -161,15 +171,17 @@ def figure_for_user(result: object, name: str = "") -> go.Figure:
     """The figure ``name`` of a study, or the first of a result, by plotly."""
     if isinstance(result, Study):
         return figure_of(result, name)
+    if isinstance(result, UncertaintyStudy) and (made := RefineAnswer(result).figure()) is not None:
+        return made
     return notebook.figure_of(result)
 
 
 def picture_for_notebook(result: object) -> str:
     """Verdict and rows of a study as HTML; of another result its verdict and first figure."""
-    if not isinstance(result, Study):
+    answer = _shown(result)
+    if answer is None:
         return notebook.picture_of(result)
-    answer = Answer(result)
-    head = f"<p><strong>{escape(sentence_of(result))}</strong></p>"
+    head = f"<p><strong>{escape(str(answer.verdict or ''))}</strong></p>"
     rows = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
         for cells in (

@@ -22,6 +22,8 @@ from valvetrain.registry import BUILT_IN
 from valvetrain.solution.definition import tables
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
+from valvetrain.views.at_rest import rest_headings, rest_lines
+from valvetrain.views.table import Line
 
 #: Marks by falling gravity.
 GRAVITY: tuple[Mark, ...] = ("bad", "warn", "ok", "")
@@ -75,16 +77,6 @@ ROWS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Line:
-    """A row with its texts: ``cells`` of the columns, ``mark`` and ``remark``."""
-
-    label: str
-    cells: tuple[str, ...]
-    mark: Mark = ""
-    remark: str = ""
-
-
 def columns(facts: Facts) -> list[Solution]:
     """The runs of the first table: those that decide; of many the first, the last and some between. Over engine speed
     those of the variant that loses control first, but of two springs both at the highest speed in use.
@@ -114,6 +106,8 @@ def _rest(facts: Facts) -> list[SpringAtRest]:
 
 def headings(facts: Facts) -> list[str]:
     """What tells the columns apart: the label, the engine speed, or both; of springs at rest the model."""
+    if facts.study.at_rest_only:
+        return rest_headings(facts)
     if rest := _rest(facts):
         several = len({one.spring for one in rest}) > 1
         return [f"{one.spring}, {one.model}" if several else one.model for one in rest]
@@ -136,6 +130,8 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     facts, findings : of the study
     words : units and language
     """
+    if facts.study.at_rest_only:
+        return rest_lines(facts, findings, words)
     if rest := _rest(facts):
         return _rest_rows(rest, words)
     looked_at = {name for rule in rules() for name in rule.reads}

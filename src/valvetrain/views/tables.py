@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 from valvetrain.findings.facts import TURN
 from valvetrain.findings.words import COARSE, Amount, digits_text, speed_text
@@ -17,27 +16,12 @@ from valvetrain.solution.status import Event
 from valvetrain.views.answer import Answer
 from valvetrain.views.models import model_table
 from valvetrain.views.published import published_rows
+from valvetrain.views.table import TextTable
 
 #: Runs that stand side by side; more are rows. Events of a run that are listed, the largest.
 SIDE_BY_SIDE, EVENTS = 8, 12
 #: Unit of the size of an event -> a quantity of its kind, which gives digits and the reader's unit.
 SIZES = {"N": "peak_clash_force", "m": "loft_gap", "m/s": "seating_velocity", "s": "loft_duration"}
-
-
-@dataclass(frozen=True)
-class TextTable:
-    """A table as texts.
-
-    Parameters
-    ----------
-    title : above the table
-    columns : headings
-    rows : cells, a text for each column; a row of one cell is a heading across
-    """
-
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...] = field(default=())
 
 
 def tables_of(answer: Answer) -> dict[str, TextTable]:

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from valvetrain.findings.words import speed_text
-from valvetrain.views.answer import Answer
+from valvetrain.views.answer import Answer, Shown
 from valvetrain.views.models import ModelTable
 from valvetrain.views.over_speed import Bar, reach
 from valvetrain.views.over_speed import bars as control_bars
@@ -23,14 +23,14 @@ SIGN = {"bad": "✗", "warn": "!", "ok": "✓", "": ""}
 BULLETS, WIDTH = 6, 48
 
 
-def screen(answer: Answer, page: str = "", folder: str = "") -> RenderableType:
+def screen(answer: Shown, page: str = "", folder: str = "") -> RenderableType:
     """Title, verdict, rows, printed values, further findings, assumptions, what to run next, and the ``page``, or the
     ``folder`` of the files where no page was written.
     """
     return Group(*_parts(answer, page, folder))
 
 
-def plain(answer: Answer, page: str = "", width: int = 100) -> str:
+def plain(answer: Shown, page: str = "", width: int = 100) -> str:
     """The screen as plain text of ``width`` columns."""
     console = Console(width=width, file=io.StringIO(), force_terminal=False)
     with console.capture() as capture:
@@ -38,12 +38,12 @@ def plain(answer: Answer, page: str = "", width: int = 100) -> str:
     return "\n".join(line.rstrip() for line in capture.get().splitlines())
 
 
-def _parts(answer: Answer, page: str, folder: str) -> Iterator[RenderableType]:
+def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
     yield Text(answer.title, style="bold")
     if answer.verdict is not None:
         fact, rest = answer.headline
         yield Text.assemble((fact.upper(), STYLE[answer.verdict.mark]), rest)
-    if bars := control_bars(answer.facts):
+    if isinstance(answer, Answer) and (bars := control_bars(answer.facts)):
         yield Padding(_bars(answer, bars), (0, 2), expand=False)
     if answer.models is not None:
         yield Padding(_models(answer.models), (0, 2), expand=False)
@@ -66,7 +66,7 @@ def _parts(answer: Answer, page: str, folder: str) -> Iterator[RenderableType]:
         yield Text.assemble(("  page: ", "dim"), page, (count, "dim"), overflow="fold")
 
 
-def _rows(answer: Answer) -> Table:
+def _rows(answer: Shown) -> Table:
     """The rows with their marks."""
     several = len(answer.headings) > 1
     grid = Table.grid(padding=(0, 2, 0, 0))

@@ -163,8 +163,7 @@ def command_arguments(
         arguments += (
             ([f"--{name}"] if value == "true" else []) if name in _FLAGS else [f"--{name}={value}"]
         )
-    arguments += ["--keep"] if request.kind in ("static", "modes") else []
-    arguments += ["--implausible"] if request.implausible and request.kind != "modes" else []
+    arguments += ["--implausible"] if request.implausible else []
     return [*arguments, "--", file]
 
 

@@ -1,0 +1,195 @@
+"""Rules on a case before anything runs (Q): what its cam, follower, pushrod and springs fit, and what is in doubt."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from valvetrain.findings.engine import Hit, Rule
+from valvetrain.findings.words import Amount
+from valvetrain.mechanism.pushrod import pushrod_length
+from valvetrain.parameters.case import Case
+from valvetrain.quantities.cam_shape import lash_lift
+from valvetrain.solution.result import Solution
+from valvetrain.system.problem import Gear
+
+#: Stiffness over that of a tube of the same mass, above which no such tube is, since mass and length are rounded; below
+#: half of it the value holds more than the tube.
+ABOVE_TUBE, BELOW_TUBE = 1.05, 0.5
+#: Share by which the length given may differ from that between the balls.
+LENGTH_SHARE = 0.02
+#: Beginning of the names of springs: alone, and of a pair.
+SPRINGS = ("", "outer_", "inner_")
+
+
+@dataclass(frozen=True)
+class CaseFacts:
+    """A case as rules read it.
+
+    Parameters
+    ----------
+    parameters : the case
+    values : quantities (SI) of its springs in use, its lift and its cam
+    gear : its train; None of springs alone
+    runs : whether it holds anything that can run
+    name : what a command takes for it
+    """
+
+    parameters: Case
+    values: Mapping[str, float]
+    gear: Gear | None = None
+    runs: bool = True
+    name: str = ""
+
+    @property
+    def case(self) -> str:
+        """What a command takes for this case."""
+        return self.name or self.parameters.name
+
+    def at(self, run: Solution) -> str:
+        """Nothing: no run is judged."""
+        return ""
+
+    def where(self, runs: Sequence[Solution]) -> str:
+        """Nothing: no run is judged."""
+        return ""
+
+    def amount(self, name: str) -> Amount | None:
+        """A quantity; None where the case does not give it."""
+        value = self.values.get(name, math.nan)
+        return Amount(name, value) if math.isfinite(value) else None
+
+    @property
+    def lift(self) -> float:
+        """The largest lift (m) of the valve, or of the spring alone; NaN without one."""
+        largest = self.values.get("maximum_lift", math.nan)
+        return self.values.get("rigid_maximum_valve_lift", largest)
+
+    @property
+    def left(self) -> Amount | None:
+        """What is least left to coil bind at full lift, of the springs in use; None where it is not known."""
+        solid = [self.values[f"{one}coil_bind_lift"] for one in SPRINGS if f"{one}coil_bind_lift" in self.values]  # fmt: skip
+        known = bool(solid) and math.isfinite(self.lift)
+        return Amount("coil_bind_clearance", min(solid) - self.lift) if known else None
+
+
+def high_lash(facts: CaseFacts) -> Iterator[Hit]:
+    """The lash takes more of the lobe than its ramp lifts."""
+    lash, ramp = lash_lift(facts.gear), facts.values.get("cam_ramp_lift", 0.0)
+    if "cam_closing_ramp_velocity" in facts.values and lash > ramp * (1 + 1e-9) > 0:
+        yield Hit(Amount("cam_ramp_lift", lash), None, ramp)
+
+
+def _face(facts: CaseFacts) -> tuple[float, float] | None:
+    """Radius (m) to which the contact runs, and that of the face of a follower (NaN: not given)."""
+    away = facts.values.get("cam_contact_face_radius")
+    if facts.gear is None or away is None:
+        return None
+    given = facts.gear.parameters.follower.face_diameter
+    return away, math.nan if given is None else given / 2
+
+
+def off_face(facts: CaseFacts) -> Iterator[Hit]:
+    """The contact of the cam runs off the follower's face."""
+    found = _face(facts)
+    if found is not None and found[0] > found[1]:
+        needed = Amount("cam_contact_face_radius", 2 * found[0])
+        yield Hit(Amount("cam_contact_face_radius", found[0] - found[1]), fields={"needed": needed})
+
+
+def face_needed(facts: CaseFacts) -> Iterator[Hit]:
+    """The case states no face diameter of its follower."""
+    found = _face(facts)
+    if found is not None and math.isnan(found[1]):
+        yield Hit(Amount("cam_contact_face_radius", 2 * found[0]))
+
+
+def rod_length(facts: CaseFacts) -> Iterator[Hit]:
+    """The length of the pushrod is not that between its balls."""
+    train = facts.parameters.train
+    rod = None if train is None else train.pushrod
+    if train is None or rod is None or rod.length is None:
+        return
+    between = pushrod_length(train)
+    if abs(rod.length / between - 1) > LENGTH_SHARE:
+        yield Hit(Amount("free_length", rod.length), fields={
+            "between": Amount("free_length", between), "apart": Amount("free_length", abs(rod.length - between)),
+            "way": "away from" if rod.length > between else "towards",
+        })  # fmt: skip
+
+
+def _tube(facts: CaseFacts) -> tuple[float, float] | None:
+    """Stiffness (N/m) of a pushrod, and that of a tube of its mass and length: E m / (density L2), whatever its diameters."""
+    train = facts.parameters.train
+    rod = None if train is None else train.pushrod
+    if train is None or rod is None or rod.stiffness is None or any(rod_length(facts)):
+        return None
+    length = pushrod_length(train)
+    if not math.isfinite(length):
+        return None
+    return rod.stiffness, rod.youngs_modulus * rod.mass / (rod.density * length**2)
+
+
+def too_stiff(facts: CaseFacts) -> Iterator[Hit]:
+    """A pushrod stiffer than any tube of its mass and length."""
+    found = _tube(facts)
+    if found is not None and found[0] > ABOVE_TUBE * found[1]:
+        yield Hit(Amount("installed_rate", found[0]), None, found[1])
+
+
+def too_soft(facts: CaseFacts) -> Iterator[Hit]:
+    """A pushrod less than half as stiff as a tube of its mass and length, as if more than it gave way."""
+    found = _tube(facts)
+    if found is not None and found[0] < BELOW_TUBE * found[1]:
+        yield Hit(Amount("installed_rate", found[0]), None, found[1])
+
+
+def ready(facts: CaseFacts) -> Iterator[Hit]:
+    """Everything that a run builds could be built, and nothing is in doubt."""
+    if facts.runs:
+        moves = facts.parameters.lift_law is not None
+        speeds = facts.parameters.operation.engine_speeds
+        step = "run" if moves and speeds else "sweep" if moves else "static"
+        radius = facts.amount("cam_least_radius")
+        yield Hit(facts.left, fields={
+            "next": step, "left": facts.left or "", "radius": radius or "",
+        })  # fmt: skip
+
+
+def law_alone(facts: CaseFacts) -> Iterator[Hit]:
+    """A lift law without a spring or a train."""
+    if not facts.runs:
+        yield Hit(fields={"kind": facts.parameters.lift_law.kind if facts.parameters.lift_law else ""})  # fmt: skip
+
+
+def unchecked(facts: CaseFacts) -> Iterator[Hit]:
+    """A spring in use of which no solid height is known."""
+    if not math.isfinite(facts.lift) or not facts.runs:
+        return
+    known = [one for one in SPRINGS if f"{one}coil_bind_lift" in facts.values]
+    if not known or (len(known) == 1 and known[0]):
+        other = {"outer_": "the inner spring", "inner_": "the outer spring"}
+        yield Hit(fields={"spring": other[known[0]] if known else "the spring"})
+
+
+BIND = ("coil_bind_clearance",)
+RULES = (
+    Rule("Q111", "decides", "the lash takes {value} of the lobe, above its ramp of {limit}", high_lash,
+         ("cam_ramp_lift",), "the valve strikes its seat", "make the ramp higher or the lash smaller", mark="warn"),
+    Rule("Q112", "decides", "the contact runs {value} off the follower's face", off_face, ("cam_contact_face_radius",),
+         "the face needs a diameter of {needed}", mark="warn"),
+    Rule("Q113", "decides", "the pushrod is {value:4} long and its balls are {between:4} apart", rod_length, (),
+         "about right with pivot {apart} {way} the cam", "check pivot, drive_arm, drive_angle and lower_end", mark="warn"),
+    Rule("Q114", "decides", "the pushrod's {value} are more than the {limit} of a tube of its mass and length", too_stiff,
+         (), "stiffness or mass is wrong", mark="warn"),
+    Rule("Q115", "decides", "the pushrod's {value} are less than half of the {limit} of a tube of its mass and length",
+         too_soft, (), "as if more than the tube gave way", mark="warn"),
+    Rule("Q101", "decides", "ready to run", ready, BIND, "[{left} left to coil bind][, least radius of the cam {radius}]",
+         "valvetrain {next} {case}", mark="ok", unless=("Q11",)),
+    Rule("Q102", "decides", "a {kind} lift law alone", law_alone, (), "nothing to run without a spring or a train",
+         mark=""),
+    Rule("Q120", "notes", "coil bind of {spring} is not checked: no solid height is known", unchecked, BIND,
+         remark="not known of {spring}"),
+    Rule("Q121", "notes", "the follower's face needs a diameter of {value}", face_needed, ("cam_contact_face_radius",)),
+)  # fmt: skip

@@ -1,0 +1,111 @@
+"""Rules on a refinement (X): which numbers other meshes and contact constants move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from valvetrain.findings.engine import Hit, Rule
+from valvetrain.findings.words import UNRESOLVED, Amount, digits_text, speed_text
+from valvetrain.runs.error_bars import UncertaintyStudy
+from valvetrain.solution.definition import label_of
+from valvetrain.solution.result import Solution
+from valvetrain.solution.uncertainty import Uncertainty
+
+#: Error bars up to this share of a value count as small; a range over contact constants above this one is named.
+SMALL, MOVED = 0.01, 0.05
+
+
+@dataclass(frozen=True)
+class RefineFacts:
+    """A refinement as rules read it."""
+
+    study: UncertaintyStudy
+    name: str = ""
+
+    @property
+    def case(self) -> str:
+        """What a command takes for its case."""
+        return self.name or self.study.record.name
+
+    def at(self, run: Solution) -> str:
+        """Nothing: its rows name their speeds."""
+        return ""
+
+    def where(self, runs: Sequence[Solution]) -> str:
+        """Nothing: its rows name their speeds."""
+        return ""
+
+    @property
+    def rows(self) -> list[Uncertainty]:
+        """Rows with an error bar of a number that is not zero."""
+        return [row for row in self.study.rows if row.value and math.isfinite(row.numerical)]
+
+
+def share_of(row: Uncertainty) -> float:
+    """The error bar as a share of the value."""
+    return abs(row.numerical / row.value)
+
+
+def place_of(row: Uncertainty) -> str:
+    """``at 6000 rpm, stock``; empty of statics and modes."""
+    speed = "" if row.engine_speed is None else f"at {speed_text(row.engine_speed)}"
+    return ", ".join(filter(None, (speed, row.label)))
+
+
+def failed(facts: RefineFacts) -> Iterator[Hit]:
+    """Runs of the refinement that failed or were not finished."""
+    for one in facts.study.failures[:1]:
+        more = len(facts.study.failures) - 1
+        yield Hit(fields={"said": one, "more": f"{more} more" if more else ""})
+
+
+def without(facts: RefineFacts) -> Iterator[Hit]:
+    """No number has an error bar."""
+    if not facts.rows:
+        yield Hit()
+
+
+def unresolved(facts: RefineFacts) -> Iterator[Hit]:
+    """Numbers whose error bar is half of them or more."""
+    rows = [row for row in facts.rows if share_of(row) >= UNRESOLVED]
+    if rows:
+        names = list(dict.fromkeys(label_of(row.quantity) for row in rows))
+        yield Hit(Amount("clash_count", len(names)), fields={
+            "count": f"{len(rows)} of {len(facts.rows)} numbers", "first": names[0],
+            "more": f"{len(names) - 1} more kinds" if len(names) > 1 else "",
+        })  # fmt: skip
+
+
+def resolved(facts: RefineFacts) -> Iterator[Hit]:
+    """The largest error bar of a refinement that resolves every number."""
+    if facts.rows:
+        row = max(facts.rows, key=share_of)
+        small = sum(share_of(one) <= SMALL for one in facts.rows)
+        yield Hit(Amount(row.quantity, row.value, row.numerical), fields={
+            "name": label_of(row.quantity), "share": f"{digits_text(100 * share_of(row), 0, 2)} %", "place": place_of(row),
+            "small": f"{small} of {len(facts.rows)} within 1 %",
+        })  # fmt: skip
+
+
+def constants(facts: RefineFacts) -> Iterator[Hit]:
+    """A number that moves by more than a twentieth over the contact constants."""
+    for row in facts.rows:
+        reach = row.range
+        if reach is not None and (width := (reach.high - reach.low) / abs(row.value)) > MOVED:
+            yield Hit(Amount(row.quantity, reach.high), None, None, {
+                "name": label_of(row.quantity), "low": Amount(row.quantity, reach.low), "place": place_of(row),
+                "by": " and ".join(reach.by),
+            }, width)  # fmt: skip
+
+
+RULES = (
+    Rule("X101", "decides", "no error bar was found", without, mark="bad"),
+    Rule("X102", "decides", "{count} are not resolved: {first}[, {more}]", unresolved, (),
+         "other meshes move them by half or more", "valvetrain compare {case}", mark="warn", guide="uncertainty.md"),
+    Rule("X103", "decides", "every number is resolved: at most ± {share}, of {name}[ {place}]", resolved, (), "{small}",
+         "valvetrain run {case}", mark="ok", unless=("X102",)),
+    Rule("X110", "warns", "not all runs ended: {said}[; {more}]", failed),
+    Rule("X120", "notes", "{name}[ {place}] rests on contact {by}: {low..value}", constants, guide="uncertainty.md"),
+)  # fmt: skip

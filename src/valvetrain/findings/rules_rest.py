@@ -1,0 +1,256 @@
+"""Rules on springs at rest: force over compression (F) and natural modes (N)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from functools import wraps
+
+from valvetrain.findings.engine import Condition, Fields, Hit, Rule
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_spring import NEAR
+from valvetrain.findings.springs_at_rest import pair_of, states_of
+from valvetrain.findings.words import RPM, Amount, digits_text, speed_text
+from valvetrain.solution.modes import TrainModes
+
+#: Cam orders that are named where a case states no red line, and the highest that is looked for.
+ORDERS, MOST_ORDERS = (12, 6), 60
+#: Share by which the rate differs at full lift from that of the closed valve before both are named.
+SAME_RATE = 0.01
+#: Share by which the rate of a wire differs from that of its torsion, and shares between which its first mode is below
+#: that of torsion alone.
+OF_TORSION, BELOW_TORSION = 0.02, (0.005, 0.06)
+#: Overlap of two shapes below which a mode became another one rather than moved.
+NAME_ONLY = 0.5
+
+
+def asked(command: str) -> Callable[[Condition], Condition]:
+    """A condition on the studies of one ``command``."""
+
+    def only(function: Condition) -> Condition:
+        @wraps(function)
+        def hits(facts: Facts) -> Iterator[Hit]:
+            return iter(function(facts)) if facts.study.command == command else iter(())
+
+        return hits
+
+    return only
+
+
+static, modal = asked("static"), asked("modes")
+
+
+# -- force over compression ------------------------------------------------------------------------
+
+
+@static
+def near(facts: Facts) -> Iterator[Hit]:
+    """Less than a millimetre is left to coil bind at the largest lift."""
+    for one in states_of(facts.study):
+        if one.left is not None and 0 <= one.left.value < NEAR:
+            yield Hit(one.left, None, NEAR, {"spring": one.name}, -one.left.value)
+
+
+@static
+def unknown_solid(facts: Facts) -> Iterator[Hit]:
+    """A spring states no height at which it is solid."""
+    for one in states_of(facts.study):
+        if math.isfinite(one.lift) and not math.isfinite(one.solid):
+            yield Hit(fields={"spring": one.one.spring})
+
+
+@static
+def fails(facts: Facts) -> Iterator[Hit]:
+    """A static curve ends before it should, or passes the compression at which the spring buckles."""
+    for one in states_of(facts.study):
+        curve = one.one.curve
+        if curve is not None and not curve.status.completed:
+            buckling = curve.buckling
+            at = None if buckling is None else Amount("buckling_compression", buckling.compression)
+            yield Hit(at, None, None, {
+                "did": "" if at else curve.status.message, "remedy": curve.status.remedy, "spring": one.one.spring,
+            })  # fmt: skip
+
+
+@static
+def leans(facts: Facts) -> Iterator[Hit]:
+    """A spring in a guide bows until it touches it."""
+    for one in states_of(facts.study):
+        leaning = None if one.one.curve is None else one.one.curve.leaning
+        if leaning is not None:
+            at = Amount("buckling_compression", leaning.compression)
+            force = Amount("guide_force", leaning.force)
+            yield Hit(at, None, None, {"spring": one.name, "force": force})
+
+
+@static
+def loads(facts: Facts) -> Iterator[Hit]:
+    """Loads with the valve closed and at full lift."""
+    states = states_of(facts.study)
+    pair = pair_of(states) if states else None
+    if pair is not None:
+        yield from _loads(pair.name, pair.force, pair.rate, 0.0, pair.lift)
+    for one in states[:1] if pair is None else ():
+        yield from _loads(one.name, one.force, one.rate, one.one.precompression, one.full_lift)
+
+
+Read = Callable[[float], Amount | None]
+
+
+def _loads(name: str, force: Read, rate: Read, closed: float, full: float) -> Iterator[Hit]:
+    """Loads at two compressions (m), or lifts, of a spring that lifts."""
+    first, last = force(closed), force(full) if math.isfinite(full) else None
+    before, after = rate(closed), rate(full) if math.isfinite(full) else None
+    if first is None or last is None or before is None or after is None:
+        return
+    same = abs(after.value / before.value - 1) < SAME_RATE
+    yield Hit(last, None, None, {
+        "spring": name, "closed": first, "lift": Amount("maximum_lift", full - closed), "rate": before,
+        "rate_full": "" if same else after,
+    }, 0.0)  # fmt: skip
+
+
+@static
+def as_installed(facts: Facts) -> Iterator[Hit]:
+    """Load and rate of a spring that nothing lifts."""
+    for one in states_of(facts.study)[:1]:
+        force, rate = (read(one.one.precompression) for read in (one.force, one.rate))
+        if rate is not None and not math.isfinite(one.lift):
+            closed = force if force is not None and force.value > 0 else ""
+            yield Hit(rate, None, None, {"spring": one.name, "closed": closed})
+
+
+# -- natural modes ---------------------------------------------------------------------------------
+
+
+def orders_of(facts: Facts, natural_frequency: float) -> tuple[int, ...]:
+    """Cam orders that are named with a ``natural_frequency`` (Hz): the lowest that meets it below the red line, or a range."""
+    red = facts.red_line / RPM
+    lowest = math.ceil(120 * natural_frequency / red) if math.isfinite(red) else 0
+    return (lowest,) if 0 < lowest <= MOST_ORDERS else ORDERS
+
+
+def speed_of(order: int, natural_frequency: float) -> float:
+    """Engine speed (rad/s) at which a cam order meets a ``natural_frequency`` (Hz)."""
+    return 120 * natural_frequency / order * RPM
+
+
+@modal
+def surges(facts: Facts) -> Iterator[Hit]:
+    """The first axial natural frequency of the first spring, both ends fixed."""
+    for one in [one for one in states_of(facts.study) if one.surge is not None][:1]:
+        if one.surge is None or one.one.modes is None or one.one.modes.attached_mass is not None:
+            continue
+        frequency = one.surge.value
+        orders = orders_of(facts, frequency)
+        first, *more = (speed_text(speed_of(order, frequency), "") for order in orders)
+        fields: Fields = {
+            "order": str(orders[0]), "last": str(orders[-1]), "speed": first, "top": f"{more[0]} rpm",
+        } if more else {"lowest": str(orders[0]), "speed": f"{first} rpm", "red": speed_text(facts.red_line)}  # fmt: skip
+        yield Hit(one.surge, None, None, {
+            **fields, "spring": one.name,
+            "next": "sweep" if math.isfinite(one.lift) else "static",
+        })  # fmt: skip
+
+
+@modal
+def moving_end(facts: Facts) -> Iterator[Hit]:
+    """The first axial natural frequency with a mass on the retainer, or with its end free."""
+    for one in states_of(facts.study)[:1]:
+        mass = None if one.one.modes is None else one.one.modes.attached_mass
+        if one.surge is not None and mass is not None:
+            grams = f"{digits_text(1e3 * mass)} g on the retainer" if mass else "the end free"
+            yield Hit(one.surge, None, None, {"spring": one.name, "end": grams})
+
+
+@modal
+def still(facts: Facts) -> Iterator[Hit]:
+    """No spring has modes by the models that were asked for."""
+    some = states_of(facts.study)
+    if some and not any(one.surge for one in some):
+        yield Hit(fields={"model": some[0].one.model})
+
+
+@modal
+def failed_modes(facts: Facts) -> Iterator[Hit]:
+    """Modes about a state that does not last, such as one beyond buckling."""
+    for one in states_of(facts.study):
+        modes = one.one.modes
+        if modes is not None and not modes.status.completed:
+            yield Hit(fields={"did": modes.status.message, "remedy": modes.status.remedy})
+
+
+@modal
+def torsion(facts: Facts) -> Iterator[Hit]:
+    """A wire surges below the frequency by torsion alone, by which cards go, since few coils also tilt."""
+    for one in states_of(facts.study)[:1]:
+        alone, torsion = (
+            one.values.get(f"estimated_{word}") for word in ("surge_frequency", "rate")
+        )
+        rate, modes = one.rate(one.one.precompression), one.one.modes
+        if not (alone and torsion and rate and one.surge and modes):
+            continue
+        share = 1 - one.surge.value / alone
+        of_torsion = abs(rate.value / torsion - 1) < OF_TORSION
+        low, high = BELOW_TORSION
+        if len(modes.coil_number) and modes.attached_mass is None and of_torsion:
+            if low < share < high:
+                more = f"{100 * (alone / one.surge.value - 1):.1f} %"
+                yield Hit(Amount("estimated_surge_frequency", alone), fields={"more": more})
+
+
+def _train(facts: Facts) -> Iterator[tuple[TrainModes, TrainModes]]:
+    modes = facts.study.train_modes
+    return zip(modes[::2], modes[1::2], strict=False)
+
+
+@modal
+def whole_train(facts: Facts) -> Iterator[Hit]:
+    """The lowest natural frequency of the train with its springs, valve closed and at full lift."""
+    for closed, lifted in list(_train(facts))[:1]:
+        one, other = (
+            Amount("surge_frequency", float(t.natural_frequency[0])) for t in (closed, lifted)
+        )
+        yield Hit(other, fields={"closed": one, "moving": lifted.moving(0)})
+
+
+@modal
+def changed(facts: Facts) -> Iterator[Hit]:
+    """A mode of the closed valve has another shape at full lift than any mode there."""
+    for closed, lifted in _train(facts):
+        places = [at for at, share in enumerate(lifted.overlap) if share < NAME_ONLY]
+        for at in places[:1]:
+            before = lifted.closed_mode[at]
+            yield Hit(Amount("surge_frequency", float(lifted.natural_frequency[at])), fields={
+                "before": str(before + 1), "after": str(at + 1), "overlap": f"{100 * lifted.overlap[at]:.0f} %",
+                "first": Amount("surge_frequency", float(closed.natural_frequency[before])) if before < len(closed.shape) else "",
+            })  # fmt: skip
+
+
+LOADS = ("preload", "installed_rate")
+SURGE = ("surge_frequency",)
+BIND = ("coil_bind_clearance",)
+RULES = (
+    Rule("F101", "decides", "[{spring} buckles at {value} of compression][{did}]", fails, LOADS, step="[{remedy}]"),
+    Rule("F102", "decides", "{closed} closed, {value} at the full lift of {lift}[, {spring}]", loads, LOADS,
+         "rate {rate..rate_full}", "valvetrain modes {case}", mark="ok"),
+    Rule("F103", "decides", "[{closed} as installed, ]rate {value}[, {spring}]", as_installed, LOADS, "",
+         "valvetrain modes {case}", mark=""),
+    Rule("F110", "warns", "only {value} left to coil bind[, {spring}]", near, BIND, remark="close",
+         guide="how-to/05-coil-bind.md"),
+    Rule("F111", "notes", "[{spring} ]leans on its guide from {value} of compression, in the end with {force}",
+         leans, guide="how-to/05-coil-bind.md"),
+    Rule("F112", "notes", "coil bind of {spring} is not checked: no solid height is known", unknown_solid, BIND,
+         remark="not known"),
+    Rule("N101", "decides", "{did}", failed_modes, SURGE, step="[{remedy}]"),
+    Rule("N102", "decides", "surge at {value}[, {spring}]", surges, SURGE,
+         "met by [cam orders {order} to {last} at {speed} to {top}][cam order {lowest} at {speed}, the lowest below the red line of {red}]",
+         "valvetrain {next} {case}", mark="", guide="models.md"),
+    Rule("N103", "decides", "{value} with {end}[, {spring}]", moving_end, SURGE, mark=""),
+    Rule("N104", "decides", "no modes: the {model} model has no inner motion", still, SURGE, mark="warn",
+         step="valvetrain modes {case} --spring modal-uniform"),
+    Rule("N110", "notes", "torsion of the wire alone, by which cards go, gives {value}, {more} more", torsion),
+    Rule("N111", "notes", "train and springs as one: {closed} closed, {value} at full lift ({moving})", whole_train),
+    Rule("N112", "notes", "closed mode {before}[ ({first})] is nearest to mode {after} ({value}) at full lift by shape, overlap "
+         "{overlap}", changed),
+)  # fmt: skip

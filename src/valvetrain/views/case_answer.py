@@ -1,0 +1,168 @@
+"""What ``check`` shows of a case: verdict, the values of its lift, springs and cam, and a picture to scale."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import plotly.graph_objects as go
+
+from valvetrain.cam.contract import LiftLaw
+from valvetrain.errors import InputError
+from valvetrain.findings.engine import Findings, Mark, judge
+from valvetrain.findings.rules_case import BIND, RULES, CaseFacts
+from valvetrain.findings.words import Amount, Words, digits_text, speed_text
+from valvetrain.parameters.summary import unit_text
+from valvetrain.report.motion.still import case_picture
+from valvetrain.solution.definition import is_defined, label_of, shown
+from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.static import RestPoint
+from valvetrain.units.reader import shown_system
+from valvetrain.views.answer import Shown
+from valvetrain.views.page import Drawn, figure_content, rendered
+from valvetrain.views.style import ANGLE, LEAD, SECOND, line, panels, styled
+from valvetrain.views.table import Line, TextTable
+
+#: Heights (m) above which the open time is a row, the first that is known.
+OPEN = 1.27e-3
+#: Spring -> its states closed and at full lift, or why it has none.
+Loads = Mapping[str, "tuple[RestPoint, RestPoint] | str"]
+
+
+@dataclass(frozen=True)
+class CaseAnswer(Shown):
+    """A checked case.
+
+    Parameters
+    ----------
+    facts : the case as rules read it
+    said : subject and text of what the case says, as it was understood
+    loads : of the springs in use
+    durations : lift (m) -> crank angle (rad) above it
+    law : its lift law; None without one
+    words : units and language
+    """
+
+    facts: CaseFacts
+    said: Sequence[tuple[str, str]] = ()
+    loads: Loads = field(default_factory=dict)
+    durations: Mapping[float, float] = field(default_factory=dict)
+    law: LiftLaw | None = None
+    words: Words = field(default_factory=lambda: Words(shown_system()))
+
+    @property
+    def title(self) -> str:
+        """Name and title of the case, with its red line."""
+        case = self.facts.parameters
+        red = case.operation.red_line
+        line = "" if red is None else f" (red line {speed_text(red, '')})"
+        return f"{': '.join(filter(None, (case.name, case.title)))}{line}"
+
+    @cached_property
+    def findings(self) -> Findings:
+        """What is in doubt, or that the case is ready to run."""
+        return judge(self.facts, RULES, self.words)
+
+    @property
+    def headings(self) -> list[str]:
+        """The springs in use, where there are several."""
+        return list(self.loads) if len(self.loads) > 1 else [""]
+
+    @cached_property
+    def lines(self) -> list[Line]:
+        """Lift, lash, loads, coil bind, cam and engine speeds."""
+        amounts = {name: self._text(name) for name in self.facts.values}
+        case, texts = self.facts.parameters, list[tuple[str, str | tuple[str, ...], str]]()
+        valve = amounts.get("rigid_maximum_valve_lift", "")
+        law = amounts.get("maximum_lift", "")
+        texts.append(("lift", valve or law, f"{law} of the law" if valve and valve != law else ""))
+        if case.train is not None and case.train.lash:
+            texts.append(("lash", self.words.amount(Amount("maximum_lift", case.train.lash)), ""))
+        for label, place in (("closed", 0), ("full lift", 1)):
+            texts.append((label, self._loads(place), ""))
+        texts.append(("rate", self._rates(), "closed"))
+        left = self.facts.left
+        texts.append(("coil bind", "" if left is None else f"{self.words.amount(left)} left", "at full lift"))  # fmt: skip
+        texts.append(("least radius", amounts.get("cam_least_radius", ""), "of the cam"))
+        ramp = [amounts.get(name, "") for name in ("cam_ramp_lift", "cam_closing_ramp_velocity")]
+        texts.append(("ramp", " at ".join(filter(None, ramp)), "closing"))
+        at = next((one for one in self.durations if math.isclose(one, OPEN, rel_tol=1e-3)), None)
+        if at is not None:
+            wide = Amount("valve_50_thou_open_crank_angle_range", self.durations[at])
+            texts.append(("open", self.words.amount(wide), "the law, at 0.050 in"))
+        speeds = case.operation.engine_speeds
+        reach = [speed_text(one) for one in (speeds[:1] if len(speeds) == 1 else (min(speeds, default=0), max(speeds, default=0)))]  # fmt: skip
+        texts.append(("engine speed", " to ".join(reach) if speeds else "", ""))
+        return [self._line(*one) for one in texts if any(one[1])]
+
+    def _line(self, label: str, cells: str | tuple[str, ...], note: str) -> Line:
+        mark: Mark = ""
+        if isinstance(cells, str):
+            cells = (cells, *[""] * (len(self.headings) - 1))
+        if label == "coil bind":
+            mark = "ok"
+        about = [one for one in self.findings.about(BIND) if one.remark and label == "coil bind"]
+        return Line(label, cells, mark, about[0].remark if about else note)
+
+    def _text(self, name: str) -> str:
+        amount = self.facts.amount(name)
+        if amount is None or not is_defined(name):
+            return ""
+        value, unit = shown(name, amount.value)
+        return f"{digits_text(float(value), 0, 4)} {unit_text(unit)}".strip()
+
+    def _loads(self, place: int) -> tuple[str, ...]:
+        return self._each(lambda one: Amount("preload", one[place].force))
+
+    def _rates(self) -> tuple[str, ...]:
+        return self._each(lambda one: Amount("installed_rate", one[0].stiffness))
+
+    def _each(self, read: Callable[[tuple[RestPoint, RestPoint]], Amount]) -> tuple[str, ...]:
+        """A number of every spring in use."""
+        states = self.loads.values()
+        return tuple("" if isinstance(one, str) else self.words.amount(read(one)) for one in states)
+
+    def numbers(self) -> TextTable:
+        """Every named quantity of springs, lift and cam, and the open times."""
+        rows = [(label_of(name), text) for name in self.facts.values if (text := self._text(name))]
+        rows += [
+            (
+                f"open above {self.words.amount(Amount('maximum_lift', height))}",
+                self.words.amount(Amount("valve_50_thou_open_crank_angle_range", angle), 4),
+            )
+            for height, angle in self.durations.items()
+        ]
+        return TextTable("Numbers of springs, lift and cam", ("quantity", "value"), tuple(rows))
+
+    def understood(self) -> TextTable:
+        """What the case says, as it was understood."""
+        return TextTable("As it was understood", ("", ""), tuple(self.said))
+
+    def figure(self) -> go.Figure | None:
+        """Lift (mm) and acceleration (mm/rad²) of the law over the cam angle (deg)."""
+        if self.law is None:
+            return None
+        angle = np.linspace(0, math.tau, 1441)
+        lift, bend = 1e3 * self.law.lift(angle), 1e3 * self.law.lift(angle, 2)
+        fig = panels((0.6, 0.4))
+        fig.add_trace(line(np.degrees(angle), lift, "lift of the law", LEAD), 1, 1)
+        fig.add_trace(line(np.degrees(angle), bend, "acceleration", SECOND), 2, 1)
+        return styled(fig, ANGLE, ("lift, mm", "mm/rad²"), 380)
+
+    def page(self, gaps: PartialFailures) -> str:
+        """The page: verdict, picture to scale valve closed and at full lift, rows, figure and tables."""
+        picture = gaps.part("picture", "", self._picture)
+        fig = gaps.part("figure of the lift", None, self.figure)
+        drawn: dict[str, Drawn] = {} if fig is None else {"law": ("Lift law", "", figure_content(fig))}  # fmt: skip
+        tables = {"numbers": self.numbers(), "understood": self.understood()}
+        told = [self.facts.parameters.description] if self.facts.parameters.description else []
+        return rendered(self, drawn, tables, (told, self.facts.parameters.text), gaps, picture=picture)  # fmt: skip
+
+    def _picture(self) -> str:
+        try:
+            return case_picture(self.facts.parameters)
+        except InputError:
+            return ""

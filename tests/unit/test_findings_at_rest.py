@@ -1,0 +1,120 @@
+"""Rules on springs at rest, each on a real one that hits and one that does not; codes and numbers, no sentences."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import valvetrain as vt
+from valvetrain.findings.table import findings_of
+from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.runs.statics import static_study
+from valvetrain.runs.train_runs import train_modes
+from valvetrain.solution.study import Study
+from valvetrain.views.answer import Answer
+from valvetrain.views.figures import figures_of
+from valvetrain.views.page import data_of, page_of
+from valvetrain.views.tables import tables_of
+
+LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
+TEMPLATE = str(Path(vt.__file__).parent / "templates" / "pushrod.toml")
+SLENDER = """
+[spring]
+wire_diameter = "1 mm"
+mean_diameter = "10 mm"
+pitch = "4 mm"
+total_coils = 20
+ends = "open"
+material = { youngs_modulus = "206 GPa", shear_modulus = "79.6 GPa", density = "7850 kg/m^3" }
+precompression = "8 mm"
+[spring.options.finite-element]
+elements_per_coil = 8
+"""
+GUIDED = SLENDER + '[spring.guide]\nbore = "12 mm"\n'
+MODES = {"command": "modes", "modes": 6}
+TO = {"largest_compression": 18e-3}
+
+
+def lift(height: str) -> tuple:
+    return "job-c", {"lift_law.maximum_lift": height}, {"spring_models": ["modal-uniform"]}
+
+
+#: Name -> case, changes, options of a static study.
+STUDIES = {
+    "pair": (LS, {}, {}),
+    "pair-open": (LS, {"train.springs.mydual[0].solid_height": None}, {}),
+    "far": lift("10 mm"),
+    "near": lift("13.5 mm"),
+    "modes-wire": ("uniform-spring", {}, MODES),
+    "alone": ("uniform-spring", {}, {"spring_models": ["modal-uniform"]}),
+    "slender": (SLENDER, {}, TO),
+    "guided": (GUIDED, {}, TO),
+    "modes": ("job-c", {}, MODES),
+    "modes-pair": (LS, {}, MODES),
+    "modes-none": ("uniform-spring", {}, {**MODES, "spring_models": ["massless"]}),
+    "modes-free": ("uniform-spring", {}, {**MODES, "attached_mass": 0.05}),
+    "modes-bent": (SLENDER, {}, {**MODES, "compression": 16.5e-3}),
+    "modes-train": (TEMPLATE, {"train.spring_set": "card"}, MODES),
+}  # fmt: skip
+
+
+@cache
+def study(name: str) -> Study:
+    case, changes, options = STUDIES[name]
+    text = case.startswith("\n")
+    chosen = parse_case(case, name) if text else load_case(case, changes)
+    found = static_study(chosen, steps=12, **{"spring_models": (), **options})
+    if name != "modes-train":
+        return found
+    lowest = (one.lowest(10) for one in train_modes(chosen))
+    return replace(found, train_modes=tuple(lowest))
+
+
+@pytest.mark.parametrize(
+    ("code", "holds", "holds_not"),
+    [
+        ("F101", "slender", "guided"), ("F102", "pair", "alone"), ("F103", "alone", "pair"),
+        ("F110", "near", "far"), ("F111", "guided", "slender"), ("F112", "pair-open", "pair"), ("N101", "modes-bent", "modes"),
+        ("N102", "modes", "modes-free"),
+        ("N103", "modes-free", "modes"), ("N104", "modes-none", "modes"), ("N110", "modes-wire", "modes-pair"),
+        ("N111", "modes-train", "modes"), ("N112", "modes-train", "modes-pair"),
+    ],
+)  # fmt: skip
+def test_a_rule_holds_where_it_must_and_nowhere_else(code, holds, holds_not):
+    assert code in findings_of(study(holds)).codes
+    assert code not in findings_of(study(holds_not)).codes
+
+
+def test_the_numbers_of_the_verdict_are_those_of_the_study():
+    found = findings_of(study("far"))[0]
+    (rest,) = study("far").rest
+    assert found.fields["closed"].value == rest.curve.force_at(rest.precompression)
+    assert found.value == pytest.approx(rest.curve.force_at(rest.precompression + 10e-3))
+    surge = findings_of(study("modes"))[0]
+    assert surge.value == study("modes").rest[0].modes.axial_frequencies[0]
+    pair = findings_of(study("pair"))[0]
+    both = [one.curve.force_at(one.precompression) for one in study("pair").rest]
+    assert pair.fields["closed"].value == pytest.approx(sum(both))
+
+
+def test_an_order_below_the_red_line_is_the_lowest_that_meets_the_surge():
+    fields = findings_of(study("modes-pair"))[0].fields
+    surge = study("modes-pair").rest[0].modes.axial_frequencies[0]
+    assert 120 * surge / int(fields["lowest"]) < 7000 < 120 * surge / (int(fields["lowest"]) - 1)
+
+
+@pytest.mark.parametrize(
+    "name", ["pair", "alone", "guided", "modes-pair", "modes-train", "modes-free"]
+)
+def test_page_rows_and_tables_hold_what_was_computed(name):
+    answer = Answer(study(name))
+    assert answer.lines and all(len(one.cells) == len(answer.headings) for one in answer.lines)
+    assert len(str(answer.verdict).split()) <= 25
+    data = data_of(page_of(answer))
+    assert data is not None and set(data) == {f"data-{key}" for key in figures_of(study(name))}
+    wanted = "modes" if name.startswith("modes") else "curve"
+    assert wanted in tables_of(answer)
+    assert answer.next_step.split()[:1] == ["valvetrain"] or not answer.next_step
