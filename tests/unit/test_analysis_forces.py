@@ -14,7 +14,7 @@ from valvetrain.quantities.clash import (
     main_clash_quantities,
 )
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.forces import energy_balance, order_spectrum, surge_order
+from valvetrain.quantities.forces import energy_balance, surge_order
 from valvetrain.quantities.signal import filtered_force, low_pass
 
 DEG = np.pi / 180
@@ -120,17 +120,6 @@ def test_filter_refuses_what_it_cannot_do():
     with pytest.raises(InputError, match="evenly"):
         low_pass(time**2, time, 1e3)
     assert filtered_force(run({"seat_force": _force}, per_turn=72), 10e3) is None
-
-
-def test_order_spectrum_returns_the_amplitudes_put_in():
-    def force(degrees):
-        return 300 + 20 * np.cos(13 * degrees * DEG + 0.3) + 5 * np.sin(27 * degrees * DEG)
-
-    spectrum = order_spectrum(reported_cycle(run({"seat_force": force})), largest_order=40)
-    expected = np.zeros(41)
-    expected[[0, 13, 27]] = 300, 20, 5
-    np.testing.assert_allclose(spectrum.amplitude, expected, atol=1e-9)
-    assert spectrum.unit == "N"
 
 
 def test_surge_order_of_the_beehive_at_5600_rpm():

@@ -128,8 +128,8 @@ def test_nested_springs_of_a_card_add_up(answer):
         quantities = run["quantities"]
         assert quantities["peak_spring_force"]["value"] == pytest.approx(340 + 46 * 9, rel=1e-6)
         assert quantities["minimum_spring_force"]["value"] == pytest.approx(340, rel=1e-6)
-    text = answer("static", "pair.toml")
-    assert [float(one) for one in re.findall(r"Preload +([\d.]+)", text)] == [250, 90]
+    rest = json.loads(answer("static", "pair.toml", "--json", "--no-report"))["quantities_by_label"]
+    assert [one["preload"]["value"] for one in rest.values()] == pytest.approx([250, 90])
 
 
 def test_brackets_of_critical_speeds_are_no_wider_than_the_resolution(answer):

@@ -278,13 +278,6 @@ def shown_text(name: str, value: float | None, digits: int = 5) -> tuple[str, st
     return ("–" if value is None else number(float(shown(name, value)[0]), digits)), unit
 
 
-def quantity_rows(values: Mapping[str, float]) -> list[tuple[str, str, str]]:
-    """(name, number, unit) of named SI quantities."""
-    from valvetrain.report.text import quantity_label
-
-    return [(quantity_label(name), *shown_text(name, value)) for name, value in values.items()]
-
-
 #: Estimates above this are printed (s).
 WORTH_SAYING = 20.0
 

@@ -212,20 +212,6 @@ class OrderSpectrum:
     unit: str
 
 
-def order_spectrum(
-    cycle: Cycle, channel: str = "seat_force", largest_order: int | None = None
-) -> OrderSpectrum:
-    """Amplitudes by cam order over one whole cycle; order 0 is the mean.
-
-    The cycle is resampled to even cam angles first. A jump between its ends (a run not yet
-    periodic) leaks into all orders.
-    """
-    amplitude = order_amplitudes(cycle.cam_angle, cycle.channel(channel))
-    keep = len(amplitude) if largest_order is None else min(largest_order + 1, len(amplitude))
-    unit = cycle.solution.unit(channel)
-    return OrderSpectrum(np.arange(keep, dtype=float), amplitude[:keep], unit)
-
-
 def order_amplitudes(cam_angle: Array, values: Array) -> Array:
     """Amplitude (0 to peak) of every order of ``values`` over one turn; ``cam_angle`` (rad)
     ascending.

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from valvetrain.report.text import number, unit_text
-from valvetrain.solution.definition import shown
-from valvetrain.units.reader import reader_factor, reader_unit
+from valvetrain.report.text import number
 
 #: What is said of a stress by EN 13906-1 of a force beyond solid.
 #: Least number that is written with noughts in place of a power of ten.
@@ -29,22 +27,6 @@ def figure(value: float, digits: int = 3) -> str:
     if TINY <= abs(value) < 1e-4:
         return f"{value:.6f}".rstrip("0").replace("-", "−")
     return number(float(round(value)), 12) if abs(value) >= 10**digits else number(value, digits)
-
-
-def amount_text(value: float, unit: str, digits: int = 3) -> str:
-    """A number in a metric ``unit`` with the unit of the reader, rounded as :func:`figure` does."""
-    return f"{figure(value * reader_factor(unit), digits)} {unit_text(reader_unit(unit))}".strip()
-
-
-def quantity_text(name: str, value: float, digits: int = 3, whole: bool = False) -> str:
-    """An SI value with the unit of its tables; below a tenth of a millimetre in µm, unless it is
-    shown next to ``whole`` ones.
-    """
-    found, unit = shown(name, value)
-    number_shown = float(found)
-    if unit == "mm" and not whole and 0 < abs(number_shown) < 0.1:
-        number_shown, unit = 1e3 * number_shown, "um"
-    return f"{figure(number_shown, digits)} {unit_text(unit)}".strip()
 
 
 def joined(parts: Sequence[str], last: str = "and") -> str:
