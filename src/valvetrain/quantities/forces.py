@@ -201,17 +201,6 @@ SURGE_BAND = (0.5, 1.5)
 SURGES = 2e-3
 
 
-@dataclass(frozen=True, eq=False)
-class OrderSpectrum:
-    """``order`` (order): oscillations per cam revolution, from 0; ``amplitude`` (order): zero to
-    peak, in the channel's unit.
-    """
-
-    order: Array
-    amplitude: Array
-    unit: str
-
-
 def order_amplitudes(cam_angle: Array, values: Array) -> Array:
     """Amplitude (0 to peak) of every order of ``values`` over one turn; ``cam_angle`` (rad)
     ascending.
