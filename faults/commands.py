@@ -70,6 +70,8 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "sweep": ("sweep", *TRAIN, "--engine-speed", "1000:4000:500 rpm", "--no-critical-speeds", "--workers", "2"),
     "compare-springs": ("compare-springs", "job-c", "job-t", "--train", "tdi-pushrod", "--engine-speed", "2000 rpm", "--spring", "massless"),
     "run-up": ("run-up", *TRAIN, "--from", "1000 rpm", "--to", "1500 rpm", "--duration", "0.2 s"),
+    "static": ("static", "small.toml", "--spring", "massless,multi-mass"),
+    "modes": ("modes", "small.toml", "--spring", "multi-mass"),
     "refine": ("refine", "small.toml", "--set", "spring.options.finite-element.elements_per_coil=8", "--workers", "1"),
     "compare-test": ("compare-test", "job-t", "--test", "cycles.csv", "--spring", "massless"),
     "lift": ("lift", "lobe.csv"),

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.skipif(
     os.name != "posix", reason="kills by signals, which Windows does not have"
 )
 #: Commands without a folder of results.
-WITHOUT = {"cases", "check", "compare-runs", "modes", "new", "runs", "serve", "static"}
+WITHOUT = {"cases", "check", "compare-runs", "findings", "new", "runs", "serve"}
 
 
 @pytest.fixture(scope="module")

@@ -139,7 +139,7 @@ def test_a_stop_of_a_body_is_no_contact_of_the_drive():
         mechanism=replace(built.mechanism, interactions=(stop, *built.mechanism.interactions)),
     )
     names = [changed.interaction_names[k] for k in changed.mechanism.drive]
-    assert names == ["cam", "tappet", "rocker", "valve tip"]
+    assert names == ["cam", "tappet", "rocker", "valve_tip"]
     one, other = (
         rigid_motion(item, samples=180).forces.shares(ANGLES).static for item in (built, changed)
     )
