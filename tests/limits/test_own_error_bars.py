@@ -241,7 +241,9 @@ def test_a_rod_too_coarse_for_a_coarser_one_takes_a_finer_one():
     """Six elements a coil cannot be four; their bar is wider than that of twelve by eight."""
     wide, narrow = (
         bars_of(
-            vt.simulate(rod(n).parameters, "3000 rpm", spring_models="finite-element", workers=1)
+            vt.simulate(
+                rod(n).parameters, "3000 rpm", "finite-element", compute="error_bars", workers=1
+            )
         )
         for n in (8, 16)
     )
