@@ -106,8 +106,6 @@ CALLS = {
     "rod, negative mass": (lambda: vt.springs.FiniteElementRod(SPRING, 5e-3, 6).modes(1, -0.1), "zero or more"),
     "one sample": (lambda: reported_cycle(RUN.reduced()), "fewer than two samples"),
     "one sample alone": (lambda: reported_cycle(replace(RUN, channels=cut(RUN, 1))), "fewer than two samples"),
-    "no quantities": (lambda: replace(made.sweep_study(3), solutions=tuple(replace(run, quantities={})
-                      for run in made.sweep_study(3).solutions)).plot(), "hold no quantities to draw"),
     "unknown channel": (lambda: spring_channels(RUN.time, RUN.cam_angle, {"seat_forse": RUN.time}), "'seat_forse' is not declared"),
     "no time": (lambda: channels(time=None), "needs the coordinate 'time'"),
     "time of something else": (lambda: channels(cam_angle=Variable(("turn",), np.zeros(3), {})), "needs the coordinate 'cam_angle'"),
