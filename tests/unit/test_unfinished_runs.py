@@ -207,7 +207,6 @@ def test_a_refinement_clears_what_a_killed_run_left_in_its_folder(tmp_path):
     )
     assert result.exit_code == 0, result.stderr
     assert sorted(path.name for path in folder.iterdir()) == [
-        "figures",
         "inputs",
         "levels.csv",
         "report.html",
