@@ -27,6 +27,8 @@ FOLDERS = {
     "film": "Films of a spring",
     "scan": "Springs from scans",
     "measured": "Measured data",
+    "findings": "Findings and their rules",
+    "views": "Tables, figures and pages",
     "report": "Reports and files",
     "quantities": "Quantities of results",
     "system": "The problem that is solved",
