@@ -8,7 +8,6 @@ from functools import cache
 from pathlib import Path
 from random import Random
 from typing import Any
-from unittest import mock
 
 import numpy as np
 
@@ -72,12 +71,10 @@ def ask(content: bytes) -> str:
 
 
 def _load(kind: str, path: Path) -> Any:
-    from valvetrain.solution import netcdf, read_apart
+    from valvetrain.solution import netcdf
 
     load = {"static": netcdf.load_static_curve, "modes": netcdf.load_modal_result}
-    # A fork of this process has the libraries already: a hundredth of the time of a new one.
-    with mock.patch.object(read_apart, "in_a_new_process", lambda *_: "not asked"):
-        return load.get(kind.partition("-")[0], netcdf.load_netcdf)(path)
+    return load.get(kind.partition("-")[0], netcdf.load_netcdf)(path)
 
 
 def _same(one: Any, other: Any) -> bool:
