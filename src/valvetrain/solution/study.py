@@ -75,7 +75,8 @@ class Study(Reported):
     >>> study.quantities["preload"]
     301.5
     >>> study
-    Study of own-spring (run): no runs
+    nothing moves: the case names no engine speed
+      Study of own-spring (run): no runs
       quantities (1): preload 301.5 N
     """
 
