@@ -127,7 +127,7 @@ def compute(job: Job, bars: bool = False) -> dict[Key, Entry]:
         }
     if job.speed:
         arguments["engine_speeds"] = f"{job.speed} rpm"
-    study = vt.simulate(path_of(job.case), **arguments)
+    study = vt.simulate(path_of(job.case), **arguments, compute="error_bars" if bars else ())
     numbers: dict[Key, Entry] = {}
     for label, values in study.still.items() if job.rest else ():
         for name, value in values.items():

@@ -92,11 +92,11 @@ def spike() -> Known:
 
 
 def burst() -> Known:
-    """A burst of 9.3 kHz and 20 N on a level force is all that is left above 2.5 kHz."""
+    """A burst of 5 kHz and 20 N on a level force is all that is left between 2.5 and 10 kHz."""
 
     def force(degrees):
         away = degrees - 250
-        return 300 + 20 * np.cos(np.radians(200 * away)) * np.exp(-((away / 3) ** 2))
+        return 300 + 20 * np.cos(np.radians(107 * away)) * np.exp(-((away / 8) ** 2))
 
     found = evaluate(
         run({"seat_force": force}), Frame(source="gu2021", lift_event=EVENT)

@@ -163,14 +163,16 @@ def test_claims_of_the_source(study: Study) -> None:
     assert [one for one, word in verdicts.items() if word != "agrees"] == [
         "The largest force of the cycle is the spike of Stage III."
     ]
-    assert len(study.findings) == 6
+    assert len(study.findings) == 7
 
 
 def test_the_two_maxima_are_near_the_printed_ones(study: Study) -> None:
     run = study.solution("finite-element", 8000 * RPM).quantities
     names = [f"stage_2_{word}_force" for word in ("first_peak", "valley", "second_peak")]
-    heights = [run[name] for name in names]
-    assert heights == pytest.approx([940, 580, 1200], rel=0.06)
+    off = [run[name] / printed - 1 for name, printed in zip(names, (940, 580, 1200), strict=True)]
+    assert max(map(abs, off[:2])) <= 0.05 < -off[2], (
+        "the second is missed, as docs/beehive.md prints"
+    )
 
 
 def test_a_case_of_ones_own_that_names_the_study_is_compared_with_it(tmp_path) -> None:

@@ -240,8 +240,7 @@ def kept_running_up(facts: Facts) -> Iterator[Hit]:
 SWEEP = "valvetrain sweep {case}"
 DECIDES = "{lead} decides[: {own}]"
 FIRST = (
-    Rule("R101", "decides", "nothing to judge: the run {did}[ {at}]", nothing, reason="[{message}]",
-         step="[{remedy}]"),
+    Rule("R101", "decides", "nothing to judge: the run {did}[ {at}]", nothing, step="[{message}: ][{remedy}]"),
     Rule("R100", "decides", "nothing moves: the case names no engine speed", at_rest, mark="",
          step="valvetrain static {case}"),
     Rule("U101", "decides", "loses the cam from {speed} on[, {short} short of the red line]",

@@ -46,11 +46,11 @@ class Term:
             return self.times * departure(pair[0], pair[-1], self.quantity, self.part)
         return self.times * pair[0].quantities.get(self.quantity, math.nan)
 
-    def text(self, number: float) -> str:
-        """A number of this side with its unit and its runs."""
+    def text(self, number: float, like: str = "") -> str:
+        """A number of this side with its unit and its runs; a plain value in the unit of a quantity ``like`` it."""
+        unit = "N" if self.beside else unit_of(self.quantity or like)
         if not self.run:
-            return f"{number:.4g}"
-        unit = "N" if self.beside else unit_of(self.quantity)
+            return value_text(number, unit, 4)
         times = f"{self.times:g} times " if self.times != 1 else ""
         runs = f"{self.run} less {self.beside}" if self.beside else self.run
         return f"{value_text(number, unit, 4)} ({times}{runs})"
@@ -84,7 +84,7 @@ class Claim:
             return Finding(self.place, self.statement, "no such number", "not seen")
         greater = self.relation == "greater"
         holds = left > right if greater else abs(left - right) <= self.within * abs(right)
-        computed = f"{self.left.text(left)}, against {self.right.text(right)}"
+        computed = f"{self.left.text(left)}, against {self.right.text(right, self.left.quantity)}"
         return Finding(self.place, self.statement, computed, "agrees" if holds else "not seen")
 
 

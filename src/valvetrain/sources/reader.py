@@ -14,15 +14,14 @@ from itertools import pairwise
 import numpy as np
 from pydantic.dataclasses import dataclass as table
 
-from valvetrain.errors import InputError
 from valvetrain.integrate.clash import runs
 from valvetrain.parameters.schema_types import Angle
 from valvetrain.quantities.cycle import Array, Cycle
 from valvetrain.quantities.signal import (
     filtered_force,
+    fine_filtered,
     fine_series,
     is_covered,
-    low_pass,
     window_bounds,
 )
 from valvetrain.solution.definition import pattern_of
@@ -147,20 +146,24 @@ class Reader:
             fine = f"{name}_fine"
             return cycle.channel(fine).max(axis=1) if solution.has(fine) else None
         if reading.above:
-            return self._above(name, reading.above)
+            return self._band(name, reading.above, reading.below)
         if reading.below:
             force = filtered_force(solution, reading.below, name)
             return None if force is None else force[cycle.samples]
         return cycle.channel(name)
 
-    def _above(self, name: str, frequency: float) -> Array | None:
-        """A channel above ``frequency`` (Hz), zero at its end, where the filter sees one side only."""
-        cycle, values = self.cycle, self.cycle.solution.channel(name)
-        try:
-            sharp = values - low_pass(cycle.solution.time, values, frequency)
-        except InputError:
+    def _band(self, name: str, low: float, high: float) -> Array | None:
+        """Largest size of a channel in each interval between two frequencies (Hz); zero at its end, where the
+        filters see one side only.
+        """
+        cycle, time = self.cycle, self.cycle.solution.time
+        quick, slow = (fine_filtered(cycle.solution, one, name) for one in (high, low))
+        if quick is None or slow is None:
             return None
-        return np.where(cycle.time < cycle.time[-1] - 1 / frequency, sharp[cycle.samples], 0.0)
+        size = np.abs(quick - slow)
+        if len(size) > len(time):
+            size = np.append(size.reshape(len(time) - 1, -1).max(axis=1), 0.0)
+        return np.where(cycle.time < cycle.time[-1] - 1 / low, size[cycle.samples], 0.0)
 
     def sampled(self, channels: Sequence[str]) -> tuple[Array, Array]:
         """Cam angle (rad) and value of a channel as the study would have stored it, both (phase, sample).
