@@ -44,7 +44,6 @@ WORDS = st.one_of(
             "--to",
             "--steps",
             "--count",
-            "--csv",
             "--compression",
             "--elements-per-coil",
             "--spring",

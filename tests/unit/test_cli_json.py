@@ -55,7 +55,7 @@ def outputs(tmp_path_factory):
     commands = {
         "run": ("--output", str(folder / "out"), "--no-report"),
         "sweep": ("--engine-speed", "8000:9000:500", "--spring", "massless", "--output", str(folder / "swept")),
-        "static": ("--steps", "8", "--csv", str(folder / "s.csv")),
+        "static": ("--steps", "8"),
         "modes": ("--count", "6"), "check": (),
     }  # fmt: skip
     results = {name: call(name, str(path), *rest, "--json") for name, rest in commands.items()}

@@ -34,7 +34,7 @@ def ended(facts: Facts) -> Iterator[Hit]:
     if some:
         first = some[0].status
         alike = [run.engine_speed for run in some if run.status.code == first.code][:3]
-        yield Hit(Amount(COUNT, len(some)), some[0], None, {
+        yield Hit(None, some[0], None, {
             "did": ENDED.get(first.code, first.code), "message": first.message, "remedy": first.remedy,
             "at": f"at {speeds_text(sorted(set(alike)))}",
         })  # fmt: skip
