@@ -14,6 +14,7 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 import one_parser  # noqa: E402, F401
 from package_watch import package_stays_whole  # noqa: E402, F401
+from valvetrain import session  # noqa: E402
 
 #: Set to 1, the long tests run too; ``make test-long`` runs them alone.
 LONG = "VALVETRAIN_LONG"
@@ -29,6 +30,12 @@ FIRST = (
     "test_identification_goes_on", "test_springs_from_scans", "test_imports", "test_own_parts", "test_train_cli",
     "test_identification_closed_forms", "test_critical_speeds", "test_read_apart", "test_hilber_hughes_taylor", "test_workbench_live",
 )  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def no_case_of_a_command():
+    """Each test begins as a program does, in which no command line has named a case."""
+    session.call_case([])
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -34,7 +34,9 @@ KINDS: dict[str, tuple[str, str]] = {
     "rig_formats": ("valvetrain.rig_formats", "form of recordings"),
     "samplers": ("valvetrain.samplers", "sampler"),
     "evaluators": ("valvetrain.evaluators", "evaluator of points"),
+    "answers": ("valvetrain.answers", "answer of a result"),
     "rules": ("valvetrain.rules", "table of rules"),
+    "other_rules": ("valvetrain.other_rules", "table of rules"),
     "tables": ("valvetrain.tables", "table of a page"),
     "figures": ("valvetrain.figures", "figure of a page"),
 }  # fmt: skip
@@ -80,7 +82,6 @@ BUILT_IN["springs"] = {
 }
 #: Class of a result -> the page, or its blocks, whose first table and figure a notebook shows.
 BUILT_IN["results"] = {
-    "Solution": "valvetrain.report.results:solution_blocks",
     "StaticCurve": "valvetrain.report.results:static_curve_blocks",
     "ModalResult": "valvetrain.report.results:modes_blocks",
     "TrainModes": "valvetrain.report.results:train_modes_blocks",
@@ -114,13 +115,16 @@ BUILT_IN["verdicts"] = {
     "SpringFit": "valvetrain.spring_card.verdict:card_verdict",
     "TesterFit": "valvetrain.spring_card.verdict:tester_verdict",
     "ModelAgainstTest": "valvetrain.compare_test.verdict:test_verdict",
-    "Solution": "valvetrain.views.results:sentence_of_run",
-    "Study": "valvetrain.views.results:sentence_of",
-    "UncertaintyStudy": "valvetrain.views.results:sentence_of_refinement",
+}
+#: Class of a result -> what is shown of it, made from the result alone.
+BUILT_IN["answers"] = {
+    "Study": "valvetrain.views.answer:Answer",
+    "Solution": "valvetrain.views.results:answer_of_run",
+    "UncertaintyStudy": "valvetrain.views.refinement:RefineAnswer",
 }
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
-    "verdict": "valvetrain.report.verdict:verdict_of",
+    "verdict": "valvetrain.views.results:sentence_of",
     "html": "valvetrain.report.notebook:html_of",
     "picture": "valvetrain.views.results:picture_for_notebook",
     "figure": "valvetrain.views.results:figure_for_user",
@@ -231,6 +235,11 @@ BUILT_IN["rules"] = {
     "last": "valvetrain.findings.rules_study:LAST",
     "assumed": "valvetrain.findings.rules_assumed:RULES",
     "published": "valvetrain.findings.rules_published:RULES",
+}
+#: Tables of rules on other results than studies; the answer of each judges by its own.
+BUILT_IN["other_rules"] = {
+    "case": "valvetrain.findings.rules_case:RULES",
+    "refine": "valvetrain.findings.rules_refine:RULES",
 }
 BUILT_IN["figures"] = {
     "run-up": "valvetrain.views.figures:RUN_UP",

@@ -116,7 +116,7 @@ def test_a_figure_that_fails_is_named_and_the_others_are_drawn(monkeypatch):
         with monkeypatch.context() as patch:
             specs = figure_specs()
             specs[name] = replace(specs[name], make=broken)
-            patch.setattr("valvetrain.views.page.figure_specs", lambda found=specs: found)
+            patch.setattr("valvetrain.views.figures.figure_specs", lambda found=specs: found)
             text = page_of(answer, gaps)
         assert len(gaps.sentences) == 1 and BROKEN in gaps.sentences[0]
         assert {one for one in data_of(text) if one.startswith("data-")} == drawn - {key}

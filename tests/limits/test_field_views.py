@@ -160,7 +160,7 @@ def test_stress_beside_the_strength_of_the_wire():
         .compare("6000 rpm", "massless")
     )
     found = done.solutions[0].quantities
-    figure = vt.views.figures.figure_of(done, "strength")
+    figure = done.figure("strength")
     point = figure.data[1]
     assert point.x[0] == pytest.approx(found["closed_nominal_shear_stress"] * 1e-6)
     assert point.y[0] == pytest.approx(found["open_nominal_shear_stress"] * 1e-6)

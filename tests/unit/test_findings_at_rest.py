@@ -15,8 +15,8 @@ from valvetrain.runs.statics import static_study
 from valvetrain.runs.train_runs import train_modes
 from valvetrain.solution.study import Study
 from valvetrain.views.answer import Answer
-from valvetrain.views.figures import figures_of
 from valvetrain.views.page import data_of, page_of
+from valvetrain.views.results import figures_of
 from valvetrain.views.tables import tables_of
 
 LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
@@ -114,7 +114,7 @@ def test_page_rows_and_tables_hold_what_was_computed(name):
     assert answer.lines and all(len(one.cells) == len(answer.headings) for one in answer.lines)
     assert len(str(answer.verdict).split()) <= 25
     data = data_of(page_of(answer))
-    assert data is not None and set(data) == {f"data-{key}" for key in figures_of(study(name))}
+    assert data is not None and set(data) == {f"data-{key}" for key in figures_of(answer)}
     wanted = "modes" if name.startswith("modes") else "curve"
     assert wanted in tables_of(answer)
     assert answer.next_step.split()[:1] == ["valvetrain"] or not answer.next_step

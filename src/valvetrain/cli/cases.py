@@ -140,11 +140,10 @@ def check(
     from valvetrain.findings.rules_case import CaseFacts
     from valvetrain.findings.words import Words
     from valvetrain.report.json import quantities_object
-    from valvetrain.solution.atomic import write_text
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.system.build import lift_law_of
-    from valvetrain.units.reader import for_reader
     from valvetrain.views.case_answer import CaseAnswer
+    from valvetrain.views.results import write_page
     from valvetrain.views.terminal import screen
 
     take_units(units)
@@ -176,8 +175,7 @@ def check(
         request = SavedRequest("check", chosen, output, now, folder_of(case))
 
         def write(folder: Path) -> list[Path]:
-            with for_reader():
-                return [write_text(folder / "report.html", answer().page(gaps))]
+            return list(filter(None, (write_page(answer(), folder, gaps),)))
 
         data["page"] = str(output / "report.html")
         keep_run(request, chosen.record().text, {}, data, write, gaps=gaps)

@@ -146,8 +146,8 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     from valvetrain.report.uncertainty_tables import levels_table, uncertainty_table
     from valvetrain.solution.atomic import write_text
     from valvetrain.solution.partial_failures import PartialFailures
-    from valvetrain.units.reader import for_reader
     from valvetrain.views.refinement import RefineAnswer
+    from valvetrain.views.results import write_page
     from valvetrain.views.terminal import screen
 
     case, engine_speeds = request.case, request.engine_speeds
@@ -161,12 +161,13 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
         "findings": [one.to_dict() for one in RefineAnswer(study, Words()).findings],
     }  # fmt: skip
 
+    gaps = PartialFailures()
+
     def write(folder: Path) -> list[Path]:
         table = write_text(folder / "uncertainty.csv", uncertainty_table(study.rows).csv())
         levels = write_text(folder / "levels.csv", levels_table(study).csv())
-        with for_reader():
-            page = write_text(folder / "report.html", RefineAnswer(study).page(PartialFailures()))
-        return [table, levels, page]
+        page = write_page(RefineAnswer(study), folder, gaps)
+        return [table, levels, *filter(None, (page,))]
 
     choices = {
         "engine_speeds": [rpm(speed) for speed in engine_speeds or case.operation.engine_speeds],
@@ -178,5 +179,5 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     return Outcome(
         data,
         lambda console: console.print(screen(RefineAnswer(study), str(folder / "report.html"))),
-        study.failures,
+        (*study.failures, *gaps.sentences),
     )

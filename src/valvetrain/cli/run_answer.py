@@ -368,12 +368,13 @@ def show_study(
     """Print the answer of a study; with ``published`` every printed value and what the source states."""
     from valvetrain.cli.outcome import plain_table
     from valvetrain.views.answer import Answer
-    from valvetrain.views.results import tables_in_full
     from valvetrain.views.terminal import screen
 
-    console.print(screen(Answer(study), str(page or ""), str(folder)))
-    for one in tables_in_full(study).values() if published else ():
-        console.print(plain_table(one.columns, one.rows, f"\n{one.title}"))
+    answer = Answer(study)
+    console.print(screen(answer, str(page or ""), str(folder)))
+    for key, table in answer.tables().items() if published else ():
+        if key in ("published", "source"):
+            console.print(plain_table(table.columns, table.rows, f"\n{table.title}"))
 
 
 def save_study(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from valvetrain.errors import UnknownNameError
-from valvetrain.findings import rules_case, rules_refine
 from valvetrain.findings.engine import Findings, Rule, judge
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.words import Words
@@ -38,8 +37,9 @@ def rules() -> tuple[Rule, ...]:
 
 
 def every_rule() -> tuple[Rule, ...]:
-    """The rules on studies, then those on cases and refinements."""
-    return (*rules(), *rules_case.RULES, *rules_refine.RULES)
+    """The rules on studies, then those on every other kind of result."""
+    others = (rule for name in names("other_rules") for rule in registered("other_rules", name))
+    return (*rules(), *others)
 
 
 def findings_of(study: Study, words: Words | None = None) -> Findings:

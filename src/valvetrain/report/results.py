@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.parameters.summary import number, unit_text
 from valvetrain.report import theme
@@ -43,23 +42,6 @@ MAX_LINES = 8
 def _from_its_revolution(run: Solution) -> NDArray[np.float64]:
     """Cam angle (deg) of every sample from the start of the revolution in which they begin."""
     return np.degrees(angle_within(run.cam_angle, first_revolution(run.cam_angle)))
-
-
-def solution_blocks(run: Solution) -> Blocks:
-    """Spring forces above the valve lift. Raises :class:`InputError` for a reduced solution."""
-    names = ("seat_force", "retainer_force", "static_retainer_force")
-    held = [name for name in names if run.has(name)]
-    if not held:
-        raise InputError(
-            f"this {run.label or 'unnamed'} run has no force channel to draw; run it whole, not reduced"
-        )
-    angle = _from_its_revolution(run)
-    lines = [(name.replace("_", " "), angle, run.channel(name)) for name in held]
-    panels = [_panel(ANGLE, "force (N)", lines)]
-    if run.has("valve_lift"):
-        lift = [("valve lift", angle, run.channel("valve_lift") * 1e3)]
-        panels.append(_panel(ANGLE, "valve lift (mm)", lift, theme.INK))
-    return (_figure(run, *panels),)
 
 
 def static_curve_blocks(curve: StaticCurve) -> Blocks:

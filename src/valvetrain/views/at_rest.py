@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Protocol
 
 import numpy as np
 import plotly.graph_objects as go
@@ -16,6 +15,7 @@ from valvetrain.findings.springs_at_rest import State, marks_of, pair_of, states
 from valvetrain.findings.words import RPM, Amount, Words, digits_text
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.static import POINT_QUANTITIES, RestPoint
+from valvetrain.views.shown import ShownStudy
 from valvetrain.views.style import BAD, OTHER, RIGID, SPEEDS, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
@@ -126,22 +126,10 @@ def _modes(words: Words) -> Iterator[tuple[str, Read, str]]:
     yield "compressed", compression, "the modes are about this state"
 
 
-class AnswerOfStudy(Protocol):
-    """What a table of a study reads of its answer."""
-
-    @property
-    def facts(self) -> Facts:
-        """The study as rules read it."""
-
-    @property
-    def words(self) -> Words:
-        """Units and language."""
-
-
 # -- tables ----------------------------------------------------------------------------------------
 
 
-def curve_table(answer: AnswerOfStudy) -> TextTable | None:
+def curve_table(answer: ShownStudy) -> TextTable | None:
     """Every static curve: compression, height, force, rate, shear."""
     facts, words = answer.facts, answer.words
     if facts.study.command != "static":
@@ -173,7 +161,7 @@ def curve_table(answer: AnswerOfStudy) -> TextTable | None:
     return TextTable("Force over compression", tuple(units), tuple(rows)) if rows else None
 
 
-def requested_table(answer: AnswerOfStudy) -> TextTable | None:
+def requested_table(answer: ShownStudy) -> TextTable | None:
     """All that is known of the heights and loads that were asked for."""
     facts, words = answer.facts, answer.words
     rows = [
@@ -187,7 +175,7 @@ def requested_table(answer: AnswerOfStudy) -> TextTable | None:
     return TextTable("As requested", heads, tuple(rows)) if rows else None
 
 
-def modes_table(answer: AnswerOfStudy) -> TextTable | None:
+def modes_table(answer: ShownStudy) -> TextTable | None:
     """Every natural mode of every spring."""
     facts = answer.facts
     rows = list[tuple[str, ...]]()
@@ -207,7 +195,7 @@ def modes_table(answer: AnswerOfStudy) -> TextTable | None:
     return TextTable("Natural modes", heads, tuple(rows)) if rows else None
 
 
-def train_table(answer: AnswerOfStudy) -> TextTable | None:
+def train_table(answer: ShownStudy) -> TextTable | None:
     """Modes of a train with its springs as one, valve closed and at full lift."""
     facts = answer.facts
     rows = list[tuple[str, ...]]()

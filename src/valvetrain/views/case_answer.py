@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -18,12 +18,10 @@ from valvetrain.findings.words import Amount, Words, digits_text, speed_text
 from valvetrain.parameters.summary import unit_text
 from valvetrain.report.motion.still import case_picture
 from valvetrain.solution.definition import is_defined, label_of, shown
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.static import RestPoint
 from valvetrain.units.reader import shown_system
-from valvetrain.views.answer import Shown
-from valvetrain.views.page import Drawn, figure_content, rendered
-from valvetrain.views.style import ANGLE, LEAD, SECOND, line, panels, styled
+from valvetrain.views.shown import Shown
+from valvetrain.views.style import ANGLE, LEAD, SECOND, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
 #: Heights (m) above which the open time is a row, the first that is known.
@@ -125,7 +123,7 @@ class CaseAnswer(Shown):
         states = self.loads.values()
         return tuple("" if isinstance(one, str) else self.words.amount(read(one)) for one in states)
 
-    def numbers(self) -> TextTable:
+    def _numbers(self) -> TextTable:
         """Every named quantity of springs, lift and cam, and the open times."""
         rows = [(label_of(name), text) for name in self.facts.values if (text := self._text(name))]
         rows += [
@@ -137,11 +135,16 @@ class CaseAnswer(Shown):
         ]
         return TextTable("Numbers of springs, lift and cam", ("quantity", "value"), tuple(rows))
 
-    def understood(self) -> TextTable:
-        """What the case says, as it was understood."""
-        return TextTable("As it was understood", ("", ""), tuple(self.said))
+    def tables(self) -> Mapping[str, TextTable]:
+        """The numbers, and what the case says as it was understood."""
+        told = TextTable("As it was understood", ("", ""), tuple(self.said))
+        return {"numbers": self._numbers(), "understood": told}
 
-    def figure(self) -> go.Figure | None:
+    def figures(self) -> Mapping[str, FigureSpec]:
+        """The lift law."""
+        return {"law": FigureSpec("Lift law", "", lambda _: self._law_figure())}
+
+    def _law_figure(self) -> go.Figure | None:
         """Lift (mm) and acceleration (mm/rad²) of the law over the cam angle (deg)."""
         if self.law is None:
             return None
@@ -152,16 +155,18 @@ class CaseAnswer(Shown):
         fig.add_trace(line(np.degrees(angle), bend, "acceleration", SECOND), 2, 1)
         return styled(fig, ANGLE, ("lift, mm", "mm/rad²"), 380)
 
-    def page(self, gaps: PartialFailures) -> str:
-        """The page: verdict, picture to scale valve closed and at full lift, rows, figure and tables."""
-        picture = gaps.part("picture", "", self._picture)
-        fig = gaps.part("figure of the lift", None, self.figure)
-        drawn: dict[str, Drawn] = {} if fig is None else {"law": ("Lift law", "", figure_content(fig))}  # fmt: skip
-        tables = {"numbers": self.numbers(), "understood": self.understood()}
-        told = [self.facts.parameters.description] if self.facts.parameters.description else []
-        return rendered(self, drawn, tables, (told, self.facts.parameters.text), gaps, picture=picture)  # fmt: skip
+    def computed(self) -> Iterator[str]:
+        """What the case says about itself."""
+        if self.facts.parameters.description:
+            yield self.facts.parameters.description
 
-    def _picture(self) -> str:
+    @property
+    def text(self) -> str:
+        """The case file."""
+        return self.facts.parameters.text
+
+    def picture(self) -> str:
+        """Valve closed and at full lift, to scale."""
         try:
             return case_picture(self.facts.parameters)
         except InputError:

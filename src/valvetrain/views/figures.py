@@ -6,12 +6,11 @@ Numbers are in SI units but lengths in mm and angles in deg; a function gives No
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.errors import UnknownNameError
 from valvetrain.findings.facts import TURN, Array, Facts, over_turn
 from valvetrain.findings.words import RPM, speed_text
 from valvetrain.registry import find, names
@@ -265,35 +264,3 @@ PRESSURE = FigureSpec(
 def figure_specs() -> dict[str, FigureSpec]:
     """Every figure that the registry lists (kind ``figures``) by its name, in order; those of packages come last."""
     return {name: find("figures", name) for name in names("figures")}
-
-
-def figures_of(study: Study) -> dict[str, go.Figure]:
-    """Every figure that a study has data for, by name.
-
-    Parameters
-    ----------
-    study : what ``simulate`` or ``run_up`` gave
-
-    Returns
-    -------
-    Name -> plotly figure, the one that opens the page first
-
-    Examples
-    --------
-    >>> import valvetrain as vt
-    >>> list(figures_of(vt.simulate("job-t", "2000 rpm", spring_models=["massless"])))[0]
-    'force'
-    """
-    facts = Facts(study)
-    made = ((name, spec.make(facts)) for name, spec in figure_specs().items())
-    return {name: fig for name, fig in made if fig is not None}
-
-
-def figure_of(study: Study, name: str = "") -> go.Figure:
-    """One figure of a study by its ``name``; the first without one. Raises :class:`UnknownNameError` where there is none."""
-    specs, facts = figure_specs(), Facts(study)
-    chosen: Sequence[str] = (name,) if name else tuple(specs)
-    for word in chosen:
-        if word in specs and (made := specs[word].make(facts)) is not None:
-            return made
-    raise UnknownNameError(name or "figure", figures_of(study), "figure")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import plotly.graph_objects as go
 
@@ -25,6 +25,7 @@ from valvetrain.views.style import (
     styled,
     window,
 )
+from valvetrain.views.table import TextTable
 
 #: Share of the largest force up to which a model is good.
 GOOD = 0.05
@@ -42,15 +43,7 @@ JUDGED = {
 }
 
 
-@dataclass(frozen=True)
-class ModelTable:
-    """Spring models of a study: ``columns`` of headings, ``rows`` of a text for each."""
-
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-
-
-def model_table(facts: Facts, words: Words) -> ModelTable | None:
+def model_table(facts: Facts, words: Words) -> TextTable | None:
     """Every spring model of a comparison at the highest speed, the one that decides first.
 
     Parameters
@@ -76,8 +69,10 @@ def model_table(facts: Facts, words: Words) -> ModelTable | None:
     speed = speed_text(facts.speeds[-1])
     columns = (f"at {speed}", *cells, "forces", *(["good to"] if several else []), "leaves out")
     filled = [k for k in range(len(columns)) if any(row[k] for row in rows)]
-    return ModelTable(
-        tuple(columns[k] for k in filled), tuple(tuple(row[k] for k in filled) for row in rows)
+    return TextTable(
+        "Spring models",
+        tuple(columns[k] for k in filled),
+        tuple(tuple(row[k] for k in filled) for row in rows),
     )
 
 

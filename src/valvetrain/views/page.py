@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file, the verdict first, everything else folded; plotly.js and data are packed."""
+"""The page of a result: one HTML file, the verdict first, everything else folded; plotly.js and data are packed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import base64
 import gzip
 import json
 import re
-from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -15,16 +15,11 @@ import jinja2
 import plotly.graph_objects as go
 
 from valvetrain.errors import InputError
-from valvetrain.report.motion.parts import Moving
 from valvetrain.report.motion.project import motion_data
-from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.page import motion_script
 from valvetrain.solution.partial_failures import PartialFailures
-from valvetrain.views.answer import Answer, Shown
-from valvetrain.views.figures import figure_specs, worst_run
+from valvetrain.views.shown import Shown
 from valvetrain.views.style import in_reader_units
-from valvetrain.views.table import TextTable
-from valvetrain.views.tables import how_computed, tables_of
 from valvetrain.views.terminal import SIGN
 
 #: Left margin (px) of a figure on a narrow page, at most: of numbers, and of names.
@@ -37,12 +32,21 @@ HINT = (
 )
 
 
-def page_of(answer: Answer, gaps: PartialFailures | None = None) -> str:
+@dataclass(frozen=True)
+class Drawn:
+    """A figure of a page: its title, a hint on what it shows, and its content as plain values."""
+
+    title: str
+    hint: str
+    content: dict[str, Any]
+
+
+def page_of(answer: Shown, gaps: PartialFailures | None = None) -> str:
     """The whole answer in one HTML file that needs no network.
 
     Parameters
     ----------
-    answer : on a study, in the units of the reader
+    answer : on any result, in the units of the reader
     gaps : takes a sentence for each figure or picture that cannot be drawn
 
     Returns
@@ -50,40 +54,24 @@ def page_of(answer: Answer, gaps: PartialFailures | None = None) -> str:
     The text of the page
     """
     missing = PartialFailures() if gaps is None else gaps
-    drawn = {
-        name: (spec.title, spec.hint, figure_content(fig))
-        for name, spec in figure_specs().items()
+    figures = {
+        name: Drawn(spec.title, spec.hint, figure_content(fig))
+        for name, spec in answer.figures().items()
         if (fig := missing.part(f"figure '{spec.title}'", None, spec.make, answer.facts))
         is not None
     }
-    moving = missing.part("moving picture", None, _moving, answer)
-    computed = list(how_computed(answer)), answer.study.record.text
-    return rendered(answer, drawn, tables_of(answer), computed, missing, moving=moving)
-
-
-#: Title, hint and content of a figure.
-Drawn = tuple[str, str, dict[str, Any]]
-
-
-def rendered(
-    answer: Shown, drawn: Mapping[str, Drawn], tables: Mapping[str, TextTable], computed: tuple[list[str], str],
-    gaps: PartialFailures, moving: Moving | None = None, picture: str = "",
-) -> str:  # fmt: skip
-    """The page of anything that is shown: figures by name, tables, how it was computed with the case as text, parts
-    that are missing, and a moving picture or a still one as SVG.
-    """
-    data: dict[str, Any] = {f"data-{name}": one for name, (_, _, one) in drawn.items()}
+    moving = missing.part("moving picture", None, answer.moving)
+    data: dict[str, Any] = {f"data-{name}": one.content for name, one in figures.items()}
     if moving is not None:
         data["motion-in-motion"] = motion_data(moving)
-    names = list(drawn)
-    several = len(answer.headings) > 1
-    aside = bool(answer.bullets or answer.paper or answer.rests_on or gaps.sentences)
+    names = list(figures)
+    aside = bool(answer.bullets or answer.paper or answer.rests_on or missing.sentences)
     return _template().render(
-        answer=answer, fact=answer.headline[0], several=several, aside=aside, sign=SIGN, figures=drawn, first=names[:1], others=names[1:],
-        moving=moving, hint=HINT, tables=tables, computed=computed[0], gaps=gaps.sentences, picture=picture,
+        answer=answer, fact=answer.headline[0], several=len(answer.headings) > 1, aside=aside, sign=SIGN, figures=figures,
+        first=names[:1], others=names[1:], moving=moving, hint=HINT, gaps=missing.sentences,
+        tables={key: one for key, one in answer.tables().items() if one.rows}, picture=missing.part("picture", "", answer.picture),
         style=static("page.css") + static("parts.css"), script=static("page.js"), plotly=packed_plotly(),
         mover=motion_script() if moving is not None else "", data=packed(json.dumps(data, separators=(",", ":")).encode()),
-        text=computed[1],
     )  # fmt: skip
 
 
@@ -95,23 +83,6 @@ def figure_content(fig: go.Figure) -> dict[str, Any]:
     narrow = {"margin": margin | {"l": min(left, margin["l"])}, "dragmode": False}
     content["narrow"] = content["layout"] | narrow
     return content
-
-
-def _moving(answer: Answer) -> Moving | None:
-    """The moving picture, the run that decides first; None where no run moves."""
-    worst = worst_run(answer.facts)
-    moving = moving_picture(answer.study, worst=worst)
-    if moving is None or worst is None:
-        return moving
-
-    def order(place: int) -> tuple[bool, int, bool]:
-        one = moving.variants[place]
-        here = one.engine_speed == worst.engine_speed
-        colours = sum(len(spring.colourings) for spring in one.springs)
-        return not here, -colours, one.label != worst.label
-
-    places = sorted(range(len(moving.variants)), key=order)
-    return Moving(moving.title, tuple(moving.variants[k] for k in places), moving.notes)
 
 
 @cache

@@ -3,28 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from valvetrain.findings.words import RPM, digits_text, speed_text
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.units.reader import shown_system
+from valvetrain.views.table import TextTable
 
 #: Rows of a source that the first screen shows, and engine speeds that make it worth a table.
 LEAST_ROWS, LEAST_SPEEDS = 3, 2
 ROLES = {"calibration": "fitted", "check": "not fitted", "prediction": "predicted"}
 
 
-@dataclass(frozen=True)
-class PaperTable:
-    """Peak forces over engine speed: ``head`` says what stands in a cell, ``engine_speeds`` the columns, ``rows`` label and cells."""
-
-    head: str
-    engine_speeds: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-
-
-def paper_table(comparisons: Sequence[Comparison]) -> PaperTable | None:
+def paper_table(comparisons: Sequence[Comparison]) -> TextTable | None:
     """Peak forces here, in the paper and by the case that was not fitted, by engine speed; of the paper's first method.
 
     Parameters
@@ -55,7 +46,7 @@ def paper_table(comparisons: Sequence[Comparison]) -> PaperTable | None:
         for name in dict.fromkeys(quantity for quantity, _ in rows)
     ]
     head = f"here/paper{'/blind' * blind}, {unit}"
-    return PaperTable(head, tuple(speed_text(one) for one in speeds), tuple(lines))
+    return TextTable("Here and in the paper", (head, *map(speed_text, speeds)), tuple(lines))
 
 
 def cell(row: Comparison) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,12 +14,10 @@ from valvetrain.findings.words import UNRESOLVED, Amount, Words, digits_text, sp
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.session import called_case
 from valvetrain.solution.definition import label_of
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.units.reader import shown_system
-from valvetrain.views.answer import Shown
-from valvetrain.views.page import Drawn, figure_content, rendered
-from valvetrain.views.style import BAD, LEAD, styled
+from valvetrain.views.shown import Shown
+from valvetrain.views.style import BAD, LEAD, FigureSpec, styled
 from valvetrain.views.table import Line, TextTable
 
 #: Rows of the first table and dots of the figure: the largest error bars.
@@ -80,14 +78,19 @@ class RefineAnswer(Shown):
         ends = "" if reach is None else self.words.span(Amount(row.quantity, reach.low), Amount(row.quantity, reach.high), 4)  # fmt: skip
         return f"{value} {unit.text}".strip(), f"± {bar}", order, ends
 
-    def table(self) -> TextTable:
+    def tables(self) -> Mapping[str, TextTable]:
         """Every number."""
         rows = tuple(
             (label_of(row.quantity), self._place(row), *self._cells(row)) for row in self.study.rows
         )
-        return TextTable("Error bars", ("quantity", "where", *self.headings), rows)
+        return {"error-bars": TextTable("Error bars", ("quantity", "where", *self.headings), rows)}
 
-    def figure(self) -> go.Figure | None:
+    def figures(self) -> Mapping[str, FigureSpec]:
+        """The largest error bars."""
+        hint = "right of the dashed line a number is not resolved"
+        return {"bars": FigureSpec("Error bars", hint, lambda _: self._bars())}
+
+    def _bars(self) -> go.Figure | None:
         """Error bars as shares (per cent) of their numbers, the largest first."""
         rows = sorted(self.facts.rows, key=share_of, reverse=True)[:DOTS]
         if not rows:
@@ -108,14 +111,13 @@ class RefineAnswer(Shown):
         fig.update_xaxes(type="log", dtick=1)
         return fig.update_yaxes(autorange="reversed", dtick=1, automargin=True)
 
-    def page(self, gaps: PartialFailures) -> str:
-        """The page: verdict, error bars, all numbers."""
-        fig = gaps.part("figure of error bars", None, self.figure)
-        hint = "right of the dashed line a number is not resolved"
-        drawn: dict[str, Drawn] = {} if fig is None else {"bars": ("Error bars", hint, figure_content(fig))}  # fmt: skip
-        return rendered(self, drawn, {"error-bars": self.table()}, (list(self._computed()), self.study.record.text), gaps)  # fmt: skip
+    @property
+    def text(self) -> str:
+        """The case file."""
+        return self.study.record.text
 
-    def _computed(self) -> Iterator[str]:
+    def computed(self) -> Iterator[str]:
+        """How error bars and ranges were found."""
         if self.study.elements_per_coil:
             yield "Error bars are 1.25 times the distance to the Richardson value of three meshes, and of a halved step."
         else:

@@ -1,29 +1,27 @@
-"""Where a study is shown: its sentence, page, pictures and JSON."""
+"""Where results are shown: sentence, page, pictures and JSON."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from valvetrain.errors import InputError, MissingExtraError, RunFailedError
+from valvetrain import registry
+from valvetrain.errors import InputError, MissingExtraError, RunFailedError, UnknownNameError
 from valvetrain.report import notebook
 from valvetrain.report.json import study_json
 from valvetrain.report.study import StudyFiles, write_parts
-from valvetrain.report.verdict import state_cut_off
-from valvetrain.runs.error_bars import UncertaintyStudy
+from valvetrain.report.verdict import state_cut_off, verdict_of
 from valvetrain.solution.atomic import write_text
-from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, PartialFailures
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import for_reader
-from valvetrain.views.answer import Answer, Shown
-from valvetrain.views.figures import figure_of, figures_of
+from valvetrain.views.answer import Answer
 from valvetrain.views.page import page_of
-from valvetrain.views.refinement import RefineAnswer
+from valvetrain.views.shown import Shown
 from valvetrain.views.terminal import SIGN
 
 if TYPE_CHECKING:
@@ -33,28 +31,37 @@ if TYPE_CHECKING:
 SCALE = 2
 
 
-def sentence_of(study: Study) -> str:
-    """The verdict of a study in one sentence; empty of one that shows nothing."""
-    verdict = Answer(study).verdict
-    return "" if verdict is None else str(verdict)
+def answer_of(result: object) -> Shown | None:
+    """What is shown of a result, by the class that the registry lists (kind ``answers``); None where none is listed.
+
+    >>> import valvetrain as vt
+    >>> answer_of(vt.simulate("job-t", "2000 rpm", spring_models=["massless"])).verdict.code
+    'K104'
+    """
+    word = type(result).__name__
+    made: Shown | None = None
+    if word in registry.places("answers"):
+        state_cut_off(result)
+        made = registry.find("answers", word)(result)
+    return made
 
 
-def sentence_of_run(run: Solution) -> str:
-    """The verdict of one run in one sentence, as that of a study of it alone."""
-    return sentence_of(Study(CaseRecord(run.provenance.case_name), solutions=(run,)))
+def answer_of_run(run: Solution) -> Answer:
+    """What is shown of one run: that of a study of it alone."""
+    return Answer(Study(CaseRecord(run.provenance.case_name), solutions=(run,)))
 
 
-def sentence_of_refinement(study: UncertaintyStudy) -> str:
-    """The verdict of a refinement in one sentence."""
-    verdict = RefineAnswer(study).verdict
-    return "" if verdict is None else str(verdict)
-
-
-def _shown(result: object) -> Shown | None:
-    """What is shown of a study or a refinement; None of any other result."""
-    if isinstance(result, UncertaintyStudy):
-        return RefineAnswer(result)
-    return Answer(result) if isinstance(result, Study) else None
+def sentence_of(result: object) -> str:
+    """The verdict of a result in one sentence; empty where it shows nothing."""
+    try:
+        answer = answer_of(result)
+        if answer is None:
+            return verdict_of(result)
+        return str(answer.verdict or "")
+    except Exception:  # a sentence must not cost the numbers it is about
+        if os.environ.get(TRACEBACK_VARIABLE):
+            raise
+        return ""
 
 
 def answer_json(study: Study) -> dict[str, Any]:
@@ -137,48 +144,76 @@ def _write_page(
     study: Study, folder: Path, figures: bool, gaps: PartialFailures
 ) -> tuple[Path | None, tuple[Path, ...]]:
     """The page of a study, and its figures as pictures."""
-    state_cut_off(study)
+    answer = Answer(study)
+    page = write_page(answer, folder, gaps)
+    if page is None or not figures:
+        return page, ()
+    return page, gaps.part("pictures", (), write_figures, answer, folder)
+
+
+def write_page(answer: Shown, folder: Path, gaps: PartialFailures) -> Path | None:
+    """Write the page of an answer as ``report.html``; None, and a sentence among the ``gaps``, where that fails."""
+    state_cut_off(getattr(answer, "study", answer))
     with for_reader():
-        text = gaps.part("report page", None, page_of, Answer(study), gaps)
-    if text is None:
-        return None, ()
-    written = write_text(folder / "report.html", text)
-    pictures = gaps.part("pictures", (), write_figures, study, folder) if figures else ()
-    return written, pictures
+        text = gaps.part("report page", None, page_of, answer, gaps)
+    return None if text is None else write_text(folder / "report.html", text)
 
 
-def write_figures(study: Study, folder: Path) -> tuple[Path, ...]:
-    """Write every figure of a study as ``figures/NAME.svg`` by plotly's exporter.
+def write_figures(answer: Shown, folder: Path) -> tuple[Path, ...]:
+    """Write every figure of an answer as ``figures/NAME.svg`` by plotly's exporter.
 
     Raises :class:`MissingExtraError` without the package ``kaleido`` and a Chrome or Chromium, which draw them.
     """
     place = folder / "figures"
     place.mkdir(parents=True, exist_ok=True)
-    found = []
+    written = []
     try:
-        for name, fig in figures_of(study).items():
+        for name, fig in figures_of(answer).items():
             path = place / f"{name}.svg"
             fig.write_image(path, width=900, scale=SCALE)
-            found.append(path)
+            written.append(path)
     except (ImportError, ValueError, RuntimeError) as error:
         raise MissingExtraError(
             "pictures need kaleido and Chrome or Chromium; install them, such as by 'pip install kaleido'"
         ) from error
-    return tuple(found)
+    return tuple(written)
+
+
+def figures_of(answer: Shown) -> dict[str, go.Figure]:
+    """Every figure that an answer has data for, by name, the one that opens the page first.
+
+    >>> import valvetrain as vt
+    >>> study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
+    >>> list(figures_of(answer_of(study)))[0]
+    'force'
+    """
+    made = ((name, spec.make(answer.facts)) for name, spec in answer.figures().items())
+    return {name: fig for name, fig in made if fig is not None}
 
 
 def figure_for_user(result: object, name: str = "") -> go.Figure:
-    """The figure ``name`` of a study, or the first of a result, by plotly."""
-    if isinstance(result, Study):
-        return figure_of(result, name)
-    if isinstance(result, UncertaintyStudy) and (made := RefineAnswer(result).figure()) is not None:
-        return made
-    return notebook.figure_of(result)
+    """The figure ``name`` of a result by plotly, the first without a name.
+
+    Raises :class:`UnknownNameError` for a name that it has no figure of, :class:`InputError` where nothing can be drawn.
+    """
+    answer = answer_of(result)
+    if answer is None:
+        return notebook.figure_of(result)
+    specs = answer.figures()
+    for word in (name,) if name else tuple(specs):
+        if word in specs and (made := specs[word].make(answer.facts)) is not None:
+            return made
+    if not name:
+        raise InputError(f"this {type(result).__name__} holds nothing to draw")
+    raise UnknownNameError(name, figures_of(answer), "figure")
 
 
 def picture_for_notebook(result: object) -> str:
-    """Verdict and rows of a study as HTML; of another result its verdict and first figure."""
-    answer = _shown(result)
+    """Verdict and rows of a result as HTML; empty where they cannot be made, which must never cost the result."""
+    try:
+        answer = answer_of(result)
+    except Exception:
+        return ""
     if answer is None:
         return notebook.picture_of(result)
     head = f"<p><strong>{escape(str(answer.verdict or ''))}</strong></p>"
@@ -190,12 +225,3 @@ def picture_for_notebook(result: object) -> str:
         )
     )
     return f"{head}<table>{rows}</table>" if answer.lines else head
-
-
-def tables_in_full(study: Study) -> Mapping[str, Any]:
-    """Printed values and what the source states, for ``--published``."""
-    from valvetrain.views.tables import tables_of
-
-    return {
-        key: one for key, one in tables_of(Answer(study)).items() if key in ("published", "source")
-    }

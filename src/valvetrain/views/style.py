@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 from numpy.typing import ArrayLike
 from plotly.subplots import make_subplots
 
-from valvetrain.findings.facts import Array, Facts, cam_angles, over_turn
+from valvetrain.findings.facts import Array, cam_angles, over_turn
 from valvetrain.solution.result import Solution
 from valvetrain.units.reader import reader_factor, reader_unit
 
@@ -28,11 +28,13 @@ SHUT, BEFORE, BEHIND = 0.004, 18.0, 34.0
 
 @dataclass(frozen=True)
 class FigureSpec:
-    """A declared figure: its ``title``, a ``hint`` on what it shows, and its maker, which gives None without data."""
+    """A declared figure: its ``title``, a ``hint`` on what it shows, and its maker from the facts of an answer, which gives
+    None without data.
+    """
 
     title: str
     hint: str
-    make: Callable[[Facts], go.Figure | None]
+    make: Callable[[Any], go.Figure | None]
 
 
 def panels(heights: tuple[float, ...]) -> go.Figure:

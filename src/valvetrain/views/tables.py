@@ -13,9 +13,9 @@ from valvetrain.report.text import CAUSES
 from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
-from valvetrain.views.answer import Answer
 from valvetrain.views.models import model_table
 from valvetrain.views.published import published_rows
+from valvetrain.views.shown import ShownStudy
 from valvetrain.views.table import TextTable
 
 #: Runs that stand side by side; more are rows. Events of a run that are listed, the largest.
@@ -24,13 +24,13 @@ SIDE_BY_SIDE, EVENTS = 8, 12
 SIZES = {"N": "peak_clash_force", "m": "loft_gap", "m/s": "seating_velocity", "s": "loft_duration"}
 
 
-def tables_of(answer: Answer) -> dict[str, TextTable]:
+def tables_of(answer: ShownStudy) -> dict[str, TextTable]:
     """Every table that the registry lists (kind ``tables``) and a study has rows for, by its key, in order."""
     made = ((key, find("tables", key)(answer)) for key in names("tables"))
     return {key: one for key, one in made if one is not None and one.rows}
 
 
-def findings(answer: Answer) -> TextTable:
+def findings(answer: ShownStudy) -> TextTable:
     """All findings by importance."""
     rows = tuple(
         (one.code, one.mark, one.text, one.reason, one.step, one.guide) for one in answer.findings
@@ -38,7 +38,7 @@ def findings(answer: Answer) -> TextTable:
     return TextTable("Findings", ("code", "mark", "finding", "why", "next", "guide"), rows)
 
 
-def numbers(answer: Answer) -> TextTable:
+def numbers(answer: ShownStudy) -> TextTable:
     """Headline quantities by topic; few runs side by side, of many a row each."""
     facts, words = answer.facts, answer.words
     runs = [*facts.runs, *facts.beyond, *facts.others]
@@ -67,7 +67,7 @@ def numbers(answer: Answer) -> TextTable:
     return TextTable(title, ("", *(row[0] for row in numbers)), tuple(across))
 
 
-def _head(answer: Answer, run: Solution) -> str:
+def _head(answer: ShownStudy, run: Solution) -> str:
     several = answer.facts.several or bool(answer.facts.others)
     speed = speed_text(run.engine_speed)
     return f"{run.label}, {speed}" if several else speed
@@ -81,7 +81,7 @@ def _short(one: Amount, size: float) -> str:
     return f"{text} *" if one.rests_on else text
 
 
-def published(answer: Answer) -> TextTable:
+def published(answer: ShownStudy) -> TextTable:
     """Every printed value next to those computed here and blind."""
     heads = (
         "quantity", "rpm", "method", "unit", "paper", "here", "blind", "off", "used", "doubt",
@@ -91,13 +91,13 @@ def published(answer: Answer) -> TextTable:
     )
 
 
-def source(answer: Answer) -> TextTable:
+def source(answer: ShownStudy) -> TextTable:
     """What a source states in words, and what the runs show."""
     rows = tuple((one.place, one.statement, one.computed) for one in answer.study.findings)
     return TextTable("What the source states", ("place", "the source", "here"), rows)
 
 
-def events(answer: Answer) -> TextTable:
+def events(answer: ShownStudy) -> TextTable:
     """The largest events of every run that decides."""
     rows = []
     for run in answer.facts.runs:
@@ -118,7 +118,7 @@ def _largest(run: Solution) -> list[Event]:
     return sorted(largest, key=lambda one: one.cam_angle)
 
 
-def critical(answer: Answer) -> TextTable:
+def critical(answer: ShownStudy) -> TextTable:
     """Critical engine speeds of every run: from where control is lost, to where, and why."""
     rows = [
         (one.label, one.kind.replace("-", " "), one.text, one.later_text, CAUSES.get(one.cause, ""))
@@ -128,13 +128,12 @@ def critical(answer: Answer) -> TextTable:
     return TextTable("Critical engine speeds", heads, tuple(rows))
 
 
-def models(answer: Answer) -> TextTable | None:
+def models(answer: ShownStudy) -> TextTable | None:
     """Spring models side by side, where the first screen does not show them."""
-    table = None if answer.models is not None else model_table(answer.facts, answer.words)
-    return None if table is None else TextTable("Spring models", table.columns, table.rows)
+    return None if answer.models is not None else model_table(answer.facts, answer.words)
 
 
-def error_bars(answer: Answer) -> TextTable:
+def error_bars(answer: ShownStudy) -> TextTable:
     """Numbers with their error bars."""
     rows = []
     for one in answer.study.error_bars.rows:
@@ -156,7 +155,7 @@ def error_bars(answer: Answer) -> TextTable:
     return TextTable("Error bars", heads, tuple(rows))
 
 
-def rest(answer: Answer) -> TextTable:
+def rest(answer: ShownStudy) -> TextTable:
     """Springs and lift before anything moves."""
     rows = tuple(
         (owner, label_of(name), answer.words.amount(Amount(name, value), 4))
@@ -167,7 +166,7 @@ def rest(answer: Answer) -> TextTable:
     return TextTable("At rest", ("of", "quantity", "value"), rows)
 
 
-def how_computed(answer: Answer) -> Iterator[str]:
+def how_computed(answer: ShownStudy) -> Iterator[str]:
     """Sentences on the computation: models, step, error bars, notes, version, papers."""
     study, step = answer.study, Amount("time_step_duration", 0.0)
     for run in {run.model: run for run in study.solutions}.values():

@@ -11,11 +11,10 @@ from rich.table import Table
 from rich.text import Text
 
 from valvetrain.findings.words import speed_text
-from valvetrain.views.answer import Answer, Shown
-from valvetrain.views.models import ModelTable
 from valvetrain.views.over_speed import Bar, reach
 from valvetrain.views.over_speed import bars as control_bars
-from valvetrain.views.published import PaperTable
+from valvetrain.views.shown import Shown, ShownStudy
+from valvetrain.views.table import TextTable
 
 STYLE = {"bad": "bold red", "warn": "yellow", "ok": "green", "": ""}
 SIGN = {"bad": "✗", "warn": "!", "ok": "✓", "": ""}
@@ -43,14 +42,14 @@ def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
     if answer.verdict is not None:
         fact, rest = answer.headline
         yield Text.assemble((fact.upper(), STYLE[answer.verdict.mark]), rest)
-    if isinstance(answer, Answer) and (bars := control_bars(answer.facts)):
+    if isinstance(answer, ShownStudy) and (bars := control_bars(answer.facts)):
         yield Padding(_bars(answer, bars), (0, 2), expand=False)
     if answer.models is not None:
-        yield Padding(_models(answer.models), (0, 2), expand=False)
+        yield Padding(_texts(answer.models, -1), (0, 2), expand=False)
     if answer.lines:
         yield Padding(_rows(answer), (0, 2), expand=False)
     if answer.paper is not None:
-        yield Padding(_paper(answer.paper), (0, 2), expand=False)
+        yield Padding(_texts(answer.paper), (0, 2), expand=False)
     for one in answer.bullets[:BULLETS]:
         sign = f"{SIGN[one.mark]} " if one.mark == "warn" else ""
         yield Text(f"  {sign}{one}", style=STYLE[one.mark])
@@ -82,16 +81,16 @@ def _rows(answer: Shown) -> Table:
     return grid
 
 
-def _paper(paper: PaperTable) -> Table:
-    """Printed values next to those here."""
+def _texts(table: TextTable, last: int | None = None) -> Table:
+    """A table with grey headings and names, up to the column ``last``."""
     grid = Table.grid(padding=(0, 2, 0, 0))
-    grid.add_row(*(Text(one, style="dim") for one in (paper.head, *paper.engine_speeds)))
-    for name, *cells in paper.rows:
+    grid.add_row(*(Text(one, style="dim") for one in table.columns[:last]))
+    for name, *cells in (row[:last] for row in table.rows):
         grid.add_row(Text(name, style="dim"), *cells)
     return grid
 
 
-def _bars(answer: Answer, bars: list[Bar]) -> Table:
+def _bars(answer: ShownStudy, bars: list[Bar]) -> Table:
     """Bars over engine speed, with the red line where they leave room."""
     low, high = reach(answer.facts)
     step = (high - low) / WIDTH
@@ -108,13 +107,4 @@ def _bars(answer: Answer, bars: list[Bar]) -> Table:
             for place in range(first, max(round((end - low) / step), first + 1)):
                 cells[min(place, WIDTH - 1)] = "█"
         grid.add_row(Text(bar.word, style="dim"), Text("".join(cells), style=STYLE[bar.mark]))
-    return grid
-
-
-def _models(table: ModelTable) -> Table:
-    """Spring models side by side, without what each leaves out."""
-    grid = Table.grid(padding=(0, 2, 0, 0))
-    grid.add_row(*(Text(one, style="dim") for one in table.columns[:-1]))
-    for name, *cells in table.rows:
-        grid.add_row(Text(name, style="dim"), *cells[:-1])
     return grid

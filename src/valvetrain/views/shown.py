@@ -1,0 +1,144 @@
+"""What terminal, page, JSON and notebook show of a result: findings, rows, figures, tables, and what to do next."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from valvetrain.findings.engine import Finding, Findings
+from valvetrain.findings.facts import Facts
+from valvetrain.findings.words import Words
+from valvetrain.solution.study import Study
+from valvetrain.views.table import Line, TextTable
+
+if TYPE_CHECKING:
+    from valvetrain.report.motion.parts import Moving
+    from valvetrain.views.style import FigureSpec
+
+#: Topics of notes that are said in full; others stand in the table of findings alone.
+SAID = ("M", "H", "W", "D", "F", "N", "Q")
+
+
+class Shown(ABC):
+    """What terminal, page, JSON and notebook show of a result, whatever its class.
+
+    A class of results names its own subclass in the registry (kind ``answers``), which is made from the result alone.
+    """
+
+    @property
+    @abstractmethod
+    def facts(self) -> Any:
+        """The result as its rules and figures read it."""
+
+    @property
+    @abstractmethod
+    def findings(self) -> Findings:
+        """All findings, the verdict first."""
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """What was computed."""
+
+    @property
+    @abstractmethod
+    def lines(self) -> list[Line]:
+        """The rows of the first table."""
+
+    @property
+    def headings(self) -> list[str]:
+        """What tells the columns of the first table apart."""
+        return [""]
+
+    @property
+    def models(self) -> TextTable | None:
+        """Spring models side by side."""
+        return None
+
+    @property
+    def paper(self) -> TextTable | None:
+        """Printed values next to those computed here."""
+        return None
+
+    def figures(self) -> Mapping[str, FigureSpec]:
+        """The figures by name, the one that opens the page first; each is made from :attr:`facts`."""
+        return {}
+
+    def tables(self) -> Mapping[str, TextTable]:
+        """The folded tables of the page by name; those without rows are left out."""
+        return {}
+
+    def moving(self) -> Moving | None:
+        """A picture that moves."""
+        return None
+
+    def picture(self) -> str:
+        """A still picture (SVG) that opens the page in place of the first figure."""
+        return ""
+
+    def computed(self) -> Iterable[str]:
+        """Sentences on how it was computed."""
+        return ()
+
+    @property
+    def text(self) -> str:
+        """The file that it was computed from."""
+        return ""
+
+    @property
+    def verdict(self) -> Finding | None:
+        """The finding that decides; None of a result that shows nothing."""
+        return self.findings.verdict
+
+    @property
+    def headline(self) -> tuple[str, str]:
+        """The verdict in two parts: the fact, and the rest with the reason."""
+        if self.verdict is None:
+            return "", ""
+        text, reason = self.verdict.text, self.verdict.reason
+        place = next((at for mark in (": ", ", ") if (at := text.find(mark)) > 0), len(text))
+        return text[:place], text[place:] + (f": {reason}" if reason else "")
+
+    @property
+    def bullets(self) -> list[Finding]:
+        """What is said besides verdict and rows: warnings, then models and published values."""
+        told = {one.remark for one in self.lines if one.remark}
+        rest = self.findings[1:]
+        warned = [one for one in rest if one.level == "warns" and one.remark not in told]
+        decided = [one for one in rest if one.level == "decides" and one.mark != "ok"]
+        in_table = ("M110", "M111") if self.models is not None else ()
+        notes = [
+            one
+            for one in rest
+            if one.level == "notes" and one.code.startswith(SAID) and one.code not in in_table
+        ]
+        return [*decided, *warned, *notes]
+
+    @property
+    def rests_on(self) -> list[str]:
+        """The assumptions, a few words each."""
+        return [one.remark for one in self.findings.by("A") if one.remark]
+
+    @property
+    def again(self) -> str:
+        """The command that was called, which is no next step."""
+        return ""
+
+    @property
+    def next_step(self) -> str:
+        """What to run or do next: that of the first finding besides notes that has one, but not this command again."""
+        steps = (one.step for one in self.findings if one.level != "notes")
+        return next((one for one in steps if one and one != self.again), "")
+
+
+class ShownStudy(Shown):
+    """What tables read of the answer of a study."""
+
+    study: Study
+    words: Words
+
+    @property
+    @abstractmethod
+    def facts(self) -> Facts:
+        """The study as rules read it."""
