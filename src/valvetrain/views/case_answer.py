@@ -36,7 +36,7 @@ class CaseAnswer(Shown):
 
     Parameters
     ----------
-    facts : the case as rules read it
+    checked : the case as rules read it
     said : subject and text of what the case says, as it was understood
     loads : of the springs in use
     durations : lift (m) -> crank angle (rad) above it
@@ -44,12 +44,17 @@ class CaseAnswer(Shown):
     words : units and language
     """
 
-    facts: CaseFacts
+    checked: CaseFacts
     said: Sequence[tuple[str, str]] = ()
     loads: Loads = field(default_factory=dict)
     durations: Mapping[float, float] = field(default_factory=dict)
     law: LiftLaw | None = None
     words: Words = field(default_factory=lambda: Words(shown_system()))
+
+    @property
+    def facts(self) -> CaseFacts:
+        """The case as rules read it."""
+        return self.checked
 
     @property
     def title(self) -> str:
