@@ -20,5 +20,5 @@ resolve() {  # resolve OUTPUT ARGUMENTS...
 }
 
 resolve requirements.txt
-resolve requirements-dev.txt --extra dev --extra mesh --extra measure --extra studies --extra posterior --extra film --extra serve --extra docs --constraint "$PWD/requirements.txt"
+resolve requirements-dev.txt --extra dev --extra mesh --extra measure --extra studies --extra posterior --extra film --extra serve --extra figures --extra docs --constraint "$PWD/requirements.txt"
 echo "Pinned $(grep -c == requirements.txt) packages to run and $(grep -c == requirements-dev.txt) to test."

@@ -63,12 +63,10 @@ Array = NDArray[np.float64]
 # README
 
 
-README_PICTURE = PICTURES / "beehive-force.svg"
-#: Label of a run -> its name in the picture of the README, and its colour.
-SHOWN = {
-    "finite-element": ("finite-element rod, coils clash", "#c2410c"),
-    "modal-varied": ("modal model, coils pass through", "#2563eb"),
-}
+README = ROOT / "README.md"
+#: The sweep of the README: what it prints stands between these lines, from its verdict to its first rows.
+SPEEDS = "1000:8000:500"
+SWEEP, SWEEP_END = f"mine.toml --engine-speed {SPEEDS}\n```\n\n```text\n", "```\n"
 MODELS_HEAD = "| word | model | what it knows | what it leaves out |\n|---|---|---|---|\n"
 
 
@@ -81,34 +79,23 @@ def models_table() -> str:
 
 
 def write_readme() -> None:
-    """The table of spring models, and force on the seat (N) over one cam revolution of the beehive
-    at 8000 rpm.
-    """
+    """The table of spring models; the pictures of the beehive at three speeds and of a sweep, and what the sweep prints."""
     text = PUBLIC_NAMES.read_text(encoding="utf-8")
     write_text(
         PUBLIC_NAMES,
         re.sub(re.escape(MODELS_HEAD) + r"(?:\|.*\n)*", lambda _: models_table(), text),
     )
-    study = vt.simulate("gu2021-beehive", "8000 rpm")
-    lines = []
-    for label, (name, colour) in SHOWN.items():
-        (run,) = study.runs(label)
-        angle = np.degrees(run.cam_angle)
-        lines.append(
-            Line(
-                np.round(angle - 360 * np.floor(angle[0] / 360), 2),
-                run.channel("seat_force"),
-                name,
-                colour,
-            )
-        )
-    panel = Panel(
-        "cam angle (deg)", "force on the seat (N)", tuple(lines), x_range=(0.0, 360.0), x_step=45.0
+    vt.simulate("gu2021-beehive").figure("force").write_image(
+        str(PICTURES / "beehive-force.svg"), width=900
     )
-    write_text(
-        README_PICTURE,
-        svg(Chart("beehive-force", "Beehive valve spring at 8000 rpm", "", (panel,), height=300)),
-    )
+    with tempfile.TemporaryDirectory() as name, contextlib.chdir(name):
+        printed_by("valvetrain new mine --kind pushrod")
+        printed = printed_by(f"valvetrain sweep mine.toml --engine-speed {SPEEDS} --output sweep")
+        study = vt.sweep("mine.toml", f"{SPEEDS} rpm")
+        study.figure("speeds").write_image(str(PICTURES / "sweep.svg"), width=900)
+    head, _, rest = README.read_text(encoding="utf-8").partition(SWEEP)
+    answer = printed[printed.index("My pushrod") : printed.index("  page:")]
+    write_text(README, f"{head}{SWEEP}{answer}{rest[rest.index(SWEEP_END) :]}")
 
 
 # docs/models.md

@@ -16,6 +16,7 @@ from synthetic_study import own_study, published_study, sweep_study, train_study
 from system_parts import program
 from valvetrain.views.answer import Answer
 from valvetrain.views.page import data_of, page_of
+from valvetrain.views.results import figures_of, write_figures
 
 pytestmark = pytest.mark.chromium
 
@@ -101,3 +102,12 @@ def test_a_packed_page_unpacks_and_draws_every_figure_and_the_motion(answered):
     assert seen["errors"] == [] and console == []
     assert seen["refused"] == [] and seen["loaded"] == []
     assert len(text) < 2_800_000
+
+
+def test_every_figure_is_written_in_each_format_as_its_own_file(tmp_path):
+    answer = Answer(own_study())
+    begins = {"svg": b"<svg", "png": b"\x89PNG", "pdf": b"%PDF"}
+    for ending, begin in begins.items():
+        files = write_figures(answer, tmp_path, ending)
+        assert {one.stem for one in files} == set(figures_of(answer))
+        assert all(one.suffix == f".{ending}" and begin in one.read_bytes()[:200] for one in files)

@@ -143,7 +143,7 @@ def short_study():
 @pytest.fixture(scope="module")
 def whole(short_study, tmp_path_factory):
     """Names of the files of that study where none fails."""
-    files = write_answer(short_study, tmp_path_factory.mktemp("whole"), page=False, figures=False)
+    files = write_answer(short_study, tmp_path_factory.mktemp("whole"), page=False, figures="")
     return {path.name for path in files.data}
 
 
@@ -152,7 +152,7 @@ def test_a_file_that_fails_is_named_and_the_others_are_written(
     short_study, whole, tmp_path, monkeypatch, name
 ):
     monkeypatch.setattr(write, name, broken)
-    files = write_answer(short_study, tmp_path / "cut", page=False, figures=False)
+    files = write_answer(short_study, tmp_path / "cut", page=False, figures="")
     left = {path.name for path in files.data}
     assert files.gaps and all(BROKEN in gap for gap in files.gaps) and left <= whole
     assert len(whole - left) == sum(gap.startswith(("file", "table")) for gap in files.gaps)
@@ -221,7 +221,7 @@ def test_every_labelled_run_has_a_file_of_its_own(tmp_path, monkeypatch):
         for speed in (3000.001, 3000.002)
     ]
     files = write_answer(
-        replace(own_study(), solutions=tuple(runs), rest=()), tmp_path, page=False, figures=False
+        replace(own_study(), solutions=tuple(runs), rest=()), tmp_path, page=False, figures=""
     )
     assert not files.gaps
     kept = [load_netcdf(path) for path in files.data if path.suffix == ".nc"]

@@ -9,6 +9,7 @@ import io
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import write_pages
 from api_pages import PUBLIC
@@ -56,3 +57,11 @@ def test_the_table_of_spring_models_is_the_one_of_the_registry():
 def test_the_readme_names_every_command():
     named = set(re.findall(r"`valvetrain ([a-z-]+)", README))
     assert set(valvetrain.registry.names("commands")) <= named
+
+
+def test_the_sweep_of_the_readme_loses_the_cam_where_it_says(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_pages.printed_by("valvetrain new mine --kind pushrod")
+    lost = valvetrain.sweep("mine.toml", "5500:7000:500 rpm").critical_speeds.of("contact-loss")
+    printed = float(re.search(r"LOSES THE CAM AT ABOUT (\d+) RPM", README)[1])
+    assert printed == pytest.approx(lost.engine_speed * 30 / np.pi, abs=60)

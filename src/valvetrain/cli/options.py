@@ -197,9 +197,14 @@ def points_folder(default: str) -> Any:
 
 
 ReportOption = Annotated[bool, typer.Option("--report/--no-report", help="Write the report page.")]
+#: Formats in which plotly's exporter writes a figure.
+FIGURE_FORMATS = ("svg", "png", "pdf")
 FiguresOption = Annotated[
-    bool, typer.Option("--figures", help="Write every figure as an SVG file too.")
-]
+    str,
+    typer.Option(
+        "--figures", metavar="|".join(FIGURE_FORMATS), show_default=False, help="Write every figure as a file of this format too.",
+    ),
+]  # fmt: skip
 OpenOption = Annotated[bool, typer.Option("--open", help="Open the report page in a browser.")]
 LimitOption = Annotated[
     list[str] | None,

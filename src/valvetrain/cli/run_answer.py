@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
 import typer
 
 from valvetrain.cli.options import (
+    FIGURE_FORMATS,
     IN_EVERY_SPRING,
     CaseArgument,
     DaskOption,
@@ -165,7 +166,7 @@ class StudyRequest:
     implausible: bool
     output: Path | None
     report: bool
-    figures: bool
+    figures: str
     published: bool
     open_page: bool
     created_at: datetime
@@ -184,7 +185,7 @@ def shared_options(
     limit: LimitOption = None,
     implausible: ImplausibleOption = False,
     report: ReportOption = True,
-    figures: FiguresOption = False,
+    figures: FiguresOption = "",
     published: PublishedOption = False,
     open_page: OpenOption = False,
     units: UnitsOption = "si",
@@ -203,6 +204,10 @@ def shared_options(
     sets = [one for text in spring_set or () for one in ("--spring-set", text)]
     call_case([case, *changes, *sets])
     at_end(functools.partial(call_case, []))
+    if figures not in ("", *FIGURE_FORMATS):
+        raise InputError(
+            f"'{figures}' is no format of figures; use {', '.join(FIGURE_FORMATS)}", "--figures"
+        )
     chosen = choose_case(case, settings, elements_per_coil, more)
     take_folder(output)
     speeds = read_engine_speeds(engine_speed)
@@ -387,7 +392,7 @@ def save_study(
     gaps: PartialFailures,
     unfinished: UnfinishedRun | None = None,
     report: bool = True,
-    figures: bool = False,
+    figures: str = "",
 ) -> tuple[Path, Path | None, tuple[str, ...]]:
     """Write a study to the folder of its run: the folder, the page, and all that failed.
 

@@ -13,15 +13,11 @@ from typing import Any
 import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.report.chart import Chart
 from valvetrain.report.files import FreeNames, remove_earlier
 from valvetrain.report.page import (
     Page,
-    charts,
     render,
 )
-from valvetrain.report.reader_charts import chart_for_reader
-from valvetrain.report.svg_chart import svg
 from valvetrain.report.table import Table, comparison_table, table
 from valvetrain.report.text import rpm
 from valvetrain.solution.atomic import write_text
@@ -67,11 +63,11 @@ def files_of(folder: Path, files: Sequence[Path], gaps: Sequence[str] = ()) -> S
 
 def with_page(page: Page, folder: Path, files: Sequence[Path]) -> StudyFiles:
     """The ``files`` of a result, and its page written to ``folder``."""
-    return files_of(folder, [*files, write_page(page, folder, figures=False)[0]])
+    return files_of(folder, [*files, write_text(folder / "report.html", render(page))])
 
 
-#: Study, folder, whether pictures are wanted, and what takes failures -> page and pictures.
-PageWriter = Callable[[Study, Path, bool, PartialFailures], tuple[Path | None, tuple[Path, ...]]]
+#: Study, folder, format of the pictures or nothing, and what takes failures -> page and pictures.
+PageWriter = Callable[[Study, Path, str, PartialFailures], tuple[Path | None, tuple[Path, ...]]]
 
 
 def write_parts(
@@ -79,7 +75,7 @@ def write_parts(
     target: Path,
     pages: PageWriter,
     page: bool = True,
-    figures: bool = False,
+    figures: str = "",
     written_before: Callable[[Solution], Path | None] = lambda _: None,
 ) -> StudyFiles:
     """Write the data files of a study and, on request, its page and pictures; a part that fails is named
@@ -172,28 +168,6 @@ def orders_table(study: Study, label: str) -> Table:
     return table(
         ("engine speed", "rpm", [rpm(run.engine_speed) for run in runs] if orders else []), *columns
     )
-
-
-def write_page(
-    page: Page,
-    folder: Path,
-    name: str = "report.html",
-    figures: bool = True,
-    gaps: PartialFailures | None = None,
-) -> tuple[Path, tuple[Path, ...]]:
-    """Write a page and, where ``figures`` are requested, each of its charts as SVG; a chart that
-    fails is left out (the page names it).
-    """
-    pictures = []
-    failures = gaps or PartialFailures()
-    for chart in charts(page) if figures else ():
-        picture = failures.part(f"picture '{chart.key}.svg'", None, _picture, chart, folder)
-        pictures += [picture] if picture is not None else []
-    return write_text(folder / name, render(page, gaps)), tuple(pictures)
-
-
-def _picture(chart: Chart, folder: Path) -> Path:
-    return write_text(folder / "figures" / f"{chart.key}.svg", svg(chart_for_reader(chart)))
 
 
 def at_wire_points(solution: Solution, spacing: float) -> Solution:

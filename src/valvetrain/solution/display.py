@@ -34,6 +34,9 @@ class Figure(Protocol):
     def write_html(self, file: str) -> None:
         """Write it as a page of its own."""
 
+    def write_image(self, file: str, width: int) -> None:
+        """Write it as SVG, PNG or PDF by the ending of ``file``, ``width`` in px."""
+
     def to_dict(self) -> dict[str, object]:
         """``data`` and ``layout`` as plain values."""
 

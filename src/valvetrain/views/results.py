@@ -89,7 +89,7 @@ def answer_json(study: Study) -> dict[str, Any]:
 
 
 def write_study(
-    study: Study | Any, folder: str | os.PathLike[str], page: bool = True, figures: bool = False
+    study: Study | Any, folder: str | os.PathLike[str], page: bool = True, figures: str = ""
 ) -> StudyFiles:
     """Write the data files of a study and, on request, its page and pictures.
 
@@ -99,7 +99,7 @@ def write_study(
         ``report``: of a study of points, an optimisation, an identification, a measurement
     folder : made if absent; files of an earlier study there that are unchanged are removed
     page : write report.html, one file that needs no network
-    figures : write every figure of the page as an SVG picture too
+    figures : ``"svg"``, ``"png"`` or ``"pdf"`` writes every figure of the page as a picture too
 
     Returns
     -------
@@ -133,7 +133,7 @@ def write_study(
     return files
 
 
-def write_answer(study: Study, folder: Path, page: bool, figures: bool, **more: Any) -> StudyFiles:
+def write_answer(study: Study, folder: Path, page: bool, figures: str, **more: Any) -> StudyFiles:
     """As :func:`write_study`; a part that fails is named among the ``gaps`` and costs no other. ``more`` is for
     :func:`valvetrain.report.study.write_parts`.
     """
@@ -141,14 +141,14 @@ def write_answer(study: Study, folder: Path, page: bool, figures: bool, **more: 
 
 
 def _write_page(
-    study: Study, folder: Path, figures: bool, gaps: PartialFailures
+    study: Study, folder: Path, figures: str, gaps: PartialFailures
 ) -> tuple[Path | None, tuple[Path, ...]]:
     """The page of a study, and its figures as pictures."""
     answer = Answer(study)
     page = write_page(answer, folder, gaps)
     if page is None or not figures:
         return page, ()
-    return page, gaps.part("pictures", (), write_figures, answer, folder)
+    return page, gaps.part("pictures", (), write_figures, answer, folder, figures)
 
 
 def write_page(answer: Shown, folder: Path, gaps: PartialFailures) -> Path | None:
@@ -159,8 +159,8 @@ def write_page(answer: Shown, folder: Path, gaps: PartialFailures) -> Path | Non
     return None if text is None else write_text(folder / "report.html", text)
 
 
-def write_figures(answer: Shown, folder: Path) -> tuple[Path, ...]:
-    """Write every figure of an answer as ``figures/NAME.svg`` by plotly's exporter.
+def write_figures(answer: Shown, folder: Path, ending: str = "svg") -> tuple[Path, ...]:
+    """Write every figure of an answer as ``figures/NAME.svg``, or with another ``ending``, by plotly's exporter.
 
     Raises :class:`MissingExtraError` without the package ``kaleido`` and a Chrome or Chromium, which draw them.
     """
@@ -169,12 +169,12 @@ def write_figures(answer: Shown, folder: Path) -> tuple[Path, ...]:
     written = []
     try:
         for name, fig in figures_of(answer).items():
-            path = place / f"{name}.svg"
+            path = place / f"{name}.{ending}"
             fig.write_image(path, width=900, scale=SCALE)
             written.append(path)
     except (ImportError, ValueError, RuntimeError) as error:
         raise MissingExtraError(
-            "pictures need kaleido and Chrome or Chromium; install them, such as by 'pip install kaleido'"
+            "pictures need Chrome or Chromium and the extra 'figures': pip install 'valvetrain[figures]'"
         ) from error
     return tuple(written)
 
