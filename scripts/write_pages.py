@@ -37,14 +37,11 @@ from quantity_pages import plausible_page, quantities_page
 import valvetrain as vt
 from valvetrain import registry
 from valvetrain.compare_test.compare import compare_with_test
-from valvetrain.compare_test.page import difference_chart, values_chart
-from valvetrain.compare_test.summary import unit_of_test
 from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.report.chart import Chart, Line, Marks, Panel
-from valvetrain.report.run_charts import line_styles
 from valvetrain.report.svg_chart import svg
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.run import run_study, sweep_study
@@ -52,6 +49,7 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
+from valvetrain.views.results import figure_for_user
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS, PUBLIC_NAMES = ROOT / "docs", ROOT / "docs" / "public-names.md"
@@ -385,13 +383,9 @@ def write_model_against_test() -> None:
             spring_models=models,
             sensor=Sensor(bandwidth="8 kHz"),
         )
-        unit, factor = unit_of_test(force)
-        write_text(
-            PICTURES / "model-less-test.svg",
-            svg(difference_chart(force, force.runs, unit, factor, line_styles(force.study))),
-        )
         head = compare_with_test("gu2021-beehive-blind", samples / "engine-head.csv")
-        write_text(PICTURES / "engine-head.svg", svg(values_chart(head, line_styles(head.study))))
+    for name, found in (("model-less-test", force), ("engine-head", head)):
+        figure_for_user(found).write_image(PICTURES / f"{name}.svg", width=900)
 
 
 #: Name on the command line -> what writes it.

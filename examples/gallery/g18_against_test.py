@@ -25,7 +25,7 @@ found = vt.compare_test.compare_with_test(
     "job-t", test, spring_models=["multi-mass", "massless"], workers=1
 )
 for run in found.runs:
-    print(run.sentence)
+    print(f"{run.label}: F = {run.adequacy.ratio:.3g}, {run.adequacy.critical:.3g} allowed")
 
 # %%
 # The difference from the mean of the cycles.

@@ -100,7 +100,6 @@ BUILT_IN["results"] = {
     "ScanComparison": "valvetrain.scan.notebook:scan_comparison_blocks",
     "SpringFit": "valvetrain.spring_card.page:card_page",
     "TesterFit": "valvetrain.spring_card.page:tester_page",
-    "ModelAgainstTest": "valvetrain.compare_test.page:compare_test_page",
 }
 #: Class of a result -> the function that gives its one sentence, without end of line.
 BUILT_IN["verdicts"] = {
@@ -114,18 +113,18 @@ BUILT_IN["verdicts"] = {
     "ScanComparison": "valvetrain.scan.verdict:scan_comparison_verdict",
     "SpringFit": "valvetrain.spring_card.verdict:card_verdict",
     "TesterFit": "valvetrain.spring_card.verdict:tester_verdict",
-    "ModelAgainstTest": "valvetrain.compare_test.verdict:test_verdict",
 }
 #: Class of a result -> what is shown of it, made from the result alone.
 BUILT_IN["answers"] = {
     "Study": "valvetrain.views.answer:Answer",
     "Solution": "valvetrain.views.results:answer_of_run",
     "UncertaintyStudy": "valvetrain.views.refinement:RefineAnswer",
+    "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
 }
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
     "verdict": "valvetrain.views.results:sentence_of",
-    "html": "valvetrain.report.notebook:html_of",
+    "html": "valvetrain.views.results:html_for_notebook",
     "picture": "valvetrain.views.results:picture_for_notebook",
     "figure": "valvetrain.views.results:figure_for_user",
     "progress": "valvetrain.cli.progress:session_bar",
@@ -140,7 +139,7 @@ BUILT_IN["files"] = {
     "film": "valvetrain.film.page:report_film",
     "rig": "valvetrain.rig.page:report_rig",
     "scan": "valvetrain.scan.page:report_scan",
-    "compare-test": "valvetrain.compare_test.page:report_compare_test",
+    "compare-test": "valvetrain.compare_test.answer:report_compare_test",
 }
 BUILT_IN["integrators"] = {
     "train-leapfrog": "valvetrain.integrate.train_leapfrog:SPEC",  # before those that a train never needs, so that they are not loaded
@@ -240,6 +239,7 @@ BUILT_IN["rules"] = {
 BUILT_IN["other_rules"] = {
     "case": "valvetrain.findings.rules_case:RULES",
     "refine": "valvetrain.findings.rules_refine:RULES",
+    "compare-test": "valvetrain.compare_test.rules:RULES",
 }
 BUILT_IN["figures"] = {
     "run-up": "valvetrain.views.figures:RUN_UP",

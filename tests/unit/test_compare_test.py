@@ -18,13 +18,12 @@ from scipy import stats
 import valvetrain as vt
 from unit.cli_parts import call as invoke
 from valvetrain.compare_test import compare as compare_test
-from valvetrain.compare_test.page import compare_test_page
+from valvetrain.compare_test.answer import AgainstTestAnswer
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.measured.sensor import Sensor
 from valvetrain.measured.value_table import MeasuredValue, ValueTable, read_value_table
 from valvetrain.quantities.traces import Trace, trace_names, trace_of
-from valvetrain.report.page import render
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Status
@@ -72,18 +71,35 @@ def compared(test, **more):
     return vt.compare_test.compare_with_test("job-t", test, **{"spring_models": CHAIN, **more})
 
 
+def codes(found) -> set[str]:
+    return set(AgainstTestAnswer(found).findings.codes)
+
+
+def verdict(found):
+    return AgainstTestAnswer(found).verdict
+
+
 def test_the_truth_is_not_refuted_and_a_bias_is():
     true, off = compared(cycles()), compared(cycles(bias=12.0))
-    assert true.best.adequacy.adequate and "does not refute multi-mass" in true.best.sentence
-    assert not off.best.adequacy.adequate and off.best.sentence.startswith(
-        "the test refutes multi-mass: F = "
+    assert true.best.adequacy.adequate and (verdict(true).code, verdict(true).mark) == (
+        "T204",
+        "ok",
     )
+    assert not off.best.adequacy.adequate and (verdict(off).code, verdict(off).mark) == (
+        "T203",
+        "bad",
+    )
+    where = verdict(off).fields["where"].fields
+    assert where["side"] == "too low" and 8.0 < where["off"].value < 20.0
+    assert "finite-element" in AgainstTestAnswer(off).next_step
     assert off.best.agreement.bias == pytest.approx(-12.0, abs=1.0)
     assert not true.best.band.outside.any() and off.best.band.outside.mean() > 0.3
 
 
 def test_a_shift_is_recovered_with_its_interval_and_taken_away():
-    near = compared(cycles(late=1.3)).best.agreement
+    found = compared(cycles(late=1.3))
+    near = found.best.agreement
+    assert verdict(found).code == "T202" and verdict(found).fields["late"] == "early"
     assert np.degrees(near.shift) == pytest.approx(-1.3, abs=2 * np.degrees(near.shift_reach))
     assert 0.01 < np.degrees(near.shift_reach) < 0.3 and near.rest < 0.5 * near.rms
 
@@ -154,12 +170,9 @@ def test_python_command_line_and_page_say_the_same(tmp_path, monkeypatch):
         )
         assert told["agreement"]["shift"] == one.agreement.shift
         assert told["band"]["share_outside"] == one.band.outside.mean()
+    assert data["findings"][0]["code"] == verdict(found).code and "verdict" not in data
     shown, page = invoke(*command).stdout, (tmp_path / "out" / "report.html").read_text()
-    for sentence in data["verdict"]:
-        assert sentence in shown and sentence.replace("'", "&#39;") in page.replace(
-            "&#x27;", "&#39;"
-        )
-    assert "synthetic" in shown and "The test is synthetic" in page
+    assert "synthetic" in shown and "synthetic" in page and verdict(found).reason in page
     assert {path.rsplit("/")[-1] for path in data["files"]} >= {
         "curves.csv",
         "events.csv",
@@ -178,7 +191,7 @@ def test_the_same_input_gives_the_same_bits():
         and one.best.events == other.best.events
     )
     assert np.array_equal(one.best.band.half_width, other.best.band.half_width)
-    assert render(compare_test_page(one)) == render(compare_test_page(other))
+    assert AgainstTestAnswer(one).lines == AgainstTestAnswer(other).lines
 
 
 def test_which_model_is_closer_is_students_test_of_the_squares():
@@ -189,30 +202,26 @@ def test_which_model_is_closer_is_students_test_of_the_squares():
     due = stats.ttest_rel(*squares)
     (row,) = found.closer
     assert (row.student, row.p_value) == pytest.approx((due.statistic, due.pvalue), rel=1e-6)
-    assert (
-        row.sentence.startswith("multi-mass is closer to the test than massless")
-        and row.p_value < 0.05
-    )
-    (same,) = compared(cycles(count=4, size=60.0), spring_models=("massless", "multi-mass")).closer
-    assert "does not separate" in same.sentence and same.p_value > 0.05
+    (told,) = AgainstTestAnswer(found).findings.by("T220")
+    assert told.fields["near"] == "multi-mass" and row.p_value < 0.05
+    same = compared(cycles(count=4, size=60.0), spring_models=("massless", "multi-mass"))
+    (other,) = AgainstTestAnswer(same).findings.by("T220")
+    assert same.closer[0].p_value > 0.05 and other.fields["sure"] != told.fields["sure"]
+    assert "T220" not in codes(compared(test))
 
 
 def test_one_cycle_two_cycles_and_alike_cycles_say_what_they_cannot():
     one = compared(cycles(1))
-    assert one.best.adequacy is None and "no F-test" in one.best.sentence and one.best.band is None
-    assert all(
-        event.outside is None for event in one.best.events
-    ) and "no event is judged" in render(compare_test_page(one))
+    assert one.best.adequacy is None and one.best.band is None
+    assert (verdict(one).code, verdict(one).mark) == ("T205", "warn")
+    assert all(event.outside is None for event in one.best.events)
     two = compared(cycles(2))
-    assert (
-        two.best.adequacy is not None
-        and two.best.band is None
-        and any("2 repeats hardly show" in note for note in two.notes)
-    )
+    assert two.best.adequacy is not None and two.best.band is None
+    assert "T214" in codes(two) and "T214" not in codes(one)
     own = cycles(12)
     drifting = replace(own, values=own.values + 8 * np.linspace(-1, 1, 12)[:, None])
-    assert any("successive cycles are alike" in note for note in compared(drifting).notes)
-    assert not any("alike" in note for note in compared(own).notes)
+    assert "T215" in codes(compared(drifting)) and compared(drifting).separate < 6
+    assert "T215" not in codes(compared(own)) and "T211" in codes(compared(own))
 
 
 def test_errors_that_all_cycles_share_are_stated_apart():
@@ -236,6 +245,7 @@ def test_errors_that_all_cycles_share_are_stated_apart():
         test.expected**2 / (own**2 / test.independent + part**2 + angle**2)
     )
     assert "offset 4 N, angle 0.1 cam deg" in " ".join(shared.notes)
+    assert "T291" not in codes(shared) and "T291" in codes(compared(cycles(bias=5.0)))
     assert shared.best.band.half_width.min() > alone.band.half_width.min() + 4
     turned = [abs(row.in_errors) for row in shared.best.events if row.dimension == "value"]
     assert all(
@@ -289,11 +299,13 @@ def test_runs_that_fail_are_told_and_no_run_is_no_verdict(tmp_path, monkeypatch)
     monkeypatch.setattr(
         compare_test, "simulate", lambda *_, **__: replace(whole, solutions=(lost,))
     )
+    compared_before = compare_test.compare_study_with_test(whole, "job-t", cycles())
     found = compared(cycles())
     assert not found.runs and "multi-mass at 3000 rpm of the crank: " in found.failures[0]
     with pytest.raises(InputError, match="nothing to compare"):
         _ = found.best
-    assert found.verdict == "1 run did not complete; nothing can be compared."
+    assert verdict(found).code == "T201" and "T210" in codes(found)
+    assert not codes(compared_before) & {"T201", "T210"}
     write_cycles("own.csv", [cycles()])
     shown = invoke("compare-test", "job-t", "--test", "own.csv", "--spring", "multi-mass")
     assert shown.exit_code == 1 and "grew without bound" in shown.output
@@ -319,7 +331,7 @@ def test_the_speed_of_the_test_is_run_and_a_wrong_one_is_said():
     assert found.study.engine_speeds == pytest.approx((98 * np.pi,))
     assert "2940 rpm of the crank, the case names" in found.notes[0]
     other = compared(cycles(), engine_speed="3300 rpm")
-    assert "the test ran at 3000 rpm of the crank and the model at 3300 rpm" in other.notes[0]
+    assert "T213" in codes(other) and "T213" not in codes(found)
     silent = compared(replace(cycles(), cam_speed=0.0))
     assert "does not state its speed" in silent.notes[0]
     with pytest.raises(InputError, match="give the engine speed"):
@@ -416,20 +428,9 @@ def test_values_with_stated_scatter_are_counted_in_it(tmp_path):
     assert found.best.adequacy.p_value == pytest.approx(
         stats.chi2.sf(np.sum(np.square(off)), 4), rel=1e-6
     )
-    assert (
-        any("shoe_size" in note for note in found.notes)
-        and "does not refute" in found.best.sentence
-    )
-    assert found.verdict == (
-        "multi-mass: all 3 values within 1.1 %, angles within 1 cam degree; not refuted by the scatters of the table."
-    )
-    page = render(compare_test_page(found))
-    assert "stated scatter" not in page and "no scatter is stated" in page.lower()
-    assert "stated" not in repr(found)
-    assert (
-        "All 4 values are within two scatters" in page
-        or "values are more than two scatters off" in page
-    )
+    assert verdict(found).code == "T204" and {"T212", "T291"} <= codes(found)
+    assert any("no scatter is stated" in note for note in found.notes)
+    assert [line.mark for line in AgainstTestAnswer(found).lines].count("ok") == 5
 
 
 def test_repeats_of_values_give_fishers_ratio_and_are_compared_in_pairs(tmp_path):
@@ -463,7 +464,8 @@ def test_tables_that_mix_units_have_no_f_test():
         MeasuredValue("peak_valve_lift", "mm", np.array([1.0, 2.0])),
     )
     found = compared(ValueTable(values), engine_speed=SPEED)
-    assert found.best.adequacy is None and "several units" in found.best.sentence
+    assert found.best.adequacy is None and verdict(found).code == "T205"
+    assert "several units" in verdict(found).reason
 
 
 def test_curves_of_coils_are_found_by_number_and_by_share():
@@ -523,10 +525,9 @@ def test_a_model_without_the_curve_is_left_out_and_said():
         50 * np.pi,
     )
     found = compared(test, spring_models=("massless", "multi-mass"))
-    assert [one.label for one in found.runs] == [
-        "multi-mass"
-    ] and "of which massless gives nothing" in " ".join(found.notes)
-    assert found.best.adequacy.adequate and "mm²" in render(compare_test_page(found))
+    assert [one.label for one in found.runs] == ["multi-mass"] and found.best.adequacy.adequate
+    (left_out,) = AgainstTestAnswer(found).findings.by("T212")
+    assert left_out.fields["names"] == "massless" and "T212" not in codes(compared(test))
     with pytest.raises(InputError, match="the massless run has no curve"):
         compared(test, spring_models=("massless",))
 

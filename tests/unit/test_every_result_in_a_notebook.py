@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from synthetic_study import at_rest, critical_speeds, own_study, published_study, rod_run
+from synthetic_study import at_rest, critical_speeds, own_study, published_study
 from unit import (
     test_every_film_table,
     test_every_identification_table,
@@ -132,7 +132,6 @@ def scan_compared() -> Shown:
 
 #: Class of a result -> one, a word of its table, and what the axes of its figure show.
 RESULTS = {
-    "Solution": (rod_run, "peak spring force", "force (N)"),
     "StaticCurve": (lambda: at_rest()[0].curve, "compression", "stiffness (N/mm)"),
     "ModalResult": (lambda: at_rest()[0].modes, "natural frequency", "axial displacement"),
     "TrainModes": (train_modes, "moving", "share of kinetic energy (%)"),
@@ -153,7 +152,6 @@ RESULTS = {
     "ScanComparison": (scan_compared, "scan/design", "rate (N/mm)"),
     "SpringFit": (from_card, "card", "force (N)"),
     "TesterFit": (from_tester, "Active turns", "force (N)"),
-    "ModelAgainstTest": (against_test, "model", ""),
 }  # fmt: skip
 
 
@@ -188,9 +186,15 @@ def test_a_refinement_shows_its_rows_and_its_error_bars():
     assert trace.x[0] == pytest.approx(0.5)
 
 
+def test_a_comparison_with_a_test_shows_verdict_and_rows_and_its_figure():
+    found = against_test()
+    assert found.verdict[:20] in found._repr_html_() and "<table>" in found._repr_html_()
+    assert found.plot().data
+
+
 def test_every_registered_result_is_tried_and_every_public_one_is_registered():
     assert set(registry.names("results")) == set(RESULTS)
-    by_views = {"Study", "UncertaintyStudy"}
+    by_views = set(registry.names("answers"))
     shown = [one for one in vt.__all__[1:] if hasattr(getattr(vt, one), "_repr_html_")]
     assert set(shown) - {"Case", "Quantities"} - by_views <= set(RESULTS)
 

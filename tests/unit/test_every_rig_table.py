@@ -11,7 +11,6 @@ import pytest
 
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.report.chart import Line
-from valvetrain.report.columns import text_table
 from valvetrain.rig.alignment import LiftAlignment
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.page import (
@@ -23,6 +22,7 @@ from valvetrain.rig.page import (
     speed_chart,
 )
 from valvetrain.rig.result import RigChannelCycles
+from valvetrain.views.columns import text_table
 
 DEGREES = np.arange(360.0)
 ANGLE, RPM, TURN = np.radians(DEGREES), np.pi / 30, 2 * np.pi

@@ -19,8 +19,8 @@ from valvetrain.film.motion import _line
 from valvetrain.film.page import film_page
 from valvetrain.film.space_time import SightLine, find_line, read_space_time
 from valvetrain.film.tables import PEAK_COLUMNS, peak_table
-from valvetrain.report.columns import text_table
 from valvetrain.report.page import gaps_of
+from valvetrain.views.columns import text_table
 
 cv2 = pytest.importorskip("cv2")
 SETUP = vt.film.FilmSetup(

@@ -13,8 +13,9 @@ from scipy import stats
 
 from synthetic_study import SPEED, modal_run, own_study, rod_run
 from valvetrain.compare_test import compare as compare_test
+from valvetrain.compare_test.answer import AgainstTestAnswer
 from valvetrain.compare_test.comparison import SharedErrors
-from valvetrain.compare_test.page import write_compare_test
+from valvetrain.compare_test.files import write_compare_test
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import MeasuredValue, ValueTable
 
@@ -82,9 +83,9 @@ def test_two_runs_are_compared_at_every_value_that_both_tell_and_at_no_angle(nam
     assert [(one.model, one.test) for one in angles] == [
         (TOLD[first][2], 3.15) for one in test.values if np.isfinite(one.cam_angle)
     ]
-    left = "not computed by every run, so left out where it is missing: shoe_size"
-    assert [note for note in found.notes if "not computed" in note] == (
-        [left] if name == "a value no run tells" else []
+    left = AgainstTestAnswer(found).findings.by("T212")
+    assert [one.fields["names"] for one in left] == (
+        ["shoe size"] if name == "a value no run tells" else []
     )
 
 

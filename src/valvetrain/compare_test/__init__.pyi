@@ -3,4 +3,3 @@ from valvetrain.compare_test.adequacy import adequacy_test as adequacy_test
 from valvetrain.compare_test.compare import ModelAgainstTest as ModelAgainstTest
 from valvetrain.compare_test.compare import compare_study_with_test as compare_study_with_test
 from valvetrain.compare_test.compare import compare_with_test as compare_with_test
-from valvetrain.compare_test.page import compare_test_page as compare_test_page

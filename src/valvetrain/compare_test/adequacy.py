@@ -151,26 +151,10 @@ class AdequacyTest:
         share = (self.independent - self.fitted) / self.independent
         return math.sqrt(self.critical * self.expected * share / max(self.repeats, 1))
 
-    def sentence(self, label: str = "the model") -> str:
-        """The verdict in one sentence, with its numbers."""
-        first, second = self.degrees
-        between = f"{number(first, 3)} and {'infinitely many' if math.isinf(second) else number(second, 3)} degrees of freedom"
-        verdict = "does not refute" if self.adequate else "refutes"
-        relation = "not above" if self.adequate else "above"
-        return (
-            f"the test {verdict} {label}: F = {number(self.ratio, 3)} is {relation} the critical {number(self.critical, 3)} "
-            f"({100 * self.level:g} %, {between}; {p_text(self.p_value)})"
-        )
-
 
 def chance_text(p_value: float) -> str:
     """A chance as people read it."""
     return "below 1e-12" if p_value < 1e-12 else number(p_value, 2)
-
-
-def p_text(p_value: float) -> str:
-    """The same as an equation."""
-    return f"p {'' if p_value < 1e-12 else '= '}{chance_text(p_value)}"
 
 
 def critical_ratio(first: float, second: float, level: float) -> float:

@@ -4,9 +4,8 @@ adequate.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import shlex
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -34,8 +33,6 @@ from valvetrain.cli.options import (
 from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from valvetrain.compare_test.compare import ModelAgainstTest
 
 
@@ -97,14 +94,15 @@ def compare_test(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Model against test: overlay, errors by event and stage, band of the difference, Fisher's test
-    of adequacy.
-    """
+    """Whether a model agrees with a test within the scatter of the test, and where it is worst."""
     from valvetrain.cli.options import choose_case, folder_of, read_sensor
     from valvetrain.cli.progress import announce_compilation, progress_bar
+    from valvetrain.compare_test.adequacy import LEVEL
     from valvetrain.compare_test.compare import compare_with_test
     from valvetrain.compare_test.reader import read_test
+    from valvetrain.session import call_case
 
+    call_case([case, *(one for text in settings or () for one in ("--set", text))])
     take_folder(output)
     gauge = read_sensor(bandwidth, sensor, None) if bandwidth or sensor else None
     chosen = choose_case(case, settings, elements_per_coil)
@@ -127,43 +125,42 @@ def compare_test(
             limit=", ".join(limit or ()),
             implausible=implausible,
         )
-    _answer(
-        found,
-        SavedRequest(
-            "compare-test",
-            chosen,
-            output,
-            datetime.now(UTC).replace(microsecond=0),
-            folder_of(case),
-        ),
-        str(test),
-        open_page,
-    )
+    options = {
+        "--test": str(test), "--quantity": quantity, "--channel": channel or "", "--engine-speed": engine_speed, "--bandwidth": bandwidth,
+        "--sensor": sensor, "--shared": shared, "--fitted": fitted or "", "--level": level if level != LEVEL else "",
+    }  # fmt: skip
+    repeated = [part for key, value in options.items() if value for part in (key, str(value))]
+    repeated += [part for text in spring_set or () for part in ("--spring-set", text)]
+    now = datetime.now(UTC).replace(microsecond=0)
+    request = SavedRequest("compare-test", chosen, output, now, folder_of(case))
+    _answer(found, request, str(test), shlex.join(repeated), open_page)
 
 
-def _answer(found: ModelAgainstTest, request: SavedRequest, test: str, open_page: bool) -> None:
+def _answer(
+    found: ModelAgainstTest, request: SavedRequest, test: str, options: str, open_page: bool
+) -> None:
+    """Save the folder (page, files, run.json) and print the answer; ``options``: those of the test, to be copied."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
-    from valvetrain.compare_test.page import (
-        compare_test_json,
-        compare_test_page,
-        write_compare_test,
-    )
-    from valvetrain.report.page import render
-    from valvetrain.solution.atomic import write_text
+    from valvetrain.compare_test.answer import AgainstTestAnswer
+    from valvetrain.compare_test.files import compare_test_json, write_compare_test
+    from valvetrain.findings.words import Words
+    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.views.results import write_page
+    from valvetrain.views.terminal import screen
 
+    answer = AgainstTestAnswer(found, test=options)
+    plain = AgainstTestAnswer(found, Words(case=answer.words.case), options)
     data: dict[str, Any] = {
-        "command": "compare-test",
-        "completed": not found.failures,
-        "failures": list(found.failures),
-    }
-    data |= compare_test_json(found)
-    pages: list[Path] = []
+        "command": "compare-test", "completed": not found.failures, "failures": list(found.failures), **compare_test_json(found),
+        "findings": [one.to_dict() for one in plain.findings],
+    }  # fmt: skip
+    gaps, pages = PartialFailures(), list[Path]()
 
     def fill(folder: Path) -> list[Path]:
         if not found.runs:
             return []
-        pages.append(write_text(folder / "report.html", render(compare_test_page(found))))
+        pages.extend(filter(None, (write_page(answer, folder, gaps),)))
         return [*write_compare_test(found, folder), *pages]
 
     with busy("writing files"):
@@ -173,47 +170,12 @@ def _answer(found: ModelAgainstTest, request: SavedRequest, test: str, open_page
         )
     if open_page and pages:
         show_page(pages[0])
-    data |= {"folder": str(folder), "files": files, "page": str(pages[0]) if pages else None}
-    from valvetrain.report.verdict import verdict_of
-
-    show = partial(_show, found=found, folder=folder)
-    deliver(Outcome(data, show, found.failures, verdict_of(found)))
-
-
-def _show(console: Console, found: ModelAgainstTest, folder: Path) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.compare_test import summary, tables
-    from valvetrain.measured.cycles import MeasuredCycles
-    from valvetrain.report.columns import text_table
-
-    def show_table(columns: tables.Columns, rows: Iterable[Any]) -> None:
-        headings, texts, right = text_table(columns, rows)
-        console.print()
-        console.print(plain_table(headings, texts, right=right))
-
-    test, best = found.test, found.best if found.runs else None
-    console.print(f"test: {summary.text_of_test(found)}", soft_wrap=True)
-    if test.synthetic:
-        console.print(summary.SYNTHETIC, soft_wrap=True)
-    if best is None:
-        return
-    console.print()
-    for sentence in summary.verdict_sentences(found):
-        console.print(sentence, soft_wrap=True)
-    unit, factor = summary.unit_of_test(found)
-    if tested := tables.with_adequacy(found.runs):
-        show_table(tables.adequacy_columns(unit, factor), tested)
-    if isinstance(test, MeasuredCycles):
-        show_table(tables.agreement_columns(unit, factor), tables.with_agreement(found.runs))
-        events = sorted(best.events, key=tables.is_spike)
-        show_table(tables.event_columns(unit, factor, best.label), events)
-        console.print(f"\n{summary.events_sentence(best)}", soft_wrap=True)
-    else:
-        console.print()
-        for one in found.runs:
-            console.print(summary.outside_sentence(one), soft_wrap=True)
-        show_table(tables.value_columns(best.label), best.values)
-    console.print()
-    for note in dict.fromkeys(found.notes):
-        console.print(f"{note[:1].upper()}{note[1:]}.", soft_wrap=True)
-    console.print(f"results in {folder}", soft_wrap=True)
+    page = str(pages[0]) if pages else ""
+    data |= {"folder": str(folder), "files": files, "page": page or None}
+    deliver(
+        Outcome(
+            data,
+            lambda console: console.print(screen(answer, page, str(folder))),
+            (*found.failures, *gaps.sentences),
+        )
+    )

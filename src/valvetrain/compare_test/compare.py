@@ -26,10 +26,9 @@ from valvetrain.compare_test.reader import (
     AnyTest,
     at_speeds,
     check_unit,
-    few_notes,
-    likeness_notes,
     read_test,
     rpm_text,
+    separate_cycles,
     whole_cycles,
 )
 from valvetrain.errors import InputError
@@ -43,7 +42,7 @@ from valvetrain.quantities.traces import Active, trace_of
 from valvetrain.runs.api import simulate
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
-from valvetrain.solution.display import table_and_picture, verdict_first
+from valvetrain.solution.display import verdict_first
 from valvetrain.solution.quantity import same_speed
 from valvetrain.solution.result import Solution
 from valvetrain.solution.saveable import Reported
@@ -59,13 +58,14 @@ class ModelAgainstTest(Reported):
 
     ``runs`` are sorted, the nearest to the test first; ``closer`` compares each with the nearest.
     ``study``: the computation; ``test``: as it was compared (whole cycles). ``notes``: what was
-    found or assumed on the way; ``failures``: a sentence per run that did not complete.
+    found or assumed on the way; ``failures``: a sentence per run that did not complete. ``separate``: how many
+    separate cycles successive ones that are alike are worth, NaN where they are not alike.
 
     >>> import valvetrain as vt
     >>> angle = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
     >>> level = MeasuredCycles("valve_lift", "m", angle, np.full((1, 180), 1e-3), cam_speed=150.0)
     >>> found = vt.compare_test.compare_with_test("job-t", level, spring_models=["massless"])
-    >>> found.best.sentence
+    >>> found.best.without
     'one cycle shows no scatter, so there is no F-test; give two or more repeats'
     """
 
@@ -77,6 +77,7 @@ class ModelAgainstTest(Reported):
     closer: tuple[CloserRow, ...] = ()
     notes: tuple[str, ...] = ()
     failures: tuple[str, ...] = ()
+    separate: float = math.nan
 
     @property
     def best(self) -> RunAgainstTest:
@@ -104,18 +105,8 @@ class ModelAgainstTest(Reported):
         return fits[0]
 
     def __repr__(self) -> str:
-        lines = [
-            f"ModelAgainstTest: {self.study.record.name} against {self.test!r}",
-            *(one.sentence for one in self.runs),
-        ]
+        lines = [f"ModelAgainstTest: {self.study.record.name} against {self.test!r}"]
         return verdict_first(self, [*lines, *(f"not completed: {one}" for one in self.failures)])
-
-    def _repr_html_(self) -> str:
-        rows = [
-            (label, f"{test.ratio:.3g}", f"{test.p_value:.2g}") if test else (label, "", "")
-            for label, test in ((one.label, one.adequacy) for one in self.runs)
-        ]
-        return table_and_picture(self, ("model", "F", "p"), rows)
 
 
 @known_arguments
@@ -364,12 +355,7 @@ def _with_cycles(
 ) -> ModelAgainstTest:
     whole = whole_cycles(test)
     runs, failures = _completed(study)
-    runs_with_curve, silent = _with_curve(runs, whole, active)
-    if silent:
-        notes = (
-            *notes,
-            f"the test gives {whole.quantity}, of which {', '.join(silent)} gives nothing; it is left out",
-        )
+    runs_with_curve = _with_curve(runs, whole, active)
     stages = _stages(study)
     found = [
         against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {}), shared)
@@ -387,28 +373,28 @@ def _with_cycles(
             *notes,
             f"all cycles are taken to share errors of {shared.text(whole.unit)} (standard deviations), in addition to their scatter",
         )
-    said = (*notes, *whole.notes, *few_notes(len(whole.values)), *likeness_notes(whole))
-    return ModelAgainstTest(study, whole, tuple(found), rows, said, failures)
+    said = (*notes, *whole.notes)
+    return ModelAgainstTest(
+        study, whole, tuple(found), rows, said, failures, separate_cycles(whole)
+    )
 
 
 def _with_curve(
     runs: Sequence[Solution], test: MeasuredCycles, active: Mapping[str, Active]
-) -> tuple[list[Solution], list[str]]:
-    """Runs that have the curve of the test, and labels of the others. Raises :class:`InputError`
-    where none does, or the unit differs.
-    """
+) -> list[Solution]:
+    """Runs that have the curve of the test. Raises :class:`InputError` where none does, or the unit differs."""
     runs_with_curve, refused = [], []
     for run in runs:
         try:
             trace = trace_of(run, test.quantity, active.get(run.label, {}))
         except InputError as error:
-            refused.append((run.label, error))
+            refused.append(error)
             continue
         check_unit(trace, test)
         runs_with_curve.append(run)
     if refused and not runs_with_curve:
-        raise refused[-1][1]
-    return runs_with_curve, [label for label, _ in refused]
+        raise refused[-1]
+    return runs_with_curve
 
 
 def _stages(study: Study) -> tuple[Stage, ...]:
@@ -442,20 +428,12 @@ def _with_values(
             if run.label == label and same_speed(run.engine_speed, speed)
         }
         if any(one.engine_speed not in mine for one in test.values):
-            said.append(f"{label} did not complete at every speed of the table and is left out")
             continue
         still = {
             **study.still.get("", {}),
             **study.still.get(mine[test.values[0].engine_speed].spring_set, {}),
         }
         found.append(against_values(mine, still, test.values, fitted, level, active.get(label, {})))
-    missing = sorted(
-        {row.quantity for one in found for row in one.values if not math.isfinite(row.model)}
-    )
-    if missing:
-        said.append(
-            f"not computed by every run, so left out where it is missing: {', '.join(missing)}"
-        )
     found.sort(key=lambda one: math.inf if one.adequacy is None else one.adequacy.ratio)
     rows: tuple[CloserRow, ...] = ()
     if test.repeats > 1 and found:
@@ -469,14 +447,5 @@ def _with_values(
             closer(found[0], other, matrix[:, known], even, (curves[0][known], curve[known]))
             for other, curve in zip(found[1:], curves[1:], strict=True)
             if known.any()
-        )
-        said += (
-            ["two repeats do not show how far values move together; they count as independent"]
-            if test.repeats == 2
-            else []
-        )
-    elif test.repeats == 1:
-        said.append(
-            "scatters of a table count as independent errors of each value; an error they share, as of a calibration, is not in them"
         )
     return ModelAgainstTest(study, test, tuple(found), rows, tuple(said), failures)

@@ -18,7 +18,6 @@ from valvetrain.compare_test.adequacy import (
     DifferenceBand,
     adequacy_test,
     difference_band,
-    p_text,
     ring_weights,
 )
 from valvetrain.compare_test.events import (
@@ -34,7 +33,6 @@ from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.sensor import Sensor
 from valvetrain.measured.value_table import MeasuredValue
-from valvetrain.parameters.summary import number
 from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.traces import WHOLE, Active, trace_of
 from valvetrain.solution.definition import angle_name
@@ -190,11 +188,6 @@ class RunAgainstTest:
     stages: tuple[StageRow, ...] = ()
     values: tuple[ValueRow, ...] = ()
 
-    @property
-    def sentence(self) -> str:
-        """The verdict on this run in one sentence."""
-        return self.without if self.adequacy is None else self.adequacy.sentence(self.label)
-
 
 @dataclass(frozen=True, slots=True)
 class CloserRow:
@@ -208,24 +201,6 @@ class CloserRow:
     second_square: float
     student: float
     p_value: float
-
-    @property
-    def sentence(self) -> str:
-        """Which is closer, in one sentence."""
-        near, far = (
-            (self.first, self.second)
-            if self.first_square <= self.second_square
-            else (self.second, self.first)
-        )
-        ratio = max(self.first_square, self.second_square) / max(
-            min(self.first_square, self.second_square), 1e-300
-        )
-        ratio_text = f"the mean square of {far} is {number(ratio, 3)} times that of {near}"
-        if not math.isfinite(self.p_value):
-            return f"{ratio_text}; one repeat does not show whether that is more than chance"
-        if self.p_value < 0.05:
-            return f"{near} is closer to the test than {far}: {ratio_text}, beyond the scatter of the repeats (paired t, {p_text(self.p_value)})"
-        return f"the test does not separate {near} from {far}: {ratio_text}, within their scatter (paired t, {p_text(self.p_value)})"
 
 
 def against_cycles(

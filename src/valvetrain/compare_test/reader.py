@@ -15,7 +15,6 @@ from valvetrain.measured.cycles import HDF5_MARK, MeasuredCycles, read_cycles
 from valvetrain.measured.tables import read_content, text_of
 from valvetrain.measured.value_table import ValueTable, is_value_table, read_value_table
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.summary import number
 from valvetrain.quantities.traces import Trace
 from valvetrain.solution.quantity import same_speed
 from valvetrain.system.build import build
@@ -210,35 +209,21 @@ def _one_turn(cycles: MeasuredCycles) -> MeasuredCycles:
     return replace(cycles, cam_angle=angle[order], values=cycles.values[:, :count][:, order])
 
 
-def few_notes(repeats: int) -> tuple[str, ...]:
-    """Notes on what this few repeats cannot show."""
-    if repeats >= FEW or repeats < 2:
-        return ()
-    return (
-        f"{repeats} repeats hardly show how the scatter varies along the angle: where it is alike at all angles the verdict holds, "
-        f"where it is not it refutes too readily; {FEW} repeats or more do not need this",
-    )
-
-
-def likeness_notes(test: MeasuredCycles) -> tuple[str, ...]:
-    """Whether cycles resemble the one before them, so that they are fewer repeats than they seem."""
+def separate_cycles(test: MeasuredCycles) -> float:
+    """How many separate cycles the cycles are worth, where they resemble the one before them; NaN where they do not."""
     residuals = test.values - test.values.mean(axis=0)
     own = float(np.sum(residuals**2))
     count = len(residuals)
     if count < 6 or not own > 0:
-        return ()
+        return math.nan
     likeness = float(np.sum(residuals[1:] * residuals[:-1])) / own * count / (count - 1) + 1 / (
         count - 1
     )
     single = np.sum(residuals**2, axis=1)
     spread = math.sqrt(float(np.sum((residuals @ residuals.T) ** 2) - np.sum(single**2))) / own
     if likeness < 3 * spread / math.sqrt(count):
-        return ()
-    fewer = max(1.0, count * (1 - likeness) / (1 + likeness))
-    return (
-        f"successive cycles are alike (correlation {number(likeness, 2)}), so {count} cycles count about as much as {fewer:.0f} separate "
-        "ones and the test refutes too readily; give cycles further apart",
-    )
+        return math.nan
+    return max(1.0, count * (1 - likeness) / (1 + likeness))
 
 
 def check_unit(trace: Trace, test: MeasuredCycles) -> None:

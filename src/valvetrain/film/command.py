@@ -353,7 +353,7 @@ def _show(console: Console, motion: CoilMotion, model: FilmedModel | None, folde
     from valvetrain.cli.outcome import plain_table
     from valvetrain.film.page import film_facts
     from valvetrain.film.tables import LINE_COLUMNS, line_table, peak_columns, peak_table
-    from valvetrain.report.columns import text_table
+    from valvetrain.views.columns import text_table
 
     console.print(
         "; ".join(f"{name}: {value}" for name, value in film_facts(motion)), soft_wrap=True

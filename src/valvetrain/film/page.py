@@ -26,12 +26,12 @@ from valvetrain.film.tables import (
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, HeatMap, Layer, Line, Marks, Panel, Rule, thin
-from valvetrain.report.columns import csv_row, grid, json_row
 from valvetrain.report.page import Block, Cell, Grid, Page, Section, figure_or_gap, text
 from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import number
 from valvetrain.report.verdict import verdict_of
 from valvetrain.solution.atomic import write_text
+from valvetrain.views.columns import csv_row, grid, json_row
 
 Array = NDArray[np.float64]
 #: Frames and stations of the space-time picture at most, dots of a coil at most, points of the

@@ -14,8 +14,8 @@ from valvetrain.film.cycles import CoilPeak
 from valvetrain.film.model import FilmedModel
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.surge import BAND, SurgeLine
-from valvetrain.report.columns import RowColumn
 from valvetrain.report.text import number, percent
+from valvetrain.views.columns import RowColumn
 
 
 class PeakRow(NamedTuple):

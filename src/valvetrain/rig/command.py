@@ -272,7 +272,6 @@ def _recording_answer(
     from valvetrain.cli.outcome import plain_table
     from valvetrain.cli.progress import busy
     from valvetrain.measured.cycles import write_cycles
-    from valvetrain.report.columns import text_table
     from valvetrain.report.files import FreeNames
     from valvetrain.rig.cycles import rig_cycles
     from valvetrain.rig.page import (
@@ -285,6 +284,7 @@ def _recording_answer(
         write_rig,
     )
     from valvetrain.solution.atomic import check_target
+    from valvetrain.views.columns import text_table
 
     if settings and case is None:
         raise InputError("values are changed of a case; name it with --case", "--set")
@@ -342,7 +342,6 @@ def _case_answer(
     from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.outcome import plain_table
     from valvetrain.cli.progress import busy
-    from valvetrain.report.columns import text_table
     from valvetrain.rig.gauge import case_response
     from valvetrain.rig.gauge_page import (
         COLUMNS,
@@ -352,6 +351,7 @@ def _case_answer(
         sensor_text,
         write_responses,
     )
+    from valvetrain.views.columns import text_table
 
     chosen = choose_case(case, list(settings or ()))
     with busy("running the case for the gauge"):

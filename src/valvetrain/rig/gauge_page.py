@@ -11,13 +11,13 @@ import numpy as np
 from valvetrain.measured.sensor import Sensor
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, Line, Marks, Panel, thin
-from valvetrain.report.columns import RowColumn, grid, json_row
 from valvetrain.report.files import FreeNames
 from valvetrain.report.page import Figure, Page, Section, text
 from valvetrain.report.text import number, speed_text
 from valvetrain.rig.gauge import ChannelResponse
 from valvetrain.rig.page import shown_unit
 from valvetrain.solution.atomic import write_text
+from valvetrain.views.columns import RowColumn, grid, json_row
 
 #: Figures of a page, the channels that lose most first; points of a drawn trace; part of the
 #: revolution that is drawn about the peak.

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from valvetrain.report.columns import grid
 from valvetrain.report.page import Block, Figure
 from valvetrain.rig.page import COLUMNS, cycles_chart, peak_rows
 from valvetrain.rig.result import RigResult
+from valvetrain.views.columns import grid
 
 
 def rig_result_blocks(result: RigResult) -> tuple[Block, ...]:

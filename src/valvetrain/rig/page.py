@@ -12,7 +12,6 @@ from scipy import signal
 from valvetrain.measured.cycles import write_cycles
 from valvetrain.report import theme
 from valvetrain.report.chart import Band, Chart, Layer, Line, Panel, Rule, thin
-from valvetrain.report.columns import RowColumn, grid, json_row
 from valvetrain.report.page import Figure, Page, Section, text
 from valvetrain.report.study import StudyFiles, with_page
 from valvetrain.report.text import number, unit_text
@@ -21,6 +20,7 @@ from valvetrain.rig.result import RigChannelCycles, RigResult, student
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import BY_LAST_WORD
 from valvetrain.units import unit_factor
+from valvetrain.views.columns import RowColumn, grid, json_row
 
 Array = NDArray[np.float64]
 RPM = 30 / np.pi

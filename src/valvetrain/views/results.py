@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError, UnknownNameError
 from valvetrain.report import notebook
 from valvetrain.report.json import study_json
-from valvetrain.report.study import StudyFiles, write_parts
+from valvetrain.report.study import StudyFiles, files_of, write_parts
 from valvetrain.report.verdict import state_cut_off, verdict_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, PartialFailures
@@ -157,6 +158,19 @@ def write_page(answer: Shown, folder: Path, gaps: PartialFailures) -> Path | Non
     with for_reader():
         text = gaps.part("report page", None, page_of, answer, gaps)
     return None if text is None else write_text(folder / "report.html", text)
+
+
+def report_answer(answer: Shown, folder: Path, files: Sequence[Path]) -> StudyFiles:
+    """The ``files`` of a result, and its page written to ``folder``."""
+    gaps = PartialFailures()
+    page = write_page(answer, folder, gaps)
+    return files_of(folder, [*files, *filter(None, (page,))], gaps.sentences)
+
+
+def html_for_notebook(result: object) -> str:
+    """Verdict and rows of a result by its answer; of another the first table and figure of its page."""
+    listed = type(result).__name__ in registry.places("answers")
+    return picture_for_notebook(result) if listed else notebook.html_of(result)
 
 
 def write_figures(answer: Shown, folder: Path, ending: str = "svg") -> tuple[Path, ...]:

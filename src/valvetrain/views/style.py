@@ -80,6 +80,17 @@ def line(
     )  # fmt: skip
 
 
+def band(
+    x: ArrayLike, low: ArrayLike, high: ArrayLike, name: str, colour: str = OTHER
+) -> tuple[go.Scatter, go.Scatter]:
+    """The ground between two curves, named ``name``; both traces belong to one panel and come first."""
+    edge = {"color": colour, "width": 0}
+    ends = line(x, low, "", colour), line(x, high, name, colour)
+    ends[0].update(line=edge, showlegend=False, hoverinfo="skip", hovertemplate=None)
+    ends[1].update(line=edge, fill="tonexty", opacity=0.5, hoverinfo="skip", hovertemplate=None)
+    return ends
+
+
 def thinned(x: Array, y: Array, most: int = 3000) -> tuple[Array, Array]:
     """At most about ``most`` points of a curve, with the least and the largest value of every interval.
 

@@ -15,7 +15,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
 from valvetrain.views.models import model_table
 from valvetrain.views.published import published_rows
-from valvetrain.views.shown import ShownStudy
+from valvetrain.views.shown import Shown, ShownStudy
 from valvetrain.views.table import TextTable
 
 #: Runs that stand side by side; more are rows. Events of a run that are listed, the largest.
@@ -30,7 +30,7 @@ def tables_of(answer: ShownStudy) -> dict[str, TextTable]:
     return {key: one for key, one in made if one is not None and one.rows}
 
 
-def findings(answer: ShownStudy) -> TextTable:
+def findings(answer: Shown) -> TextTable:
     """All findings by importance."""
     rows = tuple(
         (one.code, one.mark, one.text, one.reason, one.step, one.guide) for one in answer.findings

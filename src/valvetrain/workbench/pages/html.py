@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from html import escape
 from typing import Any
 
-from valvetrain.compare_test import ModelAgainstTest, compare_test_page
+from valvetrain.compare_test import ModelAgainstTest
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.report.page import Block, Cell, Grid, Section, render_part, text
 from valvetrain.report.plotly_chart import in_script
+from valvetrain.views.page import figure_content
+from valvetrain.views.results import answer_of, figures_of
+from valvetrain.views.table import TextTable
 from valvetrain.workbench.answers import PageTable
 from valvetrain.workbench.jobs import JobStatus
 
@@ -77,13 +79,17 @@ def grid(table: PageTable) -> Grid:
 
 def test_part(found: ModelAgainstTest) -> str:
     """Test data over a run, as ``valvetrain compare-test`` shows them."""
-    if not found.runs:
-        return render_part(
-            [Section("test", "Test", tuple(text(text_of, "alert") for text_of in found.failures))]
-        )
-    page = compare_test_page(found)
-    first, *others = (replace(section, key=f"test-{section.key}") for section in page.sections)
-    return render_part([replace(first, blocks=(*page.picture, *first.blocks)), *others])
+    answer = answer_of(found)
+    assert answer is not None
+    said = tuple(text(str(one), "note") for one in (*answer.findings[:1], *answer.bullets))
+    parts = [render_part([Section("test", "Test", said)])]
+    for name, fig in figures_of(answer).items():
+        parts.append(figure_html(f"test-{name}", answer.title, "", figure_content(fig)))
+    rows = tuple((one.label, *one.cells, one.remark) for one in answer.lines)
+    tables = [TextTable("Rows", ("", *answer.headings, ""), rows), *answer.tables().values()]
+    for place, one in enumerate(tables):
+        parts.append(grid_of(f"test-{place}", one.title, PageTable("", one.columns, one.rows)))
+    return "".join(parts)
 
 
 _TITLES = {

@@ -1,13 +1,19 @@
-"""One list of columns for terminal, page, CSV and JSON: how a row of a table appears in each."""
+"""One list of columns for page, CSV and JSON: how a row of a table appears in each."""
 
 from __future__ import annotations
 
+import csv
+import io
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Any
 
+from valvetrain.findings.words import Amount, Words
+from valvetrain.parameters.summary import number
 from valvetrain.report.page import Cell, Grid
+from valvetrain.views.table import TextTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +24,8 @@ class RowColumn:
     attribute of the row, dotted where it is one of an attribute, or a function of the row; ``key``
     names it in JSON and ``csv`` in CSV, where they are not empty; ``csv_factor``: from SI to the unit
     of the CSV. ``number``: aligned right.
-    ``tones``: text of a cell -> its tone on the page.
+    ``tones``: text of a cell -> its tone on the page. ``quantity``: its name, or a function of the row that gives it,
+    in whose unit :func:`table_of` writes the value; none for a plain number.
     """
 
     heading: str = ""
@@ -29,6 +36,7 @@ class RowColumn:
     csv_factor: float = 1.0
     number: bool = True
     tones: Mapping[str, str] = field(default_factory=dict)
+    quantity: str | Callable[[Any], str] = ""
 
     def of(self, row: Any) -> Any:
         """Value of a row, SI, for JSON and CSV."""
@@ -45,6 +53,43 @@ def text_table(
         [tuple(text(row) for _, text in shown) for row in rows],
         tuple(place for place, (column, _) in enumerate(shown) if column.number),
     )
+
+
+def table_of(
+    title: str, columns: Sequence[RowColumn], rows: Iterable[Any], words: Words
+) -> TextTable:
+    """The table on a page, its amounts by ``words``; columns without heading are left out."""
+    shown = [column for column in columns if column.heading]
+    cells = (tuple(_cell(column, row, words) for column in shown) for row in rows)
+    return TextTable(title, tuple(column.heading for column in shown), tuple(cells))
+
+
+def _cell(column: RowColumn, row: Any, words: Words) -> str:
+    """The text of a cell; empty for what is not a number."""
+    if column.text is not None:
+        return column.text(row)
+    value = column.of(row)
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        return "" if value is None else str(value)
+    if not math.isfinite(value):
+        return "∞" if value == math.inf else ""
+    name = column.quantity(row) if callable(column.quantity) else column.quantity
+    return words.amount(Amount(name, value), 4) if name else number(value)
+
+
+def csv_text(headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """A table as CSV, floats with nine digits, empty where there is no number."""
+
+    def cell(value: Any) -> Any:
+        if not isinstance(value, float):
+            return value
+        return "" if math.isnan(value) else f"{value:.9g}"
+
+    memory = io.StringIO()
+    writer = csv.writer(memory, lineterminator="\n")
+    writer.writerow(headings)
+    writer.writerows([cell(value) for value in row] for row in rows)
+    return memory.getvalue()
 
 
 def grid(columns: Sequence[RowColumn], rows: Iterable[Any]) -> Grid:
