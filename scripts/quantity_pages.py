@@ -80,7 +80,8 @@ object from the names above to such numbers.
 | `comparisons` | per published value `quantity`, `engine_speed`, `model`, `published_by`, `role`, `used_for`, `doubt`, `reading`, `published`, `computed`, `difference`, `tolerance`, `blind` (by the case that was not fitted to it), `verdict`, `source`, `samples` (where the source stored samples: `low`, `high`, `share_at_or_above` the published value, number of `phases`) |
 | `findings` | what the runs show, the verdict first: `code`, `level`, `text`, `reason`, `step`, `quantity`, `value`, `limit`, `label`, `engine_speed`, and the `fields` of its text; `valvetrain findings CODE` explains one. Commands other than `run` and `run-up`: findings of the source |
 | `source_findings` | findings of the source next to what was computed (`run`, `run-up`) |
-| `notes` | sentences on what must be known of the numbers |
+| `rests_on` | what the numbers rest on: per fact its `code`, and its values by name |
+| `notes` | remarks of the source |
 | `cite` | references behind the results |
 | `created_at`, `command_line`, `versions`, `choices` | of a saved run: when, by what, with which packages; engine speeds, models and sets that were run |
 | `folder`, `files`, `page` | where the results were written |

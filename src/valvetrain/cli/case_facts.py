@@ -14,9 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.parameters.summary import number, value_text
-from valvetrain.report.fact_texts import fact_notes
 from valvetrain.report.text import amount, speed_text
-from valvetrain.solution.facts import Fact
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case
@@ -65,7 +63,8 @@ def case_facts(
             )
         )
         if contacts := default_contacts(train.contacts):
-            facts += _sentences("default-contacts", contacts)
+            places = str(contacts["places"]).replace("_", " ")
+            facts.append(("", f"usual steel values at {places}"))
         if train.pushrod is not None:
             facts.append(("pushrod", _pushrod_fact(train)))
         for name, springs in _in_use(train):
@@ -269,10 +268,17 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     )
 
 
-def _sentences(code: str, fields: Mapping[str, float | str]) -> list[tuple[str, str]]:
-    return [("", text) for text in fact_notes([Fact(code, fields)])]
-
-
 def _split_loads(spring: InstalledSpring) -> list[tuple[str, str]]:
+    """How the total loads of a pair were split between its springs."""
     card = spring.card
-    return _sentences("split-loads", card.split) if card is not None and card.split else []
+    if card is None or not card.split:
+        return []
+    by, shares = card.split, list[str]()
+    for name in ("outer", "inner"):
+        rate, load, free = (
+            float(by[f"{name}_{end}"]) for end in ("rate", "preload", "free_length")
+        )
+        rate_text, length = amount(rate / 1e3, "N/mm"), amount(free * 1e3, "mm")
+        shares.append(f"{name} {rate_text}, {amount(load, 'N')}, free length {length}")
+    split = f"split by {by['rates_by']}, {by['preloads_by']}: {'; '.join(shares)}"
+    return [("total loads", split)]

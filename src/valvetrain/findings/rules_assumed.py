@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterator
 from valvetrain.findings.engine import Condition, Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_train import SEAT
-from valvetrain.findings.words import Amount, digits_text, joined
-from valvetrain.solution.facts import Fact
+from valvetrain.findings.words import Amount, digits_text, joined, speed_text
+from valvetrain.solution.definition import label_of
+from valvetrain.solution.facts import Fact, with_code
 
 #: Fields of a fact that its rule names, as text or amounts.
 Reader = Callable[[Fact], Fields]
@@ -50,6 +51,19 @@ def _driver(fact: Fact) -> Fields:
     return {"driver": str(fact.fields["driver"]), "force": force}
 
 
+def _left_open(facts: Facts) -> Iterator[Hit]:
+    """What the data of a calibration leave open (5 to 95 %)."""
+    for fact in with_code(facts.study.facts, "calibration-spread"):
+        name, low, high = (
+            str(fact.fields["quantity"]),
+            float(fact.fields["low"]),
+            float(fact.fields["high"]),
+        )
+        speed = speed_text(float(fact.fields["engine_speed"]))
+        fields: Fields = {"name": label_of(name), "low": Amount(name, low), "speed": speed}
+        yield Hit(Amount(name, high), None, None, fields, (high - low) / abs(high or 1.0))
+
+
 RULES = (
     Rule("A104", "warns", "no damping in the spring {spring}, so surge lives on from cycle to cycle",
          rests_on("no-damping", read=_spring), step="give the spring a damping", guide="how-to/15-damping.md"),
@@ -71,4 +85,7 @@ RULES = (
          step="valvetrain spring-card fits the wire", remark="a wire assumed from the card"),
     Rule("A110", "notes", "the solid follows the train that runs with {driver}, which does not feel {force} of it",
          rests_on("follows-a-train", read=_driver), remark="a train that runs with {driver}"),
+    Rule("A111", "notes", "the ends of the solid are bonded to their seats: where it pulls, a real spring would lift",
+         rests_on("ends-bonded"), step="valvetrain run {case} --spring finite-element", remark="bonded ends"),
+    Rule("A112", "notes", "the calibration leaves {name} at {speed} open: {low..value}", _left_open),
 )  # fmt: skip

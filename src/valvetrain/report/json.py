@@ -12,11 +12,11 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.limits import passed_limits
-from valvetrain.report.fact_texts import study_notes
 from valvetrain.report.text import rpm
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
 from valvetrain.solution.definition import definition_of
+from valvetrain.solution.facts import Fact
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.result import Solution
@@ -173,7 +173,8 @@ def study_json(study: Study) -> dict[str, Any]:
             }
             for one in study.error_bars.missing
         ],
-        "notes": list(study_notes(study)),
+        "rests_on": [_fact_object(one) for one in (*study.facts, *study.error_bars.facts)],
+        "notes": list(study.notes),
         "cite": list(
             dict.fromkeys(
                 sum(
@@ -183,6 +184,17 @@ def study_json(study: Study) -> dict[str, Any]:
             )
         ),
     }
+
+
+def _fact_object(fact: Fact) -> dict[str, Any]:
+    """A fact that the study rests on: its code, and its fields with their units."""
+    fields = {
+        name: engine_speed_object(float(value))
+        if name.endswith("engine_speed")
+        else _with_unit(name, value)
+        for name, value in fact.fields.items()
+    }
+    return {"code": fact.code, **fields}
 
 
 def _train_object(modes: TrainModes) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from valvetrain.findings.facts import TURN
 from valvetrain.findings.words import COARSE, Amount, digits_text, speed_text
 from valvetrain.registry import find, names
-from valvetrain.report.fact_texts import study_notes
 from valvetrain.report.text import CAUSES
 from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
@@ -173,7 +172,11 @@ def how_computed(answer: ShownStudy) -> Iterator[str]:
         value = run.quantities.get(step.name, run.statistics.get("time_step", math.nan))
         text = f", step {digits_text(1e6 * float(value))} µs" if isinstance(value, float) else ""
         yield f"{run.model}: {run.statistics.get('integrator', 'no integrator')}{text}."
-    yield from study_notes(study)
+    yield from study.notes
+    if missing := [
+        f"{one.label} at {speed_text(one.engine_speed)}" for one in study.error_bars.missing
+    ]:
+        yield f"No error bars: {', '.join(missing)}."
     record, made = study.record, study.provenance
     zero = f" Zero of the cam angle: {record.zero_of_angle}." if record.zero_of_angle else ""
     yield f"Cam angles are cam degrees, engine speed is that of the crank.{zero}"
