@@ -92,7 +92,6 @@ BUILT_IN["results"] = {
     "SmoothedLift": "valvetrain.lift.notebook:smoothed_lift_blocks",
     "StudyTable": "valvetrain.explore.study_page:points_page",
     "Optimum": "valvetrain.explore.optimum_page:optimum_page",
-    "Identified": "valvetrain.explore.identification_page:identified_page",
     "CoilMotion": "valvetrain.film.page:film_page",
     "FilmedModel": "valvetrain.film.notebook:filmed_model_blocks",
     "RigResult": "valvetrain.rig.notebook:rig_result_blocks",
@@ -105,7 +104,6 @@ BUILT_IN["results"] = {
 BUILT_IN["verdicts"] = {
     "StudyTable": "valvetrain.explore.study_verdict:study_verdict",
     "Optimum": "valvetrain.explore.optimum_summary:optimum_verdict",
-    "Identified": "valvetrain.explore.identification_summary:identified_verdict",
     "CoilMotion": "valvetrain.film.verdict:film_verdict",
     "FilmedModel": "valvetrain.film.verdict:filmed_model_verdict",
     "RigResult": "valvetrain.rig.verdict:rig_verdict",
@@ -120,6 +118,7 @@ BUILT_IN["answers"] = {
     "Solution": "valvetrain.views.results:answer_of_run",
     "UncertaintyStudy": "valvetrain.views.refinement:RefineAnswer",
     "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
+    "Identified": "valvetrain.explore.identification_answer:IdentificationAnswer",
 }
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
@@ -135,7 +134,7 @@ BUILT_IN["files"] = {
     "study": "valvetrain.views.results:write_study",
     "points": "valvetrain.explore.study_page:report_points",
     "optimum": "valvetrain.explore.optimum_page:report_optimum",
-    "identification": "valvetrain.explore.identification_page:report_identification",
+    "identification": "valvetrain.explore.identification_files:report_identification",
     "film": "valvetrain.film.page:report_film",
     "rig": "valvetrain.rig.page:report_rig",
     "scan": "valvetrain.scan.page:report_scan",
@@ -240,6 +239,7 @@ BUILT_IN["other_rules"] = {
     "case": "valvetrain.findings.rules_case:RULES",
     "refine": "valvetrain.findings.rules_refine:RULES",
     "compare-test": "valvetrain.compare_test.rules:RULES",
+    "identification": "valvetrain.explore.identification_rules:RULES",
 }
 BUILT_IN["figures"] = {
     "run-up": "valvetrain.views.figures:RUN_UP",

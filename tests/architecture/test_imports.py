@@ -16,7 +16,7 @@ from architecture.layout import PACKAGE, imports_of, levels, modules, package_of
 
 #: Tools: a folder each, around the line of physics and the kits `report` and `cli`.
 TOOLS = ("lift", "spring_card", "scan", "film", "rig", "compare_test", "explore", "workbench")
-#: Library -> packages that may import it; a tool's command and answer may import those of `cli` and `views`.
+#: Library -> packages that may import it; a tool's command, answer and figures may import those of `cli` and `views`.
 KEPT_IN = {
     "plotly": {"report", "views"},
     "matplotlib": {"report"},
@@ -50,7 +50,7 @@ def violations(module: str, tree: ast.Module, is_package: bool = False) -> list[
         target = package_of(imported.module)
         place = f"{module}:{imported.line} imports {imported.module}"
         allowed = KEPT_IN.get(top, {package})
-        if package in TOOLS and module.endswith(("command", "answer")):
+        if package in TOOLS and module.endswith(("command", "answer", "figures")):
             allowed = allowed | {package} if allowed & {"cli", "views"} else allowed
         if package not in allowed:
             found.append(f"{place}, which belongs to {', '.join(sorted(allowed))}")

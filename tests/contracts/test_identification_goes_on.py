@@ -74,7 +74,8 @@ def bits(found: vt.explore.Identified) -> tuple[object, ...]:
         repr(found.best),
         repr(found.log_evidence),
         repr(found.predicted),
-        repr(found.warnings),
+        repr([branch.information.groups for branch in found.branches]),
+        repr(found.notes),
     )
 
 

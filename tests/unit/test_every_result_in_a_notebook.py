@@ -14,7 +14,6 @@ import valvetrain as vt
 from synthetic_study import at_rest, critical_speeds, own_study, published_study
 from unit import (
     test_every_film_table,
-    test_every_identification_table,
     test_every_rig_table,
     test_pages_of_measured_parts,
     test_study_page,
@@ -142,7 +141,6 @@ RESULTS = {
     "SmoothedLift": (lambda: lift(smoothed=True), "lift (mm)", "jerk (mm/deg³)"),
     "StudyTable": (test_study_page.made, "median", ""),
     "Optimum": (optimum, "Force at solid", ""),
-    "Identified": (test_every_identification_table.identified, "probability", ""),
     "CoilMotion": (film, "mean peak (mm)", "displacement towards the seat (mm)"),
     "FilmedModel": (filmed, "peak (mm)", "displacement towards the seat (mm)"),
     "RigResult": (

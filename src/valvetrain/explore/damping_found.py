@@ -5,9 +5,8 @@ spring's first surge mode.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from valvetrain.explore.case_paths import vary
 from valvetrain.explore.identification_file import Request
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
@@ -27,24 +26,16 @@ _PLACE = re.compile(r"springs?\.(?:[^.]+\.)?(\d+)\.")
 MODES = 12
 
 
-def damping_meanings(request: Request, best: Mapping[str, float]) -> dict[str, str]:
-    """Quantity -> ``1.5 % of critical at 401 Hz``, of each damping among the ``best`` values (SI), with all
-    of them in the case, of a pair with the spring; empty where the case or its surge is unknown.
+def damping_meanings(request: Request, case: Case) -> dict[str, str]:
+    """Quantity -> ``1.5 % of critical at 401 Hz``, of each damping among those of a request, in the
+    ``case`` with the likeliest values, of a pair with the spring; empty where its surge is unknown.
     """
     keys = {
         unknown.name: key
         for unknown, varied in zip(request.unknowns, request.varied, strict=True)
         if (key := next((one.key for one in varied if one.key.endswith(DAMPINGS)), ""))
     }
-    if not keys or request.evaluator:
-        return {}
-    values = {
-        one: best[unknown.name]
-        for unknown, varied in zip(request.unknowns, request.varied, strict=True)
-        for one in varied
-    }
     try:
-        case = vary(request.case, values)
         found = {name: _meaning(case, key) for name, key in keys.items()}
     except FAILURES:  # what a number means must not cost the number
         return {}

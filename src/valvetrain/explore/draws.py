@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -140,9 +140,7 @@ TWINS, KNOWN_ALONE = 0.9, 4.0
 #: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a
 #: wide prior is knowledge all the same.
 OPEN = 0.4
-#: A quantity is determined where the data leave less than this share of the prior's variance.
-UNTOLD = 0.75
-#: Least part of a combination that is named in words.
+#: Least part of a combination that makes a quantity a member of its group.
 NAMED = 0.3
 
 
@@ -153,21 +151,20 @@ class Information:
     measurement has of all the data's information on a quantity, the others known. ``lost``
     (measurements, quantities): share by which the
     variance is smaller than it were without that measurement. ``correlation`` (quantities,
-    quantities) of what is left open;
-    ``warnings``: a sentence per quantity that is not determined, and per group that cannot be
-    separated."""
+    quantities) of what is left open; ``groups``: places of quantities of which the data determine a
+    combination only."""
 
     measurements: tuple[str, ...]
     determined: Array
     brought: Array
     lost: Array
     correlation: Array
-    warnings: tuple[str, ...]
+    groups: tuple[tuple[int, ...], ...] = ()
 
 
 def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = True) -> Information:
-    """From the slopes (used data, quantities) at the likeliest point; without warnings where the
-    search was cut short.
+    """From the slopes (used data, quantities) at the likeliest point; without groups where the search
+    was cut short.
     """
     count = jacobian.shape[1]
     owners = [one.name for one in posterior.used]
@@ -190,53 +187,27 @@ def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = T
         brought,
         lost,
         correlation,
-        _warnings(posterior.names, jacobian, whole, correlation) if whole_search else (),
+        _groups(jacobian, whole, correlation) if whole_search else (),
     )
 
 
-def _warnings(
-    names: Sequence[str], jacobian: Array, covariance: NDArray[Any], correlation: NDArray[Any]
-) -> tuple[str, ...]:
-    alone = np.sum(jacobian**2, axis=0)
-    found, spoken = [], set()
-    for one, other in itertools.combinations(range(len(names)), 2):
-        known = alone[one] > KNOWN_ALONE and alone[other] > KNOWN_ALONE
-        vague = np.sqrt(np.diag(covariance)[[one, other]])
-        if known and abs(correlation[one, other]) > TWINS and vague.max() > OPEN:
-            found.append(_pair(names[one], names[other], correlation[one, other], vague))
-            spoken |= {one, other}
+def _groups(
+    jacobian: Array, covariance: NDArray[Any], correlation: NDArray[Any]
+) -> tuple[tuple[int, ...], ...]:
+    """Pairs that are one, then larger groups of which a combination is left to the priors."""
+    count, alone = jacobian.shape[1], np.sum(jacobian**2, axis=0)
+    vague = np.sqrt(np.diag(covariance))
+    found: list[tuple[int, ...]] = [
+        (one, other)
+        for one, other in itertools.combinations(range(count), 2)
+        if min(alone[one], alone[other]) > KNOWN_ALONE
+        and abs(correlation[one, other]) > TWINS
+        and max(vague[one], vague[other]) > OPEN
+    ]
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     for value, vector in zip(values, vectors.T, strict=True):
-        large = [
-            place for place in np.argsort(-np.abs(vector)).tolist() if abs(vector[place]) > NAMED
-        ]
-        if (
-            value < 1.0
-            and len(large) > 2
-            and not set(large) <= spoken
-            and all(alone[place] > KNOWN_ALONE for place in large)
-        ):
-            phrase = (
-                ", ".join(f"'{names[place]}'" for place in sorted(large)[:-1])
-                + f" and '{names[sorted(large)[-1]]}'"
-            )
-            found.append(
-                f"the data cannot distinguish {phrase}: they determine combinations of them only, and one is left to the priors"
-            )
-            spoken |= set(large)
-    for place, name in enumerate(names):
-        if place not in spoken and covariance[place, place] > UNTOLD:
-            share = 100 * (1 - covariance[place, place])
-            found.append(
-                f"the data hardly determine '{name}': they remove {max(share, 0.0):.0f} % of the variance of its prior, the rest is the prior"
-            )
+        large = np.flatnonzero(np.abs(vector) > NAMED)
+        new = set(large.tolist()) - {place for pair in found for place in pair}
+        if value < 1.0 and len(large) > 2 and new and np.all(alone[large] > KNOWN_ALONE):
+            found.append(tuple(large.tolist()))
     return tuple(found)
-
-
-def _pair(one: str, other: str, correlation: float, vague: Array) -> str:
-    together, apart = ("sum", "difference") if correlation < 0 else ("difference", "sum")
-    left = ", ".join(f"{100 * part:.0f} %" for part in vague)
-    return (
-        f"the data cannot distinguish '{one}' and '{other}': they determine a kind of {together} of the two, of their {apart} little more than "
-        f"the priors do (correlation {correlation:.3f}; {left} of the priors' deviations are left); measure one of them alone"
-    )

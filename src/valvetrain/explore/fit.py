@@ -32,8 +32,8 @@ class Fit:
     ``predictive``: posterior predictive p value over draws (A. Gelman, X.-L. Meng, H. Stern, Statistica
     Sinica 6 (1996) 733), NaN without a sampled posterior.
 
-    >>> Fit(470.0, 38.0, 0.0).sentence
-    'The model cannot meet the data (chi-square 470 for 38 degrees of freedom, p < 1e-06)'
+    >>> Fit(470.0, 38.0, 0.0).phrase
+    'chi-square 470 for 38 degrees of freedom, p < 1e-06'
     >>> round(Fit(470.0, 38.0, 0.0).widening, 2)
     3.52
     """
@@ -70,11 +70,6 @@ class Fit:
         if math.isnan(self.predictive):
             return said
         return f"{said}, posterior predictive p {_odds(self.predictive)}"
-
-    @property
-    def sentence(self) -> str:
-        """What is said first where the model cannot meet the data, without its end; else empty."""
-        return f"The model cannot meet the data ({self.phrase})" if self.missed else ""
 
 
 def _odds(value: float) -> str:

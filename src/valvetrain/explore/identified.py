@@ -18,7 +18,7 @@ from valvetrain.explore.draws import Information, even_draws
 from valvetrain.explore.fit import Fit
 from valvetrain.explore.least_squares import Profile
 from valvetrain.explore.posterior import Datum, Outcome, Posterior, Unknown
-from valvetrain.solution.display import table_and_picture, verdict_first
+from valvetrain.solution.display import verdict_first
 from valvetrain.solution.saveable import Reported
 
 if TYPE_CHECKING:
@@ -217,7 +217,7 @@ class Predicted:
     """A measurement and its prediction (SI): computed at the ``best`` point, 2.5, 50 and 97.5 %
     of the computed values over the
     posterior, and the ``percentile`` of the measured value among what would be measured
-    (0 to 100)."""
+    (0 to 100). ``start``: computed at the start, NaN where that cannot be computed."""
 
     datum: Datum
     best: float
@@ -225,6 +225,12 @@ class Predicted:
     middle: float
     high: float
     percentile: float
+    start: float = np.nan
+
+    @property
+    def off(self) -> float:
+        """Computed less measured at the ``best`` point, in scatters of the measured value."""
+        return float(self.datum.deviation(self.best))
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,7 +257,9 @@ class Identified(Reported):
     ``conflicts``: what meeting a missed measurement
     costs the others; ``computed``: each computed quantity over the draws; ``log_evidence`` with its
     error (NaN where it was not found);
-    ``notes`` on the search; ``meanings``: what likeliest values amount to, by quantity;
+    ``notes`` on the search; ``start``: values that the case has, or the middles of the priors;
+    ``meanings``: what likeliest values amount to, by quantity; ``case_file``: text of the case with
+    the likeliest values, ``text``: that of the identification file (empty without one);
     ``evaluations``: points that were computed, ``reused``: those of an
     earlier start; ``whole``: False where
     it was cut short.
@@ -260,9 +268,8 @@ class Identified(Reported):
     >>> found = vt.identify({"rate": vt.explore.Prior("uniform", 20e3, 60e3)}, [vt.explore.Datum("force", 280.0, 2.0)],
     ...                     lambda points: [{"force": 7e-3 * rate} for (rate,) in points])
     >>> found
-    Rate 40000 (95 % 39440 to 40560); the measurement is met.
-      Identified by least-squares: 1 branch
-      rate 4e+04 (3.94e+04 to 4.06e+04)
+    the data determine rate: 40000 (95 %: 39440 to 40560)
+      Identified by least-squares: rate
     >>> round(found.percentile("force"))
     50
     """
@@ -289,7 +296,10 @@ class Identified(Reported):
     wall_time: float = field(default=0.0, compare=False)
     name: str = ""
     conflicts: tuple[Conflict, ...] = ()
+    start: Mapping[str, float] = field(default_factory=dict)
     meanings: Mapping[str, str] = field(default_factory=dict)
+    case_file: str = ""
+    text: str = ""
 
     @property
     def fit(self) -> Fit | None:
@@ -303,14 +313,6 @@ class Identified(Reported):
         """
         return self.method in WEIGHING
 
-    def branch_label(self, number: int) -> str:
-        """``branch 1: probability 0.750, misfit 3.25``, the branch at place ``number`` from 0; without
-        a probability where the method cannot weigh it.
-        """
-        one = self.branches[number]
-        share = f"probability {one.share:.3f}, " if self.weighed else ""
-        return f"branch {number + 1}: {share}misfit {one.misfit:.4g}"
-
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the quantities that were looked for."""
@@ -320,12 +322,6 @@ class Identified(Reported):
     def best(self) -> Mapping[str, float]:
         """The likeliest point of the most probable branch, by quantity."""
         return {name: one.best for name, one in self.branches[0].quantities.items()}
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences on what the data do not determine, and on the search."""
-        found = [phrase for branch in self.branches for phrase in branch.information.warnings]
-        return tuple(dict.fromkeys((*found, *self.notes)))
 
     def percentile(self, measurement: str) -> float:
         """Percentile of a measurement of one value. Raises :class:`InputError` unless
@@ -364,33 +360,7 @@ class Identified(Reported):
             return arviz.from_dict({"posterior": posterior})
 
     def __repr__(self) -> str:
-        count = len(self.branches)
-        lines = [f"Identified by {self.method}: {count} branch{'es' * (count > 1)}"]
-        for number, branch in enumerate(self.branches):
-            if count > 1:
-                lines.append(self.branch_label(number))
-            lines += [
-                f"{name} {one.best:.3g} ({one.low:.3g} to {one.high:.3g})"
-                for name, one in branch.quantities.items()
-            ]
-        return verdict_first(self, [*lines, *self.warnings])
-
-    def _repr_html_(self) -> str:
-        rows = [
-            (
-                str(number),
-                f"{branch.share:.3f}" if self.weighed else "–",
-                name,
-                f"{one.best:.6g}",
-                f"{one.low:.6g}",
-                f"{one.high:.6g}",
-            )
-            for number, branch in enumerate(self.branches, start=1)
-            for name, one in branch.quantities.items()
-        ]
-        return table_and_picture(
-            self, ("branch", "probability", "quantity", "best", "2.5 %", "97.5 %"), rows
-        )
+        return verdict_first(self, [f"Identified by {self.method}: {', '.join(self.names)}"])
 
 
 def _arviz() -> Any:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.explore.case_paths import nominal
+from valvetrain.explore.case_paths import nominal, vary
 from valvetrain.explore.damping_found import damping_meanings
 from valvetrain.explore.draws import Report, silent
 from valvetrain.explore.engine import Engine, Evaluation
@@ -30,7 +30,10 @@ from valvetrain.explore.solve import solve
 from valvetrain.explore.space import Prior, Varied
 from valvetrain.explore.store import Store, versions_digest
 from valvetrain.explore.study import seconds_of
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.toml_text import toml_text
 from valvetrain.registry import find
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
@@ -111,9 +114,10 @@ def identify(
         unknowns = tuple(Unknown(name, prior) for name, prior in quantities.items())
         with Store(place, repr((unknowns, tuple(measurements)))) as journal:
             posterior = Posterior(unknowns, tuple(measurements), journal.through(evaluate))
-            return solve(
+            found = solve(
                 posterior, search, journal, profiles=tuple(profiles), report=progress or silent
             )
+            return with_start(found, _middle(posterior), posterior.evaluate)
     request = read_request(quantities)
     if search != Search():
         request = replace(request, search=search)
@@ -187,7 +191,8 @@ def calibrate(
                 raise InputError(
                     f"{error.reason}; at their middle: {middle.status.message}"
                 ) from error
-            return replace(found, evaluations=engine.computed, reused=before)
+            found = replace(found, evaluations=engine.computed, reused=before)
+            return with_start(found, _middle(posterior), posterior.evaluate)
 
 
 def _prior_of(one: Varied) -> Prior:
@@ -263,12 +268,69 @@ def identify_request(
             journal,
             begin=begin,
             profiles=request.profiles,
-            name=request.name,
+            name=request.title,
             report=report,
             compare=compared,
             units={one.key: one.unit for one in request.targets},
         )
-    return replace(found, meanings=damping_meanings(request, found.best))
+        found = with_start(found, _start(request, posterior), evaluate, compare)
+    found = replace(found, text=request.text)
+    case = identified_case(request, found.best)
+    if case is None:
+        return found
+    tree = dict(tables_of(case).bare) | {"title": f"{request.title}: identified"}
+    for key in ("study", "description"):
+        tree.pop(key, None)
+    return replace(found, case_file=toml_text(tree), meanings=damping_meanings(request, case))
+
+
+def identified_case(request: Request, best: Mapping[str, float]) -> Case | None:
+    """The case of a request with the values ``best`` (SI); None of an evaluator of points, and for values
+    that no file of the case can hold.
+    """
+    if request.evaluator:
+        return None
+    try:
+        return vary(
+            request.case,
+            {
+                one: best[unknown.name]
+                for unknown, varied in zip(request.unknowns, request.varied, strict=True)
+                for one in varied
+            },
+        )
+    except InputError:
+        return None
+
+
+def with_start(
+    found: Identified, values: Array, evaluate: Evaluate, compare: Evaluate | None = None
+) -> Identified:
+    """An answer with the ``values`` (quantities, SI) of its start, and what is computed there of every datum."""
+    outcome: dict[str, float] = {}
+    for part in (evaluate, compare) if found.whole else ():
+        if part is not None:
+            outcome |= part(values[None, :])[0] or {}
+    predicted = tuple(
+        replace(one, start=outcome.get(one.datum.key, np.nan)) for one in found.predicted
+    )
+    return replace(
+        found, start=dict(zip(found.names, values.tolist(), strict=True)), predicted=predicted
+    )
+
+
+def _middle(posterior: Posterior) -> Array:
+    """The middles of the priors (SI)."""
+    middle: Array = posterior.values(posterior.centre[None, :])[0]
+    return middle
+
+
+def _start(request: Request, posterior: Posterior) -> Array:
+    """The values of the case (SI), the middles of the priors where it has no single ones."""
+    try:
+        return np.array(values_of_case(request))
+    except InputError:
+        return _middle(posterior)
 
 
 @contextmanager

@@ -29,10 +29,7 @@ from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from valvetrain.explore.identification_file import Request
-    from valvetrain.explore.identified import Identified
 
 
 def register(app: typer.Typer) -> None:
@@ -103,11 +100,18 @@ def _answer(
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import Outcome, deliver, tell
     from valvetrain.cli.progress import busy, progress_bar
-    from valvetrain.explore.identification_page import identification_json, write_identification
+    from valvetrain.explore.identification_answer import IdentificationAnswer
+    from valvetrain.explore.identification_files import (
+        CASE,
+        identification_json,
+        write_identification,
+    )
     from valvetrain.explore.identify import identify_request
     from valvetrain.explore.store import FILE
-    from valvetrain.report.verdict import verdict_of
-    from valvetrain.solution.atomic import is_abandoned
+    from valvetrain.findings.words import Words
+    from valvetrain.solution.atomic import is_abandoned, write_text
+    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.views.terminal import screen
 
     def reported(phrase: str, seconds: float) -> None:
         if seconds > WORTH_SAYING:
@@ -133,95 +137,44 @@ def _answer(
             ):
                 shutil.rmtree(points)
         raise
-    data = {
-        "command": "identify",
-        "case": request.case.name,
-        **identification_json(found),
-        "completed": found.whole,
-    }
-    if not found.whole:
-        with busy("writing files"):
-            files = [str(path) for path in write_identification(found, points, request.title)]
-        data |= {"folder": str(points), "files": files, "page": files[-1]}
-        deliver(Outcome(data, lambda console: _show(console, found, points), (), verdict_of(found)))
-        raise typer.Exit(
-            interrupted(
-                f"interrupted: what was computed is stored in '{points}'; start the command again to continue"
-            )
-        )
-    folder, files = _keep(request, retained, points, found, data)
-    data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
-    if open_page:
-        show_page(folder / "report.html")
-    deliver(Outcome(data, lambda console: _show(console, found, folder), (), verdict_of(found)))
-
-
-def _keep(
-    request: Request, retained: SavedRequest, points: Path, found: Identified, data: dict[str, Any]
-) -> tuple[Path, list[str]]:
-    from valvetrain.cli.progress import busy
-    from valvetrain.explore.identification_page import write_identification
-    from valvetrain.explore.store import FILE
-    from valvetrain.solution.atomic import write_text
+    data = {"command": "identify", "case": request.case.name, **identification_json(found), "completed": found.whole}  # fmt: skip
+    gaps = PartialFailures()
 
     def fill(folder: Path) -> list[Path]:
         written = [write_text(folder / "identification.toml", request.text)]
-        written += write_identification(found, folder, request.title)
+        written += write_identification(found, folder, gaps)
         if folder.resolve() != points.resolve():  # last: a killed command finds its points again
             shutil.move(str(points / FILE), folder / FILE)
             shutil.rmtree(points, ignore_errors=True)
         return [*written, folder / FILE]
 
     choices = {
-        "identification": request.text,
-        "method": request.search.method,
-        "seed": request.search.seed,
+        "identification": request.text, "method": request.search.method, "seed": request.search.seed,
         "profiles": list(request.profiles),
-    }
+    }  # fmt: skip
+    folder = points
     with busy("writing files"):
-        return keep_run(retained, request.case.record().text, choices, data, fill)
-
-
-def _show(console: Console, found: Identified, folder: Path) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.explore.identification_summary import (
-        CONFLICTS,
-        FOUND,
-        MEASURED,
-        PREDICTED,
-        conflict_cells,
-        facts,
-        found_rows,
-        measured_cells,
-        prediction_cells,
+        if found.whole:
+            text = request.case.record().text
+            folder, files = keep_run(retained, text, choices, data, fill, gaps=gaps)
+        else:
+            files = [str(path) for path in write_identification(found, points, gaps)]
+    page = str(folder / "report.html")
+    answer = IdentificationAnswer(found, Words(case=str(folder / CASE)))
+    outcome = Outcome(
+        data | {"folder": str(folder), "files": files, "page": page},
+        lambda console: console.print(screen(answer, page)),
+        gaps.sentences,
     )
-
-    for number, branch in enumerate(found.branches):
-        if len(found.branches) > 1:
-            console.print(found.branch_label(number))
-        console.print(plain_table(FOUND, found_rows(found, branch), right=(1, 2, 3, 6)))
-        console.print()
-    console.print(
-        plain_table(
-            MEASURED, [measured_cells(one) for one in found.predicted], right=(1, 2, 3, 4, 5, 7)
+    if found.whole:
+        if open_page:
+            show_page(folder / "report.html")
+        deliver(outcome)
+        return
+    with suppress(typer.Exit):
+        deliver(outcome)
+    raise typer.Exit(
+        interrupted(
+            f"interrupted: what was computed is stored in '{points}'; start the command again to continue"
         )
     )
-    console.print()
-    if found.conflicts:
-        console.print(
-            plain_table(
-                CONFLICTS, [conflict_cells(one) for one in found.conflicts], right=(1, 2, 3)
-            )
-        )
-        console.print()
-    if found.predictions:
-        console.print(
-            plain_table(
-                PREDICTED, [prediction_cells(one) for one in found.predictions], right=(1, 2, 3, 4)
-            )
-        )
-        console.print()
-    console.print("; ".join(f"{name} {phrase}" for name, phrase in facts(found)), soft_wrap=True)
-    for phrase in found.warnings:
-        console.print(f"{phrase[:1].upper()}{phrase[1:]}.", soft_wrap=True)
-    console.print(f"results in {folder}", soft_wrap=True)

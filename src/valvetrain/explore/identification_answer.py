@@ -1,0 +1,171 @@
+"""What ``identify`` shows: each unknown with its start, its value and its interval, and how well the data are met."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from valvetrain.explore.identification_figures import figures_of
+from valvetrain.explore.identification_rules import (
+    RULES,
+    IdentificationFacts,
+    data_name,
+    off_text,
+    plain_name,
+    value_text,
+)
+from valvetrain.explore.identified import MET, Identified, Predicted
+from valvetrain.findings.engine import Findings, Mark, judge
+from valvetrain.findings.words import Words, joined
+from valvetrain.units.reader import shown_system
+from valvetrain.views.shown import Shown
+from valvetrain.views.style import FigureSpec
+from valvetrain.views.table import Line, TextTable
+from valvetrain.views.tables import findings
+
+#: Unknowns among the first rows: those in doubt before the others.
+ROWS = 9
+
+
+@dataclass(frozen=True)
+class IdentificationAnswer(Shown):
+    """What is shown of an identification; ``words.case``: path of the case file with its values."""
+
+    result: Identified
+    words: Words = field(default_factory=lambda: Words(shown_system()))
+
+    @cached_property
+    def facts(self) -> IdentificationFacts:
+        """The identification as rules read it."""
+        return IdentificationFacts(self.result, self.words.case)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """All findings, the verdict first."""
+        return judge(self.facts, RULES, self.words)
+
+    @property
+    def title(self) -> str:
+        """The file, and how many values were fitted."""
+        counts = f"measured: {len(self.facts.data(True))}, unknown: {len(self.result.unknowns)}"
+        return f"{self.result.name or 'Identification'} ({counts})"
+
+    @property
+    def headings(self) -> list[str]:
+        """Columns of the first table."""
+        return ["start", "identified", "95 % interval"]
+
+    @cached_property
+    def lines(self) -> list[Line]:
+        """The unknowns, those in doubt first where there are many, then the data used and not used."""
+        places = list(range(len(self.result.unknowns)))
+        if len(places) > ROWS:
+            places.sort(key=lambda at: self.facts.states[self.result.names[at]] == "determined")
+        rows = [self._unknown(place) for place in places[:ROWS]]
+        return [*rows, *(self._data(used) for used in (True, False) if self.facts.data(used))]
+
+    def _unknown(self, place: int) -> Line:
+        facts, one = self.facts, self.result.unknowns[place]
+        state, others = facts.states[one.name], range(1, len(self.result.branches))
+        remark = {
+            "tied": f"only together with {joined(facts.partners(place))}", "open": "the data say little",
+            "bound": "on the bound of its prior", "determined": self.result.meanings.get(one.name, ""),
+        }[state]  # fmt: skip
+        if others and state == "determined":
+            remark = f"or {joined([facts.value(one, branch) for branch in others], 'or')}"
+        start = self.result.start.get(one.name, np.nan)
+        value = "not determined" if state in ("tied", "open") else facts.value(one)
+        doubt = others or state != "determined" or {"I101", "I102"} & set(self.findings.codes)
+        sure: Mark = "warn" if doubt else "ok"
+        return Line(plain_name(one.name), (value_text(one.unit, start), value, facts.interval(one)), sure, remark)  # fmt: skip
+
+    def _data(self, used: bool) -> Line:
+        """How many values are met at the start and in the end, and how far the worst one is off."""
+        data = self.facts.data(used)
+        counts = [
+            sum(abs(one.datum.deviation(getattr(one, name))) <= MET for one in data)
+            for name in ("start", "best")
+        ]
+        cells = (
+            *(f"{one} of {len(data)} met" for one in counts),
+            f"up to {off_text(data[0])} scatters off",
+        )
+        return Line(f"data {'' if used else 'not '}used", cells, "ok" if counts[1] == len(data) else "warn")  # fmt: skip
+
+    def figures(self) -> Mapping[str, FigureSpec]:
+        """The figure of what the verdict is about first."""
+        return figures_of("data" if "I102" in self.findings.codes else "unknowns")
+
+    def tables(self) -> Mapping[str, TextTable]:
+        """Every unknown and value, contradictions, further numbers, and the share of each measurement."""
+        result, told = self.result, self.facts.first.information
+        heads = ("unknown", "start", "identified", "95 % interval", "prior", "source", "learned from data, %")  # fmt: skip
+        unknowns: list[tuple[str, ...]] = []
+        for number, branch in enumerate(result.branches if len(result.branches) > 1 else ()):
+            share = f"probability {branch.share:.2f}, " if result.weighed else ""
+            unknowns += [(f"solution {number + 1}: {share}misfit {branch.misfit:.3g}",)]
+            unknowns += self._unknowns(number)
+        measured = ("measured", "value", "scatter", "start", "identified", "95 % interval", "scatters off", "percentile", "use")  # fmt: skip
+        missed = ("missed", "scatters off", "values missed", "points that meet it", "misfit more by", "missed instead")  # fmt: skip
+        conflicts = tuple(
+            (
+                data_name(one.datum), f"{one.off:+.1f}", str(one.values), str(one.meeting), f"{one.cost:.3g}",
+                ", ".join(f"{data_name(datum)} ({off:+.1f})" for datum, off in one.instead),
+            )
+            for one in result.conflicts
+        )  # fmt: skip
+        further = tuple(
+            (plain_name(one.key), *_numbers(one.unit, one)) for one in result.predictions
+        )
+        shares = tuple(
+            (plain_name(name), *(f"{100 * share:.0f}" for share in row))
+            for name, row in zip(told.measurements, told.brought, strict=True)
+        )
+        return {
+            "unknowns": TextTable("Unknowns", heads, tuple(unknowns or self._unknowns(0))),
+            "data": TextTable("Measured and computed", measured, tuple(map(self._datum, result.predicted))),
+            "conflicts": TextTable("What meeting a missed value costs", missed, conflicts),
+            "predictions": TextTable("Computed, not measured", ("quantity", "identified", "95 % interval"), further),
+            "shares": TextTable("Share of each measurement in what the data say, %", ("measurement", *map(plain_name, result.names)), shares),
+            "findings": findings(self),
+        }  # fmt: skip
+
+    def _unknowns(self, branch: int) -> Iterator[tuple[str, ...]]:
+        known = self.result.branches[branch]
+        for one, told in zip(self.result.unknowns, known.information.determined, strict=True):
+            interval, prior = known.quantities[one.name], one.prior
+            yield (
+                plain_name(one.name), value_text(one.unit, self.result.start.get(one.name, np.nan)), *_numbers(one.unit, interval),
+                f"{value_text(one.unit, *prior.at([0.005, 0.995]).tolist())}, {prior.kind}", prior.source, f"{100 * told:.0f}",
+            )  # fmt: skip
+
+    def _datum(self, one: Predicted) -> tuple[str, ...]:
+        datum = one.datum
+        given = (value_text(datum.unit, value) for value in (datum.value, datum.scatter, one.start))
+        return (
+            data_name(datum), *given, *_numbers(datum.unit, one), f"{one.off:+.2f}", f"{one.percentile:.1f}",
+            "used" if datum.used else "compared",
+        )  # fmt: skip
+
+    def computed(self) -> Iterator[str]:
+        """How the values were found, and what the intervals hold."""
+        result = self.result
+        yield f"Method {result.method}: {result.evaluations} points computed, {result.reused} of an earlier start."
+        yield f"Logarithm of the evidence {result.log_evidence:.2f} {result.evidence_kind}."
+        if (fit := result.fit) is not None:
+            yield f"Goodness of fit: {fit.phrase}; the intervals are those of {fit.widening:.2g} times the scatter."
+        yield "Intervals hold 95 % of what data and priors leave open, if model and scatter are right."
+
+    @property
+    def text(self) -> str:
+        """The identification file."""
+        return self.result.text
+
+
+def _numbers(unit: str, one: Any) -> tuple[str, str]:
+    """The likeliest value of an unknown or a number and its 95 % interval in five digits."""
+    return value_text(unit, one.best, digits=5), value_text(unit, one.low, one.high, digits=5)

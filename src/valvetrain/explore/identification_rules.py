@@ -1,0 +1,235 @@
+"""Rules on an identification (I): what the data determine, what they leave open, and how well they are met."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from valvetrain.explore.fit import ON_BOUND
+from valvetrain.explore.identified import MET, Branch, Identified, Predicted
+from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.findings.engine import Hit, Rule
+from valvetrain.findings.words import digits_text, joined
+from valvetrain.parameters.summary import unit_text
+from valvetrain.solution.result import Solution
+from valvetrain.units import unit_factor
+from valvetrain.units.reader import reader_factor, reader_unit
+
+#: What the data say of an unknown: its value, only a combination with others, little, or that it lies beyond its bound.
+State = Literal["determined", "tied", "open", "bound"]
+#: Share of the prior's variance that the data must remove of an unknown that they determine.
+LEARNED = 0.5
+#: Percentiles (0 to 100) between which a measured value lies that agrees with its prediction.
+ODD = (2.5, 97.5)
+
+
+def plain_name(name: str) -> str:
+    """A name of a file as it is read: ``wire diameter`` for ``wire_diameter``."""
+    return name.replace("_", " ")
+
+
+def data_name(datum: Datum) -> str:
+    """A measurement, with the value of it where it has several."""
+    return ": ".join(dict.fromkeys(map(plain_name, (datum.name, datum.key))))
+
+
+def value_text(unit: str, *values: float, bar: float = 0.0, digits: int = 4) -> str:
+    """A value or a range (SI) in ``unit``, or the reader's in its place, no finer than ``bar`` (SI).
+
+    >>> value_text("mm", 4.1404e-3, 4.2612e-3, bar=3e-5)
+    '4.14 to 4.26 mm'
+    """
+    factor = reader_factor(unit) / unit_factor(unit)
+    texts = (digits_text(one * factor, bar * factor, digits) for one in values)
+    return f"{' to '.join(texts)} {unit_text(reader_unit(unit))}".strip()
+
+
+@dataclass(frozen=True)
+class IdentificationFacts:
+    """An identification as rules, rows and figures read it; ``name``: path of the case file with its values."""
+
+    result: Identified
+    name: str = ""
+
+    @property
+    def case(self) -> str:
+        """Path of the case file with the values that were identified."""
+        return self.name or "identified.toml"
+
+    def at(self, run: Solution) -> str:
+        """Nothing: an identification has no runs."""
+        return ""
+
+    def where(self, runs: Sequence[Solution]) -> str:
+        """Nothing: an identification has no runs."""
+        return ""
+
+    @cached_property
+    def first(self) -> Branch:
+        """The likeliest branch."""
+        return self.result.branches[0]
+
+    @cached_property
+    def states(self) -> dict[str, State]:
+        """What the data say of each unknown; of a search that was stopped nothing is judged."""
+        return {one.name: self._state(place, one) for place, one in enumerate(self.result.unknowns)}
+
+    def _state(self, place: int, one: Unknown) -> State:
+        if not self.result.whole:
+            return "determined"
+        best = float(one.prior.work(self.first.quantities[one.name].best))
+        if min(np.abs(best - np.array(one.prior.work_bounds))) <= ON_BOUND * one.prior.work_spread:
+            return "bound"
+        if self.partners(place):
+            return "tied"
+        return "determined" if self.first.information.determined[place] >= LEARNED else "open"
+
+    def partners(self, place: int) -> list[str]:
+        """Names of the unknowns with which the one at ``place`` can only be told together."""
+        group = next((one for one in self.first.information.groups if place in one), ())
+        return [plain_name(self.result.names[one]) for one in group if one != place]
+
+    def those(self, *states: State) -> list[str]:
+        """Names of the unknowns of which the data say such."""
+        return [plain_name(name) for name, state in self.states.items() if state in states]
+
+    def value(self, one: Unknown, branch: int = 0) -> str:
+        """The likeliest value of an unknown in the digits of its interval."""
+        found = self.result.branches[branch].quantities[one.name]
+        return value_text(one.unit, found.best, bar=(found.high - found.low) / 4)
+
+    def interval(self, one: Unknown) -> str:
+        """Its 95 % interval; of an unknown that the data do not determine in two digits."""
+        found = self.first.quantities[one.name]
+        vague = self.states[one.name] in ("tied", "open")
+        bar, digits = (0.0, 2) if vague else ((found.high - found.low) / 4, 4)
+        return value_text(one.unit, found.low, found.high, bar=bar, digits=digits)
+
+    def data(self, used: bool) -> list[Predicted]:
+        """Values that were fitted, or that were compared alone, the one that is missed most first."""
+        chosen = (one for one in self.result.predicted if one.datum.used == used)
+        return sorted((one for one in chosen if np.isfinite(one.off)), key=lambda one: -abs(one.off))  # fmt: skip
+
+    @property
+    def command(self) -> str:
+        """What computes the case with the values; ``static`` for a spring without a lift law."""
+        text = self.result.case_file
+        return "" if not text else "run" if "[lift_law" in text or "[train" in text else "static"
+
+
+def off_text(one: Predicted) -> str:
+    """How many scatters a computed value is off."""
+    return digits_text(abs(one.off), 0.1)
+
+
+def _about(one: Predicted, **more: str) -> Hit:
+    return Hit(fields={"name": data_name(one.datum), "off": off_text(one)} | more)
+
+
+def stopped(facts: IdentificationFacts) -> Iterator[Hit]:
+    """The search was stopped before its end."""
+    if not facts.result.whole:
+        yield Hit(fields={"count": str(facts.result.evaluations + facts.result.reused)})
+
+
+def refused(facts: IdentificationFacts) -> Iterator[Hit]:
+    """The misfit is larger than in 99 of 100 cases with a correct model."""
+    if facts.result.fit is not None and facts.result.fit.missed:
+        yield _about(facts.data(True)[0])
+
+
+def undetermined(facts: IdentificationFacts) -> Iterator[Hit]:
+    """Data that remove less than half of the variance of a prior, or show a combination of unknowns alone."""
+    if vague := facts.those("tied", "open"):
+        tied = joined(facts.those("tied"))
+        names = "any unknown" if len(vague) == len(facts.states) else joined(vague)
+        why = f"only a combination of {tied} shows" if tied else "most of the prior is left"
+        yield Hit(fields={"names": names, "why": why, "first": vague[0]})
+
+
+def on_bound(facts: IdentificationFacts) -> Iterator[Hit]:
+    """The likeliest value of an unknown lies on a bound of its prior."""
+    if there := facts.those("bound"):
+        yield Hit(fields={"names": joined(there)})
+
+
+def branches(facts: IdentificationFacts) -> Iterator[Hit]:
+    """The posterior has separate parts, between which it falls by a factor of seven or more."""
+    every = facts.result.branches
+    if len(every) > 1:
+        one = max(
+            facts.result.unknowns,
+            key=lambda one: np.ptp([one.prior.work(each.quantities[one.name].best) for each in every]) / one.prior.work_spread,
+        )  # fmt: skip
+        values = joined([facts.value(one, branch) for branch in range(len(every))], "or")
+        yield Hit(fields={"count": str(len(every)), "name": plain_name(one.name), "values": values})
+
+
+def determined(facts: IdentificationFacts) -> Iterator[Hit]:
+    """Every unknown is determined: the data remove half of the variance of its prior or more."""
+    unknowns, used = facts.result.unknowns, facts.data(True)
+    several, more = len(unknowns) > 1, len(used) > len(unknowns)
+    values = [
+        f"{plain_name(one.name) if several else ''} {facts.value(one)}" for one in unknowns[:3]
+    ]
+    yield Hit(fields={
+        "subject": f"all {len(unknowns)} unknowns" if several else plain_name(unknowns[0].name), "values": joined(values).strip(),
+        "met": f"{sum(abs(one.off) <= MET for one in used)} of {len(used)}" if more else "",
+        "interval": "" if several else facts.interval(unknowns[0]), "command": facts.command,
+    })  # fmt: skip
+
+
+def missed(facts: IdentificationFacts) -> Iterator[Hit]:
+    """A fitted value is more than two of its scatters off."""
+    for one in facts.data(True)[:1]:
+        if abs(one.off) > MET:
+            conflict = facts.result.conflicts[:1]
+            instead = [data_name(datum) for each in conflict for datum, _ in each.instead[:3]]
+            yield _about(one, instead=joined(instead))
+
+
+def unlike(facts: IdentificationFacts) -> Iterator[Hit]:
+    """Values that were not fitted lie outside 2.5 to 97.5 % of what would be measured."""
+    rest = facts.data(False)
+    if odd := [one for one in rest if not ODD[0] <= one.percentile <= ODD[1]]:
+        yield _about(odd[0], count=f"{len(odd)} of {len(rest)}")
+
+
+def as_many(facts: IdentificationFacts) -> Iterator[Hit]:
+    """There are no more fitted values than unknowns, so that almost any model meets them, and no others."""
+    used, count = len(facts.data(True)), len(facts.states)
+    if used <= count and not facts.data(False):
+        yield Hit(fields={"used": str(used), "count": str(count)})
+
+
+def notes(facts: IdentificationFacts) -> Iterator[Hit]:
+    """The draws of a linearised posterior disagree with it."""
+    for one in facts.result.notes[:1]:
+        yield Hit(fields={"said": one})
+
+
+GUIDE = "identification.md"
+RULES = (
+    Rule("I101", "decides", "the search was stopped before its end: {count} points are computed", stopped, (),
+         "these values are the best of them", "start the same command again, it continues", mark="warn", guide=GUIDE),
+    Rule("I102", "decides", "the model does not meet the data: {name} is {off} scatters off", refused, (),
+         "fewer than 1 in 100 correct models are this far off",
+         "check the scatter of {name}; where it is right, the model lacks something", guide=GUIDE, unless=("I101",)),
+    Rule("I103", "decides", "the data do not determine {names}", undetermined, (), "{why}",
+         "measure {first} by itself, or give it a narrower prior", mark="warn", guide=GUIDE),
+    Rule("I104", "decides", "on a bound of the prior: {names}", on_bound, (), "the data ask for more than it allows",
+         "widen the prior, or look for what else moves the data", mark="warn", guide=GUIDE),
+    Rule("I105", "decides", "{count} solutions meet the data alike: {name} {values}", branches, (), "",
+         "add a measurement that tells them apart", mark="warn", guide=GUIDE),
+    Rule("I106", "decides", "the data determine {subject}: {values}[ (95 %: {interval})]", determined, (),
+         "[{met} measured values are met]", "[valvetrain {command} {case}]", mark="ok", guide=GUIDE, unless=("I10",)),
+    Rule("I110", "warns", "{name} is {off} scatters off[; meeting it misses {instead}]", missed, guide=GUIDE, unless=("I102",)),
+    Rule("I111", "warns", "{count} values not used lie outside their predictions: {name} is {off} scatters off", unlike, guide=GUIDE),
+    Rule("I112", "warns", "{used} measured, {count} unknown: that the data are met is no evidence", as_many, (), "",
+         "add a measurement with fit = false, which the values must predict", guide=GUIDE),
+    Rule("I113", "warns", "{said}", notes, guide=GUIDE),
+)  # fmt: skip
