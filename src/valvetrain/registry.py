@@ -91,7 +91,6 @@ BUILT_IN["results"] = {
     "MeasuredLift": "valvetrain.lift.notebook:measured_lift_blocks",
     "SmoothedLift": "valvetrain.lift.notebook:smoothed_lift_blocks",
     "StudyTable": "valvetrain.explore.study_page:points_page",
-    "Optimum": "valvetrain.explore.optimum_page:optimum_page",
     "CoilMotion": "valvetrain.film.page:film_page",
     "FilmedModel": "valvetrain.film.notebook:filmed_model_blocks",
     "RigResult": "valvetrain.rig.notebook:rig_result_blocks",
@@ -103,7 +102,6 @@ BUILT_IN["results"] = {
 #: Class of a result -> the function that gives its one sentence, without end of line.
 BUILT_IN["verdicts"] = {
     "StudyTable": "valvetrain.explore.study_verdict:study_verdict",
-    "Optimum": "valvetrain.explore.optimum_summary:optimum_verdict",
     "CoilMotion": "valvetrain.film.verdict:film_verdict",
     "FilmedModel": "valvetrain.film.verdict:filmed_model_verdict",
     "RigResult": "valvetrain.rig.verdict:rig_verdict",
@@ -119,6 +117,7 @@ BUILT_IN["answers"] = {
     "UncertaintyStudy": "valvetrain.views.refinement:RefineAnswer",
     "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
     "Identified": "valvetrain.explore.identification_answer:IdentificationAnswer",
+    "Optimum": "valvetrain.explore.optimum_answer:answer_of_search",
 }
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
@@ -133,8 +132,8 @@ BUILT_IN["files"] = {
     "result": "valvetrain.solution.netcdf:save_result",
     "study": "valvetrain.views.results:write_study",
     "points": "valvetrain.explore.study_page:report_points",
-    "optimum": "valvetrain.explore.optimum_page:report_optimum",
     "identification": "valvetrain.explore.identification_files:report_identification",
+    "optimum": "valvetrain.explore.optimum_files:report_optimum",
     "film": "valvetrain.film.page:report_film",
     "rig": "valvetrain.rig.page:report_rig",
     "scan": "valvetrain.scan.page:report_scan",
@@ -240,6 +239,7 @@ BUILT_IN["other_rules"] = {
     "refine": "valvetrain.findings.rules_refine:RULES",
     "compare-test": "valvetrain.compare_test.rules:RULES",
     "identification": "valvetrain.explore.identification_rules:RULES",
+    "optimise": "valvetrain.explore.optimum_rules:RULES",
 }
 BUILT_IN["figures"] = {
     "run-up": "valvetrain.views.figures:RUN_UP",

@@ -9,6 +9,7 @@ import pytest
 import valvetrain as vt
 from valvetrain.explore.measure import FOUND
 from valvetrain.parameters.templates import template_text
+from valvetrain.views.results import answer_of
 
 FORCE = "minimum_cam_contact_force"
 KEYS = ("train.springs.card.0.preload", "train.springs.card.0.open_load")
@@ -53,6 +54,9 @@ def test_where_the_nearest_design_loses_contact_is_where_its_own_runs_do(case, f
         for speed in (loss.low, loss.high)
     ]
     assert forces[0] > 0.0 == forces[1]
+    verdict = answer_of(found).verdict
+    assert verdict.code == "O102" and verdict.fields["from"].value == loss.low
+    assert {one.design for one in found.curves} == {"case", "nearest"}
 
 
 def test_of_designs_alike_in_their_best_force_of_zero_the_nearest_is_the_best(case):

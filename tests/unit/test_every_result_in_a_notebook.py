@@ -79,14 +79,6 @@ def against_test() -> object:
     return compare_test._with_values(study, values, (speed,), 0, 0.05, (), {})
 
 
-def optimum():
-    return vt.optimise(
-        'case = "job-c"\nvary = [{ key = "spring.precompression", low = "5 mm", high = "9 mm" }]\n'
-        'objective = [{ quantity = "solid_force", direction = "minimise" }]\nsearch = { trials = 4, per_round = 2 }',
-        workers=1,
-    )
-
-
 def train_modes() -> TrainModes:
     share = np.array([[0.62, 0.2, 0.18], [0.1, 0.7, 0.2]])
     frequencies, parts = np.array([500.0, 912.34]), ("valve", "spring", "rod")
@@ -140,7 +132,6 @@ RESULTS = {
     "MeasuredLift": (lift, "question", "valve lift (mm)"),
     "SmoothedLift": (lambda: lift(smoothed=True), "lift (mm)", "jerk (mm/deg³)"),
     "StudyTable": (test_study_page.made, "median", ""),
-    "Optimum": (optimum, "Force at solid", ""),
     "CoilMotion": (film, "mean peak (mm)", "displacement towards the seat (mm)"),
     "FilmedModel": (filmed, "peak (mm)", "displacement towards the seat (mm)"),
     "RigResult": (

@@ -9,7 +9,6 @@ import json
 import signal
 import subprocess
 import sys
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -20,7 +19,8 @@ import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
 from valvetrain.explore.optimise import SearchInterrupted
 from valvetrain.explore.optimum import case_text
-from valvetrain.explore.optimum_summary import sentences
+from valvetrain.views.page import data_of
+from valvetrain.views.results import answer_of
 
 #: Short runs of the chain: a limit speed, a bound at rest that is a share of the case, one trial in
 #: a few that cannot be built.
@@ -108,7 +108,7 @@ def test_the_answer_is_one_json_object_and_the_files_hold_the_same(kept):
         and data["of_case"]["number"] == 0
         and data["feasible_trials"] == found.feasible
     )
-    assert data["verdict"] == found.verdict and found.verdict.startswith("The least that meets")
+    assert data["findings"][0]["code"] == answer_of(found).verdict.code == "O108"
     best = data["designs"][0]
     assert (
         best["number"] == found.best.trial.number
@@ -123,7 +123,7 @@ def test_the_answer_is_one_json_object_and_the_files_hold_the_same(kept):
     ]
     assert float(rows[1 + best["number"]][4]) == best["objectives"][0]
     page = (folder / "report.html").read_text()
-    assert all(one in page for one in data["sentences"][:2]) and "What small steps do" in page
+    assert data_of(page) and answer_of(found).verdict.text in page
     assert json.loads((folder / "optimum.json").read_text())["designs"] == data["designs"]
 
 
@@ -183,11 +183,7 @@ def test_a_search_without_a_design_names_the_bound_that_is_missed_by_least(file)
     ).replace("seeds = 2", "local = 0.0")
     file.write_text(text.replace("1.1 x case", "400 N/mm"))
     answer = call("optimise", str(file), "--workers", "1")
-    assert (
-        answer.exit_code == 1
-        and "No trial meets every bound" in answer.stderr
-        and "estimated rate at least 400 N/mm" in answer.stderr
-    )
+    assert answer.exit_code == 1 and "estimated rate at least 400 N/mm" in answer.stderr
     assert (file.parent / "runs" / "optimise" / "search" / "report.html").exists()
 
 
@@ -305,21 +301,6 @@ def test_seeds_and_rounds_alone_decide_which_designs_are_looked_at():
     assert first.computed <= len(set(designs)) + 1 + len(
         first.best.steps
     )  # a design that comes twice is computed once
-
-
-def test_a_best_whose_gain_a_small_step_undoes_is_called_narrow():
-    """Steps of the smooth mass leave most of the gain; one that led back to the case would not."""
-    found = vt.optimise(
-        LIGHT.replace("1.1 x case", "0.9 x case").replace("seeds = 2", "local = 0.4"), workers=1
-    )
-    assert found.case.feasible and not any("It is narrow" in words for words in sentences(found))
-    back = replace(
-        found.best.steps[0],
-        objectives=0.9 * found.case.objectives + 0.1 * found.best.trial.objectives,
-    )
-    narrow = replace(found, designs=(replace(found.best, steps=(*found.best.steps[1:], back)),))
-    (told,) = [words for words in sentences(narrow) if "It is narrow" in words]
-    assert told.endswith(f"so count on {1e3 * float(back.objectives[0]):.4g} g.")
 
 
 def test_a_library_that_is_not_installed_is_said_in_one_sentence(monkeypatch):

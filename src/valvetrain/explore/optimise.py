@@ -14,6 +14,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
+from valvetrain.explore.doubts import doubts
 from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.executors import LocalExecutor
 from valvetrain.explore.measure import (
@@ -29,6 +30,7 @@ from valvetrain.explore.measure import (
 )
 from valvetrain.explore.objective import OptimumPlan, read_optimum
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, chosen_designs, steps_of
+from valvetrain.explore.optimum_curves import Compared, compare
 from valvetrain.explore.optimum_file import OptimumText, read_optimum_file
 from valvetrain.explore.outputs import Outputs, limit_search
 from valvetrain.explore.samplers import latin_hypercube
@@ -192,9 +194,13 @@ class _Search:
                     )
                 )
                 designs[:1] = [replace(one, confirmed=confirmed) for one in designs[:1]]
+                beside = self._beside_the_case(points, made, own)
                 return replace(
                     made,
                     contact_loss=self._contact_loss(points, made),
+                    error_bars=() if beside is None else beside.error_bars,
+                    curves=() if beside is None else beside.curves,
+                    doubt=self._doubt(best),
                     designs=tuple(designs),
                     computed=points.computed,
                     seconds=time.perf_counter() - self.begun,
@@ -367,6 +373,26 @@ class _Search:
             else None
         )
         return replace(one, steps=steps, valley=valley)
+
+    def _beside_the_case(self, points: Engine, made: Optimum, own: Subject) -> Compared | None:
+        """The best design, or the one that comes nearest, next to the case: curves and error bars."""
+        nearest, case = made.missed_by_least, self.plan.case
+        if nearest is None or case is None:
+            return None
+        if self.progress is not None:
+            self.progress(0.99, "error bars")
+        name = "best" if made.best is not None else "nearest"
+        design = Design(nearest[0], name) if made.best is None else made.best
+        subjects = {"case": own}
+        if design.trial is not self.case:
+            subjects[name] = self.plan.plans, tuple(design.trial.values.tolist())
+        return compare(points, self.plan, subjects, (case, made.case_of(design)))
+
+    def _doubt(self, best: Trial | None) -> str:
+        """What is unusual about the values of the best design and not about the case."""
+        values = [] if best is None or best is self.case else [best.values.tolist()]
+        texts = doubts(self.plan.case, self.plan.varied, values).by_point.values()
+        return next((text.partition(": ")[2] for text in texts), "")
 
     def _contact_loss(self, points: Engine, made: Optimum) -> LimitFound | None:
         """The speed at which the nearest design loses contact, where no design retains it."""

@@ -17,6 +17,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.measure import LimitFound, Measured
 from valvetrain.explore.objective import OptimumPlan
+from valvetrain.explore.optimum_curves import Curve
 from valvetrain.explore.searchers import quiet_optuna, shares_of
 from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, front_of
@@ -28,11 +29,10 @@ from valvetrain.solution.atomic import write_bytes
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.display import verdict_first
 from valvetrain.solution.saveable import Reported
+from valvetrain.solution.uncertainty import Uncertainty
 
 if TYPE_CHECKING:
     import xarray
-
-    from valvetrain.solution.uncertainty import Uncertainty
 
 
 #: A varied quantity is at an end of its range, and a bound is active, within these shares of them.
@@ -73,7 +73,9 @@ class Optimum(Reported):
     objective; ``computed``: points that this call
     computed, the others were in its store; ``seconds``: wall time of this call; ``finished``:
     whether it was not stopped before its end; ``contact_loss``: where the nearest design loses contact,
-    if no design retains it.
+    if no design retains it. ``error_bars``: of the numbers of the best design that are searched for, or of the one that comes
+    nearest; ``curves`` of the case and of that design. ``doubt``: what is unusual about the values of the best
+    design. A search that was stopped has none of the three.
 
     >>> import valvetrain as vt
     >>> found = vt.optimise('''
@@ -100,22 +102,9 @@ class Optimum(Reported):
     finished: bool = True
     seeds: tuple[int, ...] = ()
     contact_loss: LimitFound | None = None
-
-    @cached_property
-    def error_bars(self) -> tuple[Uncertainty, ...]:
-        """Error bars of the numbers of the best design, or of the case where no trial meets every bound, that are
-        searched for; computed when first read.
-        """
-        from valvetrain.explore.point_bars import bars_of  # loads what runs
-
-        values = (self.case if self.best is None else self.best.trial).values
-        objectives, bounds = self.plan.objectives, self.plan.constraints
-        measures = [*(one.measure for one in objectives), *(one.measure for one in bounds)]
-        names = {one.quantity for one in measures}
-        plans = self.plan.plans.values()
-        every = (bar for one in plans for run in one.runs for bar in bars_of(one, values, run))
-        found = {(bar.quantity, bar.label, bar.engine_speed): bar for bar in every}
-        return tuple(bar for bar in found.values() if bar.quantity in names)
+    error_bars: tuple[Uncertainty, ...] = ()
+    curves: tuple[Curve, ...] = ()
+    doubt: str = ""
 
     @property
     def best(self) -> Design | None:

@@ -198,19 +198,22 @@ def _study_written(request: _Request, table: StudyTable) -> Outcome:
 def _optimum_written(request: _Request, found: Optimum) -> Outcome:
     """The files of a search, and its answer."""
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.explore.optimum_page import optimum_json, write_optimum
-    from valvetrain.explore.optimum_summary import answer
-    from valvetrain.report.verdict import verdict_of
+    from valvetrain.explore.optimum_answer import answer_of_search
+    from valvetrain.explore.optimum_files import best_file, optimum_json, write_optimum
     from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.views.terminal import screen
 
     failures = PartialFailures()
     write = partial(write_optimum, found, request.folder, failures)
-    verdict = verdict_of(found)
-    plain = optimum_json(found) | {"verdict": verdict}
-    data = keep_points("optimise", plain, request, write, OPTIMUM_JSON, failures)
-    nothing = () if found.best is not None or not found.finished else (answer(found),)
-    show = partial(_show_optimum, found=found, folder=request.folder)
-    return Outcome(data, show, (*nothing, *failures.sentences), verdict)
+    data = keep_points("optimise", optimum_json(found), request, write, OPTIMUM_JSON, failures)
+    file = best_file(found, request.folder)
+    no_design = found.best is None and found.finished
+    nothing = (str(answer_of_search(found).verdict),) if no_design else ()
+
+    def show(console: Console) -> None:
+        console.print(screen(answer_of_search(found, file), data["page"] or "", data["folder"]))
+
+    return Outcome(data, show, (*nothing, *failures.sentences))
 
 
 def _show_study(console: Console, table: StudyTable, folder: Path) -> None:
@@ -232,25 +235,4 @@ def _show_study(console: Console, table: StudyTable, folder: Path) -> None:
     stored = len(table) - table.computed
     read = f", {stored} read from the store" if stored > 0 else ""
     console.print(f"{table.computed} points computed{read}", soft_wrap=True)
-    console.print(f"results  {folder}", soft_wrap=True)
-
-
-def _show_optimum(console: Console, found: Optimum, folder: Path) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.explore.optimum_page import ANSWER_HEADS, BEST, answer_rows
-    from valvetrain.explore.optimum_summary import sentences
-
-    console.print(found.plan.title)
-    console.print()
-    if found.best is not None:
-        console.print(plain_table(ANSWER_HEADS, answer_rows(found), right=(1, 2, 4)))
-        console.print()
-        for sentence in sentences(found):
-            console.print(sentence, soft_wrap=True)
-    console.print(
-        f"{len(found.trials) - 1} trials and the case, {found.computed} points computed in {found.seconds:.0f} s",
-        soft_wrap=True,
-    )
-    if found.best is not None:
-        console.print(f"run the best  valvetrain run {folder / BEST}", soft_wrap=True)
     console.print(f"results  {folder}", soft_wrap=True)

@@ -1,0 +1,181 @@
+"""What ``optimise`` shows: the best design next to the case, what limits it, and how far to trust it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from valvetrain.explore.measure import Measure
+from valvetrain.explore.optimum import Optimum
+from valvetrain.explore.optimum_facts import SearchFacts, range_text
+from valvetrain.explore.optimum_figures import figures
+from valvetrain.explore.optimum_rules import RULES
+from valvetrain.explore.optimum_springs import card_values, in_pounds
+from valvetrain.explore.trial import Trial
+from valvetrain.findings.engine import Findings, Mark, judge
+from valvetrain.findings.words import Amount, Words, digits_text, speeds_text
+from valvetrain.units.reader import shown_system
+from valvetrain.views.shown import Shown
+from valvetrain.views.table import Line, TextTable
+from valvetrain.views.tables import findings as findings_table
+
+if TYPE_CHECKING:
+    from valvetrain.views.style import FigureSpec
+
+#: Rows of the first table, and designs of a front that are listed.
+ROWS, DESIGNS = 12, 40
+
+
+@dataclass(frozen=True)
+class OptimumAnswer(Shown):
+    """What is shown of a search, in the units of the reader; ``file``: case file of its best design, empty without one."""
+
+    found: Optimum
+    words: Words = field(default_factory=lambda: Words(shown_system()))
+    file: str = ""
+
+    @property
+    def facts(self) -> SearchFacts:
+        """The search as rules read it."""
+        return SearchFacts(self.found, self.file)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """All findings, the verdict first."""
+        return judge(self.facts, RULES, self.words)
+
+    @property
+    def title(self) -> str:
+        """Title of the search, and how many designs it tried."""
+        found = self.found
+        return f"{found.plan.title}, {len(found.trials) - 1} designs and the case, {found.feasible} meet every bound"
+
+    @property
+    def headings(self) -> list[str]:
+        """Columns of the first table."""
+        return ["case", "best" if self.found.best is not None else "nearest", "bound or range"]
+
+    @property
+    def lines(self) -> list[Line]:
+        """Objectives, varied quantities, what follows of a spring card, and bounds."""
+        return self._rows[:ROWS]
+
+    @cached_property
+    def _rows(self) -> list[Line]:
+        trial = self.facts.trial
+        return [] if trial is None else [*self._objectives(trial), *self._varied(trial), *self._bounds(trial)]  # fmt: skip
+
+    def _cells(self, one: Measure, before: float, after: float, trial: Trial) -> tuple[str, ...]:
+        pairs = ((before, self.found.case), (after, trial))
+        return tuple(self.words.said(self.facts.said(one, value, each), 4) for value, each in pairs)
+
+    def _objectives(self, trial: Trial) -> Iterator[Line]:
+        for place, goal in enumerate(self.found.plan.objectives):
+            before, after = (float(one.objectives[place]) for one in (self.found.case, trial))
+            bar, same = self.facts.bar(goal.measure, after, trial), self.facts.same_as_varied(place)
+            remarks = [f"{100 * (after / before - 1):+.2g} %".replace("-", "−")] if before and np.isfinite(after / before) else []  # fmt: skip
+            remarks += [f"error bar {self.words.said(self.facts.said(goal.measure, bar), 2)}"] if bar else []  # fmt: skip
+            reach = "most" if goal.maximise else "least"
+            reach += "" if same is None else f" of {range_text(self.found.plan.varied[same])}"
+            yield Line(goal.measure.label, (*self._cells(goal.measure, before, after, trial), reach), "", ", ".join(remarks))  # fmt: skip
+
+    def _varied(self, trial: Trial) -> Iterator[Line]:
+        plan, facts = self.found.plan, self.facts
+        goals = [facts.same_as_varied(place) for place in range(len(plan.objectives))]
+        for place, one in enumerate(plan.varied):
+            if place not in goals:
+                values = (float(each.values[place]) for each in (self.found.case, trial))
+                cells = (one.value_text(value, 4) if np.isfinite(value) else "" for value in values)
+                mark: Mark = "warn" if place in facts.ends else ""
+                remark = "end of its range" if mark else f"{alike} gives the same" if (alike := facts.alike(place)) else ""  # fmt: skip
+                yield Line(one.shown_name, (*cells, range_text(one)), mark, remark)
+        for label, name, *pair in card_values(self.found, trial):
+            yield Line(label, (*(self.words.amount(Amount(name, value), 4) for value in pair), ""))
+
+    def _bounds(self, trial: Trial) -> Iterator[Line]:
+        active = self.found.active(trial)
+        for place, bound in enumerate(self.found.plan.constraints):
+            before, after, miss = (float(one[place]) for one in (self.found.case.constraints, trial.constraints, trial.missed))  # fmt: skip
+            mark: Mark = "bad" if miss > 0 else "ok"
+            remark = "missed" if miss > 0 else "limits it" if place in active else f"{digits_text(-100 * miss, 0, 2)} % to spare"  # fmt: skip
+            limit = f"{'at most' if bound.upper else 'at least'} {self.words.said(self.facts.said(bound.measure, bound.bound), 4)}"
+            if np.isfinite(miss):
+                yield Line(bound.measure.label, (*self._cells(bound.measure, before, after, trial), limit), mark, remark)  # fmt: skip
+
+    def figures(self) -> Mapping[str, FigureSpec]:
+        """Case and best design, the designs that were computed, and the progress."""
+        return figures(self.facts)
+
+    def tables(self) -> Mapping[str, TextTable]:
+        """Findings, all rows of a long table, the front, and other models."""
+        rows = [(one.label, *one.cells, one.remark) for one in self._rows if len(self._rows) > ROWS]
+        return {
+            "findings": findings_table(self), "values": TextTable("All values", ("", *self.headings, ""), tuple(rows)),
+            "front": self._front(), "models": self._models(),
+        }  # fmt: skip
+
+    def _front(self) -> TextTable:
+        """Designs of the front of several objectives."""
+        goals, varied, front = self.found.plan.objectives, self.found.plan.varied, self.found.front
+        rows = []
+        for one in front[:: -(-len(front) // DESIGNS)] if self.facts.several and front else ():
+            values = (self.words.said(self.facts.objective(one, k), 4) for k in range(len(goals)))
+            moved = (each.value_text(float(value), 4) for each, value in zip(varied, one.values, strict=True))  # fmt: skip
+            rows.append((str(one.number), *values, *moved))
+        heads = (*(one.measure.label for one in goals), *(one.shown_name for one in varied))
+        return TextTable("Designs of the front", ("trial", *heads), tuple(rows))
+
+    def _models(self) -> TextTable:
+        """The numbers of the search by other models."""
+        best, rows = self.found.best, list[tuple[str, ...]]()
+        for other in best.confirmed if best is not None else ():
+            rows.append((other.label,))
+            for k, goal in enumerate(other.plan.objectives):
+                before, after = (float(one.objectives[k]) for one in (other.case, other.design))
+                rows.append((goal.measure.label, *self._cells(goal.measure, before, after, other.design)))  # fmt: skip
+            for k, bound in enumerate(other.plan.constraints):
+                before, after = (float(one.constraints[k]) for one in (other.case, other.design))
+                rows.append((bound.measure.label, *self._cells(bound.measure, before, after, other.design)))  # fmt: skip
+        return TextTable("By other models", ("", "case", "best"), tuple(rows))
+
+    def computed(self) -> Iterator[str]:
+        """Method, runs, where numbers are taken, and what could not be computed."""
+        found, search = self.found, self.found.plan.search
+        yield f"{found.computed} runs in {found.seconds:.0f} s by {search.method}, seeds from {search.seed} ({len(found.seeds)})."
+        for one in found.plan.measures:
+            speeds = list(dict.fromkeys(run[0] for run in one.runs if run[0] is not None))
+            if one.limit is not None:
+                yield f"The limit is {self.words.said(Amount(one.quantity, one.limit.bound), 4)} of {one.quantity}."
+            elif speeds and not one.optional:
+                yield f"{one.label}: the {one.over} at {speeds_text(speeds)}."
+        failures = [one.failure for one in found.trials if one.failure]
+        if failures:
+            yield f"{len(failures)} designs could not be computed (trials.csv), such as: {failures[0]}"
+        if found.plan.description:
+            yield found.plan.description
+
+    @property
+    def text(self) -> str:
+        """The case file that was varied."""
+        return "" if self.found.plan.case is None else self.found.plan.case.text
+
+
+def answer_of_search(found: Optimum, file: str = "") -> OptimumAnswer:
+    """What is shown of a search, in pounds and inches where a force was varied in pounds.
+
+    >>> import valvetrain as vt
+    >>> found = vt.optimise('''
+    ... case = "job-c"
+    ... vary = [{ key = "spring.precompression", low = "5 mm", high = "9 mm" }]
+    ... objective = [{ quantity = "solid_force", direction = "minimise" }]
+    ... search = { trials = 4, per_round = 2 }
+    ... ''', workers=1)
+    >>> answer_of_search(found).verdict.code[0]
+    'O'
+    """
+    pounds = in_pounds(found.plan.varied)
+    return OptimumAnswer(found, Words("imperial" if pounds else shown_system()), file)

@@ -1,0 +1,107 @@
+"""Curves that set a design beside the case: a limited quantity over engine speed, forces and lift over the cam angle, or
+the static force over the compression; and the error bars of that design.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from valvetrain.explore.engine import Engine
+from valvetrain.explore.measure import LIMIT, REST, RUNS, Measure, Subject, measure_designs
+from valvetrain.explore.objective import OptimumPlan
+from valvetrain.explore.trial import Array
+from valvetrain.findings.facts import cam_angles, over_turn
+from valvetrain.parameters.case import Case
+from valvetrain.solution.uncertainty import Uncertainty
+
+#: Channels of a run that are drawn: the first that it has of each panel; largest number of samples.
+CHANNELS, SAMPLES = (("cam_contact_force", "retainer_force", "seat_force"), ("valve_lift",)), 1500
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """``quantity`` (sample,) over ``across`` (sample,) of the ``design`` named, SI; ``speed`` (rad/s) of its run, 0 without."""
+
+    design: str
+    across: str
+    quantity: str
+    x: Array
+    y: Array
+    speed: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """``curves`` of a case and a design, and the ``error_bars`` of the numbers of that design that are searched for."""
+
+    curves: tuple[Curve, ...] = ()
+    error_bars: tuple[Uncertainty, ...] = ()
+
+
+def compare(
+    points: Engine, plan: OptimumPlan, subjects: Mapping[str, Subject], cases: tuple[Case, Case]
+) -> Compared:
+    """Curves of designs by name, the case first, and error bars of the last one.
+
+    Parameters
+    ----------
+    points : computes what the search has not
+    plan : of the search
+    subjects : the designs as a search measures them
+    cases : the same as cases
+    """
+    from valvetrain.explore.point_bars import study_of  # loads what runs
+
+    sources, values = list(subjects.values())[-1]
+    runs = sorted(sources[RUNS].runs, key=lambda run: run[0] or 0.0) if RUNS in sources else []
+    studies = [study_of(sources[RUNS], values, run, True) for run in runs]
+    searched = {one.quantity for one in plan.measures}
+    every = (row for study in studies if study is not None for row in study.error_bars.rows)
+    bars = {(row.quantity, row.label, row.engine_speed): row for row in every if row.quantity in searched}  # fmt: skip
+    curves = list[Curve]()
+    if limited := [one for one in plan.measures if one.limit is not None]:
+        curves = _over_speed(points, limited[0], subjects)
+    elif studies and studies[-1] is not None:
+        for name, (source, at) in subjects.items():
+            study = studies[-1] if at == values else study_of(source[RUNS], at, runs[-1], False)
+            run = None if study is None else study.solutions[0]
+            for names in CHANNELS:
+                word = next((one for one in names if run is not None and run.has(one)), "")
+                if word and run is not None:
+                    x, y = cam_angles(run), over_turn(run, word)
+                    step = -(-len(x) // SAMPLES)
+                    curves.append(Curve(name, "cam_angle", word, x[::step], y[::step], run.engine_speed))  # fmt: skip
+    elif REST in plan.plans:
+        curves = _at_rest(plan, dict(zip(subjects, cases, strict=False)))
+    return Compared(tuple(curves), tuple(bars.values()))
+
+
+def _over_speed(points: Engine, one: Measure, subjects: Mapping[str, Subject]) -> list[Curve]:
+    """The quantity of a limit speed over the engine speeds that were searched."""
+    assert one.limit is not None
+    speeds, found = one.limit.engine_speeds, []
+    for speed in speeds:
+        at = Measure(LIMIT, one.quantity, ((speed, *one.runs[0][1:]),), one.label)
+        measured = measure_designs(points, list(subjects.values()), [at])
+        found.append([each.values.get(at, np.nan) for each in measured])
+    columns = zip(subjects, np.array(found).T, strict=True)
+    return [Curve(name, "engine_speed", one.quantity, np.array(speeds), y) for name, y in columns]
+
+
+def _at_rest(plan: OptimumPlan, cases: Mapping[str, Case]) -> list[Curve]:
+    """Static force over the compression of the first spring."""
+    from valvetrain.runs.prepared import FAILURES
+    from valvetrain.runs.statics import static_study
+
+    request = plan.plans[REST].outputs.request
+    model = request.rest_model or ("massless" if request.sizes_alone else "")
+    sets = tuple(filter(None, [plan.plans[REST].runs[0][2]]))
+    try:
+        studies = [static_study(one, tuple(filter(None, [model])), spring_sets=sets, implausible=True) for one in cases.values()]  # fmt: skip
+    except FAILURES:
+        return []
+    found = ((name, one.rest[0].curve) for name, one in zip(cases, studies, strict=True) if one.rest)  # fmt: skip
+    return [Curve(name, "compression", "spring_force", one.compression, one.force) for name, one in found if one is not None]  # fmt: skip

@@ -1,0 +1,140 @@
+"""A search as its rules, rows and figures read it: numbers with error bars, what bounds hold, how far to trust them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from valvetrain.explore.measure import BELOW, BEYOND, FOUND, Measure
+from valvetrain.explore.optimum import Design, Optimum
+from valvetrain.explore.space import Values, Varied
+from valvetrain.explore.trial import Trial
+from valvetrain.findings.words import Amount, Phrase, Said, digits_text
+from valvetrain.parameters.summary import unit_text
+from valvetrain.solution.result import Solution
+
+
+@dataclass(frozen=True)
+class SearchFacts:
+    """A search as rules read it; ``file``: case file of the best design, empty where none was written."""
+
+    found: Optimum
+    file: str = ""
+
+    @property
+    def case(self) -> str:
+        """Name of the case."""
+        return self.found.plan.case_name
+
+    def at(self, run: Solution) -> str:
+        """Nothing: a search has no runs."""
+        return ""
+
+    def where(self, runs: Sequence[Solution]) -> str:
+        """Nothing: a search has no runs."""
+        return ""
+
+    @property
+    def several(self) -> bool:
+        """Whether there are several objectives."""
+        return len(self.found.plan.objectives) > 1
+
+    @property
+    def goal(self) -> Measure:
+        """The first objective."""
+        return self.found.plan.objectives[0].measure
+
+    @property
+    def best(self) -> Design | None:
+        """The best design of one objective that is not the case itself."""
+        best = self.found.best
+        return best if best is not None and best.trial.number and not self.several else None
+
+    @property
+    def trial(self) -> Trial | None:
+        """The best design, or where none meets every bound the one that comes nearest."""
+        best, nearest = self.found.best, self.found.missed_by_least
+        return best.trial if best is not None else nearest[0] if nearest else None
+
+    def gain(self, trial: Trial, case: Trial) -> float:
+        """By how much (SI) the first objective of a design is better than that of a case."""
+        return self.found.plan.objectives[0].sign * float(case.objectives[0] - trial.objectives[0])
+
+    def objective(self, trial: Trial, place: int = 0) -> Said:
+        """An objective of a design."""
+        return self.said(self.found.plan.objectives[place].measure, float(trial.objectives[place]), trial)  # fmt: skip
+
+    def bound(self, place: int) -> Phrase:
+        """``estimated rate at least 40 N/mm``, by its place in ``Trial.missed``."""
+        plan = self.found.plan
+        if place >= len(plan.constraints):
+            name = plan.objectives[place - len(plan.constraints)].measure.label
+            return Phrase("{name} above the lowest speed searched", {"name": name})
+        one = plan.constraints[place]
+        sign = "at most" if one.upper else "at least"
+        return Phrase("{name} {sign} {value:4}", {"name": one.measure.label, "sign": sign, "value": self.said(one.measure, one.bound)})  # fmt: skip
+
+    def said(self, one: Measure, value: float, trial: Trial | None = None) -> Said:
+        """A number (SI) of a measure, of a design with its error bar; as text where it is no quantity of the program; of a
+        limit speed beyond the speeds that were searched, on which side.
+        """
+        if not np.isfinite(value):
+            return ""
+        if one.varied is not None:
+            return one.varied.value_text(value, 4)
+        if self.found.plan.case is None:
+            return digits_text(value, 0.0, 4)
+        amount = Amount("engine_speed" if one.limit else one.quantity, value, self.bar(one, value, trial))  # fmt: skip
+        kinds = {each.kind for each in trial.measured.limits.get(one, ())} if trial is not None else set()  # fmt: skip
+        side = "below {at:4}" if BELOW in kinds else "{at:4} or more" if kinds == {BEYOND} else ""
+        return Phrase(side, {"at": amount}) if side else amount
+
+    def bar(self, one: Measure, value: float, trial: Trial | None) -> float:
+        """Error bar (SI) of a measure of a design: of a limit speed its bracket, else that of the best design; 0 for none."""
+        if trial is None:
+            return 0.0
+        if one.limit is not None:
+            return max((each.high - each.low for each in trial.measured.limits.get(one, ()) if each.kind == FOUND), default=0.0)  # fmt: skip
+        rows = [row for row in self.found.error_bars if row.quantity == one.quantity and np.isfinite(row.numerical)]  # fmt: skip
+        return min(rows, key=lambda row: abs(row.value - value)).numerical if rows else 0.0
+
+    def same_as_varied(self, index: int) -> int | None:
+        """Place of the varied quantity that an objective is, by its values in the case and the design; None for any other."""
+        trial, plan = self.trial, self.found.plan
+        if trial is None or plan.objectives[index].measure.limit is not None:
+            return None
+        both = (self.found.case, trial)
+        return next((
+            place for place, one in enumerate(plan.varied)
+            if one.operation == "value" and all(np.isclose(each.objectives[index], each.values[place], 1e-9, 0.0) for each in both)
+        ), None)  # fmt: skip
+
+    def alike(self, place: int) -> str:
+        """``180 to 200 N``: how far a varied quantity may go with designs as good; empty where the search settles it."""
+        valley = None if self.best is None else self.best.valley
+        if valley is None or place not in valley.open or place == self.same_as_varied(0):
+            return ""
+        low, high = (float(valley.values[row][place]) for row in valley.ends(place))
+        return span_text(self.found.plan.varied[place], low, high)
+
+    @property
+    def ends(self) -> list[int]:
+        """Places of varied quantities at an end of their range in the design, but those that designs as good leave open."""
+        trial = self.trial
+        return [] if trial is None else [place for place, _ in self.found.at_ends(trial) if not self.alike(place)]  # fmt: skip
+
+
+def range_text(one: Varied) -> str:
+    """Over what a quantity is varied, in its unit."""
+    levels = one.distribution
+    if not isinstance(levels, Values):
+        return span_text(one, levels.low, levels.high)
+    return f"{len(levels.values)} values, {span_text(one, min(levels.values), max(levels.values))}"
+
+
+def span_text(one: Varied, low: float, high: float) -> str:
+    """``120 to 200 N``."""
+    ends = " to ".join(digits_text(one.shown(end), 0.0, 3) for end in (low, high))
+    return f"{ends} {unit_text(one.unit)}".strip()

@@ -1,0 +1,232 @@
+"""Rules on a search (O): what the best design is and gains, what limits it, and why to trust it or not."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from valvetrain.explore.measure import BELOW
+from valvetrain.explore.optimum import Confirmed
+from valvetrain.explore.optimum_facts import SearchFacts, range_text
+from valvetrain.explore.valley import ALIKE
+from valvetrain.findings.engine import Hit, Rule
+from valvetrain.findings.words import UNRESOLVED, Amount, Said, joined, speed_text
+from valvetrain.solution.definition import label_of
+
+#: Varied quantities and bounds that a sentence names at most.
+NAMED = 2
+#: Share of the gain that another model may lack and still confirm it; share that a small step may cost before the best is narrow.
+CONFIRMED, NARROW = 0.1, 0.5
+#: Spring models of the whole wire.
+FULL = {"finite-element", "solid"}
+Hits = Iterator[Hit]
+
+
+def nothing(facts: SearchFacts) -> Hits:
+    """No design could be computed."""
+    found = facts.found
+    if facts.trial is None:
+        common = Counter(one.failure for one in found.trials).most_common(1)[0][0]
+        yield Hit(fields={"count": f"{len(found.trials)}", "why": found.case.failure or common})
+
+
+def lost(facts: SearchFacts) -> Hits:
+    """Every design loses contact: the highest speed, the ranges, and from where the nearest loses it."""
+    found, trial = facts.found, facts.trial
+    if found.best is None and trial is not None and trial.floating is not None:
+        varied, loss, start = found.plan.varied, found.contact_loss, dict[str, Said]()
+        if loss is not None:
+            sign, bar = ("below", 0.0) if loss.kind == BELOW else ("from", loss.high - loss.low)
+            start = {"sign": sign, "from": Amount("engine_speed", loss.value, bar)}
+        few = [f"{one.shown_name} {range_text(one)}" for one in varied if len(varied) <= NAMED]
+        speed = max(run[0] or 0.0 for run in found.plan.losses[0].runs)
+        yield Hit(fields={"speed": speed_text(speed), "ranges": joined(few), "wide": wide(facts), **start})  # fmt: skip
+
+
+def missed(facts: SearchFacts) -> Hits:
+    """No design meets every bound: the bound that the nearest misses most, and by how much."""
+    trial, bounds = facts.trial, facts.found.plan.constraints
+    if facts.found.best is None and trial is not None:
+        place = int(np.argmax(trial.penalties))
+        by: Said = f"{100 * trial.penalties[place]:.2g} %"
+        if place < len(bounds):
+            away = abs(float(trial.constraints[place]) - bounds[place].bound)
+            by = facts.said(bounds[place].measure, away) or by
+        yield Hit(fields={"bound": facts.bound(place), "by": by, "wide": wide(facts)})
+
+
+def wide(facts: SearchFacts) -> str:
+    """``the range of seat load``: that of the first varied quantity at an end of its range, else all."""
+    names = [facts.found.plan.varied[place].shown_name for place in facts.ends]
+    return f"the range of {names[0]}" if names else "the ranges"
+
+
+def front(facts: SearchFacts) -> Hits:
+    """Of several objectives: the designs of the front, and how far the first two go."""
+    designs = facts.found.front
+    if facts.several and facts.found.best is not None:
+        fields: dict[str, Said] = {"count": f"{len(designs)}", "file": facts.file}
+        for place, word in enumerate("ab"):
+            one = facts.found.plan.objectives[place].measure
+            values = [float(each.objectives[place]) for each in designs]
+            fields |= {word: one.label, f"{word}_least": facts.said(one, min(values)), f"{word}_most": facts.said(one, max(values))}  # fmt: skip
+        yield Hit(fields=fields)
+
+
+def itself(facts: SearchFacts) -> Hits:
+    """Nothing beats the case."""
+    found = facts.found
+    if not facts.several and found.best is not None and not found.best.trial.number:
+        before = facts.objective(found.case)
+        yield Hit(fields={"name": facts.goal.label, "before": before, "wide": wide(facts)})
+
+
+def denying(facts: SearchFacts) -> Confirmed | None:
+    """The other model that confirms least of the gain, less than nine tenths; None where all confirm it."""
+    best, case = facts.best, facts.found.case
+    if best is None or not case.feasible or not best.confirmed:
+        return None
+    least = min(best.confirmed, key=lambda one: facts.gain(one.design, one.case))
+    enough = (1 - CONFIRMED) * facts.gain(best.trial, case)
+    return least if facts.gain(least.design, least.case) < enough else None
+
+
+def within_bars(facts: SearchFacts) -> bool:
+    """Whether the gain is within the error bars."""
+    best, case = facts.best, facts.found.case
+    if best is None or not case.feasible:
+        return False
+    bars = (facts.bar(facts.goal, float(one.objectives[0]), one) for one in (best.trial, case))
+    return facts.gain(best.trial, case) <= sum(bars)
+
+
+def better(condition: Callable[[SearchFacts], object]) -> Callable[[SearchFacts], Hits]:
+    """The best design of one objective next to the case, where a condition holds."""
+
+    def hits(facts: SearchFacts) -> Hits:
+        best, found, fields = facts.best, facts.found, dict[str, Said]()
+        if best is None or not condition(facts):
+            return
+        if (other := denying(facts)) is not None:
+            pair = (facts.said(one.plan.objectives[0].measure, float(one.objectives[0]), one) for one in (other.case, other.design))  # fmt: skip
+            fields = dict(zip(("by_before", "by_after"), pair, strict=True)) | {"by": other.label}
+        active = found.active(best.trial)
+        limits: Said = [facts.bound(place) for place in active] if len(active) <= NAMED else f"{len(active)} bounds"  # fmt: skip
+        worse = [facts.bound(place) for place, miss in enumerate(found.case.missed) if miss > 0]
+        fields |= {
+            "name": facts.goal.label, "before": facts.objective(found.case), "after": facts.objective(best.trial), "limits": limits,
+            "hold": "limit" if len(active) > 1 else "limits", "worse": found.case.failure or worse[:1],
+            "most": "most" if found.plan.objectives[0].maximise else "least", "file": facts.file,
+        }  # fmt: skip
+        yield Hit(fields=fields)
+
+    return hits
+
+
+def cut(facts: SearchFacts) -> Hits:
+    """A search that was stopped."""
+    if not facts.found.finished:
+        yield Hit(fields={"count": f"{len(facts.found.trials) - 1}"})
+
+
+def other_model(facts: SearchFacts) -> Hits:
+    """Bounds that the best design misses by another model, or that it cannot compute it."""
+    best = facts.found.best
+    for one in best.confirmed if best is not None else ():
+        for place, miss in enumerate(one.design.missed):
+            if miss > 0 or one.design.failure:
+                why = one.design.failure
+                yield Hit(fields={"by": one.label, "bound": facts.bound(place), "why": why}, severity=float(miss))  # fmt: skip
+
+
+def doubtful(facts: SearchFacts) -> Hits:
+    """Values of the best design that are unusual where those of the case are not."""
+    if facts.found.doubt:
+        yield Hit(fields={"doubt": facts.found.doubt.partition(". ")[0].partition("; ")[0]})
+
+
+def at_end(facts: SearchFacts) -> Hits:
+    """A varied quantity of the best design at an end of its range."""
+    if facts.ends and facts.found.best is not None:
+        yield Hit(fields={"wide": wide(facts)})
+
+
+def moving(facts: SearchFacts) -> Hits:
+    """A small step of one quantity that still improves the best design."""
+    best = facts.found.best
+    for step in best.steps if best is not None else ():
+        if step.improves:
+            yield Hit(fields={"name": facts.found.plan.varied[step.index].shown_name})
+
+
+def narrow(facts: SearchFacts) -> Hits:
+    """A small step that costs half of the gain of the best design or more."""
+    best, case, sign = facts.best, facts.found.case, facts.found.plan.objectives[0].sign
+    if best is None or not case.feasible:
+        return
+    for step in best.steps:
+        value = float(step.objectives[0])
+        cost = sign * (value - float(best.trial.objectives[0]))
+        if step.index != facts.same_as_varied(0) and cost >= NARROW * facts.gain(best.trial, case):
+            fields: dict[str, Said] = {
+                "name": facts.goal.label,
+                "left": facts.said(facts.goal, value),
+            }
+            yield Hit(fields=fields, severity=cost)
+
+
+def unresolved(facts: SearchFacts) -> Hits:
+    """Numbers of the search whose error bar is half of them or more."""
+    plan, trial = facts.found.plan, facts.trial
+    active = [] if trial is None else [plan.constraints[place].measure for place in facts.found.active(trial)]  # fmt: skip
+    names = {one.quantity for one in (*(goal.measure for goal in plan.objectives), *active)}
+    for row in facts.found.error_bars:
+        if row.quantity in names and row.numerical >= UNRESOLVED * abs(row.value) > 0:
+            fields = {"name": label_of(row.quantity), "speed": speed_text(row.engine_speed or 0.0)}
+            yield Hit(Amount(row.quantity, row.value, row.numerical), None, None, fields, row.numerical / abs(row.value))  # fmt: skip
+
+
+def alone(facts: SearchFacts) -> Hits:
+    """Runs by models that leave out parts of the spring, with no other to confirm them."""
+    best = facts.found.best
+    models = {run[1] for one in facts.found.plan.measures for run in one.runs if run[0] or one.limit}  # fmt: skip
+    if best is not None and not best.confirmed and models and not models & FULL:
+        yield Hit(fields={"model": joined(sorted(filter(None, models))) or "the model of the case"})
+
+
+def alike(facts: SearchFacts) -> Hits:
+    """Quantities that designs as good leave open."""
+    texts = [f"{one.shown_name} {reach}" for place, one in enumerate(facts.found.plan.varied) if (reach := facts.alike(place))]  # fmt: skip
+    if texts:
+        yield Hit(fields={"ranges": joined(texts[:NAMED]), "share": f"{100 * ALIKE:g} %"})
+
+
+RUN = "[valvetrain run {file}]"
+RULES = (
+    Rule("O101", "decides", "none of {count} designs can be computed", nothing, (), "{why}", "valvetrain check {case}"),
+    Rule("O102", "decides", "no design retains contact at {speed}", lost, (), "[the nearest loses it {sign} {from:4}][ ({ranges})]",
+         "widen {wide}", unless=("O101",)),
+    Rule("O103", "decides", "no design meets every bound", missed, (), "the nearest misses {bound} by {by}",
+         "loosen that bound, or widen {wide}", unless=("O101", "O102")),
+    Rule("O104", "decides", "{count} designs trade {a} against {b}", front, (), "{a_least..a_most} for {b_least..b_most}", RUN, mark="ok"),
+    Rule("O105", "decides", "no design beats the case", itself, (), "its {name} is {before:4}", "widen {wide}", mark="warn"),
+    Rule("O106", "decides", "{name} goes from {by_before:4} to {by_after:4} by {by}", better(denying), (),
+         "the model of the search has {after:4}", RUN, mark="warn"),
+    Rule("O107", "decides", "no gain beyond the error bars", better(within_bars), (), "{name} {before:4} of the case and {after:4} of the best",
+         RUN, mark="warn", unless=("O106",)),
+    Rule("O108", "decides", "{name} {after:4} is the {most} that meets every bound", better(lambda facts: not facts.found.case.feasible), (),
+         "the case misses {worse}", RUN, mark="ok"),
+    Rule("O109", "decides", "{name} goes from {before:4} to {after:4}", better(bool), (), "[{limits} {hold} it]", RUN, mark="ok",
+         unless=("O106", "O107", "O108")),
+    Rule("O120", "warns", "the search was stopped after {count} trials", cut, step="start the command again to continue"),
+    Rule("O121", "warns", "by {by} the best design misses {bound}[: {why}]", other_model),
+    Rule("O122", "warns", "the best design is doubtful: {doubt}", doubtful),
+    Rule("O123", "warns", "widen {wide}: the best is at its end", at_end, remark="end of its range"),
+    Rule("O124", "warns", "a small step of {name} still improves the best: add trials", moving),
+    Rule("O125", "warns", "the best is narrow: a small step leaves {name} {left:4}", narrow),
+    Rule("O126", "warns", "{name} of the best is not resolved at {speed}", unresolved, guide="uncertainty.md"),
+    Rule("O127", "warns", "only {model} computed it: confirm it by finite-element", alone, mark="", guide="optimisation.md"),
+    Rule("O128", "warns", "{ranges} gives the same within {share}", alike, mark="", guide="optimisation.md"),
+)  # fmt: skip
