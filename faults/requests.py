@@ -25,7 +25,7 @@ from server_parts import (
     queue,
 )
 from valvetrain.workbench.workspace import Workspace
-from workbench_parts import kept, wait_for
+from workbench_parts import damaged_page, kept, wait_for
 
 #: Longest time of a page (s), longest text in the log and most memory (bytes) for one attack.
 PATIENCE, LOG, MEMORY = 5.0, 3000, 200e6
@@ -135,12 +135,14 @@ def folder(bench: Bench, chance: Random) -> None:
 
 def saved_run(bench: Bench, chance: Random) -> None:
     """A saved run that is damaged"""
-    text = chance.choice(("<p>\xe4", "\xff\xfe", "<script>", "<section id='a'>\n<footer>"))
+    text = chance.choice(
+        ("<p>\xe4", "\xff\xfe", "<script>", damaged_page(chance.randrange(10**6)).decode())
+    )
     run_id = kept(bench.space, report_html=text)
     path = bench.space.runs_folder / run_id / "run.json"
     path.write_bytes(damaged_answer(path.read_text("utf-8"), chance.randrange(10**6)))
     try:
-        pages = (f"/{place}/{run_id}" for place in ("run", "part", "rest", "download"))
+        pages = (f"/{place}/{run_id}" for place in ("run", "part", "download"))
         for page in ("/runs", "/compare", f"/part-compare?a={run_id}&b={run_id}", *pages):
             _visit(bench, page)
     finally:

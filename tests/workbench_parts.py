@@ -7,12 +7,15 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import datetime
 from pathlib import Path
+from random import Random
+from typing import Any
 
 from valvetrain.runs.run_folders import link_latest, new_folder
 from valvetrain.runs.saved_runs import Inputs, save_run
+from valvetrain.views.page import packed
 from valvetrain.workbench.workspace import Workspace
 
 #: Names that nothing of a workspace may bear.
@@ -148,3 +151,29 @@ def lifts(peak: float = 9.0) -> bytes:
     return "\n".join(
         f"{place * 10} {max(0.0, peak - abs(place - 18)) ** 2 / peak:.4f}" for place in range(36)
     ).encode()
+
+
+#: Texts of an answer that says nothing.
+NOTHING = {
+    "title": "", "fact": "", "next_step": "", "headings": [""], "verdict": None, "lines": [], "bullets": [], "models": None, "paper": None,
+    "rests_on": [], "figures": {}, "moving": "", "tables": {}, "computed": [], "text": "", "gaps": [],
+}  # fmt: skip
+
+
+def page_with(texts: Mapping[str, Any], data: Mapping[str, Any]) -> str:
+    """A page of a run with these texts, among others, and data."""
+    both = {"answer": NOTHING | texts, "data": data}
+    return "".join(
+        f'<script type="application/gzip" id="{name}">{packed(one)}</script>\n'
+        for name, one in both.items()
+    )
+
+
+def damaged_page(seed: int) -> bytes:
+    """A page whose texts are of other kinds, missing, or no packed data."""
+    dice = Random(seed)
+    name = dice.choice([*NOTHING])
+    wrong = page_with({name: dice.choice((7, "x", None, [7], {"a": 1}, [{}], {"a": {}}))}, {})
+    missing = page_with({}, {}).replace(packed(NOTHING), packed({}))
+    torn = wrong.replace("H4sI", "H4sJ", dice.randrange(2)) + wrong[: dice.randrange(len(wrong))]
+    return dice.choice((wrong, missing, torn)).encode()

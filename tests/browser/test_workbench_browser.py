@@ -77,14 +77,14 @@ def test_a_finished_run_shows_the_numbers_of_its_files(bench, page, finished):
     told = (
         page.locator("#table-numbers tr", has_text="peak spring force below 10 kHz, N")
         .first.locator("td")
-        .first.inner_text()
+        .first.text_content()
     )
     runs = {run["label"]: run for run in bench.answer(finished)["runs"]}
     assert float(told) == pytest.approx(
         runs["multi-mass"]["quantities"]["peak_spring_force"]["value"], rel=1e-3
     )
     assert ("finite-element" in runs) is LONG
-    page.get_by_role("tab", name="Gaps between coils").click()
+    page.locator("summary", has_text="Gaps between coils").click()
     page.wait_for_selector("#at-coils .plot .main-svg")
     assert page.locator("#at-coils .plot .scatterlayer .trace").count() > 1
 
@@ -217,13 +217,14 @@ def test_two_runs_are_compared(bench, page, finished):
     page.goto(f"{bench.url}/compare?a={finished}&b={other}")
     shown(page)
     rows = {
-        row.locator("td").first.inner_text(): row.inner_text()
-        for row in page.locator("#inputs-differ tbody tr").all()
+        row.locator("td").first.text_content(): row.text_content()
+        for row in page.locator("#table-inputs tbody tr").all()
     }
     assert "spring.wire_diameter" in rows and "3.9 mm" in rows["spring.wire_diameter"]
-    assert page.locator("#results-differ tbody tr").count() > 5
-    page.wait_for_selector("#fig-both-force .scatterlayer .trace")
-    assert page.locator("#fig-both-force .scatterlayer .trace").count() >= 2
+    assert page.locator("#table-results tbody tr").count() > 5
+    page.locator("summary", has_text="Spring force over the cam angle").click()
+    page.wait_for_selector("#fig-force .scatterlayer .trace")
+    assert page.locator("#fig-force .scatterlayer .trace").count() >= 2
 
 
 def test_files_of_a_run_are_handed_out(bench, page, finished, tmp_path):
@@ -258,8 +259,8 @@ def test_measured_cycles_are_laid_over_a_run(bench, page, finished, tmp_path):
     )
     page.goto(f"{bench.url}/run/{finished}")
     page.set_input_files("#test-file", str(test))
-    page.wait_for_selector("#test-verdict", timeout=30_000)
-    page.locator("#test-verdict").scroll_into_view_if_needed()
+    page.wait_for_selector("#test-opening", timeout=30_000)
+    page.locator("#test-opening").scroll_into_view_if_needed()
     page.wait_for_function(
         "(value) => Array.from(document.querySelectorAll('.plot'), (plot) => Array.from(plot._fullData ?? [])).flat()"
         ".some((trace) => trace.y?.length && Array.from(trace.y).slice(0, 5).every((one) => Math.abs(one - value) < 1e-3))",
@@ -320,10 +321,9 @@ def test_all_is_done_by_the_keyboard(bench, page, finished):
     assert page.evaluate("document.activeElement.id") == "run-button"
     page.goto(f"{bench.url}/run/{finished}")
     shown(page)
-    page.locator("#tab-overview").focus()
-    page.keyboard.press("ArrowRight")
-    assert page.evaluate("document.activeElement.getAttribute('aria-selected')") == "true"
-    assert page.evaluate("document.activeElement.id") != "tab-overview"
+    page.locator("#computed summary").focus()
+    page.keyboard.press("Enter")
+    assert page.locator("#computed details").evaluate("(fold) => fold.open")
 
 
 PLACES = ("/", "/runs", "/case/CASE", "/run/RUN", "/compare?a=RUN&b=RUN", "/case/none")
@@ -338,7 +338,7 @@ def test_nothing_is_cut_off_and_axe_finds_nothing_serious(bench, finished, width
         page.wait_for_selector(".sheet h1")
         if place.startswith(("/case/CASE", "/run/")):
             shown(page)
-            page.locator(".results section:not([hidden]) .plot").first.scroll_into_view_if_needed()
+            page.locator(".results .plot").first.scroll_into_view_if_needed()
             page.wait_for_selector(".results .plot .main-svg", state="attached")
         nothing_serious(page)
     page.context.close()

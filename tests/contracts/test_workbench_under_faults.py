@@ -32,7 +32,7 @@ from server_parts import (
 )
 from valvetrain.parameters.loading import LIBRARY
 from valvetrain.workbench.workspace import Workspace
-from workbench_parts import SMALL, kept, wait_for
+from workbench_parts import SMALL, damaged_page, kept, page_with, wait_for
 from yardstick import slowness
 
 pytest.importorskip("nicegui")
@@ -188,15 +188,17 @@ def test_a_text_that_is_no_case_is_refused_before_it_is_read(server, name):
 
 
 def test_scripts_in_the_report_of_a_stranger_do_not_run(room, server):
-    """Opened by itself, what holds them is no page."""
-    report = '<section id="answers"><script>document.title = "run"</script></section>\n<footer>'
+    """Texts stay texts, and what holds them is no page."""
+    strange = '<script>document.title = "run"</script>'
+    report = page_with({"text": strange, "next_step": strange}, {"data-x": strange})
     run_id = kept(Workspace(room / "bench"), report_html=report)
-    for place in (f"/part/{run_id}", f"/rest/{run_id}", f"/part-compare?a={run_id}&b={run_id}"):
-        _, heads, _ = server.get(place, PAGE)
-        assert heads["content-type"].startswith("text/plain")
+    for place in (f"/part/{run_id}", f"/part-compare?a={run_id}&b={run_id}"):
+        _, heads, body = server.get(place, PAGE)
+        assert heads["content-type"].startswith(("application/json", "text/plain"))
         assert "sha256" not in heads["content-security-policy"]
         assert heads["x-content-type-options"] == "nosniff"
-    assert "document.title" in server.get(f"/part/{run_id}")[2], "pages take it in as before"
+        assert "<script" not in body
+    assert "document.title" in server.get(f"/part/{run_id}")[2], "it is shown"
     shutil.rmtree(room / "bench" / "runs")
 
 
@@ -208,8 +210,8 @@ def test_damaged_runs_are_listed_and_say_so(room, server):
         path = bench.runs_folder / run_id / "run.json"
         path.write_bytes(damaged_answer(path.read_text("utf-8"), seed))
         report = path.with_name("report.html")
-        report.write_bytes((b"", b"\xff\xfe" * 9, b'<section id="a">\n<footer>')[seed % 3])
-        for place in ("run", "part", "rest"):
+        report.write_bytes((b"", b"\xff\xfe" * 9, damaged_page(seed))[seed % 3])
+        for place in ("run", "part"):
             status, _, body = server.get(f"/{place}/{run_id}", PAGE)
             assert status < 500, (seed, place, body[:300], server.told[-1500:])
     for page in ("/", "/runs", "/compare", "/case/small"):

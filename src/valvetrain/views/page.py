@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import base64
 import gzip
+import io
 import json
 import re
-from dataclasses import dataclass
+import zlib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -24,8 +27,10 @@ from valvetrain.views.terminal import SIGN
 
 #: Left margin (px) of a figure on a narrow page, at most: of numbers, and of names.
 NARROW_NUMBERS, NARROW_NAMES = 48, 150
-#: How the packed data of a page begin, by which a page of this kind is known.
-_PACKED = re.compile(r'<script type="application/gzip" id="data">([^<]*)</script>')
+#: Texts and data of a page as it packs them, by which a page of this kind is known.
+_PACKED = re.compile(r'<script type="application/gzip" id="(answer|data)">([^<]*)</script>')
+#: Bytes to which the texts, or the data, of a page are unpacked at most.
+MOST = 200_000_000
 HINT = (
     "Drag the picture or use the arrow keys to turn it. Space plays, arrow keys step by one cam degree, page keys go "
     "from mark to mark. The picture records itself to a film."
@@ -33,12 +38,40 @@ HINT = (
 
 
 @dataclass(frozen=True)
-class Drawn:
-    """A figure of a page: its title, a hint on what it shows, and its content as plain values."""
+class Content:
+    """An answer as plain values: its ``texts`` by the names of :class:`Shown`, and the ``data`` of its figures and of its
+    moving picture, which a browser draws.
+    """
 
-    title: str
-    hint: str
-    content: dict[str, Any]
+    texts: dict[str, Any]
+    data: dict[str, Any]
+
+
+def content_of(answer: Shown, missing: PartialFailures) -> Content:
+    """The whole answer as plain values; ``missing`` takes a sentence for each figure or picture that cannot be drawn."""
+    data: dict[str, Any] = {}
+    figures: dict[str, Any] = {}
+    for name, spec in answer.figures().items():
+        fig = missing.part(f"figure '{spec.title}'", None, spec.make, answer.facts)
+        if fig is not None:
+            data[f"data-{name}"] = drawn = figure_content(fig)
+            height = drawn["layout"]["height"]
+            figures[name] = {"title": spec.title, "hint": spec.hint, "height": height}
+    moving = missing.part("moving picture", None, answer.moving)
+    if moving is not None:
+        data["motion-in-motion"] = motion_data(moving)
+    verdict = answer.verdict
+    texts = {
+        "title": answer.title, "fact": answer.headline[0], "next_step": answer.next_step, "headings": answer.headings,
+        "verdict": verdict and {name: getattr(verdict, name) for name in ("code", "mark", "text", "reason")},
+        "lines": [asdict(one) for one in answer.lines],
+        "bullets": [{"mark": one.mark, "text": str(one)} for one in answer.bullets],
+        "models": answer.models and asdict(answer.models), "paper": answer.paper and asdict(answer.paper),
+        "rests_on": answer.rests_on, "figures": figures, "moving": "" if moving is None else moving.title,
+        "tables": {key: asdict(one) for key, one in answer.tables().items() if one.rows},
+        "computed": list(answer.computed()), "text": answer.text, "gaps": list(missing.sentences),
+    }  # fmt: skip
+    return Content(texts, data)
 
 
 def page_of(answer: Shown, gaps: PartialFailures | None = None) -> str:
@@ -54,25 +87,23 @@ def page_of(answer: Shown, gaps: PartialFailures | None = None) -> str:
     The text of the page
     """
     missing = PartialFailures() if gaps is None else gaps
-    figures = {
-        name: Drawn(spec.title, spec.hint, figure_content(fig))
-        for name, spec in answer.figures().items()
-        if (fig := missing.part(f"figure '{spec.title}'", None, spec.make, answer.facts))
-        is not None
-    }
-    moving = missing.part("moving picture", None, answer.moving)
-    data: dict[str, Any] = {f"data-{name}": one.content for name, one in figures.items()}
-    if moving is not None:
-        data["motion-in-motion"] = motion_data(moving)
-    names = list(figures)
-    aside = bool(answer.bullets or answer.paper or answer.rests_on or missing.sentences)
-    return _template().render(
-        answer=answer, fact=answer.headline[0], several=len(answer.headings) > 1, aside=aside, sign=SIGN, figures=figures,
-        first=names[:1], others=names[1:], moving=moving, hint=HINT, gaps=missing.sentences,
-        tables={key: one for key, one in answer.tables().items() if one.rows}, picture=missing.part("picture", "", answer.picture),
+    picture = missing.part("picture", "", answer.picture)
+    content = content_of(answer, missing)
+    return _template("page.html.j2").render(
+        answer=content.texts, whole=True, prefix="", picture=picture, sign=SIGN, hint=HINT,
         style=static("page.css") + static("parts.css"), script=static("page.js"), plotly=packed_plotly(),
-        mover=motion_script() if moving is not None else "", data=packed(json.dumps(data, separators=(",", ":")).encode()),
+        mover=motion_script() if content.texts["moving"] else "", texts=packed(content.texts), data=packed(content.data),
     )  # fmt: skip
+
+
+def part_of(texts: Mapping[str, Any], prefix: str = "") -> str:
+    """The texts of an answer as HTML for another page, which draws its data by ``valvetrainFigures`` of page.js.
+
+    ``prefix``: begins each id, where the page shows several answers.
+    """
+    return _template("answer.html.j2").render(
+        answer=texts, whole=False, prefix=prefix, picture="", sign=SIGN, hint=HINT
+    )
 
 
 def figure_content(fig: go.Figure) -> dict[str, Any]:
@@ -86,12 +117,12 @@ def figure_content(fig: go.Figure) -> dict[str, Any]:
 
 
 @cache
-def _template() -> jinja2.Template:
+def _template(name: str) -> jinja2.Template:
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(static), autoescape=True, trim_blocks=True, lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )  # fmt: skip
-    return environment.get_template("page.html.j2")
+    return environment.get_template(name)
 
 
 def static(name: str) -> str:
@@ -100,27 +131,41 @@ def static(name: str) -> str:
     return folder.joinpath(name).read_text(encoding="utf-8")
 
 
-def packed(content: bytes) -> str:
-    """Bytes as text that a browser unpacks by itself (``DecompressionStream``)."""
+def packed(content: Any) -> str:
+    """Plain values as text that a browser unpacks by itself (``DecompressionStream``)."""
+    return _packed(json.dumps(content, separators=(",", ":")).encode())
+
+
+def _packed(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode()
 
 
 @cache
 def packed_plotly() -> str:
     """plotly.js as its Python package brings it, packed: 2 MB in place of 4.8."""
-    return packed(resources.files("plotly").joinpath("package_data", "plotly.min.js").read_bytes())
+    return _packed(resources.files("plotly").joinpath("package_data", "plotly.min.js").read_bytes())
+
+
+def packed_parts(page: str) -> dict[str, str]:
+    """``answer`` and ``data`` of a page as it packs them; nothing of a page of another kind."""
+    return dict(_PACKED.findall(page))
+
+
+def unpacked(text: str) -> Any:
+    """What :func:`packed` packed. Raises :class:`InputError` for text that is damaged or too large."""
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(base64.b64decode(text))) as file:
+            content = file.read(MOST)
+        return json.loads(content)
+    except (OSError, ValueError, EOFError, RecursionError, zlib.error) as error:
+        raise InputError("the data of this page are damaged; run it again", "page") from error
 
 
 def data_of(page: str) -> dict[str, Any] | None:
-    """The packed data of a page: name -> figure or motion; None for a page of another kind.
+    """The data of a page: name -> figure or motion; None for a page of another kind.
 
     Raises :class:`InputError` for data that are damaged.
     """
-    found = _PACKED.search(page)
-    if found is None:
-        return None
-    try:
-        content: dict[str, Any] = json.loads(gzip.decompress(base64.b64decode(found[1])))
-    except (OSError, ValueError, EOFError) as error:
-        raise InputError("the data of this page are damaged; run it again", "page") from error
+    found = packed_parts(page).get("data")
+    content: dict[str, Any] | None = None if found is None else unpacked(found)
     return content

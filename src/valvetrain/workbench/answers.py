@@ -10,6 +10,7 @@ from typing import Any
 
 from valvetrain.compare_test import ModelAgainstTest, compare_study_with_test
 from valvetrain.errors import InputError
+from valvetrain.findings.engine import Findings
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import read_case
 from valvetrain.report.run_summary import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
@@ -19,6 +20,8 @@ from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.units.text import clipped
+from valvetrain.views.shown import Shown
+from valvetrain.views.table import Line, TextTable
 from valvetrain.workbench.saved_runs import Run, is_ours
 from valvetrain.workbench.store import inside
 
@@ -26,24 +29,26 @@ from valvetrain.workbench.store import inside
 MAX_TEST, MAX_ROWS = 20_000_000, 200
 
 
-@dataclass(frozen=True, slots=True)
-class PageTable:
-    """A table of words: ``title``, ``headers``, ``rows``, and ``right``: which columns hold numbers."""
-
-    title: str
-    headers: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    right: tuple[bool, ...] = ()
-
-
 @dataclass(frozen=True, eq=False)
-class RunsCompared:
+class RunsCompared(Shown):
     """Two runs side by side: ``inputs`` that differ, ``results`` that differ (headline numbers first,
     then the largest difference).
     """
 
-    inputs: PageTable
-    results: PageTable
+    inputs: TextTable
+    results: TextTable
+    facts = None
+    findings = Findings()
+    title = ""
+
+    @property
+    def lines(self) -> list[Line]:
+        """None: both tables say all."""
+        return []
+
+    def tables(self) -> Mapping[str, TextTable]:
+        """Both tables."""
+        return {"inputs": self.inputs, "results": self.results}
 
 
 def compare(run_a: Run, run_b: Run) -> RunsCompared:
@@ -52,12 +57,11 @@ def compare(run_a: Run, run_b: Run) -> RunsCompared:
     Raises :class:`InputError` where the inputs on disk are not those that a run was made from.
     """
     one, other = SavedRun(run_a.folder, run_a.answer), SavedRun(run_b.folder, run_b.answer)
-    inputs = input_rows(input_differences(one, other))[:MAX_ROWS]
-    results = result_rows(result_differences(one, other))[:MAX_ROWS]
-    right = tuple(place in (2, 3, 5) for place in range(len(RESULT_HEADS)))
+    inputs = tuple(input_rows(input_differences(one, other))[:MAX_ROWS])
+    results = tuple(result_rows(result_differences(one, other))[:MAX_ROWS])
     return RunsCompared(
-        PageTable("Inputs that differ", INPUT_HEADS, tuple(inputs)),
-        PageTable("Results that differ", RESULT_HEADS, tuple(results), right),
+        TextTable("Inputs that differ", INPUT_HEADS, inputs),
+        TextTable("Results that differ", RESULT_HEADS, results),
     )
 
 

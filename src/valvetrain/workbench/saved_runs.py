@@ -51,7 +51,7 @@ class Run:
     title : title of the case
     models : words of the spring models that ran
     engine_speeds : crank speeds (rpm)
-    verdict : the sentence with which its report opens
+    verdict : the fact that decides, or what is damaged
     """
 
     run_id: str
@@ -249,8 +249,16 @@ def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
         text("title", 200),
         tuple(map(clipped, saved.spring_models)),
         saved.engine_speeds,
-        text("verdict", 5000),
+        clipped(_verdict(answer), 1000),
     )
+
+
+def _verdict(answer: Mapping[str, Any]) -> str:
+    """The fact of the first finding, as a sentence begins; empty without any."""
+    findings = answer.get("findings")
+    first = findings[0] if isinstance(findings, list) and findings else {}
+    text = str(first.get("text", "")) if isinstance(first, Mapping) else ""
+    return text[:1].upper() + text[1:]
 
 
 #: Bounds of the tests of one run: files, and bytes together.

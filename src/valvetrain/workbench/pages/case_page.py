@@ -20,7 +20,6 @@ from valvetrain.workbench.form import FieldGroup
 from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.live import LiveResult
 from valvetrain.workbench.pages.case_files import CaseFiles
-from valvetrain.workbench.pages.compare_page import verdict_in
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import (
     Form,
@@ -30,10 +29,7 @@ from valvetrain.workbench.pages.elements import (
     Results,
     Slider,
     button,
-    float_text,
     link,
-    live_lines,
-    live_numbers,
     tag,
 )
 from valvetrain.workbench.pages.forms import (
@@ -45,9 +41,10 @@ from valvetrain.workbench.pages.forms import (
 )
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.html import job_shown, sentence_of
+from valvetrain.workbench.pages.live_curve import float_text, live_lines, live_numbers
 from valvetrain.workbench.pages.orders import choices_for, models_for, request_of
 from valvetrain.workbench.pages.pictures import has_picture, of_case, prepare
-from valvetrain.workbench.pages.runs import earlier, first_sentence, run_head, run_table
+from valvetrain.workbench.pages.runs import earlier, run_head, run_table
 from valvetrain.workbench.saved_runs import Run
 from valvetrain.workbench.starts import additions, removable
 from valvetrain.workbench.workspace import CaseId
@@ -417,15 +414,14 @@ class CasePage:
         if chosen is None:
             return
         self.results.show(f"/part/{chosen.run_id}")
-        verdict = await asyncio.to_thread(verdict_in, chosen)
         self.newest.clear()
         with self.newest:
-            if verdict:
-                tag("strong", first_sentence(verdict))
+            if chosen.verdict:
+                tag("strong", chosen.verdict)
                 link("Results", "#results", "quiet")
         self.head.clear()
         with self.head:
-            run_head(self.desk, chosen, full=False, verdict=verdict)
+            run_head(self.desk, chosen, full=False)
         self.list.clear()
         others = earlier(runs, chosen.run_id)[:MAX_RUNS]
         if others:

@@ -5,104 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
 from nicegui import ui
 from nicegui.elements.mixins.text_element import TextElement
 
-from valvetrain.parameters.summary import number
-from valvetrain.report import theme
-from valvetrain.report.chart import Chart, Line, Panel
-from valvetrain.report.plotly_chart import to_json
-from valvetrain.report.run_charts import ANGLE_LABEL
-from valvetrain.workbench.live import LiveResult
-
-
-def live_lines(
-    base: LiveResult, moved: LiveResult | None, rod: LiveResult | None, label: str = ""
-) -> list[Line]:
-    """Lines of the figure; ``words``: where the quantity was moved to."""
-    lines = [_line(base, f"the case, {theme.model_label(base.model)}", theme.MUTED, "dash")]
-    if moved is not None and moved.angle_deg:
-        lines.append(
-            _line(
-                moved, f"{label}, {theme.model_label(moved.model)}", theme.model_colour(moved.model)
-            )
-        )
-    if rod is not None and rod.angle_deg:
-        lines.append(
-            _line(rod, f"{label}, {theme.model_label(rod.model)}", theme.model_colour(rod.model))
-        )
-    return lines
-
-
-def live_figure(lines: Sequence[Line]) -> str:
-    """The figure as JSON."""
-    forces = np.concatenate([line.y for line in lines])
-    low, high = float(forces.min()), float(forces.max())
-    room = 0.06 * (high - low or 1.0)
-    panel = Panel(
-        ANGLE_LABEL,
-        "force on the retainer (N)",
-        tuple(lines),
-        x_range=(0, 360),
-        x_step=30,
-        y_range=(low - room, high + room),
-    )
-    return to_json(Chart("live", "Spring force", "", (panel,), height=300, legend=False))
-
-
-def live_key(lines: Sequence[Line]) -> list[dict[str, str]]:
-    """What each line is, for the key below the figure."""
-    return [
-        {"words": line.name, "colour": line.colour, "dash": "6 4" if line.dash == "dash" else ""}
-        for line in lines
-    ]
-
-
-def live_numbers(base: LiveResult, moved: LiveResult | None) -> list[dict[str, str]]:
-    """Numbers of the moved case with the change from the case itself."""
-    seen = moved if moved is not None and moved.quantities else base
-    found = []
-    for label, (value, unit) in seen.quantities.items():
-        change = (
-            value - base.quantities[label][0]
-            if seen is not base and label in base.quantities
-            else 0.0
-        )
-        shown_unit = (
-            f"{unit} ({'+' if change > 0 else '−'}{number(abs(change), 3)})"
-            if abs(change) > 1e-9 * abs(value)
-            else unit
-        )
-        found.append(
-            {"label": label[:1].upper() + label[1:], "value": number(value), "unit": shown_unit}
-        )
-    return found
-
-
-def float_text(engine_speed: float | None, own: float | None, sentence: str) -> str:
-    """A float speed (rpm) in tens, with the change from the case's ``own``; else the sentence.
-
-    >>> float_text(8524.0, 8401.0, ""), float_text(None, None, "no float up to 9000 rpm")
-    ('8520 rpm (+120)', 'no float up to 9000 rpm')
-    """
-    if engine_speed is None:
-        return sentence
-    change = 0 if own is None else 10 * (round(engine_speed / 10) - round(own / 10))
-    more = f" ({'+' if change > 0 else '−'}{abs(change)})" if change else ""
-    return f"{10 * round(engine_speed / 10)} rpm{more}"
-
-
-def _line(result: LiveResult, name: str, colour: str, dash: str = "solid") -> Line:
-    return Line(
-        np.asarray(result.angle_deg),
-        np.asarray(result.force_N),
-        name,
-        colour,
-        1.7 if dash == "solid" else 1.3,
-        dash,
-    )
-
+from valvetrain.workbench.pages.live_curve import Trace, live_figure
 
 Handler = Callable[..., Any]
 
@@ -200,16 +106,14 @@ class Slider(ui.element, component="slider.js"):
         self.run_method("floatAnswer", label)
 
     def answer(
-        self, lines: Sequence[Line], numbers: Sequence[Mapping[str, str]], sentence: str
+        self, lines: Sequence[Trace], numbers: Sequence[Mapping[str, str]], sentence: str
     ) -> None:
         """What the chain answered: lines (none where it was overtaken), numbers, or a sentence."""
-        self.run_method(
-            "answer", live_figure(lines) if lines else "", live_key(lines), list(numbers), sentence
-        )
+        self.run_method("answer", live_figure(lines), list(numbers), sentence)
 
-    def rod_answer(self, lines: Sequence[Line], sentence: str) -> None:
+    def rod_answer(self, lines: Sequence[Trace], sentence: str) -> None:
         """What the rod answered."""
-        self.run_method("rodAnswer", live_figure(lines) if lines else "", live_key(lines), sentence)
+        self.run_method("rodAnswer", live_figure(lines), sentence)
 
 
 class Order(ui.element, component="order.js"):
@@ -245,16 +149,14 @@ class JobPanel(ui.element, component="job.js"):
 
 
 class Results(ui.element, component="results.js"):
-    """The sections of a run, fetched from ``source`` (an address of this server); ``whole``: all
-    below each other, no tabs.
-    """
+    """An answer, fetched from ``source`` (an address of this server): verdict, first figure, rows; the rest folded."""
 
-    def __init__(self, source: str = "", whole: bool = False) -> None:
+    def __init__(self, source: str = "") -> None:
         super().__init__()
-        self.props["source"], self.props["whole"] = source, whole
+        self.props["source"] = source
 
     def show(self, source: str) -> None:
-        """Another run."""
+        """Another answer."""
         if self.props["source"] != source:
             self.props["source"] = source
             self.update()

@@ -11,15 +11,15 @@ from pathlib import Path
 
 from fastapi import FastAPI, Request
 from fastapi.responses import FileResponse, JSONResponse, PlainTextResponse, Response
+from jinja2 import TemplateError
 from starlette.datastructures import UploadFile
 from starlette.exceptions import HTTPException
 
 from valvetrain.errors import InputError, ValvetrainError
 from valvetrain.units.text import clipped
 from valvetrain.workbench.answers import against
-from valvetrain.workbench.pages.compare_page import comparison_part, report_part, report_rest
 from valvetrain.workbench.pages.desk import Desk
-from valvetrain.workbench.pages.html import test_part
+from valvetrain.workbench.pages.parts import Part, comparison_part, run_part, test_part
 from valvetrain.workbench.pages.pictures import FAULTS
 from valvetrain.workbench.saved_runs import Run, SavedTest, keep_test, read_test
 from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES
@@ -30,7 +30,7 @@ MAX_OVERLAYS = 20
 
 
 class Overlays:
-    """Comparisons of runs with tests as HTML; the last :data:`MAX_OVERLAYS` are cached, so that a
+    """Comparisons of runs with tests as parts of a page; the last :data:`MAX_OVERLAYS` are cached, so that a
     page that opens again has them at once.
 
     Each is cached for the content it was made of: a test that takes the place of another is never
@@ -38,7 +38,7 @@ class Overlays:
     """
 
     def __init__(self) -> None:
-        self._made: dict[tuple[Path, bytes], str] = {}
+        self._made: dict[tuple[Path, bytes], Part] = {}
         self._turn = threading.Lock()
 
     def lay(self, run: Run, name: str, content: bytes) -> SavedTest:
@@ -57,7 +57,7 @@ class Overlays:
         self._keep(saved, content, made)
         return saved
 
-    def part(self, run: Run, name: str) -> str:
+    def part(self, run: Run, name: str) -> Part:
         """The comparison with a test that was laid over a run. Raises :class:`InputError` where
         there is none, or it cannot be read.
         """
@@ -69,7 +69,7 @@ class Overlays:
             self._keep(test, content, found)
         return found
 
-    def _keep(self, test: SavedTest, content: bytes, part: str) -> None:
+    def _keep(self, test: SavedTest, content: bytes, part: Part) -> None:
         with self._turn:
             self._made[test.path, sha256(content).digest()] = part
             while len(self._made) > MAX_OVERLAYS:
@@ -83,11 +83,7 @@ def register(app: FastAPI, desk: Desk) -> None:
 
     @app.get("/part/{case}/{stamp}")
     def part(case: str, stamp: str) -> Response:
-        return _part(lambda: report_part(desk.workspace.run(f"{case}/{stamp}")))
-
-    @app.get("/rest/{case}/{stamp}")
-    def rest(case: str, stamp: str) -> Response:
-        return _part(lambda: report_rest(desk.workspace.run(f"{case}/{stamp}")))
+        return _part(lambda: run_part(desk.workspace.run(f"{case}/{stamp}")))
 
     @app.get("/job/{case}")
     def job(case: str) -> Response:
@@ -112,7 +108,7 @@ def register(app: FastAPI, desk: Desk) -> None:
 
     @app.get("/part-compare")
     def part_compare(a: str, b: str) -> Response:
-        return _part(lambda: comparison_part(desk, a, b))
+        return _part(lambda: comparison_part(desk.workspace.run(a), desk.workspace.run(b)))
 
     @app.get("/part-test/{case}/{stamp}/{name}")
     def part_test(case: str, stamp: str, name: str) -> Response:
@@ -191,12 +187,12 @@ async def _sent_case(request: Request) -> tuple[str, bytes, dict[str, bytes]]:
     return Path(name).name, content, {other: held for other, held in sent if other != name}
 
 
-def _part(make: Callable[[], str]) -> Response:
+def _part(make: Callable[[], Part]) -> Response:
     """A part of a page, or the sentence why there is none."""
-    try:  # a page takes in plain text, too, which runs nothing where it is opened as a page
-        return PlainTextResponse(make(), headers={"Cache-Control": "no-store"})
+    try:  # as JSON, which runs nothing where it is opened as a page
+        return JSONResponse(make(), headers={"Cache-Control": "no-store"})
     except ValvetrainError:
         raise
-    except FAULTS as error:
+    except (*FAULTS, TemplateError) as error:
         reason = clipped(f"{type(error).__name__}: {error}", 120)
         raise InputError(f"a file of this run is damaged ({reason}); repeat it") from error

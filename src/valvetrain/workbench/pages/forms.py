@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import Any
 
+from valvetrain.findings.words import RPM
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.summary import number
-from valvetrain.report.text import rpm
 from valvetrain.workbench.form import Field, FieldGroup
 from valvetrain.workbench.starts import Addition
 
@@ -102,7 +102,7 @@ def engine_speed(case: Case) -> list[dict[str, Any]]:
     speeds = case.operation.engine_speeds
     if not speeds:
         return []
-    value = round(rpm(max(speeds)))
+    value = round(max(speeds) / RPM)
     ends = {
         "low": 50.0 * round(value * 0.3 / 50),
         "high": 50.0 * round(value * 1.5 / 50),

@@ -6,7 +6,7 @@ import asyncio
 import hashlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from importlib import resources
 
 from fastapi import FastAPI, HTTPException
@@ -14,7 +14,7 @@ from fastapi.responses import Response
 from nicegui import ui
 from nicegui.context import context
 
-from valvetrain.report.page import motion_script, page_script, page_style, plotly_script
+from valvetrain.report.page import motion_script
 from valvetrain.views.page import static
 from valvetrain.workbench.pages.elements import Theme, link, tag
 
@@ -24,13 +24,12 @@ _KINDS = {"css": "text/css; charset=utf-8", "js": "text/javascript; charset=utf-
 @cache
 def content(name: str) -> bytes:
     """The content of an asset; KeyError for another name."""
+    if name == "plotly.js":
+        return resources.files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
     made: dict[str, Callable[[], str]] = {
-        "page.css": page_style,
-        "parts.css": lambda: static("parts.css"),
-        "page.js": page_script,
-        "plotly.js": plotly_script,
+        **{one: partial(static, one) for one in ("page.css", "parts.css", "page.js")},
         "motion.js": motion_script,
-        "workbench.css": _own_style,
+        "workbench.css": _style,
     }
     return made[name]().encode()
 
@@ -54,7 +53,7 @@ def register(app: FastAPI) -> None:
         return Response(whole, media_type=_KINDS[name.rpartition(".")[2]], headers=headers)
 
 
-def _own_style() -> str:
+def _style() -> str:
     return (
         resources.files("valvetrain.workbench.pages")
         .joinpath("static", "workbench.css")

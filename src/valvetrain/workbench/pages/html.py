@@ -1,20 +1,10 @@
-"""Answers of the backend as parts of a page, in the form of the report."""
+"""Words of the pages: sizes, refusals, and how a job stands."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
-from html import escape
 from typing import Any
 
-from valvetrain.compare_test import ModelAgainstTest
 from valvetrain.errors import InputError, ValvetrainError
-from valvetrain.report.page import Block, Cell, Grid, Section, render_part, text
-from valvetrain.report.plotly_chart import in_script
-from valvetrain.views.page import figure_content
-from valvetrain.views.results import answer_of, figures_of
-from valvetrain.views.table import TextTable
-from valvetrain.workbench.answers import PageTable
 from valvetrain.workbench.jobs import JobStatus
 
 
@@ -41,55 +31,6 @@ def sentence_of(error: ValvetrainError, key: str = "") -> str:
         else str(error)
     )
     return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?")) else ".")
-
-
-def figure_html(key: str, title: str, caption: str, plotly: Mapping[str, Any]) -> str:
-    """A figure with its data, as a report has it."""
-    height = int(plotly.get("layout", {}).get("height", 320))
-    return (
-        f'<figure id="fig-{escape(key)}"><h3>{escape(title)}</h3><div class="plot" data-chart="{escape(key)}" role="group" '
-        f'style="height:{height}px" aria-label="{escape(title)}"></div><figcaption>{escape(caption)}</figcaption></figure>'
-        f'<script type="application/json" id="data-{escape(key)}">{in_script(json.dumps(plotly, separators=(",", ":")))}</script>'
-    )
-
-
-def grid_of(key: str, title: str, table: PageTable | None, otherwise: str = "") -> str:
-    """A table as a section; ``otherwise``: the sentence in its place where it has no rows."""
-    blocks: tuple[Block, ...] = (
-        (grid(table),) if table is not None and table.rows else (text(otherwise, "quiet"),)
-    )
-    return render_part([Section(key, title, blocks)])
-
-
-def grid(table: PageTable) -> Grid:
-    """A table of the report's kind."""
-    right = table.right or (False,) * len(table.headers)
-    rows = tuple(
-        (
-            tuple(
-                Cell(text_of, "number" if place < len(right) and right[place] else "")
-                for place, text_of in enumerate(row)
-            ),
-            (),
-        )
-        for row in table.rows
-    )
-    return Grid(table.headers, rows, caption=table.title)
-
-
-def test_part(found: ModelAgainstTest) -> str:
-    """Test data over a run, as ``valvetrain compare-test`` shows them."""
-    answer = answer_of(found)
-    assert answer is not None
-    said = tuple(text(str(one), "note") for one in (*answer.findings[:1], *answer.bullets))
-    parts = [render_part([Section("test", "Test", said)])]
-    for name, fig in figures_of(answer).items():
-        parts.append(figure_html(f"test-{name}", answer.title, "", figure_content(fig)))
-    rows = tuple((one.label, *one.cells, one.remark) for one in answer.lines)
-    tables = [TextTable("Rows", ("", *answer.headings, ""), rows), *answer.tables().values()]
-    for place, one in enumerate(tables):
-        parts.append(grid_of(f"test-{place}", one.title, PageTable("", one.columns, one.rows)))
-    return "".join(parts)
 
 
 _TITLES = {

@@ -10,11 +10,11 @@ from typing import Any
 
 from valvetrain import registry
 from valvetrain.errors import InputError
+from valvetrain.findings.words import RPM
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.summary import number
-from valvetrain.report.text import quantity_label, rpm
-from valvetrain.solution.definition import names_for
+from valvetrain.solution.definition import definition_of, label_of, names_for
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import default_models
 from valvetrain.workbench.jobs import JobRequest
@@ -80,14 +80,15 @@ def sets_for(case: Case, remembered: str = "") -> list[dict[str, Any]]:
 def outputs_for(case: Case) -> list[dict[str, str]]:
     """Quantities that a study can have as outputs."""
     names = names_for("study", "spring" if case.train is None else "train")
-    return [{"name": name, "label": quantity_label(name)} for name in names]
+    labels = (", ".join(filter(None, (label_of(one), definition_of(one).remark))) for one in names)
+    return [{"name": name, "label": label} for name, label in zip(names, labels, strict=True)]
 
 
 def choices_for(
     case: Case, quantities: Sequence[Mapping[str, Any]], remembered: Mapping[str, str]
 ) -> dict[str, Any]:
     """All that the page offers; ``remembered``: what was chosen last."""
-    own = ", ".join(f"{rpm(speed):.10g}" for speed in case.operation.engine_speeds)
+    own = ", ".join(f"{speed / RPM:.10g}" for speed in case.operation.engine_speeds)
     return {
         "models": models_for(case, remembered.get("models", "").split(",")),
         "sets": sets_for(case, remembered.get("sets", "")),

@@ -7,7 +7,6 @@ from urllib.parse import quote
 
 from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.pages.case_page import missing_page
-from valvetrain.workbench.pages.compare_page import verdict_in
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Results, Upload, button, tag
 from valvetrain.workbench.pages.frame import frame
@@ -45,7 +44,7 @@ class RunTests:
             )
             self.list = tag("ul", classes="files")
             self.refusal = tag("div")
-            self.over = Results(whole=True)
+            self.over = Results()
         self.show()
 
     def arrived(self, event: GenericEventArguments) -> None:
@@ -109,7 +108,7 @@ def run_page(desk: Desk, run_id: str) -> None:
         missing_page("This run is not there", str(error))
         return
     with frame(f"{run.case}, {run.command}"):
-        run_head(desk, run, full=True, verdict=verdict_in(run))
+        run_head(desk, run, full=True)
         Results(f"/part/{run_id}")
         RunTests(desk, run)
 

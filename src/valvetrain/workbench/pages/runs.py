@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 
-from valvetrain.report import theme
-from valvetrain.report.page import sentences
 from valvetrain.units.text import clipped
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import link, tag
@@ -36,7 +34,7 @@ def when(run: Run) -> str:
 
 def models_of(run: Run) -> str:
     """Spring models in words."""
-    return ", ".join(theme.model_label(model) for model in run.models) or "the case's own"
+    return ", ".join(run.models) or "the case's own"
 
 
 def speeds_of(run: Run) -> str:
@@ -57,11 +55,6 @@ def sets_of(run: Run) -> str:
 def name_of(run: Run) -> str:
     """A run in one line."""
     return f"{run.case}, {KINDS.get(run.command, run.command)} of {when(run)}"
-
-
-def first_sentence(verdict: str) -> str:
-    """The first sentence of a verdict, the answer itself; empty for none."""
-    return next(iter(sentences(verdict)), "")
 
 
 def run_table(runs: Sequence[Run], alone: bool = False) -> None:
@@ -89,9 +82,7 @@ def run_table(runs: Sequence[Run], alone: bool = False) -> None:
                     cells = (KINDS.get(run.command, run.command), models_of(run), speeds_of(run))
                     for label in cells if alone else (run.case, *cells):
                         tag("td", label)
-                    result = first_sentence(run.verdict) or (
-                        "complete" if run.completed else "in part"
-                    )
+                    result = run.verdict or ("complete" if run.completed else "in part")
                     tag("td", result, "" if run.completed else "bad")
 
 
@@ -104,10 +95,8 @@ DOWNLOADS = (
 )
 
 
-def run_head(desk: Desk, run: Run, full: bool, verdict: str = "") -> None:
-    """Title, ``verdict``, what it was made from, downloads; ``full``: on the run's own page, with a
-    link to its case.
-    """
+def run_head(desk: Desk, run: Run, full: bool) -> None:
+    """Title, what it was made from, downloads; ``full``: on the run's own page, with a link to its case."""
     kind = KINDS.get(run.command, run.command)
     with tag("div", classes="split"):
         tag(
@@ -116,30 +105,8 @@ def run_head(desk: Desk, run: Run, full: bool, verdict: str = "") -> None:
         )
         if not full:
             link("Open on its own page", f"/run/{run.run_id}", "quiet")
-    if verdict:
-        first = first_sentence(verdict)
-        with tag("p", classes="verdict"):
-            tag("b", first)
-            if rest := verdict[len(first) :].strip():
-                tag("span", f" {rest}")
-    if full:
-        facts = [
-            ("case", run.case),
-            ("made", f"{when(run)} UTC"),
-            ("spring models", models_of(run)),
-            ("engine speeds", speeds_of(run)),
-        ]
-        facts += [("spring sets", sets)] if (sets := sets_of(run)) else []
-        with tag("dl", classes="facts"):
-            for name, value in facts:
-                with tag("div"):
-                    tag("dt", name)
-                    tag("dd", value)
-    else:
-        if run.models or run.engine_speeds:
-            tag(
-                "p", "; ".join(filter(None, (models_of(run), sets_of(run), speeds_of(run)))), "said"
-            )
+    made = (f"case {run.case}", f"{when(run)} UTC") if full else ()
+    tag("p", "; ".join(filter(None, (*made, models_of(run), sets_of(run), speeds_of(run)))), "said")
     for sentence in run.failures:
         tag("p", sentence, "alert")
     with tag("div", classes="row"):

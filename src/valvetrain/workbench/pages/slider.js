@@ -3,7 +3,7 @@ export default {
   emits: ["begin", "move", "moving", "rest", "settle", "keep"],
   props: { quantities: Array, speed: String, rod: Boolean, floats: Boolean },
   data() {
-    return { key: "", value: 0, text: "", sentence: "", numbers: [], lines: [], asked: false, waiting: null, busy: false, slow: false, rodWanted: this.rod,
+    return { key: "", value: 0, text: "", sentence: "", numbers: [], asked: false, waiting: null, busy: false, slow: false, rodWanted: this.rod,
       rodSays: "", took: 0, times: [], started: 0, rested: null, typed: null, kept: "",
       floatSays: "", settled: null };
   },
@@ -49,13 +49,12 @@ export default {
       this.started = wish.began;
       this.$emit("move", { key: wish.key, value: wish.value });
     },
-    // What the server answers: the figure (JSON text), numbers, a sentence where the chain says no.
-    answer(figure, key, numbers, sentence) {
+    // What the server answers: the figure, numbers, a sentence where the chain says no.
+    answer(figure, numbers, sentence) {
       this.sentence = sentence;
       this.busy = false;
-      if (figure) {
+      if (figure.data) {
         this.numbers = numbers;
-        this.lines = key;
         this.draw(figure);
         this.took = performance.now() - this.started;
         this.times.push(this.took);
@@ -71,17 +70,17 @@ export default {
     floatAnswer(words) { this.floatSays = words; },
     async draw(figure) {
       if (typeof Plotly === "undefined") { await window.valvetrainDrawing; }
-      valvetrainFigures.show(this.$refs.plot, figure);
+      valvetrainFigures.draw(this.$refs.plot, figure);
     },
     rest() {
       clearTimeout(this.rested);
       if (!this.rodWanted || !this.asked || this.sentence) { return; }
       this.rested = setTimeout(() => { this.slow = true; this.rodSays = "The rod is running."; this.$emit("rest", { key: this.key, value: this.given() }); }, 500);
     },
-    rodAnswer(figure, key, sentence) {
+    rodAnswer(figure, sentence) {
       this.slow = false;
       this.rodSays = sentence;
-      if (figure) { this.lines = key; this.draw(figure); }
+      if (figure.data) { this.draw(figure); }
     },
     keep() { this.asked = false; this.kept = "Kept: " + this.given() + "."; this.$emit("keep", { key: this.key, value: this.given() }); },
     reset() { this.typed = null; this.value = this.chosen.value; this.asked = false; this.kept = ""; this.ask(); },
@@ -113,7 +112,5 @@ export default {
   <p v-if="sentence" class="refusal" role="alert">{{ sentence }}</p>
   <dl class="numbers" v-if="numbers.length" aria-live="polite"><div v-for="one in shownNumbers" :key="one.label"><dt>{{ one.label }}</dt><dd>{{ one.value }} <small>{{ one.unit }}</small></dd></div></dl>
   <div v-show="numbers.length" class="plot" ref="plot" role="group" aria-label="Spring force over the cam angle: case, moved quantity and rod" style="height:300px"></div>
-  <ul v-if="lines.length" class="key" aria-label="lines"><li v-for="one in lines" :key="one.words"><svg width="26" height="10" aria-hidden="true">
-    <path d="M1 5h24" :stroke="one.colour" stroke-width="2.4" :stroke-dasharray="one.dash || null" fill="none"></path></svg>{{ one.words }}</li></ul>
 </section>`,
 };
