@@ -17,7 +17,8 @@ from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.loading import LIBRARY, parse_case
 from valvetrain.parameters.templates import TEMPLATES
 from valvetrain.units import to_unit
-from valvetrain.workbench.form import Field, check, fields, read_change
+from valvetrain.workbench.form import check, fields, read_change
+from valvetrain.workbench.form_fields import Field
 from workbench_parts import SMALL
 from yardstick import quickest
 

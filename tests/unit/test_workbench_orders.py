@@ -13,7 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.study import read_plan, read_study_file
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.cost import Cost, Limits
-from valvetrain.runs.request_cost import RunRequest, request_cost, static_cost
+from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.workbench.pages.orders import choices_for, request_of, sets_for
 from valvetrain.workbench.requests import (
     JobRequest,
@@ -86,38 +86,10 @@ def test_chosen_sets_reach_the_study_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("kind", "options", "steps", "modes"),
-    [
-        ("static", {}, 24, 0),
-        ("static", {"steps": "60"}, 60, 0),
-        ("static", {"steps": "60 mm"}, 0, 0),
-        ("static", {"count": "7"}, 24, 0),
-        ("modes", {}, 24, 24),
-        ("modes", {"count": "7"}, 24, 7),
-        ("modes", {"steps": "60"}, 24, 24),
-        ("modes", {"count": "many"}, 24, 0),
-    ],
+    ("kind", "speeds", "count"),
+    [("run", "", None), ("run", "2000, 3000 rpm", 2), ("sweep", "", 81)],
 )
-def test_a_static_job_costs_what_its_steps_and_modes_cost(kind, options, steps, modes):
-    """24 steps of a curve and 24 modes by default; modes only in a job of modes."""
-    request = JobRequest(kind, "one", ("finite-element",), spring_sets=("stock",), options=options)
-    case = load_case("job-t")
-    expected = static_cost(
-        case, ("finite-element",), spring_sets=("stock",), steps=steps, modes=modes
-    )
-    assert cost_of(request, case, 3) == expected
-
-
-@pytest.mark.parametrize(
-    ("kind", "options", "speeds", "count", "whole", "searches"),
-    [
-        ("run", {}, "", None, True, False),
-        ("compare", {}, "2000, 3000 rpm", 2, True, False),
-        ("sweep", {}, "", 81, False, True),
-        ("sweep", {"no-critical-speeds": "true"}, "2000:3000:500 rpm", 3, False, False),
-    ],
-)
-def test_a_moving_job_costs_its_speeds_and_searches(kind, options, speeds, count, whole, searches):
+def test_a_job_costs_its_speeds_and_searches(kind, speeds, count):
     """A run without speeds by those of its case; a sweep without speeds by 1000 to 9000 rpm in
     hundreds; only a sweep searches.
     """
@@ -126,8 +98,8 @@ def test_a_moving_job_costs_its_speeds_and_searches(kind, options, speeds, count
     rpm = None if count is None else np.linspace(lowest, highest, count)
     engine_speeds = None if rpm is None else tuple(rpm * 2.0 * np.pi / 60.0)
     asked = RunRequest(kind, case, engine_speeds, ("massless",), (), 3)
-    expected = request_cost(asked, whole, searches)
-    cost = cost_of(JobRequest(kind, "one", ("massless",), speeds, options=options), case, 3)
+    expected = request_cost(asked, kind == "run", kind == "sweep")
+    cost = cost_of(JobRequest(kind, "one", ("massless",), speeds), case, 3)
     assert cost.seconds == pytest.approx(expected.seconds)
     assert cost.bytes == pytest.approx(expected.bytes)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from valvetrain import registry
 from valvetrain.errors import InputError
@@ -31,9 +31,8 @@ from valvetrain.parameters.schema_types import StrictModel
 from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.train_schema import PARTS, TrainModel
 from valvetrain.workbench.edits import refuse_foreign_files
-from valvetrain.workbench.form_fields import FieldOf, field_of, text_of
+from valvetrain.workbench.form_fields import Field, field_of, text_of
 
-FieldKind = Literal["number", "text", "choice", "flag", "curve"]
 #: Spring models whose options a form shows even where the file gives none: the fast one, the rod and, of
 #: a wire, the one reduced from it.
 _DEFAULT_OPTIONS, _OF_A_WIRE = ("multi-mass", "finite-element"), ("reduced-rod",)
@@ -42,49 +41,6 @@ _LEFT = ("published", "points", "name", "sources", "remarks", "study")
 #: Angles of a cam card, in the degrees that its ``angle_of`` names.
 CARD_ANGLES = ("duration", "advertised_duration", "upper_duration", "lobe_centre")
 _TITLES = {"multi-mass": "chain of masses", "finite-element": "finite-element rod"}
-
-
-@dataclass(frozen=True, slots=True)
-class Field:
-    """One value of a case.
-
-    Parameters
-    ----------
-    key : key path, as ``--set`` and :meth:`Workspace.set_value` take it
-    label : words of the key
-    kind : ``number`` (with a unit), ``text``, ``choice`` (one of ``choices``), ``flag`` (true,
-        false), ``curve`` (over the coils)
-    value_text : as written in the file, empty where it is left out
-    unit : default unit, in which ``limits`` are given
-    limits : lowest and highest value in ``unit``, None for none
-    help : what it means
-    source : where the value comes from (status and source of its note)
-    required : the case cannot be read without it
-    default_text : what holds where it is left out
-    choices : words of a ``choice``; of a ``text``, suggestions
-    number : the value in ``unit``, None where it is no single number
-    slider : lowest value, highest value and step of a slider in ``unit``, None where one makes no
-        sense
-    """
-
-    key: str
-    label: str
-    kind: FieldKind
-    value_text: str
-    unit: str = ""
-    limits: tuple[float | None, float | None] = (None, None)
-    help: str = ""
-    source: str = ""
-    required: bool = False
-    default_text: str = ""
-    choices: tuple[str, ...] = ()
-    number: float | None = None
-    slider: tuple[float, float, float] | None = None
-
-    @property
-    def slides(self) -> bool:
-        """Whether a slider makes sense."""
-        return self.slider is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -302,9 +258,8 @@ class _Form:
                 if name in CARD_ANGLES and table.get("angle_of") in ("cam", "crank"):
                     made = replace(made, label=f"{made.label} in {table['angle_of']} degrees")
                 sets = self.tree.get("train", {}).get("springs", {}) if name == "spring_set" else {}
-                found.append(
-                    _field(replace(made, choices=tuple(sets)) if sets else made, self.source(path))
-                )
+                source = self.source(path) if made.value_text else ""
+                found.append(replace(made, choices=tuple(sets) or made.choices, source=source))
         return FieldGroup(key, title, tuple(found))
 
     def source(self, path: str) -> str:
@@ -325,21 +280,3 @@ def _steel(place: str, word: str) -> Field:
         "contact stiffness: default steel values; or a table for each contact",
     )
     return Field(key, label, "text", word, help=hint, choices=(STEEL,))
-
-
-def _field(made: FieldOf, source: str) -> Field:
-    return Field(
-        made.key,
-        made.label,
-        made.kind,
-        made.value_text,
-        made.unit,
-        made.limits,
-        made.help,
-        source if made.value_text else "",
-        made.required,
-        made.default_text,
-        made.choices,
-        made.number,
-        made.slider,
-    )

@@ -63,21 +63,41 @@ _REACH, _STEPS = 0.5, 50
 
 
 @dataclass(frozen=True, slots=True)
-class FieldOf:
-    """What :class:`valvetrain.workbench.form.Field` holds, but for the source."""
+class Field:
+    """One value of a case.
+
+    Parameters
+    ----------
+    key : key path, as ``--set`` and :meth:`Workspace.set_value` take it
+    label : words of the key
+    kind : ``number`` (with a unit), ``text``, ``choice`` (one of ``choices``), ``flag`` (true,
+        false), ``curve`` (over the coils)
+    value_text : as written in the file, empty where it is left out
+    unit : default unit, in which ``limits`` are given
+    limits : lowest and highest value in ``unit``, None for none
+    help : what it means
+    source : where the value comes from (status and source of its note)
+    required : the case cannot be read without it
+    default_text : what holds where it is left out
+    choices : words of a ``choice``; of a ``text``, suggestions
+    number : the value in ``unit``, None where it is no single number
+    slider : lowest value, highest value and step of a slider in ``unit``, None where one makes no
+        sense
+    """
 
     key: str
     label: str
     kind: Kind
     value_text: str
-    unit: str
-    limits: tuple[float | None, float | None]
-    help: str
-    required: bool
-    default_text: str
-    choices: tuple[str, ...]
-    number: float | None
-    slider: tuple[float, float, float] | None
+    unit: str = ""
+    limits: tuple[float | None, float | None] = (None, None)
+    help: str = ""
+    source: str = ""
+    required: bool = False
+    default_text: str = ""
+    choices: tuple[str, ...] = ()
+    number: float | None = None
+    slider: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +113,7 @@ class _Form:
     listed: bool = False
 
 
-def field_of(key: str, name: str, info: FieldInfo, value: Any) -> FieldOf | None:
+def field_of(key: str, name: str, info: FieldInfo, value: Any) -> Field | None:
     """The field of a form; None for a table of its own."""
     form = _form(info.annotation, tuple(info.metadata))
     form = _with_registry(key, name, form)
@@ -106,20 +126,11 @@ def field_of(key: str, name: str, info: FieldInfo, value: Any) -> FieldOf | None
         "number" if form.kind == "curve" and (value is None or number is not None) else form.kind
     )
     limits = _limits(form, unit)
-    return FieldOf(
-        key,
-        LABELS.get(name, text_of(name)),
-        kind,
-        written(value),
-        unit,
-        limits,
-        info.description or HELP.get(name, ""),
-        info.is_required(),
-        _default(info),
-        form.choices,
-        number,
-        _slider(number, limits, form.whole),
-    )
+    return Field(
+        key, LABELS.get(name, text_of(name)), kind, written(value), unit, limits,
+        help=info.description or HELP.get(name, ""), required=info.is_required(), default_text=_default(info), choices=form.choices,
+        number=number, slider=_slider(number, limits, form.whole),
+    )  # fmt: skip
 
 
 def text_of(name: str) -> str:

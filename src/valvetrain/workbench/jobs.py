@@ -30,7 +30,6 @@ from valvetrain.workbench.job_process import (
 from valvetrain.workbench.requests import (
     JobKind,
     JobRequest,
-    changes_of,
     check_request,
     cost_of,
     cost_text,
@@ -214,7 +213,7 @@ class Jobs:
         self.stop()
 
     def _check(self, request: JobRequest, text: str) -> str:
-        case = self.workspace.parse(request.case, text, changes_of(request) or None)
+        case = self.workspace.parse(request.case, text)
         check_request(request, case)
         return cost_text(cost_of(request, case, self.workers), self.limits)
 

@@ -37,7 +37,6 @@ class LiveResult:
     ----------
     angle_deg : cam angles (cam degrees)
     force_N : spring force on the retainer, of all springs together (N)
-    lift_mm : valve lift (mm)
     seconds : time it took in the worker (s)
     sentence : what went wrong, or is to be said of the curve; empty where there is nothing
     quantities : words -> (value, unit shown) of a few numbers, such as the largest force
@@ -48,7 +47,6 @@ class LiveResult:
 
     angle_deg: tuple[float, ...] = ()
     force_N: tuple[float, ...] = ()
-    lift_mm: tuple[float, ...] = ()
     seconds: float = 0.0
     sentence: str = ""
     quantities: Mapping[str, tuple[float, str]] = field(default_factory=dict)
@@ -264,9 +262,7 @@ def _line(process: subprocess.Popen[bytes], longest: float) -> bytes | None:
 
 
 def _result(entry: Mapping[str, Any]) -> LiveResult:
-    angle, force, lift = (
-        tuple(entry.get(name, ())) for name in ("angle_deg", "force_N", "lift_mm")
-    )
+    angle, force = (tuple(entry.get(name, ())) for name in ("angle_deg", "force_N"))
     quantities = {
         label: (float(value), str(unit))
         for label, (value, unit) in entry.get("quantities", {}).items()
@@ -274,7 +270,6 @@ def _result(entry: Mapping[str, Any]) -> LiveResult:
     return LiveResult(
         angle,
         force,
-        lift,
         float(entry["seconds"]),
         str(entry["sentence"]),
         quantities,

@@ -119,7 +119,6 @@ class LiveCase:
             "model": run.model,
             "angle_deg": np.round(degrees, 4).tolist(),
             "force_N": np.round(force, 4).tolist(),
-            "lift_mm": np.round(lift * 1e3, 6).tolist(),
             "engine_speed": speed * 30 / np.pi,
             "sentence": "" if run.status.code == "completed" else run.status.sentence(),
             "quantities": {

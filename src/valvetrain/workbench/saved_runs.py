@@ -6,9 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
-import shutil
 import threading
 import zipfile
 from collections.abc import Mapping
@@ -117,28 +115,6 @@ def saved_run(root: Path, run_id: str) -> Run:
     if not found.created_at:
         raise InputError(found.verdict, run_id)
     return found
-
-
-def delete_saved(root: Path, run_id: str) -> None:
-    """Remove a saved run; the link to the latest run of its case then leads to the newest of those
-    left.
-    """
-    run = saved_run(root, run_id)
-    refuse_living(run.folder)
-    shutil.rmtree(run.folder)
-    latest = run.folder.parent / "latest"
-    if latest.is_symlink() and not latest.exists():
-        latest.unlink(missing_ok=True)
-        left = sorted(
-            path.name
-            for path in run.folder.parent.iterdir()
-            if path.is_dir() and (path / ANSWER).is_file()
-        )
-        if left:
-            with suppress(OSError):
-                os.symlink(left[-1], latest, target_is_directory=True)
-    with suppress(OSError):
-        run.folder.parent.rmdir()
 
 
 def file_of(root: Path, passing: Path, run_id: str, kind: RunFiles) -> Path:

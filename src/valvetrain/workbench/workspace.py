@@ -39,7 +39,6 @@ from valvetrain.workbench.lift_laws import STORE, CachedLaws, kind_of
 from valvetrain.workbench.saved_runs import (
     Run,
     RunFiles,
-    delete_saved,
     file_of,
     list_saved,
     saved_run,
@@ -119,7 +118,6 @@ class CaseCard:
     kind : ``library``, ``template`` or ``case``
     holds : tables it has, such as ``spring``, ``lift_law``, ``train``
     origin : where a case of the workspace comes from
-    changed_at : time of its last change, ISO 8601 UTC; empty for library and templates
     fault : why it cannot be opened; empty where it can
     """
 
@@ -128,7 +126,6 @@ class CaseCard:
     kind: str
     holds: tuple[str, ...] = ()
     origin: str = ""
-    changed_at: str = ""
     fault: str = ""
 
 
@@ -206,9 +203,8 @@ class Workspace:
             except OSError:  # removed meanwhile
                 continue
             name = clipped(folder.name, 200)
-            at = f"{datetime.fromtimestamp(changed / 1e9, UTC):%Y-%m-%dT%H:%M:%SZ}"
             origin = origins.get(name, "")
-            found.append((changed, CaseCard(name, title, "case", holds, origin, at, fault)))
+            found.append((changed, CaseCard(name, title, "case", holds, origin, fault)))
         return [card for _, card in sorted(found, key=lambda one: one[0], reverse=True)]
 
     @_in_turn
@@ -341,39 +337,16 @@ class Workspace:
         self._write(case, made)
 
     @_in_turn
-    def rename(self, case: CaseId, name: str) -> CaseId:
-        """Give a case another name; the new id. Its earlier runs retain the name they were made
-        under.
-        """
-        path, ours = self._file(case), self._free(name)
-        folder = self.cases_folder / ours
-        path.parent.rename(folder)
-        self._write(ours, with_name((folder / CASE_FILE).read_text("utf-8"), ours))
-        with self.store.connected() as base:
-            base.execute("UPDATE cases SET name = ? WHERE name = ?", (ours, case))
-            base.execute("UPDATE jobs SET case_name = ? WHERE case_name = ?", (ours, case))
-            base.execute("UPDATE OR REPLACE choices SET name = ? WHERE name = ?", (ours, case))
-        return ours
-
-    @_in_turn
-    def duplicate(self, case: CaseId, name: str = "") -> CaseId:
+    def duplicate(self, case: CaseId) -> CaseId:
         """A copy of a case; its id."""
         path = self._file(case)
-        ours = self._free(name or case, numbered=not name)
+        ours = self._free(case, numbered=True)
         self._put(
             ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name)
         )
         if (path.parent / STORE).is_file() and not (path.parent / STORE).is_symlink():
             write_bytes(self.case_folder(ours) / STORE, (path.parent / STORE).read_bytes())
         return ours
-
-    @_in_turn
-    def delete(self, case: CaseId) -> None:
-        """Remove a case; its runs stay."""
-        shutil.rmtree(self._file(case).parent)
-        with self.store.connected() as base:
-            base.execute("DELETE FROM cases WHERE name = ?", (case,))
-            base.execute("DELETE FROM choices WHERE name = ?", (case,))
 
     def files(self, case: CaseId) -> dict[str, bytes]:
         """Files next to a case, by name."""
@@ -448,10 +421,6 @@ class Workspace:
         where there is none.
         """
         return saved_run(self.runs_folder, run_id)
-
-    def delete_run(self, run_id: str) -> None:
-        """Remove a saved run with its files."""
-        delete_saved(self.runs_folder, run_id)
 
     def download(self, run_id: str, kind: RunFiles) -> Path:
         """The file to serve: ``case`` (TOML), ``data`` (all files, zip), ``report`` (HTML) or

@@ -8,7 +8,8 @@ from typing import Any
 from valvetrain.findings.words import RPM
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.summary import number
-from valvetrain.workbench.form import Field, FieldGroup
+from valvetrain.workbench.form import FieldGroup
+from valvetrain.workbench.form_fields import Field
 from valvetrain.workbench.starts import Addition
 
 #: Key of the engine speed among the quantities of a slider.

@@ -33,14 +33,7 @@ def sentence_of(error: ValvetrainError, key: str = "") -> str:
     return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?")) else ".")
 
 
-_TITLES = {
-    "run": "Run",
-    "compare": "Comparison of models",
-    "sweep": "Sweep",
-    "study": "Study",
-    "static": "Static curve",
-    "modes": "Modes",
-}
+_TITLES = {"run": "Run", "sweep": "Sweep", "study": "Study"}
 _TONES = {"finished": "good", "failed": "bad", "cancelled": "warn", "interrupted": "warn"}
 
 
