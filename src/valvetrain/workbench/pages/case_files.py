@@ -38,14 +38,8 @@ class CaseFiles:
                 hint = "A table of lifts, for instance: name it in the lift law, as in 'lift.csv'."
                 address = f"/upload/file?case={quote(case)}"
                 Upload(
-                    "side-file",
-                    "Add a file",
-                    hint,
-                    address,
-                    "",
-                    desk.settings.most_upload,
-                    self.changed,
-                )
+                    {"done": self.changed}, field="side-file", label="Add a file", hint=hint, url=address, most=desk.settings.most_upload,
+                )  # fmt: skip
         self.fill(files)
 
     def show(self) -> None:

@@ -8,6 +8,7 @@ import asyncio
 import json
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import asdict
 from functools import partial
 from typing import Any
 
@@ -23,7 +24,6 @@ from valvetrain.workbench.pages.case_files import CaseFiles
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import (
     Form,
-    Handler,
     JobPanel,
     Order,
     Results,
@@ -35,7 +35,6 @@ from valvetrain.workbench.pages.elements import (
 from valvetrain.workbench.pages.forms import (
     ENGINE_SPEED,
     engine_speed,
-    shown_additions,
     shown_groups,
     sliding,
 )
@@ -105,9 +104,10 @@ class CasePage:
             tag("h1", self.read.title or self.case)
             quantities = sliding(groups)
             self.order = Order(
-                choices_for(self.read, quantities, remembered), self.estimate, self.start
+                {"estimate": self.estimate, "run": self.start},
+                **choices_for(self.read, quantities, remembered),
             )
-            self.panel = JobPanel(self.cancel, self.again)
+            self.panel = JobPanel({"cancel": self.cancel, "again": self.again})
             self.newest = tag("p", classes="newest")
             with tag("div", classes="split"):
                 tag("p", f"Case {self.case}. Changes are saved as you make them.", "said")
@@ -122,34 +122,18 @@ class CasePage:
             with tag("div", classes="bench"):
                 with tag("section", classes="inputs", aria_labelledby="inputs-title"):
                     tag("h2", "Case", id="inputs-title")
-                    shown, more = self.shown(groups)
-                    changes: dict[str, Handler] = {
-                        "change": self.change,
-                        "add": self.add,
-                        "remove": self.remove,
-                    }
-                    self.form = Form(
-                        shown,
-                        more,
-                        [one["key"] for one in shown if one["key"]][:OPEN_GROUPS],
-                        changes,
-                    )
+                    shown = self.shown(groups)
+                    opened = [one["key"] for one in shown["groups"] if one["key"]][:OPEN_GROUPS]
+                    changes = {"change": self.change, "add": self.add, "remove": self.remove}
+                    self.form = Form(changes, open=opened, **shown)
                     self.side_files = CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     with tag("figure", classes="drawn case-drawn") as self.figure:
                         self.picture = tag("img", alt="the parts to scale, valve closed and open")
                         tag("figcaption", "To scale: valve closed and at full lift.", "hint")
-                    handlers: dict[str, Handler] = {
-                        "begin": self.begin,
-                        "move": self.move,
-                        "moving": self.moving,
-                        "rest": self.rest,
-                        "settle": self.settle,
-                        "keep": self.keep,
-                    }
-                    self.slider = Slider(
-                        [*engine_speed(self.read), *quantities], "", self.floats(), handlers
-                    )
+                    events = ("begin", "move", "moving", "rest", "settle", "keep")
+                    self.slider = Slider({one: getattr(self, one) for one in events})
+                    self.slide(quantities)
                     self.head = tag("div", classes="run-head", id="results")
                     self.results = Results()
                     self.list = tag("div", classes="run-list")
@@ -157,9 +141,10 @@ class CasePage:
         self.picture.props["src"] = of_case(self.desk, self.case)
         ui.timer(LOOK, self.look)
 
-    def floats(self) -> bool:
-        """Whether the case has a float speed."""
-        return self.read.train is not None
+    def slide(self, quantities: list[dict[str, Any]]) -> None:
+        """Offer ``quantities`` to the slider; a train has a float speed."""
+        offered = [*engine_speed(self.read), *quantities]
+        self.slider.tell(quantities=offered, floats=self.read.train is not None)
 
     async def draw(self, key: str = "", value: str = "") -> None:
         """Draw the case with ``value`` at ``key``; of positions that come meanwhile, the newest is
@@ -218,11 +203,12 @@ class CasePage:
             key, await self.done(lambda: self.desk.workspace.set_value(self.case, key, ""), key)
         )
 
-    def shown(self, groups: list[FieldGroup]) -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
+    def shown(self, groups: list[FieldGroup]) -> dict[str, list[dict[str, Any]]]:
         """Groups of the form, and tables that may be added, as its script takes them."""
-        return shown_groups(groups, self.files(), removable(self.read, self.text)), shown_additions(
-            additions(self.read, self.text)
-        )
+        files = [one.name for one in self.desk.workspace.side_files(self.case)]
+        more = [asdict(one) for one in additions(self.read, self.text)]
+        goes = removable(self.read, self.text)
+        return {"groups": shown_groups(groups, files, goes), "additions": more}
 
     async def after_changes(self, ask: Callable[[], str]) -> str:
         """Request something once the changes that were requested before are made; it runs next to
@@ -241,17 +227,13 @@ class CasePage:
         self.text, self.read = await asyncio.to_thread(current_text, self.desk, self.case)
         self.moved = None
         groups = form.fields(self.text)
-        self.form.show(*self.shown(groups))
+        self.form.tell(**self.shown(groups))
         self.side_files.show()
         self.own_float = None
-        self.slider.show([*engine_speed(self.read), *sliding(groups)], "", self.floats())
+        self.slide(sliding(groups))
         self.figure.set_visibility(has_picture(self.read))
         await self.draw()
         self.order.tell(quantities=sliding(groups), models=models_for(self.read))
-
-    def files(self) -> list[str]:
-        """Names of the files next to the case."""
-        return [one.name for one in self.desk.workspace.side_files(self.case)]
 
     async def copy(self) -> None:
         """A copy of the case, and its page."""
@@ -390,7 +372,7 @@ class CasePage:
         newest = next(iter(self.desk.jobs.jobs(self.case, 1)), None)
         if newest != self.job:
             self.job = newest
-            self.panel.show(job_shown(newest))
+            self.panel.tell(job=job_shown(newest))
             self.order.tell(busy=newest is not None and not newest.ended)
         if (
             newest is not None
@@ -398,7 +380,7 @@ class CasePage:
             and newest.run_id
             and newest.run_id != self.shown_run
         ):
-            self.results.show(f"/part/{newest.run_id}")
+            self.results.tell(source=f"/part/{newest.run_id}")
             await asyncio.sleep(0.02)  # its figures first, then what is around them
             await self.show_run(newest.run_id)
         elif not self.shown_run:
@@ -413,7 +395,7 @@ class CasePage:
         self.shown_run = run_id or (chosen.run_id if chosen is not None else "none")
         if chosen is None:
             return
-        self.results.show(f"/part/{chosen.run_id}")
+        self.results.tell(source=f"/part/{chosen.run_id}")
         self.newest.clear()
         with self.newest:
             if chosen.verdict:

@@ -31,7 +31,7 @@ def compare_page(desk: Desk, a: str, b: str) -> None:
                 _choice(name, chosen, runs)
             tag("button", "Compare", "button main", type="submit")
         if a and b:
-            Results(f"/part-compare?a={quote(a)}&b={quote(b)}")
+            Results(source=f"/part-compare?a={quote(a)}&b={quote(b)}")
 
 
 def two_runs(runs: Sequence[Run], a: str, b: str) -> tuple[str, str]:

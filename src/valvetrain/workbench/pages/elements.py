@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from nicegui import ui
@@ -38,37 +39,30 @@ def link(label: str, href: str, classes: str = "", **attributes: str | None) -> 
     return tag("a", label, classes, href=href, **attributes)
 
 
-class Theme(ui.element, component="theme.js"):
+class Scripted(ui.element):
+    """An element with a script of its own: the values it shows (``props``), and what is called ``on`` its events."""
+
+    def __init__(self, on: Mapping[str, Handler] = MappingProxyType({}), **props: Any) -> None:
+        super().__init__()
+        for event, handler in on.items():
+            self.on(event, handler)
+        self.tell(**props)
+
+    def tell(self, **props: Any) -> None:
+        """Change what it shows."""
+        for key, value in props.items():
+            self.props[key] = value
+        self.update()
+
+
+class Theme(Scripted, component="theme.js"):
     """The button for light or dark, which shows its state."""
 
 
-class Form(ui.element, component="form.js"):
-    """The form of a case: ``groups`` of fields and ``additions`` as
+class Form(Scripted, component="form.js"):
+    """The form of a case: ``groups`` of fields, those ``open`` at first, and ``additions``, as
     :mod:`valvetrain.workbench.pages.forms` gives them.
     """
-
-    def __init__(
-        self,
-        groups: Sequence[Mapping[str, Any]],
-        additions: Sequence[Mapping[str, str]],
-        opened: Sequence[str],
-        on: Mapping[str, Handler],
-    ) -> None:
-        super().__init__()
-        self.props["groups"], self.props["additions"], self.props["open"] = (
-            list(groups),
-            list(additions),
-            list(opened),
-        )
-        for event, handler in on.items():
-            self.on(event, handler)
-
-    def show(
-        self, groups: Sequence[Mapping[str, Any]], additions: Sequence[Mapping[str, str]]
-    ) -> None:
-        """Other fields or values."""
-        self.props["groups"], self.props["additions"] = list(groups), list(additions)
-        self.update()
 
     def answer(self, key: str, sentence: str) -> None:
         """The refusal of what was typed for ``key``, or of the table that was to be added or
@@ -77,29 +71,8 @@ class Form(ui.element, component="form.js"):
         self.run_method("answer", key, sentence)
 
 
-class Slider(ui.element, component="slider.js"):
-    """One quantity on a slider, with the curve that follows it."""
-
-    def __init__(
-        self,
-        quantities: Sequence[Mapping[str, Any]],
-        engine_speed: str,
-        floats: bool,
-        on: Mapping[str, Handler],
-    ) -> None:
-        super().__init__()
-        self.props["quantities"], self.props["speed"] = list(quantities), engine_speed
-        self.props["floats"] = floats
-        for event, handler in on.items():
-            self.on(event, handler)
-
-    def show(
-        self, quantities: Sequence[Mapping[str, Any]], engine_speed: str, floats: bool
-    ) -> None:
-        """Other quantities or values of theirs; ``floats``: the case has a float speed."""
-        self.props["quantities"], self.props["speed"] = list(quantities), engine_speed
-        self.props["floats"] = floats
-        self.update()
+class Slider(Scripted, component="slider.js"):
+    """One of ``quantities`` on a slider, with the curve that follows it; ``floats``: the case has a float speed."""
 
     def float_answer(self, label: str) -> None:
         """The float speed in words."""
@@ -116,77 +89,17 @@ class Slider(ui.element, component="slider.js"):
         self.run_method("rodAnswer", live_figure(lines), sentence)
 
 
-class Order(ui.element, component="order.js"):
-    """What to run."""
-
-    def __init__(self, choices: Mapping[str, Any], on_estimate: Handler, on_run: Handler) -> None:
-        super().__init__()
-        self.tell(estimate="", refusal="", busy=False, **choices)
-        self.on("estimate", on_estimate)
-        self.on("run", on_run)
-
-    def tell(self, **values: Any) -> None:
-        """Change what it shows."""
-        for key, value in values.items():
-            self.props[key] = value
-        self.update()
+class Order(Scripted, component="order.js"):
+    """What to run: choices, ``estimate``, ``refusal``, and whether a job is running (``busy``)."""
 
 
-class JobPanel(ui.element, component="job.js"):
-    """State of a job."""
-
-    def __init__(self, on_cancel: Handler, on_again: Handler) -> None:
-        super().__init__()
-        self.props["job"] = None
-        self.on("cancel", on_cancel, args=[])
-        self.on("again", on_again, args=[])
-
-    def show(self, job: Mapping[str, Any] | None) -> None:
-        """Another state; nothing is sent where it is the same."""
-        if self.props["job"] != job:
-            self.props["job"] = job
-            self.update()
+class JobPanel(Scripted, component="job.js"):
+    """State of a ``job``."""
 
 
-class Results(ui.element, component="results.js"):
+class Results(Scripted, component="results.js"):
     """An answer, fetched from ``source`` (an address of this server): verdict, first figure, rows; the rest folded."""
 
-    def __init__(self, source: str = "") -> None:
-        super().__init__()
-        self.props["source"] = source
 
-    def show(self, source: str) -> None:
-        """Another answer."""
-        if self.props["source"] != source:
-            self.props["source"] = source
-            self.update()
-
-
-class Upload(ui.element, component="upload.js"):
-    """A file to send to ``url``; ``many``: several together."""
-
-    def __init__(
-        self,
-        field: str,
-        label: str,
-        hint: str,
-        url: str,
-        accept: str,
-        most: int,
-        on_done: Handler | None = None,
-        many: bool = False,
-    ) -> None:
-        super().__init__()
-        shown_unit = {
-            "field": field,
-            "label": label,
-            "hint": hint,
-            "url": url,
-            "accept": accept,
-            "most": most,
-            "many": many,
-        }
-        for key, value in shown_unit.items():
-            self.props[key] = value
-        if on_done is not None:
-            self.on("done", on_done)
+class Upload(Scripted, component="upload.js"):
+    """A file to send to ``url``, at most so large (``most``, bytes); ``many``: several together. ``field``: its id."""

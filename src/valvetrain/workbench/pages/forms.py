@@ -10,7 +10,6 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.summary import number
 from valvetrain.workbench.form import FieldGroup
 from valvetrain.workbench.form_fields import Field
-from valvetrain.workbench.starts import Addition
 
 #: Key of the engine speed among the quantities of a slider.
 ENGINE_SPEED = "engine_speed"
@@ -34,11 +33,6 @@ def shown_groups(
         for group in groups
         if group.fields
     ]
-
-
-def shown_additions(found: Sequence[Addition]) -> list[dict[str, str]]:
-    """Tables that may be added, for the script of the form."""
-    return [{"key": one.key, "label": one.label, "help": one.help} for one in found]
 
 
 def _shown(field: Field, files: Sequence[str]) -> dict[str, Any]:

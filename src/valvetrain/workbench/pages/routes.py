@@ -55,7 +55,9 @@ def home_page(desk: Desk) -> None:
             tag("h2", "Open a case file")
             most = desk.settings.most_upload
             hint = "A .toml file, as 'valvetrain new' writes it, and with it the tables that it names: choose them together."
-            Upload("case-file", "Case file", hint, "/upload/case", "", most, many=True)
+            Upload(
+                field="case-file", label="Case file", hint=hint, url="/upload/case", most=most, many=True,
+            )  # fmt: skip
         runs = desk.workspace.runs()[:MAX_RUNS]
         if runs:
             tag("h2", "Last runs")

@@ -34,14 +34,8 @@ class RunTests:
             hint = "Measured cycles (.csv, .nc) as 'valvetrain rig' writes them, or a table of values. It stays with the run."
             address = f"/upload/test?run={quote(run.run_id)}"
             Upload(
-                "test-file",
-                "File of a test",
-                hint,
-                address,
-                "",
-                desk.settings.most_upload,
-                self.arrived,
-            )
+                {"done": self.arrived}, field="test-file", label="File of a test", hint=hint, url=address, most=desk.settings.most_upload,
+            )  # fmt: skip
             self.list = tag("ul", classes="files")
             self.refusal = tag("div")
             self.over = Results()
@@ -69,7 +63,7 @@ class RunTests:
             if chosen is None
             else f"/part-test/{quote(self.run.run_id)}/{quote(chosen.name)}?at={chosen.changed}"
         )
-        self.over.show(place)
+        self.over.tell(source=place)
 
     def row(self, name: str, size: int, several: bool) -> None:
         """One test; ``several``: there are others to show in its place."""
@@ -109,7 +103,7 @@ def run_page(desk: Desk, run_id: str) -> None:
         return
     with frame(f"{run.case}, {run.command}"):
         run_head(desk, run, full=True)
-        Results(f"/part/{run_id}")
+        Results(source=f"/part/{run_id}")
         RunTests(desk, run)
 
 

@@ -1,7 +1,7 @@
 // One quantity on a slider: while it moves the lumped chain answers, the newest wish first; when it rests the rod may answer too.
 export default {
   emits: ["begin", "move", "moving", "rest", "settle", "keep"],
-  props: { quantities: Array, speed: String, rod: Boolean, floats: Boolean },
+  props: { quantities: Array, rod: Boolean, floats: Boolean },
   data() {
     return { key: "", value: 0, text: "", sentence: "", numbers: [], asked: false, waiting: null, busy: false, slow: false, rodWanted: this.rod,
       rodSays: "", took: 0, times: [], started: 0, rested: null, typed: null, kept: "",
@@ -88,7 +88,7 @@ export default {
   },
   template: `
 <section class="panel live" aria-labelledby="live-title">
-  <div class="split"><h2 id="live-title">What if</h2><p class="hint">Numbers, curve and picture follow a quantity while you move it{{ speed ? ", at " + speed : "" }}.{{ floats ? " A sweep searches the float speed finer." : "" }}</p></div>
+  <div class="split"><h2 id="live-title">What if</h2><p class="hint">Numbers, curve and picture follow a quantity while you move it.{{ floats ? " A sweep searches the float speed finer." : "" }}</p></div>
   <div class="row end live-row">
     <div class="labelled quantity"><label for="live-quantity">Quantity</label>
       <select id="live-quantity" v-model="key" @change="pick" @focus.once="$emit('begin')"><option value="" disabled>choose …</option>

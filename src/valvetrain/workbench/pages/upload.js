@@ -1,7 +1,7 @@
 // A file to send, or several together (many): chosen, sent at once, answered by an address to go to or by the reader's sentence.
 export default {
   emits: ["done"],
-  props: { label: String, hint: String, url: String, accept: String, most: Number, field: String, many: Boolean },
+  props: { label: String, hint: String, url: String, most: Number, field: String, many: Boolean },
   data() { return { sentence: "", busy: false }; },
   methods: {
     async send(event) {
@@ -30,7 +30,7 @@ export default {
   },
   template: `
 <div class="labelled upload"><label :for="field">{{ label }}</label>
-  <input type="file" :id="field" :accept="accept" :multiple="many" @change="send" :aria-describedby="field + '-hint'" :aria-invalid="sentence ? 'true' : null">
+  <input type="file" :id="field" :multiple="many" @change="send" :aria-describedby="field + '-hint'" :aria-invalid="sentence ? 'true' : null">
   <p class="hint" :id="field + '-hint'">{{ busy ? "Reading …" : hint }}</p>
   <p v-if="sentence" class="refusal" role="alert">{{ sentence }}</p></div>`,
 };
