@@ -222,7 +222,9 @@ def test_two_runs_are_compared(bench, page, finished):
     }
     assert "spring.wire_diameter" in rows and "3.9 mm" in rows["spring.wire_diameter"]
     assert page.locator("#table-results tbody tr").count() > 5
-    page.locator("summary", has_text="Spring force over the cam angle").click()
+    page.locator("#at-force > details").evaluate_all(
+        "(folds) => folds.forEach((one) => { one.open = true; })"
+    )
     page.wait_for_selector("#fig-force .scatterlayer .trace")
     assert page.locator("#fig-force .scatterlayer .trace").count() >= 2
 

@@ -5,6 +5,9 @@ Evidence: Hooke's law, and a test synthesised from a known curve.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from html import escape
+
 import numpy as np
 import pytest
 
@@ -14,9 +17,11 @@ from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.parameters.loading import parse_case
 from valvetrain.report.json import study_json
 from valvetrain.runs.saved_runs import Inputs, save_run
+from valvetrain.views.page import data_of, unpacked
 from valvetrain.views.results import answer_of
 from valvetrain.workbench.answers import against, compare, saved_study
-from valvetrain.workbench.pages.html import test_part as shown_test
+from valvetrain.workbench.pages.parts import comparison_part, over, run_part
+from valvetrain.workbench.pages.parts import test_part as shown_test
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL
 
@@ -63,6 +68,29 @@ def test_two_runs_are_compared(runs):
     assert not compare(runs[0], runs[0]).results.rows
 
 
+def test_the_part_of_a_run_says_and_draws_what_its_page_does(runs, study):
+    part, answer = run_part(runs[0]), answer_of(study)
+    assert escape(answer.verdict.text[1:]) in part["html"]
+    for line in answer.lines:
+        assert escape(line.label) in part["html"]
+    assert unpacked(part["data"]) == data_of(runs[0].page.read_text("utf-8"))
+
+
+def test_curves_of_two_runs_are_over_each_other(runs):
+    drawn = unpacked(comparison_part(*runs)["data"])["data-force"]
+    first, second = (unpacked(run_part(run)["data"])["data-force"] for run in runs)
+    solid = [one for one in second["data"] if one["line"].get("dash", "solid") == "solid"]
+    assert len(drawn["data"]) == len(first["data"]) + len(solid)
+    assert over(first, second | {"data": []}) is None
+
+
+def test_a_run_without_a_page_of_this_kind_is_named(runs, tmp_path):
+    (tmp_path / "report.html").write_text("<html>")
+    for folder in (tmp_path, tmp_path / "none"):
+        with pytest.raises(InputError, match="run it again"):
+            run_part(replace(runs[0], folder=folder))
+
+
 def test_a_test_made_from_a_run_is_not_refuted_and_one_shifted_is(runs, tmp_path):
     study, _ = saved_study(runs[0])
     run = next(
@@ -82,7 +110,7 @@ def test_a_test_made_from_a_run_is_not_refuted_and_one_shifted_is(runs, tmp_path
 
     same, shifted = (against(runs[0], "test.csv", content(one)) for one in (drawn, drawn + 40.0))
     assert [answer_of(one).verdict.code for one in (same, shifted)] == ["T204", "T203"]
-    assert answer_of(shifted).verdict.text in shown_test(shifted)
+    assert escape(answer_of(shifted).verdict.text[1:]) in shown_test(shifted)["html"]
     with pytest.raises(InputError, match="none of the runs is"):
         against(runs[1], "test.csv", content(drawn, 100.0))
 
