@@ -138,6 +138,8 @@ class AgainstTestAnswer(Shown):
             )
 
     def _later(self, shift: float, reach: float) -> str:
+        if not math.isfinite(shift + reach):  # a level has none
+            return ""
         if abs(shift) <= 2 * reach:
             return f"0 ± {digits_text(math.degrees(reach), 0, 1)} deg"
         return self.words.amount(Amount("cam_angle", shift, reach)).replace("cam ", "")

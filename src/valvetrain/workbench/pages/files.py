@@ -147,7 +147,7 @@ async def _answered(take: Callable[[], dict[str, str]]) -> Response:
     """What was taken in, or the sentence why it was not; it is read in a thread."""
     try:
         with writing("what was sent", "upload"):
-            return JSONResponse(await asyncio.to_thread(take))
+            return JSONResponse(await asyncio.to_thread(_made, take))
     except ValvetrainError as error:
         return _refused(error)
 
@@ -188,11 +188,16 @@ async def _sent_case(request: Request) -> tuple[str, bytes, dict[str, bytes]]:
 
 
 def _part(make: Callable[[], Part]) -> Response:
-    """A part of a page, or the sentence why there is none."""
-    try:  # as JSON, which runs nothing where it is opened as a page
-        return JSONResponse(make(), headers={"Cache-Control": "no-store"})
+    """A part of a page as JSON, which runs nothing where it is opened as a page."""
+    return JSONResponse(_made(make), headers={"Cache-Control": "no-store"})
+
+
+def _made(make: Callable[[], dict[str, str]]) -> dict[str, str]:
+    """What ``make`` gives; a fault in it becomes an :class:`InputError`."""
+    try:
+        return make()
     except ValvetrainError:
         raise
-    except (*FAULTS, TemplateError) as error:
+    except (*FAULTS, RuntimeError, TemplateError) as error:
         reason = clipped(f"{type(error).__name__}: {error}", 120)
         raise InputError(f"a file of this run is damaged ({reason}); repeat it") from error

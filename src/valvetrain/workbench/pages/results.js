@@ -17,8 +17,7 @@ export default {
       this.sentence = content.sentence || "";
       place.innerHTML = content.html;
       open.forEach((id) => { const fold = place.querySelector("#" + CSS.escape(id) + " > details"); if (fold) { fold.open = true; } });
-      this.shown = "";
-      if (!content.html) { return; }
+      if (!content.html) { this.shown = ""; return; }
       await window.valvetrainDrawing;
       if (source !== this.source) { return; }
       await valvetrainFigures.begin(place, content.data);
