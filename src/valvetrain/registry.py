@@ -82,12 +82,6 @@ BUILT_IN["springs"] = {
 }
 #: Class of a result -> the page, or its blocks, whose first table and figure a notebook shows.
 BUILT_IN["results"] = {
-    "StaticCurve": "valvetrain.report.results:static_curve_blocks",
-    "ModalResult": "valvetrain.report.results:modes_blocks",
-    "TrainModes": "valvetrain.report.results:train_modes_blocks",
-    "CriticalSpeeds": "valvetrain.report.results:critical_speeds_blocks",
-    "Comparison": "valvetrain.report.results:comparison_blocks",
-    "MeasuredCycles": "valvetrain.report.results:cycles_blocks",
     "MeasuredLift": "valvetrain.lift.notebook:measured_lift_blocks",
     "SmoothedLift": "valvetrain.lift.notebook:smoothed_lift_blocks",
     "StudyTable": "valvetrain.explore.study_page:points_page",
@@ -115,6 +109,12 @@ BUILT_IN["answers"] = {
     "Study": "valvetrain.views.answer:Answer",
     "Solution": "valvetrain.views.results:answer_of_run",
     "UncertaintyStudy": "valvetrain.views.refinement:RefineAnswer",
+    "StaticCurve": "valvetrain.views.data:static_curve",
+    "ModalResult": "valvetrain.views.data:modes",
+    "TrainModes": "valvetrain.views.data:train_modes",
+    "CriticalSpeeds": "valvetrain.views.data:critical_speeds",
+    "Comparison": "valvetrain.views.data:comparison",
+    "MeasuredCycles": "valvetrain.views.data:measured_cycles",
     "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
     "Identified": "valvetrain.explore.identification_answer:IdentificationAnswer",
     "Optimum": "valvetrain.explore.optimum_answer:answer_of_search",

@@ -33,6 +33,7 @@ KNOWN = {
     "report/verdict.py:verdict_of": "no sentence",
     "views/results.py:sentence_of": "no sentence",
     "views/results.py:picture_for_notebook": "no display",
+    "views/results.py:html_for_notebook": "no display",
     "rig/reader.py:read_into": "the file is refused",
     "runs/at_rest.py:RestSolver.solve": "no number, the failure of the study",
     "runs/critical_repeats.py:variants_of": "a member of the range with its refusal and no speed",

@@ -121,14 +121,17 @@ def scan_compared() -> Shown:
     return stand_in("ScanComparison", told)
 
 
+#: Data without a verdict -> one, a word of its table, and what an axis of its figure shows.
+DATA = {
+    "StaticCurve": (lambda: at_rest()[0].curve, "compression", "stiffness, N/mm"),
+    "ModalResult": (lambda: at_rest()[0].modes, "natural frequency", "axial displacement"),
+    "TrainModes": (train_modes, "moving", "share of kinetic energy, %"),
+    "CriticalSpeeds": (critical_speeds, "contact-loss", "engine speed, rpm"),
+    "Comparison": (lambda: published_study().comparisons[0], "published", ", N"),
+    "MeasuredCycles": (cycles, "largest", "valve lift, mm"),
+}  # fmt: skip
 #: Class of a result -> one, a word of its table, and what the axes of its figure show.
 RESULTS = {
-    "StaticCurve": (lambda: at_rest()[0].curve, "compression", "stiffness (N/mm)"),
-    "ModalResult": (lambda: at_rest()[0].modes, "natural frequency", "axial displacement"),
-    "TrainModes": (train_modes, "moving", "share of kinetic energy (%)"),
-    "CriticalSpeeds": (critical_speeds, "contact-loss", "engine speed (rpm)"),
-    "Comparison": (lambda: published_study().comparisons[0], "published", "(N)"),
-    "MeasuredCycles": (cycles, "largest", "valve lift (mm)"),
     "MeasuredLift": (lift, "question", "valve lift (mm)"),
     "SmoothedLift": (lambda: lift(smoothed=True), "lift (mm)", "jerk (mm/deg³)"),
     "StudyTable": (test_study_page.made, "median", ""),
@@ -159,6 +162,16 @@ def test_a_result_shows_its_table_and_its_figure(name):
     assert len(re.findall("<svg", page)) == 1 and "</svg>" in page
     figure = result.plot()
     assert figure.layout.title.text and any(axis in title for title in titles(figure))
+    assert figure.data and all(len(trace.x) and len(trace.y) for trace in figure.data)
+
+
+@pytest.mark.parametrize("name", DATA)
+def test_data_show_their_table_and_their_figure(name):
+    make, heading, axis = DATA[name]
+    result = make()
+    page, figure = result._repr_html_(), result.plot()
+    assert heading.replace(" ", "_") in page or heading in page
+    assert any(axis in title for title in titles(figure))
     assert figure.data and all(len(trace.x) and len(trace.y) for trace in figure.data)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ from valvetrain.report.json import study_json
 from valvetrain.report.study import StudyFiles, files_of, write_parts
 from valvetrain.report.verdict import state_cut_off, verdict_of
 from valvetrain.solution.atomic import write_text
+from valvetrain.solution.display import table
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, PartialFailures
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
@@ -167,12 +169,6 @@ def report_answer(answer: Shown, folder: Path, files: Sequence[Path]) -> StudyFi
     return files_of(folder, [*files, *filter(None, (page,))], gaps.sentences)
 
 
-def html_for_notebook(result: object) -> str:
-    """Verdict and rows of a result by its answer; of another the first table and figure of its page."""
-    listed = type(result).__name__ in registry.places("answers")
-    return picture_for_notebook(result) if listed else notebook.html_of(result)
-
-
 def write_figures(answer: Shown, folder: Path, ending: str = "svg") -> tuple[Path, ...]:
     """Write every figure of an answer as ``figures/NAME.svg``, or with another ``ending``, by plotly's exporter.
 
@@ -226,16 +222,22 @@ def picture_for_notebook(result: object) -> str:
     """Verdict and rows of a result as HTML; empty where they cannot be made, which must never cost the result."""
     try:
         answer = answer_of(result)
+        if answer is None:
+            return notebook.picture_of(result)
+        verdict = f"<p><strong>{escape(str(answer.verdict))}</strong></p>" if answer.verdict else ""
+        rows = [(one.label, *one.cells, f"{SIGN[one.mark]} {one.remark}") for one in answer.lines]
+        return verdict + (table("", ("", *answer.headings, ""), rows) if rows else "")
     except Exception:
         return ""
-    if answer is None:
-        return notebook.picture_of(result)
-    head = f"<p><strong>{escape(str(answer.verdict or ''))}</strong></p>"
-    rows = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
-        for cells in (
-            ("", *answer.headings, ""),
-            *((one.label, *one.cells, f"{SIGN[one.mark]} {one.remark}") for one in answer.lines),
-        )
-    )
-    return f"{head}<table>{rows}</table>" if answer.lines else head
+
+
+def html_for_notebook(result: object) -> str:
+    """The same, the text of the result, and its first table where it has no rows."""
+    head, first = picture_for_notebook(result), None
+    with suppress(Exception):  # as there
+        answer = answer_of(result)
+        if answer is None:
+            return notebook.html_of(result)
+        first = next(iter(answer.tables().values()), None) if not answer.lines else None
+    text = repr(result).removeprefix(sentence_of(result)).strip()
+    return head + table(text, first.columns if first else (), first.rows if first else ())
