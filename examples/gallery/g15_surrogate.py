@@ -40,7 +40,7 @@ label = "valve mass"
     workers=1,
 )
 surrogate = table.surrogates[0]
-print(surrogate.sentence)
+print(f"error {surrogate.error:.3g} N, {surrogate.share:.2g} of the scatter")
 
 # %%
 # The surrogate over the preload for three masses of the valve, 1 being the value of the case.

@@ -84,7 +84,6 @@ BUILT_IN["springs"] = {
 BUILT_IN["results"] = {
     "MeasuredLift": "valvetrain.lift.notebook:measured_lift_blocks",
     "SmoothedLift": "valvetrain.lift.notebook:smoothed_lift_blocks",
-    "StudyTable": "valvetrain.explore.study_page:points_page",
     "CoilMotion": "valvetrain.film.page:film_page",
     "FilmedModel": "valvetrain.film.notebook:filmed_model_blocks",
     "RigResult": "valvetrain.rig.notebook:rig_result_blocks",
@@ -95,7 +94,6 @@ BUILT_IN["results"] = {
 }
 #: Class of a result -> the function that gives its one sentence, without end of line.
 BUILT_IN["verdicts"] = {
-    "StudyTable": "valvetrain.explore.study_verdict:study_verdict",
     "CoilMotion": "valvetrain.film.verdict:film_verdict",
     "FilmedModel": "valvetrain.film.verdict:filmed_model_verdict",
     "RigResult": "valvetrain.rig.verdict:rig_verdict",
@@ -118,6 +116,7 @@ BUILT_IN["answers"] = {
     "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
     "Identified": "valvetrain.explore.identification_answer:IdentificationAnswer",
     "Optimum": "valvetrain.explore.optimum_answer:answer_of_search",
+    "StudyTable": "valvetrain.explore.study_answer:StudyAnswer",
 }
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
@@ -131,9 +130,9 @@ BUILT_IN["displays"] = {
 BUILT_IN["files"] = {
     "result": "valvetrain.solution.netcdf:save_result",
     "study": "valvetrain.views.results:write_study",
-    "points": "valvetrain.explore.study_page:report_points",
     "identification": "valvetrain.explore.identification_files:report_identification",
     "optimum": "valvetrain.explore.optimum_files:report_optimum",
+    "points": "valvetrain.explore.study_files:report_points",
     "film": "valvetrain.film.page:report_film",
     "rig": "valvetrain.rig.page:report_rig",
     "scan": "valvetrain.scan.page:report_scan",
@@ -240,6 +239,7 @@ BUILT_IN["other_rules"] = {
     "compare-test": "valvetrain.compare_test.rules:RULES",
     "identification": "valvetrain.explore.identification_rules:RULES",
     "optimise": "valvetrain.explore.optimum_rules:RULES",
+    "study": "valvetrain.explore.study_rules:RULES",
 }
 BUILT_IN["figures"] = {
     "run-up": "valvetrain.views.figures:RUN_UP",

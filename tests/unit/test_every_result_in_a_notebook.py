@@ -134,7 +134,6 @@ DATA = {
 RESULTS = {
     "MeasuredLift": (lift, "question", "valve lift (mm)"),
     "SmoothedLift": (lambda: lift(smoothed=True), "lift (mm)", "jerk (mm/deg³)"),
-    "StudyTable": (test_study_page.made, "median", ""),
     "CoilMotion": (film, "mean peak (mm)", "displacement towards the seat (mm)"),
     "FilmedModel": (filmed, "peak (mm)", "displacement towards the seat (mm)"),
     "RigResult": (
@@ -180,6 +179,13 @@ def test_a_study_shows_verdict_and_rows_and_its_figures():
     page = study._repr_html_()
     assert study.verdict[:20] in page and "<table>" in page
     assert study.plot().data and study.figure("models").data
+
+
+def test_a_study_of_points_shows_verdict_and_rows_and_its_figures():
+    table = test_study_page.made()
+    page = table._repr_html_()
+    assert "<table>" in page and "installed &lt;i&gt;compression" in page
+    assert table.plot().data and table.figure("peak_spring_force").data
 
 
 def test_a_refinement_shows_its_rows_and_its_error_bars():

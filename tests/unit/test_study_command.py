@@ -68,9 +68,10 @@ def test_the_answer_is_one_json_object_with_every_point_and_its_status(file):
     assert [row["outputs"] for row in data["rows"]] == [
         [None if np.isnan(x) else x for x in row] for row in table.values.tolist()
     ]
+    assert "J130" in [one["code"] for one in data["findings"]]
     (file.parent / data["page"]).read_text().index("coil bind")
     kept = json.loads((file.parent / data["folder"] / "study.json").read_text())
-    assert kept["verdict"] == data["verdict"] != ""  # as run.json has it
+    assert kept["findings"] == data["findings"]
 
 
 def test_a_file_in_which_nothing_comes_out_is_a_failure(file):

@@ -10,7 +10,8 @@ import pytest
 import valvetrain as vt
 from valvetrain.explore.engine import Engine
 from valvetrain.explore.study import StudyText, estimate_study, read_plan
-from valvetrain.explore.study_page import answer_table, points_csv, sentences
+from valvetrain.explore.study_answer import StudyAnswer
+from valvetrain.explore.study_files import points_csv
 
 RPM = np.pi / 30
 TRAIN = """
@@ -76,8 +77,8 @@ def test_a_limit_speed_is_that_of_a_sweep_at_every_point(folder):
             assert table.values[row, column] == pytest.approx(nominal, abs=11 * RPM)
     assert np.all(np.diff(table.values, axis=0) > 0), "more preload keeps control longer"
     assert "contact_loss_engine_speed [rad/s]" in points_csv(table)
-    _, rows, _ = answer_table(table)
-    assert [row[-1] for row in rows][-2:] == ["rpm", "rpm"]
+    assert StudyAnswer(table).verdict.quantity == "contact_loss_engine_speed"
+    assert "--engine-speed 4500:9000:1500" in StudyAnswer(table).next_step
     dataset = table.to_xarray()
     assert dataset.float_engine_speed.dims == ("point", "model")
 
@@ -85,13 +86,13 @@ def test_a_limit_speed_is_that_of_a_sweep_at_every_point(folder):
 def test_points_beyond_the_speeds_searched_are_counted(folder):
     table = study(folder, PRELOAD + LIMIT.format("float", "3000, 4000 rpm"))
     assert table.completed.all() and table.values.ravel() == pytest.approx([4000 * RPM] * 2)
-    (told,) = sentences(table)
-    assert (
-        told.startswith("2 of 2 points meet the bound up to the highest speed") and "4000" in told
-    )
+    (one,) = StudyAnswer(table).findings.by("J133")
+    assert one.value == pytest.approx(4000 * RPM) and one.fields["side"] == "above"
+    assert table.limit_ends[0].count == table.limit_ends[0].total == 2
     lost = study(folder, PRELOAD + LIMIT.format("contact-loss", "9000, 9500 rpm"))
     assert lost.values.ravel() == pytest.approx([9000 * RPM] * 2)
-    assert "2 of 2 points miss the bound at the lowest speed" in sentences(lost)[0]
+    (one,) = StudyAnswer(lost).findings.by("J133")
+    assert one.fields["side"] == "below" and one.value == pytest.approx(9000 * RPM)
 
 
 SPRING = 'case = "gu2021-beehive-blind"\nvary = [{ key = "spring.wire_diameter", values = "3.7, 3.8 mm" }]\n'

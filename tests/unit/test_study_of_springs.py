@@ -6,7 +6,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.explore.study_points import point_table
+from valvetrain.explore.study_answer import StudyAnswer
 from valvetrain.parameters.templates import template_text
 
 STUDY = """
@@ -50,9 +50,10 @@ def study(tmp_path):
 def test_points_of_a_list_go_by_their_names(study):
     """Contract: names head the columns; without them their values tell them apart."""
     named, bare = study(NAMES), study("")
-    assert point_table(named)[0][1:3] == ("thick", "thin")
-    assert point_table(bare)[0][1:3] == ("point 1", "point 2")
-    assert bare.verdict.startswith("Wire diameter 3.6 mm") or "3.6 mm" in bare.verdict
+    assert StudyAnswer(named).headings == ["thick", "thin"]
+    assert StudyAnswer(named).verdict.fields["point"] in ("thick", "thin")
+    assert "3.6 mm" in StudyAnswer(bare).headings[1]
+    assert StudyAnswer(bare).verdict.quantity == "open_nominal_shear_stress"
 
 
 @pytest.mark.parametrize("names", ['"thick"', '"one", "one"', '"a", "b", "c"'])

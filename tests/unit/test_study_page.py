@@ -1,4 +1,4 @@
-"""The page and the files of a study, and its surrogate beside a function that is known."""
+"""The files of a study, and its surrogate beside a function that is known."""
 
 from __future__ import annotations
 
@@ -10,15 +10,12 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.explore.study import StudyText, analysed, read_plan
-from valvetrain.explore.study_page import (
-    points_json,
-    points_page,
-    sentences,
-)
+from valvetrain.explore.study_answer import StudyAnswer
+from valvetrain.explore.study_files import points_json
 from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyTable
-from valvetrain.report.page import charts, render
 from valvetrain.solution.status import COMPLETED, Status
+from valvetrain.views.page import page_of
 
 TEXT = """
 kind = "{kind}"
@@ -53,60 +50,43 @@ def made(kind="points", sampler="latin-hypercube", function=None, failed=()) -> 
     )
 
 
-def titles(table) -> list[str]:
-    return [chart.title for chart in charts(points_page(table))]
-
-
 def test_a_page_stands_where_nothing_came_out():
     table = made(failed=range(256))
-    assert "256 of 256 points failed." in render(points_page(table)) and not charts(
-        points_page(table)
-    )
+    shown = StudyAnswer(table)
+    assert shown.verdict.code == "J101" and "<h1" in page_of(shown) and not shown.figures()
 
 
-def test_the_json_answer_holds_what_the_page_says():
+def test_the_json_answer_holds_the_indices_and_the_findings():
     table = made("tolerance", "saltelli", failed=(3,))
     data = json.loads(json.dumps(points_json(table), default=lambda x: x.tolist()))
     (first, _) = data["sensitivities"]
-    assert first["dropped"] == 1 and first["sentence"] in sentences(table)
+    assert first["dropped"] == 1 and first["leaders"] == ["installed <i>compression</i>"]
     assert first["quantities"]["installed <i>compression</i>"]["total"] == pytest.approx(
         0.98, abs=0.03
     )
-    assert (
-        data["outputs"]["peak_spring_force"]["unit"] == "N"
-        and "1 base row was left out" in data["sentences"][-1]
-    )
+    assert data["outputs"]["peak_spring_force"]["unit"] == "N"
+    assert [one["code"] for one in data["findings"]] == ["J122", "J130"]
+    assert data["findings"][0]["value"]["unit"] == "N"
 
 
 def test_a_surrogate_of_a_smooth_function_predicts_each_point_from_the_others():
     pytest.importorskip("sklearn")
     table = made("surrogate", function=lambda c: 800 + 30 * np.sin(3 * c[:, 0]) * (1 + c[:, 1]))
     (one,) = table.surrogates  # the other output never changes
-    assert (
-        one.fitted == len(table)
-        and one.share < 0.01
-        and one.error < 0.1
-        and "so it does not" not in one.sentence
-    )
+    assert one.fitted == len(table) and one.share < 0.01 and one.error < 0.1
     where = table.inputs[:5]
     mean, deviation = one.predict(where)
     assert mean == pytest.approx(table.values[:5, 0], abs=0.2) and np.all(deviation < 1)
     with pytest.raises(vt.InputError, match="takes 2 inputs"):
         one.predict([1.0])
-    assert any(
-        "Surrogate of the peak spring force below 10 kHz" in title for title in titles(table)
-    )
+    assert "surrogate-0" in StudyAnswer(table).figures()
 
 
-def test_a_surrogate_of_noise_says_that_it_does_not_stand_for_a_run():
+def test_a_surrogate_of_noise_has_an_error_as_large_as_its_scatter():
     pytest.importorskip("sklearn")
     noise = np.random.default_rng(3).normal(size=256)
     (one,) = made("surrogate", function=lambda c: noise).surrogates
-    assert (
-        one.share > 0.8
-        and one.sentence.endswith("so it cannot replace a run.")
-        and one.covered > 0.85
-    )
+    assert one.share > 0.8 and one.covered > 0.85
 
 
 def test_a_surrogate_of_few_points_is_not_made():
@@ -159,15 +139,14 @@ def test_what_rigid_theory_gives_is_no_input():
         "spring.precompression", "train.cam.base_radius"
     )
     table = listed([7.0, 9.0], [1.0, 1.1], [800.0, 820.0], names=names, text=train)
-    assert ": contact-loss speed, rigid parts 7830 rpm" in table.verdict
+    assert StudyAnswer(table).verdict.quantity == names[0]
 
 
 @pytest.mark.parametrize("put_in", ["coil_bind_clearance", "outer_coil_bind_clearance"])
 def test_the_best_point_is_that_of_what_the_motion_gives_not_of_what_was_put_in(put_in):
     """The largest clearance was named best of a study that sets the clearance."""
-    names = (put_in, "clash_energy")
-    table = listed([7.0, 9.0], [1.0, 1.1], [5.74e-3, 3.74e-3], names=names)
-    assert table.verdict.startswith(
-        "Best is compression 9 mm, lift factor × 1.1: clash energy 7.48 mJ against 11.48 mJ with compression 7 mm, "
-        "lift factor × 1; worse there: clearance"
-    )
+    table = listed([7.0, 9.0], [1.0, 1.1], [5.74e-3, 3.74e-3], names=(put_in, "clash_energy"))
+    verdict, price = StudyAnswer(table).findings
+    assert verdict.code == "J113" and verdict.quantity == "clash_energy"
+    assert verdict.value == pytest.approx(7.48e-3) and verdict.fields["reference"].value == pytest.approx(11.48e-3)  # fmt: skip
+    assert price.code == "J136" and price.quantity == put_in

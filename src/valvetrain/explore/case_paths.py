@@ -170,6 +170,19 @@ def nominal(case: Case, varied: Varied) -> float:
     )
 
 
+def setting(case: Case, varied: Varied, value: float) -> str:
+    """What ``--set`` takes to give a case a varied ``value`` (SI); empty where the case has a list or a table there.
+
+    >>> import valvetrain as vt
+    >>> setting(vt.load_case("gu2021-beehive"), Varied("spring.precompression", "mm", "offset"), 5e-4)
+    'spring.precompression=0.0075 m'
+    """
+    moved: Any = f"{varied.shown(value):.8g} {varied.unit}".strip()
+    if varied.operation != "value":
+        moved = _changed(_entry(case, varied.key)[0], varied, value)
+    return "" if isinstance(moved, (list, dict)) else f"{file_key(varied.key)}={moved}"
+
+
 def unit_in_case(case: Case, key: str) -> str:
     """Unit in which the value of ``key`` is written in the case; empty for a plain number.
 

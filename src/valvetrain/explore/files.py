@@ -6,6 +6,7 @@ TOML in, typed tables out, or one sentence with file, line and key.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -264,6 +265,22 @@ def case_of_file(name: str, changes: Mapping[str, Any], folder: Path) -> Case:
     path = folder / name
     made = {key: REMOVED if value == "" else value for key, value in changes.items()}
     return load_case(name if name in library_names() or not path.is_file() else path, made or None)
+
+
+def case_words(text: FileText[Any]) -> list[str]:
+    """What a command line takes for the case of a file with its changes: its name or path, then ``--set`` for each."""
+    path = text.folder / text.model.case
+    name = text.model.case
+    words = [name if name in library_names() or not path.is_file() else str(path)]
+    rows = [("", text.model.changes)]
+    while rows:
+        head, value = rows.pop()
+        if isinstance(value, dict):
+            rows += [(f"{head}.{key}".lstrip("."), one) for key, one in value.items()]
+        else:
+            told = value if isinstance(value, str) else json.dumps(value)
+            words += ["--set", f"{head}={told}"]
+    return words
 
 
 def space_of_file(

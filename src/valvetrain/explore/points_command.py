@@ -19,6 +19,7 @@ from valvetrain.cli.options import (
     OpenOption,
     QuietOption,
     WorkersOption,
+    at_end,
     points_folder,
     read_workers,
 )
@@ -37,8 +38,6 @@ STUDIES, SEARCHES = Path("runs/studies"), Path("runs/optimise")
 #: Finished points, below the folder of a study or search.
 POINTS = "points"
 STUDY_JSON, OPTIMUM_JSON = "study.json", "optimum.json"
-#: Rows of the answer in the terminal.
-SHOWN_ROWS = 24
 
 
 def register(app: typer.Typer) -> None:
@@ -77,12 +76,17 @@ def study(
     """Parameter study: grid, list or random draws over any quantities of a case; tolerances with
     Sobol indices, surrogates.
     """
+    from valvetrain.explore.files import case_words
     from valvetrain.explore.study import estimate_study, read_plan, read_study_file, run_plan
     from valvetrain.runs.cost import read_limits
     from valvetrain.runs.run_folders import safe_name
+    from valvetrain.session import call_case
 
     limits, count = read_limits(limit), read_workers(workers, dask)
-    plan = read_plan(read_study_file(file))
+    text = read_study_file(file)
+    plan = read_plan(text)
+    call_case(case_words(text))
+    at_end(partial(call_case, []))
     folder = output or STUDIES / safe_name(file.stem)
     estimate = estimate_study(plan, count)
     _announce(estimate.cost, limits, folder, f"{estimate.sentence}, {{}}; finished ones")
@@ -175,15 +179,14 @@ def _answer(
 def _study_written(request: _Request, table: StudyTable) -> Outcome:
     """The files of a finished study, and its answer."""
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.explore.study_page import points_json, write_points
-    from valvetrain.report.verdict import verdict_of
+    from valvetrain.explore.study_answer import StudyAnswer
+    from valvetrain.explore.study_files import points_json, write_points
     from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.views.terminal import screen
 
     failures = PartialFailures()
+    answer = points_json(table)  # first, for it computes the error bars
     write = partial(write_points, table, request.folder, failures)
-    answer = points_json(table)  # with error bars, which the verdict needs
-    verdict = verdict_of(table)
-    answer |= {"verdict": verdict}
     data = keep_points("study", answer, request, write, STUDY_JSON, failures)
     # that some points of a study cannot be built is part of its answer
     found = table.failures[:1]
@@ -191,8 +194,12 @@ def _study_written(request: _Request, table: StudyTable) -> Outcome:
         statuses = [one for one in table.statuses if not one.completed]
         pairs = zip(table.failures, statuses, strict=True)
         found = tuple(text for text, one in pairs if one.code == "worker-lost")[:5]
-    show = partial(_show_study, table=table, folder=request.folder)
-    return Outcome(data, show, (*found, *failures.sentences), verdict)
+    page = str(data["page"] or "")
+    return Outcome(
+        data,
+        lambda console: console.print(screen(StudyAnswer(table), page, str(request.folder))),
+        (*found, *failures.sentences),
+    )
 
 
 def _optimum_written(request: _Request, found: Optimum) -> Outcome:
@@ -214,25 +221,3 @@ def _optimum_written(request: _Request, found: Optimum) -> Outcome:
         console.print(screen(answer_of_search(found, file), data["page"] or "", data["folder"]))
 
     return Outcome(data, show, (*nothing, *failures.sentences))
-
-
-def _show_study(console: Console, table: StudyTable, folder: Path) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.explore.study_page import answer_table, sentences
-
-    heads, rows, right = answer_table(table)
-    console.print(table.plan.title)
-    console.print()
-    console.print(plain_table(heads, rows[:SHOWN_ROWS], right=right))
-    if len(rows) > SHOWN_ROWS:
-        left = len(rows) - SHOWN_ROWS
-        console.print(f"and {left} more row{'s' if left > 1 else ''}, all in points.csv")
-    console.print()
-    for sentence in sentences(table):
-        console.print(sentence)
-    for sentence in table.failures[:3]:
-        console.print(f"  {sentence}", soft_wrap=True)
-    stored = len(table) - table.computed
-    read = f", {stored} read from the store" if stored > 0 else ""
-    console.print(f"{table.computed} points computed{read}", soft_wrap=True)
-    console.print(f"results  {folder}", soft_wrap=True)

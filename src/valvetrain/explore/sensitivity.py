@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.explore.outputs import Run
-from valvetrain.solution.definition import label_of
 
 Array = NDArray[np.float64]
 #: Resamples behind an interval, and its ends in per cent.
@@ -28,8 +27,7 @@ class Sensitivity:
     """Indices of one ``output`` at one ``run`` by varied quantity (d): ``first`` order and
     ``total``, with 95 % intervals (d, 2).
 
-    ``rows``: base rows used; ``dropped``: those left out because a point of them failed;
-    ``sentence``: which quantity makes the spread.
+    ``rows``: base rows used; ``dropped``: those left out because a point of them failed.
     """
 
     output: str
@@ -41,7 +39,18 @@ class Sensitivity:
     total_interval: Array
     rows: int
     dropped: int
-    sentence: str
+
+    @property
+    def leaders(self) -> tuple[str, ...]:
+        """The quantity with the largest total share, behind it those whose intervals reach its own; none where nothing
+        moves the output.
+        """
+        order = np.argsort(-self.total)
+        if not self.total[order[0]] > 0:
+            return ()
+        least = self.total_interval[order[0], 0]
+        near = [k for k in order[1:] if self.total_interval[k, 1] >= least]
+        return tuple(self.names[k] for k in (order[0], *near))
 
 
 def sensitivity_of(
@@ -68,7 +77,6 @@ def sensitivity_of(
         )
     low, high = (np.nanpercentile(drawn, end, axis=0) for end in ENDS)
     intervals = [np.stack([low[kind], high[kind]], axis=1) for kind in (0, 1)]
-    sentence = verdict(output, names, total, intervals[1], retained[:2])
     return Sensitivity(
         output,
         run,
@@ -79,7 +87,6 @@ def sensitivity_of(
         intervals[1],
         retained.shape[1],
         int(np.count_nonzero(~whole)),
-        sentence,
     )
 
 
@@ -88,35 +95,8 @@ def indices(parts: Array) -> tuple[Array, Array]:
     centred = parts - np.mean(parts[:2])
     a, b, mixed = centred[0], centred[1], centred[2:]
     variance = np.var(centred[:2])
-    if not variance > 0:
+    if not np.sqrt(variance) > NO_SPREAD * max(abs(float(np.mean(parts[:2]))), 1e-300):
         return np.zeros(len(mixed)), np.zeros(len(mixed))
     return np.mean(b * (mixed - a), axis=1) / variance, 0.5 * np.mean(
         (a - mixed) ** 2, axis=1
     ) / variance
-
-
-def verdict(output: str, names: Sequence[str], total: Array, interval: Array, base: Array) -> str:
-    """One sentence: the quantity that makes the spread of an output, those that cannot be
-    separated, or that there is none.
-    """
-    label = label_of(output)
-    if not np.std(base) > NO_SPREAD * max(abs(float(np.mean(base))), 1e-300):
-        return f"None of the varied quantities moves the {label}."
-    order = np.argsort(-total)
-    leader = int(order[0])
-    rivals = [int(index) for index in order[1:] if interval[index, 1] >= interval[leader, 0]]
-
-    def share(index: int) -> str:
-        return f"{names[index]} ({100 * total[index]:.0f} %, {100 * interval[index, 0]:.0f} to {100 * interval[index, 1]:.0f})"
-
-    if rivals:
-        reported = ", ".join(share(index) for index in (leader, *rivals[:3]))
-        rows = base.shape[1]
-        more = (
-            f" by {rows} base rows; count = {ENOUGH_ROWS * (len(names) + 2)} gives {ENOUGH_ROWS}"
-            if rows < ENOUGH_ROWS
-            else ""
-        )
-        return f"No single quantity makes the spread of the {label}: the shares of {reported} cannot be separated{more}."
-    second = f"; next is {share(int(order[1]))}" if len(order) > 1 else ""
-    return f"What makes the spread of the {label} is {share(leader)} of its variance{second}."

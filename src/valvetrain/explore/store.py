@@ -262,7 +262,9 @@ def _other(there: str, identity: str) -> str:
 #: Folders that compute no point: a change there makes no stored point stale.
 _NOT_COMPUTING = (
     "cli",
+    "findings",
     "report",
+    "views",
     "validation",
     "workbench",
     "lift",
@@ -272,7 +274,9 @@ _NOT_COMPUTING = (
     "rig",
     "compare_test",
 )
-_NOT_COMPUTING_FILES = re.compile(r"_(page|charts|command|summary)\.py$")
+_NOT_COMPUTING_FILES = re.compile(
+    r"_(page|charts|command|summary|facts|rules|answer|figures|files)\.py$"
+)
 
 
 def computing_sources() -> list[Path]:

@@ -268,9 +268,9 @@ def _table(
         statuses.append(failure if failure and outcome.status.completed else outcome.status)
     inputs = np.repeat(draws, len(plan.runs), axis=0)
     runs = plan.runs * len(draws)
-    notes = () if limits is None else limits.notes
+    ends = () if limits is None else limits.ends
     return StudyTable(
-        plan, inputs, runs, values, tuple(statuses), computed=engine.computed, limit_notes=notes
+        plan, inputs, runs, values, tuple(statuses), computed=engine.computed, limit_ends=ends
     )
 
 

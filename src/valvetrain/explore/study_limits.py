@@ -20,18 +20,17 @@ from valvetrain.explore.measure import (
 )
 from valvetrain.explore.outputs import LimitSearch
 from valvetrain.explore.space import ENGINE_SPEED
+from valvetrain.explore.table import LimitEnd
 from valvetrain.quantities.request import is_at_rest
 from valvetrain.solution.definition import (
     definition_of,
     is_defined,
-    label_of,
     no_quantity,
     not_given,
 )
 from valvetrain.solution.status import Status
 
 Array = NDArray[np.float64]
-_RPM = np.pi / 30
 
 
 def refuse_limits(experiment: Evaluation) -> None:
@@ -62,12 +61,12 @@ def refuse_limits(experiment: Evaluation) -> None:
 @dataclass(frozen=True)
 class LimitColumns:
     """Limit speeds ``values`` (draws, runs, limits) in rad/s, nan where there is none; ``failures``:
-    status by (draw, run) of those that could not be searched; ``notes`` on ends of the search.
+    status by (draw, run) of those that could not be searched; ``ends`` of the search that were met.
     """
 
     values: Array
     failures: dict[tuple[int, int], Status]
-    notes: tuple[str, ...]
+    ends: tuple[LimitEnd, ...]
 
 
 class LimitColumnsSearch:
@@ -101,7 +100,7 @@ class LimitColumnsSearch:
         kinds = list(dict.fromkeys(run[1:] for run in runs))
         values = np.full((len(draws), len(runs), len(self.searches)), np.nan)
         failures: dict[tuple[int, int], Status] = {}
-        notes: list[str] = []
+        met: list[LimitEnd] = []
         for column, (limit, own) in enumerate(self.searches):
             ends: list[str] = []
             for kind in kinds:
@@ -116,28 +115,22 @@ class LimitColumnsSearch:
                         if one.failure
                     }
                 ends += [_end(one, measure) for one in found]
-            notes += _notes(limit, ends)
-        return LimitColumns(values, failures, tuple(notes))
+            met += _ends(limit, ends)
+        return LimitColumns(values, failures, tuple(met))
 
 
 def _end(one: Measured, measure: Measure) -> str:
     return one.limits[measure][0].kind if measure in one.limits else ""
 
 
-def _notes(limit: LimitSearch, ends: list[str]) -> list[str]:
+def _ends(limit: LimitSearch, kinds: list[str]) -> list[LimitEnd]:
     """How many searches end at an end of the speeds, which then replaces the limit."""
-    label, count = label_of(limit.name), len(ends)
-    first, last = (f"{speed / _RPM:.6g} rpm" for speed in np.array(limit.engine_speeds)[[0, -1]])
-    found = []
-    if beyond := ends.count(BEYOND):
-        found.append(
-            f"{beyond} of {count} points meet the bound up to the highest speed searched ({label}): their limit is given as {last}."
-        )
-    if below := ends.count(BELOW):
-        found.append(
-            f"{below} of {count} points miss the bound at the lowest speed searched ({label}): their limit is given as {first}."
-        )
-    return found
+    ends = ((BEYOND, limit.engine_speeds[-1]), (BELOW, limit.engine_speeds[0]))
+    return [
+        LimitEnd(limit.name, word == BEYOND, kinds.count(word), len(kinds), speed)
+        for word, speed in ends
+        if word in kinds
+    ]
 
 
 def limit_runs(experiment: Evaluation) -> int:

@@ -16,15 +16,13 @@ from scipy.special import ndtri
 
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.outputs import Run
-from valvetrain.parameters.summary import number
-from valvetrain.solution.definition import definition_of, label_of, shown
 
 Array = NDArray[np.float64]
 HINT = "a surrogate needs scikit-learn, which is not installed; install the extra: pip install 'valvetrain[studies]'"
 #: Least points that a surrogate is made of; most that it is fitted to, for its time grows with the
 #: cube of their number.
 LEAST, MOST = 12, 1000
-#: Error over scatter above which a surrogate cannot replace a run.
+#: Error over scatter from which a surrogate cannot replace a run.
 POOR = 0.3
 #: Probability that quantities which vary independently are taken for dependent, and how far beyond the
 #: furthest of its points, as a multiple, a surrogate of dependent ones is used.
@@ -82,23 +80,6 @@ class Surrogate:
     def fitted(self) -> int:
         """Points that it is fitted to."""
         return len(self.computed)
-
-    @property
-    def share_text(self) -> str:
-        """Its error over the scatter, in per cent."""
-        return f"{'less than 0.1' if self.share < 1e-3 else number(100 * self.share, 2)} %"
-
-    @property
-    def sentence(self) -> str:
-        """What its error is, in words."""
-        unit = definition_of(self.output).unit_word
-        error = float(shown(self.output, self.error)[0])
-        reported = (
-            f"The surrogate of the {label_of(self.output)} errs by {error:.3g} {unit} (rms) at each of its "
-            f"{self.fitted} points left out in turn"
-        )
-        good = "" if self.share < POOR else ", so it cannot replace a run"
-        return f"{reported}, {self.share_text} of their scatter{good}."
 
     def predict(self, inputs: ArrayLike) -> tuple[Array, Array]:
         """Mean and standard deviation (m,) in SI at ``inputs`` (m, d) in SI, in the order of the

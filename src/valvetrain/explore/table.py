@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.explore.doubts import Doubts, doubts
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.outputs import Run, has_pair
 from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
 from valvetrain.registry import find
-from valvetrain.solution.definition import definition_of, label_of, not_given, of_pair
+from valvetrain.solution.definition import definition_of, label_of, not_given, of_pair, shown
 from valvetrain.solution.display import frame
 from valvetrain.solution.saveable import Reported
 from valvetrain.solution.status import Status
@@ -92,6 +93,19 @@ class StudyPlan:
         return draws
 
 
+@dataclass(frozen=True)
+class LimitEnd:
+    """How many of the searches for a limit speed (``count`` of ``total``) end at an end of the speeds: ``beyond`` the last,
+    else below the first. That ``engine_speed`` (rad/s) is given as their limit.
+    """
+
+    name: str
+    beyond: bool
+    count: int
+    total: int
+    engine_speed: float
+
+
 @dataclass(frozen=True, eq=False)
 class StudyTable(Reported):
     """``inputs`` (n, d) and ``values`` (n, m), both SI, nan for what a point does not have;
@@ -99,7 +113,7 @@ class StudyTable(Reported):
 
     ``sensitivities`` and ``surrogates``: those of its kind; ``computed``: points that this call
     computed, the others were in the store; ``seconds``: wall time of this call. A limit speed is that
-    of the point by the model and set of a row, at any speed of it; ``limit_notes`` report how many points keep or
+    of the point by the model and set of a row, at any speed of it; ``limit_ends``: how many points keep or
     leave their bound over all speeds. ``converged``: see :meth:`Experiment.converge`.
 
     >>> import valvetrain as vt
@@ -126,7 +140,7 @@ class StudyTable(Reported):
     surrogates: tuple[Surrogate, ...] = ()
     computed: int = 0
     seconds: float = 0.0
-    limit_notes: tuple[str, ...] = ()
+    limit_ends: tuple[LimitEnd, ...] = ()
     converged: bool | None = None
 
     def __len__(self) -> int:
@@ -157,6 +171,11 @@ class StudyTable(Reported):
             bars = bars_of(self.plan.experiment, self.inputs[row].tolist(), self.runs[row])
             found[row] = {one.quantity: one for one in bars if one.quantity in self.outputs}
         return found
+
+    @cached_property
+    def doubts(self) -> Doubts:
+        """Points with doubtful values; their cases are made again when first read."""
+        return doubts(self.plan.case, self.plan.varied, self.inputs[:: max(1, len(self.plan.runs))])
 
     @property
     def failures(self) -> tuple[str, ...]:
@@ -291,34 +310,21 @@ class StudyTable(Reported):
     def __repr__(self) -> str:
         first: str = find("displays", "verdict")(self)
         done = int(np.count_nonzero(self.completed))
-        chosen = not self.plan.sampler.independent
         lines = [f"study '{self.plan.title}': {done} of {len(self)} points completed"]
         lines += [f"  over {one.shown_name} ({one.name})" for one in self.plan.varied]
         for name in self.outputs:
             found = self.column(name)[np.isfinite(self.column(name))]
             if len(found):
-                low, middle, high = (
-                    _shown(name, value) for value in np.percentile(found, [5, 50, 95])
+                low, high = (
+                    float(shown(name, float(one))[0]) for one in (found.min(), found.max())
                 )
                 unit = definition_of(name).unit_word
-                said = f"{middle:.5g} {unit}, nine in ten {low:.5g} to {high:.5g}"
-                if chosen:  # percentiles of chosen points are no scatter
-                    ends = (_shown(name, float(one)) for one in (np.min(found), np.max(found)))
-                    said = " to ".join(f"{one:.5g}" for one in ends) + f" {unit}"
-                lines.append(f"  {label_of(name)}: {said}".rstrip())
-        lines += [f"  {one.sentence}" for one in self.sensitivities]
-        lines += [f"  {one.sentence}" for one in self.surrogates]
+                lines.append(f"  {label_of(name)}: {low:.5g} to {high:.5g} {unit}".rstrip())
         return "\n".join([first, *lines] if first else lines)
 
 
 def _attributes(name: str) -> dict[str, str]:
     return {"units": definition_of(name).si_unit, "long_name": label_of(name)}
-
-
-def _shown(name: str, value: float) -> float:
-    from valvetrain.solution.definition import shown
-
-    return float(shown(name, float(value))[0])
 
 
 def run_label(run: Run) -> str:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from valvetrain.views.style import FigureSpec
 
 #: Topics of notes that are said in full; others stand in the table of findings alone.
-SAID = ("M", "H", "W", "D", "F", "N", "Q")
+SAID = ("M", "H", "W", "D", "F", "N", "Q", "J")
 
 
 class Shown(ABC):

@@ -1,0 +1,164 @@
+"""Figures of a study of points: an output over what is varied, what moves it, how it spreads, and its surrogate."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from valvetrain.explore.space import Varied
+from valvetrain.explore.study_facts import PERCENTILES, StudyFacts
+from valvetrain.explore.surrogate import Surrogate
+from valvetrain.explore.table import run_label
+from valvetrain.findings.words import digits_text, speed_text
+from valvetrain.solution.definition import definition_of, label_of, shown
+from valvetrain.views.style import BAD, LEAD, OTHER, SPEEDS, FigureSpec, styled
+
+Array = NDArray[np.float64]
+#: Dots of a cloud, lines of a figure, bars of a histogram, points of a list and letters of a name.
+DOTS, LINES, BARS, POINTS, LETTERS = 1500, 6, 30, 40, 42
+
+
+def figures_of_study(facts: StudyFacts) -> dict[str, FigureSpec]:
+    """Every figure of a study, the one that shows the verdict first: of draws what moves an output and how it spreads, of
+    chosen points the output over what is varied.
+    """
+    several = len(facts.changing) > 1 and not facts.listed
+    found: dict[str, FigureSpec] = {}
+    for name in facts.outputs:
+        label = label_of(name)
+        made = {
+            f"{name}-effects": FigureSpec(f"What moves {label}", "shares of the variance with their 95 % intervals", partial(_effects, name=name)),
+            f"{name}-spread": FigureSpec(f"Spread of {label}", "5, 50 and 95 % of the points are below the lines", partial(_spread, name=name)),
+            name: FigureSpec(f"{label[:1].upper()}{label[1:]}", "dashed: the first point" if facts.listed else "", partial(_over, name=name)),
+        }  # fmt: skip
+        order = list(made) if several and not facts.chosen else list(made)[::-1]
+        keep = {name, f"{name}-effects" if several else name, name if facts.chosen else f"{name}-spread"}  # fmt: skip
+        found |= {key: made[key] for key in order if key in keep}
+    for place, one in enumerate(facts.table.surrogates):
+        title = f"Surrogate of {label_of(one.output)}"
+        hint = "each point as the other points predict it"
+        found[f"surrogate-{place}"] = FigureSpec(title, hint, partial(_surrogate, made=one))
+    return found
+
+
+def _axis(name: str) -> str:
+    row = definition_of(name)
+    return f"{row.label}, {row.unit_word}" if row.shown_unit else row.label
+
+
+def _varied_axis(one: Varied) -> str:
+    return ", ".join(filter(None, (one.shown_name, "× case" if one.operation == "factor" else one.unit)))  # fmt: skip
+
+
+def _values(facts: StudyFacts, name: str) -> Array:
+    return np.asarray(shown(name, facts.column(name))[0])
+
+
+def _over(facts: StudyFacts, name: str) -> go.Figure | None:
+    """An output at the points of a list, over two quantities of a grid as colour, else over the quantity that moves it most."""
+    table, y, speeds = facts.table, _values(facts, name), len(facts.designs[0])
+    if np.count_nonzero(np.isfinite(y)) < 2 or not facts.changing:
+        return None
+    if facts.listed:
+        return _points(facts, name)
+    if table.plan.sampler.word == "grid" and len(facts.changing) == 2 and (speeds > LINES or len(facts.along) == 2):  # fmt: skip
+        return _map(facts, name)
+    order = [one.varied for one in facts.effects(name)] or [table.plan.varied[facts.changing[0]]]
+    wanted = [table.plan.varied[k] for k in facts.along or facts.changing]
+    varied = next((one for one in order if one in wanted), wanted[0])
+    x = table.column(varied.name) * varied.shown(1.0)
+    fig = go.Figure()
+    lines = facts.chosen and len(facts.along or facts.changing) == 1
+    for place, (label, rows) in enumerate(_series(facts).items()):
+        rows = rows[np.argsort(x[rows], kind="stable")][:: max(1, len(rows) // DOTS)]
+        fig.add_trace(go.Scatter(
+            x=x[rows].astype(np.float32), y=y[rows].astype(np.float32), name=label, mode="lines+markers" if lines else "markers",
+            marker={"color": SPEEDS[place % len(SPEEDS)], "size": 7 if lines else 4}, showlegend=bool(label), hovertemplate="%{y:.4~g}",
+        ))  # fmt: skip
+    return styled(fig, _varied_axis(varied), (_axis(name),), 400)
+
+
+def _series(facts: StudyFacts) -> dict[str, NDArray[np.intp]]:
+    """What is drawn as one line -> its rows: the points of a run, or those of an engine speed that is varied."""
+    table, count = facts.table, len(facts.table.plan.runs)
+    if len(facts.designs[0]) > 1 and count == 1:
+        speeds = table.column("engine_speed")
+        return {speed_text(one): np.flatnonzero(speeds == one) for one in np.unique(speeds)}
+    return {run_label(run) * (count > 1): table.rows_of(run) for run in table.plan.runs}
+
+
+def _points(facts: StudyFacts, name: str) -> go.Figure | None:
+    """The value at every point of a list, a dot for each run."""
+    table, count = facts.table, len(facts.draws)
+    if not 2 <= count <= POINTS or len(facts.designs) != count:
+        return None
+    names, values = [_short(facts.label(k), k) for k in range(count)], _values(facts, name)
+    fig = go.Figure([
+        go.Scatter(x=values[table.rows_of(run)], y=names, mode="markers", name=run_label(run), showlegend=len(table.plan.runs) > 1,
+                   marker={"color": SPEEDS[place % len(SPEEDS)], "size": 11}, hovertemplate="%{x:.4~g}")
+        for place, run in enumerate(table.plan.runs)
+    ])  # fmt: skip
+    if np.isfinite(values[0]):
+        fig.add_vline(float(values[0]), line={"color": OTHER, "width": 1, "dash": "dash"})
+    return _named_rows(fig, _axis(name), count)
+
+
+def _short(label: str, place: int) -> str:
+    return label if len(label) <= LETTERS else f"point {place + 1}"
+
+
+def _named_rows(fig: go.Figure, x: str, count: int) -> go.Figure:
+    """A figure whose rows have names, from the top."""
+    styled(fig, x, ("",), 120 + 30 * count)
+    fig.update_layout(hovermode="closest", margin={"l": 260})
+    return fig.update_yaxes(autorange="reversed", dtick=1, automargin=True)
+
+
+def _map(facts: StudyFacts, name: str) -> go.Figure:
+    """An output over the two varied quantities of a grid as colour, by the run that decides."""
+    varied, rows = [facts.table.plan.varied[k] for k in facts.changing], facts.table.rows_of(facts.run)  # fmt: skip
+    x, y = (facts.table.column(one.name)[rows] * one.shown(1.0) for one in varied)
+    bar = {"title": {"text": _axis(name), "side": "right"}}
+    heat = go.Heatmap(x=x, y=y, z=_values(facts, name)[rows], colorscale="Viridis", colorbar=bar, hovertemplate="%{z:.4~g}")  # fmt: skip
+    return styled(go.Figure(heat), _varied_axis(varied[0]), (_varied_axis(varied[1]),), 420)
+
+
+def _effects(facts: StudyFacts, name: str) -> go.Figure | None:
+    """Shares of the variance (per cent) by varied quantity with their 95 % intervals, the largest first."""
+    effects = facts.effects(name)
+    if not effects:
+        return None
+    shares, low, high = 100 * np.clip([(one.share, one.low, one.high) for one in effects], 0, 1.2).T
+    fig = go.Figure(go.Scatter(
+        x=shares, y=[_short(one.varied.shown_name, k) for k, one in enumerate(effects)], mode="markers", hovertemplate="%{x:.2~g} %",
+        marker={"color": LEAD, "size": 11}, error_x={"symmetric": False, "array": high - shares, "arrayminus": shares - low, "color": OTHER},
+    ))  # fmt: skip
+    fig.update_xaxes(range=[-3, max(103.0, float(high.max()) + 3)])
+    return _named_rows(fig, "share of the variance, %", len(effects))
+
+
+def _spread(facts: StudyFacts, name: str) -> go.Figure | None:
+    """How many draws have which value of an output, with their percentiles."""
+    values = np.asarray(shown(name, facts.finite(name, facts.run))[0])
+    if len(values) < 3 or not np.ptp(values) > 0:
+        return None
+    counts, edges = np.histogram(values, bins=min(BARS, max(5, int(np.sqrt(len(values))))))
+    fig = go.Figure(go.Bar(x=(edges[1:] + edges[:-1]) / 2, y=counts, marker={"color": LEAD}))
+    for at in np.percentile(values, PERCENTILES):
+        line = {"color": BAD, "width": 1.5, "dash": "dash"}
+        fig.add_vline(float(at), line=line, annotation_text=digits_text(float(at), 0, 4))
+    return styled(fig, _axis(name), ("points",), 380)
+
+
+def _surrogate(facts: StudyFacts, made: Surrogate) -> go.Figure:
+    """Each point as the surrogate predicts it from the other points, over the run."""
+    x, y = (np.asarray(shown(made.output, one)[0]) for one in (made.computed, made.predicted))
+    ends = [min(x.min(), y.min()), max(x.max(), y.max())]
+    fig = go.Figure([
+        go.Scatter(x=ends, y=ends, mode="lines", line={"color": OTHER, "dash": "dash"}, name="agreement"),
+        go.Scatter(x=x, y=y, mode="markers", marker={"color": LEAD, "size": 6}, name="points"),
+    ])  # fmt: skip
+    return styled(fig, _axis(made.output), ("predicted",), 380).update_layout(hovermode="closest")

@@ -1,0 +1,220 @@
+"""Rules on a study of points (J): the best point, what moves an output, how far it spreads, and which points are missing."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+from valvetrain.explore.sensitivity import ENOUGH_ROWS
+from valvetrain.explore.study_facts import PERCENTILES, StudyFacts
+from valvetrain.explore.surrogate import POOR
+from valvetrain.explore.table import run_label
+from valvetrain.findings.engine import Fields, Hit, Rule
+from valvetrain.findings.words import Amount, digits_text
+from valvetrain.solution.definition import label_of
+
+#: Fewest values of a grid along one quantity whose shape is named; share of the output's range within which it is flat, and
+#: share of the varied range that a flat part has: more than twice that of a straight line.
+FEWEST, FLAT, WIDE = 4, 0.2, 0.45
+#: Share within which values are no better than each other.
+ALIKE = 0.01
+
+
+def per_cent(share: float) -> str:
+    """``83 %``, ``less than 0.1 %``."""
+    return f"{digits_text(100 * share, 0, 2)} %" if share >= 1e-3 else "less than 0.1 %"
+
+
+def nothing(facts: StudyFacts) -> Iterator[Hit]:
+    """No point completed, or none has any output."""
+    if not facts.outputs:
+        told = (*facts.table.failures[:1], *facts.table.not_given[:1], "")
+        yield Hit(fields={"told": told[0].rstrip(".")})
+
+
+def failed(facts: StudyFacts) -> Iterator[Hit]:
+    """Points that failed, by the most frequent status."""
+    lost = [one for one in facts.table.statuses if not one.completed]
+    if lost:
+        code = Counter(one.code for one in lost).most_common(1)[0][0]
+        first = next(one.message for one in lost if one.code == code)
+        share = f"{len(lost)} of {len(facts.table)} points"
+        yield Hit(fields={"share": share, "code": code, "told": first})
+
+
+def lacking(facts: StudyFacts) -> Iterator[Hit]:
+    """An output that no completed point has."""
+    yield from (Hit(fields={"told": one.rstrip(".")}) for one in facts.table.not_given)
+
+
+def doubtful(facts: StudyFacts) -> Iterator[Hit]:
+    """Points with values that no spring or valve has."""
+    doubts = facts.table.doubts
+    for told in list(doubts.by_point.values())[:1]:
+        yield Hit(fields={"share": f"{len(doubts.by_point)} of {doubts.count} points", "told": told})  # fmt: skip
+
+
+def at_an_end(facts: StudyFacts) -> Iterator[Hit]:
+    """Limit speeds that are an end of the speeds searched."""
+    for one in facts.table.limit_ends:
+        share, side = f"{one.count} of {one.total} points", "above" if one.beyond else "below"
+        fields = {"share": share, "side": side, "name": label_of(one.name)}
+        yield Hit(Amount(one.name, one.engine_speed), fields=fields, severity=one.count)
+
+
+# -- chosen points ---------------------------------------------------------------------------------
+
+
+def _chosen(facts: StudyFacts, name: str, design: int, other: int) -> Fields:
+    """A design and the one that it is compared with, by an output."""
+    values, count = facts.worst(name), len(facts.designs[0]) * len(facts.table.plan.runs)
+    judged = name not in facts.limits and facts.sign(name) and count > 1
+    return {
+        "name": label_of(name), "point": facts.label(design), "reference": facts.amount(name, values[other]), "other": facts.label(other),
+        "worst_of": f"worst of {count} runs" if judged else "", "step": facts.command(design),
+    }  # fmt: skip
+
+
+def from_to(facts: StudyFacts) -> Iterator[Hit]:
+    """Chosen points whose output has no better side or no change, or that differ in engine speed, which is no choice."""
+    if facts.ends:
+        name = facts.outputs[0]
+        values = facts.judged(name)
+        low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
+        if facts.over_speed or not facts.sign(name) or values[low] == values[high]:
+            yield Hit(facts.amount(name, values[high]), fields=_chosen(facts, name, high, low))
+
+
+def flat(facts: StudyFacts) -> Iterator[Hit]:
+    """A grid along one quantity whose output stays near its best over a wide part and then leaves it."""
+    if not facts.ends or facts.table.plan.sampler.word != "grid" or len(facts.along) != 1:
+        return
+    name, varied = facts.outputs[0], facts.table.plan.varied[facts.along[0]]
+    places = np.array([facts.draws[one[0], facts.along[0]] for one in facts.designs])
+    order = np.argsort(places)
+    order = order[np.isfinite(facts.judged(name)[order])]
+    places, good = places[order], facts.sign(name) * facts.judged(name)[order]
+    if len(order) < FEWEST or not np.ptp(good) > 0:
+        return
+    near = good.max() - good <= FLAT * np.ptp(good)
+    if near[0] == near[-1]:  # both ends are good, or the best is between
+        return
+    count, step = int(near.sum()), 1 if near[0] else -1
+    edge, beyond = (count - 1, count) if step > 0 else (len(near) - count, len(near) - count - 1)
+    begin = 0 if step > 0 else -1
+    wide = abs(places[edge] - places[begin]) >= WIDE * np.ptp(places)
+    if wide and not near[beyond::step].any():
+        bound = facts.sign(name) * good[near].min()
+        yield Hit(facts.amount(name, bound), fields={
+            **_chosen(facts, name, int(order[edge]), int(order[beyond])), "side": "up to" if step > 0 else "from",
+            "next": varied.value_text(float(places[beyond]), 4),
+        })  # fmt: skip
+
+
+def best_point(facts: StudyFacts) -> Iterator[Hit]:
+    """The best of the chosen points against the first of a list, the case, or the worst."""
+    if facts.ends:
+        name, (best, *others) = facts.outputs[0], facts.ends.values()
+        other = next((one for one in others if one != best and np.isfinite(facts.judged(name)[one])), best)  # fmt: skip
+        values = facts.judged(name)
+        near = np.flatnonzero(np.abs(values - values[best]) <= ALIKE * abs(values[best]))
+        yield Hit(facts.amount(name, values[best]), fields={
+            **_chosen(facts, name, best, other),
+            "near": next((facts.label(k) for k in near.tolist() if k not in (best, other)), "") if len(near) < len(values) else "",
+        })  # fmt: skip
+
+
+def price(facts: StudyFacts) -> Iterator[Hit]:
+    """An output that is worse at the best point than at the one it is compared with."""
+    for name in facts.outputs[1:] if facts.ends else ():
+        best, other = list(facts.ends.values())[:2]
+        one, two = facts.judged(name)[[best, other]]
+        size = max(abs(one), abs(two))
+        if facts.sign(name) * (two - one) > ALIKE * size and facts.amount(name, one).resolved:
+            yield Hit(facts.amount(name, one), None, None, _chosen(facts, name, best, other), abs(two - one) / size)  # fmt: skip
+
+
+def wide_bar(facts: StudyFacts) -> Iterator[Hit]:
+    """The error bar of the output is as large as its change between the points."""
+    for name in facts.outputs[:1] if facts.ends else ():
+        values = facts.judged(name)[np.isfinite(facts.judged(name))]
+        size = float(np.max(np.abs(values)))
+        if 0 < np.ptp(values) <= facts.bar(name) * size:
+            yield Hit(Amount(name, facts.bar(name) * size), fields={"name": label_of(name)})
+
+
+# -- draws -----------------------------------------------------------------------------------------
+
+
+def still(facts: StudyFacts) -> Iterator[Hit]:
+    """Draws over which the output does not change."""
+    for name in facts.outputs[:1] if not facts.chosen else ():
+        if not facts.effects(name):
+            value = facts.amount(name, np.median(facts.finite(name, facts.run)))
+            yield Hit(value, fields={"name": label_of(name)})
+
+
+def moves(facts: StudyFacts, sure: bool = True) -> Iterator[Hit]:
+    """The quantity that moves the output of draws most."""
+    if not facts.outputs or facts.chosen:
+        return
+    name, run, plan = facts.outputs[0], facts.run, facts.table.plan
+    effects, rows = facts.effects(name), len(facts.draws)
+    near = [one for one in effects if one is effects[0] or one.high >= effects[0].low]
+    if not near or (len(near) == 1 and near[0].low > 0) != sure:
+        return
+    ends = (0.0, 100.0) if plan.kind == "surrogate" else PERCENTILES[::2]
+    low, high = (facts.amount(name, one) for one in np.percentile(facts.finite(name, run), ends))
+    enough = ENOUGH_ROWS * (len(plan.varied) + 2) if facts.table.sensitivities else 0
+    yield Hit(high, fields={
+        "name": label_of(name), "low": low, "among": "over the ranges" if ends[0] == 0 else "in nine of ten draws",
+        "place": run_label(run) if len(plan.runs) > 1 else "", "count": str(enough if rows < enough else 4 * rows),
+        "leader": near[0].varied.shown_name, "share": per_cent(min(1.0, near[0].share)),
+        "verb": {1: "rises", -1: "falls", 0: "varies"}[near[0].rises],
+        "rivals": f"{len(near)} quantities are not separated" if len(near) > 1 else "",
+    })  # fmt: skip
+
+
+def too_few(facts: StudyFacts) -> Iterator[Hit]:
+    """Draws too few to say which quantity moves the output most."""
+    return moves(facts, False)
+
+
+def poor_surrogate(facts: StudyFacts, poor: bool = True) -> Iterator[Hit]:
+    """The error of a surrogate at points that are left out of it is a large share of their scatter."""
+    for one in facts.table.surrogates:
+        if (one.share >= POOR) == poor:
+            fields = {"name": label_of(one.output), "share": per_cent(one.share)}
+            yield Hit(Amount(one.output, one.error), fields=fields, severity=one.share)
+
+
+def good_surrogate(facts: StudyFacts) -> Iterator[Hit]:
+    """The error of a surrogate at points that are left out of it is a small share of their scatter."""
+    return poor_surrogate(facts, False)
+
+
+GUIDE, AGAIN = "studies.md", "set count = {count} in the study file and run it again"
+RULES = (
+    Rule("J101", "decides", "nothing came out", nothing, (), "[{told}]", "correct the study file and run it again", guide=GUIDE),
+    Rule("J111", "decides", "{name} is {reference..value:4}", from_to, (), "least with {other}, largest with {point}", "[{step}]", mark=""),
+    Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
+         "[{step}]", mark="ok", unless=("J11",)),
+    Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
+         "[{value:4}][, {reference:4} with {other}][; {near} within 1 %][; {worst_of}]", "[{step}]", mark="ok", unless=("J11",)),
+    Rule("J120", "decides", "no varied quantity moves {name}", still, (), "[{value:4} at every point]", "vary something else", mark="warn"),
+    Rule("J121", "decides", "too few draws to say what moves {name} most", too_few, (), "[{rivals}; ]{low..value:4} {among}[, {place}]", AGAIN,
+         mark="warn"),
+    Rule("J122", "decides", "{name} {verb} most with {leader}", moves, (), "{share} of its variance; {low..value:4} {among}[, {place}]",
+         "narrow the range of {leader} first", mark="ok"),
+    Rule("J130", "warns", "{share} failed", failed, (), "{code}[: {told}]", guide=GUIDE, unless=("J101",)),
+    Rule("J131", "warns", "{told}", lacking, guide=GUIDE, unless=("J101",)),
+    Rule("J132", "warns", "{share} are doubtful", doubtful, (), "{told}"),
+    Rule("J133", "warns", "{name} of {share} is {side} the speeds searched", at_an_end, (), "it is given as {value:4}",
+         "search over more engine speeds"),
+    Rule("J134", "warns", "the error bar of {name} is as large as its change", wide_bar, (), "± {value:2}", guide="uncertainty.md"),
+    Rule("J135", "warns", "the surrogate of {name} cannot replace a run", poor_surrogate, (), "it errs by {share} of the scatter", guide=GUIDE),
+    Rule("J136", "warns", "{name} is worse there: {value:4}, {reference:4} with {other}", price, unless=("J111",)),
+    Rule("J140", "notes", "the surrogate of {name} errs by {share} of its scatter", good_surrogate),
+)  # fmt: skip
