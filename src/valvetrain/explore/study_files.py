@@ -14,12 +14,12 @@ from valvetrain.explore.study_answer import StudyAnswer
 from valvetrain.explore.table import StudyTable
 from valvetrain.findings.words import Words
 from valvetrain.report.json import uncertainty_object
-from valvetrain.report.study import StudyFiles, files_of
+from valvetrain.report.study import StudyFiles
 from valvetrain.session import called_case
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.partial_failures import PartialFailures
-from valvetrain.views.results import write_page
+from valvetrain.views.results import report_answer, write_page
 
 #: Rows that the JSON answer holds whole; a larger table is in points.csv.
 MAX_ROWS = 2000
@@ -137,6 +137,6 @@ def write_points(
 
 def report_points(table: StudyTable, folder: Path) -> StudyFiles:
     """As :func:`write_points`. Raises :class:`RunFailedError` where a part could not be written."""
-    failures = PartialFailures()
-    files, _ = write_points(table, folder, failures)
-    return files_of(folder, files, failures.sentences)
+    return report_answer(
+        StudyAnswer(table), folder, [write_text(folder / "points.csv", points_csv(table))]
+    )

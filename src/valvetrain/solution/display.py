@@ -116,8 +116,15 @@ class Shown:
 
         Raises :class:`InputError` where the result holds nothing to draw.
         """
-        figure: Figure = registry.find("displays", "figure")(self)
-        return figure
+        return self.figure()
+
+    def figure(self, name: str = "") -> Figure:
+        """A figure of its page by ``name``, such as ``force``, as a plotly figure; the first without one.
+
+        Raises :class:`InputError` for a name that it has no data for, with the nearest.
+        """
+        made: Figure = registry.find("displays", "figure")(self, name)
+        return made
 
 
 def verdict_first(result: object, lines: Sequence[str]) -> str:

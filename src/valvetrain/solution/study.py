@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, UnknownNameError
-from valvetrain.registry import find
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
-from valvetrain.solution.display import Figure, table_and_picture, value_text, verdict_first
+from valvetrain.solution.display import table_and_picture, value_text, verdict_first
 from valvetrain.solution.facts import Fact
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.provenance import CaseRecord, Provenance
@@ -170,14 +169,6 @@ class Study(Reported):
             ("run", "engine speed", "status", *(name.replace("_", " ") for name in names)),
             rows,
         )
-
-    def figure(self, name: str = "") -> Figure:
-        """A figure of its page by ``name``, such as ``force``, as a plotly figure; the first without one.
-
-        Raises :class:`InputError` for a name that it has no data for, with the nearest.
-        """
-        made: Figure = find("displays", "figure")(self, name)
-        return made
 
     def to_pandas(self) -> pandas.DataFrame:
         """All named numbers (SI), one row each: quantity, label, engine_speed (rad/s), value, unit."""

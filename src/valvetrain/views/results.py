@@ -218,12 +218,6 @@ def figure_for_user(result: object, name: str = "") -> go.Figure:
     raise UnknownNameError(name, figures_of(answer), "figure")
 
 
-def html_for_notebook(result: object) -> str:
-    """What a notebook shows of a result: verdict and rows."""
-    listed = type(result).__name__ in registry.places("answers")
-    return picture_for_notebook(result) if listed else notebook.html_of(result)
-
-
 def picture_for_notebook(result: object) -> str:
     """Verdict and rows of a result as HTML; empty where they cannot be made, which must never cost the result."""
     try:
