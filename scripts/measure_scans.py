@@ -114,17 +114,17 @@ def large(folder: Path, count: int) -> None:
 
 
 def picture(folder: Path, file: Path) -> None:
-    """The curves of the beehive as made beside those of its design."""
-    from valvetrain.report.svg_chart import svg
-    from valvetrain.scan.compare import aligned_to
-    from valvetrain.scan.page import curves_chart
+    """The curves of the beehive as made less those of its design."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "docs" / "_site"))
+    from figure_svg import svg_of  # type: ignore[import-not-found]
+
+    from valvetrain.scan.compare import compare_scan
     from valvetrain.solution.atomic import write_text
 
-    known = springs()
-    point, _ = cloud(known["beehive-as-made"], 30_000, Scanner(outside=True, seed=3))
+    point, _ = cloud(springs()["beehive-as-made"], 30_000, Scanner(outside=True, seed=3))
     (folder / "cloud.ply").write_bytes(ply(point))
-    scan = aligned_to(spring_from_scan(folder / "cloud.ply"), known["beehive"])
-    write_text(file, svg(curves_chart(scan, known["beehive"])))
+    compared = compare_scan(spring_from_scan(folder / "cloud.ply"), "gu2021-beehive-blind")
+    write_text(file, svg_of(compared.plot()))
 
 
 if __name__ == "__main__":

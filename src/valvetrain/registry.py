@@ -87,8 +87,6 @@ BUILT_IN["results"] = {
     "CoilMotion": "valvetrain.film.page:film_page",
     "FilmedModel": "valvetrain.film.notebook:filmed_model_blocks",
     "RigResult": "valvetrain.rig.notebook:rig_result_blocks",
-    "ScannedSpring": "valvetrain.scan.page:scan_page",
-    "ScanComparison": "valvetrain.scan.notebook:scan_comparison_blocks",
     "SpringFit": "valvetrain.spring_card.page:card_page",
     "TesterFit": "valvetrain.spring_card.page:tester_page",
 }
@@ -97,14 +95,14 @@ BUILT_IN["verdicts"] = {
     "CoilMotion": "valvetrain.film.verdict:film_verdict",
     "FilmedModel": "valvetrain.film.verdict:filmed_model_verdict",
     "RigResult": "valvetrain.rig.verdict:rig_verdict",
-    "ScannedSpring": "valvetrain.scan.verdict:scan_verdict",
-    "ScanComparison": "valvetrain.scan.verdict:scan_comparison_verdict",
     "SpringFit": "valvetrain.spring_card.verdict:card_verdict",
     "TesterFit": "valvetrain.spring_card.verdict:tester_verdict",
 }
 #: Class of a result -> what is shown of it, made from the result alone.
 BUILT_IN["answers"] = {
     "Study": "valvetrain.views.answer:Answer",
+    "ScannedSpring": "valvetrain.scan.answer:ScanAnswer",
+    "ScanComparison": "valvetrain.scan.answer:answer_of_comparison",
     "Solution": "valvetrain.views.results:answer_of_run",
     "UncertaintyStudy": "valvetrain.views.refinement:RefineAnswer",
     "StaticCurve": "valvetrain.views.data:static_curve",
@@ -129,13 +127,13 @@ BUILT_IN["displays"] = {
 #: Kind of result -> what writes the files of its ``save()`` (any result) or ``report()``.
 BUILT_IN["files"] = {
     "result": "valvetrain.solution.netcdf:save_result",
+    "scan": "valvetrain.scan.files:report_scan",
     "study": "valvetrain.views.results:write_study",
     "identification": "valvetrain.explore.identification_files:report_identification",
     "optimum": "valvetrain.explore.optimum_files:report_optimum",
     "points": "valvetrain.explore.study_files:report_points",
     "film": "valvetrain.film.page:report_film",
     "rig": "valvetrain.rig.page:report_rig",
-    "scan": "valvetrain.scan.page:report_scan",
     "compare-test": "valvetrain.compare_test.answer:report_compare_test",
 }
 BUILT_IN["integrators"] = {
@@ -235,6 +233,7 @@ BUILT_IN["rules"] = {
 #: Tables of rules on other results than studies; the answer of each judges by its own.
 BUILT_IN["other_rules"] = {
     "case": "valvetrain.findings.rules_case:RULES",
+    "scan": "valvetrain.scan.rules:RULES",
     "refine": "valvetrain.findings.rules_refine:RULES",
     "compare-test": "valvetrain.compare_test.rules:RULES",
     "identification": "valvetrain.explore.identification_rules:RULES",

@@ -15,7 +15,6 @@ from synthetic_study import at_rest, critical_speeds, own_study, published_study
 from unit import (
     test_every_film_table,
     test_every_rig_table,
-    test_pages_of_measured_parts,
     test_study_page,
     test_told_beside_a_test,
 )
@@ -103,24 +102,6 @@ def from_tester():
     return vt.spring_card.spring_from_tester(table, card)
 
 
-def scan_compared() -> Shown:
-    """Design first; installed heights of 40 and 41 mm at 6 and 5 mm of precompression."""
-    compression = np.linspace(0.0, 10e-3, 5)
-    curves = (
-        SimpleNamespace(
-            compression=compression, force=rate * compression, stiffness=np.full(5, rate), path=None
-        )
-        for rate in (40e3, 41e3)
-    )
-    cases = tuple(
-        SimpleNamespace(springs=(SimpleNamespace(installed_height=high, precompression=low),))
-        for high, low in ((40e-3, 6e-3), (41e-3, 5e-3))
-    )
-    rest = tuple(SimpleNamespace(rest=(SimpleNamespace(curve=one),)) for one in curves)
-    told = SimpleNamespace(cases=cases, rest=rest, runs=None, numbers=())
-    return stand_in("ScanComparison", told)
-
-
 #: Data without a verdict -> one, a word of its table, and what an axis of its figure shows.
 DATA = {
     "StaticCurve": (lambda: at_rest()[0].curve, "compression", "stiffness, N/mm"),
@@ -139,8 +120,6 @@ RESULTS = {
     "RigResult": (
         lambda: stand_in("RigResult", test_every_rig_table.result()), "95 %", "valve lift (mm)",
     ),
-    "ScannedSpring": (test_pages_of_measured_parts.scanned, "free length", "(mm)"),
-    "ScanComparison": (scan_compared, "scan/design", "rate (N/mm)"),
     "SpringFit": (from_card, "card", "force (N)"),
     "TesterFit": (from_tester, "Active turns", "force (N)"),
 }  # fmt: skip

@@ -1,54 +1,13 @@
-"""Unit: every row and curve of the pages of a scanned spring and of measured lifts beside made-up
-numbers, in the units of the page.
-"""
+"""Unit: every row of the page of measured lifts beside made-up numbers, in the units of the page."""
 
 from __future__ import annotations
-
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from spring_parts import CLOSED_ENDS
 from valvetrain.lift.figures import LiftFigure, figure_rows
-from valvetrain.parameters.spring import EndCoil
-from valvetrain.scan.result import ScanCurves, ScannedEnd, ScannedSpring, WireSection
 
-RPM, DEG, MM = np.pi / 30, np.pi / 180, 1e-3
-COIL = np.linspace(0.0, 5.0, 61)
-#: Diameter from 24 to 25 mm, height 6 mm a turn; the scatter of the last station of the diameter is
-#: far too large.
-MEAN, HEIGHT = (24 + 0.2 * COIL) * MM, 6 * MM * COIL
-SPREAD = np.append(np.full(60, 1e-5), 1e-3)
-TURNED = 2 * np.pi * COIL
-AXIS = np.column_stack([MEAN / 2 * np.cos(TURNED), MEAN / 2 * np.sin(TURNED), HEIGHT])
-CURVES = ScanCurves(
-    COIL, MEAN, SPREAD, HEIGHT, np.full(61, 2e-5), (6 + 0.1 * COIL) * MM, np.full(61, 3e-5), AXIS
-)
-TURNS = np.array([[0.5, 4.01e-3, 2e-6, 300.0], [1.5, 4.02e-3, 3e-6, 310.0]])
-ROUND = WireSection((4e-3, 1e-6), (4e-3, 1e-6), (4e-3, 1e-6), 0.0, TURNS, np.array([[2e-3, 0.0]]))
-#: The definition that the scan gave: ends ground over 0.8 and 0.6 turns.
-WIRE = CLOSED_ENDS.replace(
-    lower_end=EndCoil("closed-ground", 1.0, 0.8), upper_end=EndCoil("closed-ground", 1.0, 0.6)
-)
-
-
-def scanned(section=ROUND, **more):
-    told = {
-        "source": "own.stl", "form": "STL", "unit": "mm", "definition": WIRE, "curves": CURVES, "section": section,
-        "lower_end": ScannedEnd("closed-ground", 900, 2 * DEG, 0.002), "upper_end": ScannedEnd("open", 0, 0.5, 0.003),
-        "total_coils": (5.0, 0.004), "free_length": (34e-3, 6e-5), "axis_point": np.zeros(3), "axis_direction": np.array([0.0, 0.0, 1.0]),
-        "noise": 2e-5, "residuals": np.random.default_rng(1).normal(0.0, 2e-5, 20000), "points_read": 500, "points_fitted": 400,
-        "points_on_wire": 450, "shown": AXIS + np.array([0.0, 0.0, 1e-3]), "notes": (),
-    }  # fmt: skip
-    return ScannedSpring(**(told | more))
-
-
-def curve(rate, path=None):
-    compression = np.linspace(0.0, 10e-3, 5)
-    return SimpleNamespace(
-        compression=compression, force=rate * compression, stiffness=np.full(5, rate), path=path
-    )
+DEG = np.pi / 180
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ class Hit:
 
 
 class Subject(Protocol):
-    """What the engine asks of anything that rules judge: a study, a case."""
+    """What the engine asks of anything that rules judge: a study, a case. What is inherited suits a result without runs."""
 
     @property
     def case(self) -> str:
@@ -60,9 +60,11 @@ class Subject(Protocol):
 
     def at(self, run: Solution) -> str:
         """Where a run is, as text."""
+        return ""
 
     def where(self, runs: Sequence[Solution]) -> str:
         """In which of its runs a rule holds, as text."""
+        return ""
 
 
 Condition = Callable[[Any], Iterable[Hit]]

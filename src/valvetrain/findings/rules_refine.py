@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from valvetrain.findings.engine import Hit, Rule
+from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import UNRESOLVED, Amount, digits_text, speed_text
 from valvetrain.runs.error_bars import UncertaintyStudy
 from valvetrain.solution.definition import label_of
-from valvetrain.solution.result import Solution
 from valvetrain.solution.uncertainty import Uncertainty
 
 #: Error bars up to this share of a value count as small; a range over contact constants above this one is named.
@@ -18,7 +17,7 @@ SMALL, MOVED = 0.01, 0.05
 
 
 @dataclass(frozen=True)
-class RefineFacts:
+class RefineFacts(Subject):
     """A refinement as rules read it."""
 
     study: UncertaintyStudy
@@ -28,14 +27,6 @@ class RefineFacts:
     def case(self) -> str:
         """What a command takes for its case."""
         return self.name or self.study.record.name
-
-    def at(self, run: Solution) -> str:
-        """Nothing: its rows name their speeds."""
-        return ""
-
-    def where(self, runs: Sequence[Solution]) -> str:
-        """Nothing: its rows name their speeds."""
-        return ""
 
     @property
     def rows(self) -> list[Uncertainty]:

@@ -4,7 +4,7 @@ next to it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -29,8 +29,6 @@ from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from valvetrain.scan.compare import ScanComparison
     from valvetrain.scan.result import ScannedSpring
 
@@ -157,32 +155,41 @@ def _deliver(request: _Request, found: ScannedSpring, compared: ScanComparison |
     """Write the folder (page, spring, curves, run.json) and report it."""
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
+    from valvetrain.findings.words import Words
     from valvetrain.parameters.loading import parse_case
-    from valvetrain.report.page import render
-    from valvetrain.report.verdict import verdict_of
-    from valvetrain.scan.page import scan_page, scan_text, write_scan
-    from valvetrain.solution.atomic import write_text
+    from valvetrain.scan.answer import ScanAnswer
+    from valvetrain.scan.files import write_scan
+    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.units.reader import shown_system
+    from valvetrain.views.results import write_page
+    from valvetrain.views.terminal import screen
 
-    text = scan_text(found, None if compared is None else compared.cases[1].springs[0])
+    answer, gaps = ScanAnswer(found, compared), PartialFailures()
     data = _data(found, compared)
     pages: list[Path] = []
 
     def fill(folder: Path) -> list[Path]:
-        pages.append(write_text(folder / "report.html", render(scan_page(found, compared))))
-        return [*write_scan(found, folder, text), *pages]
+        nonlocal answer
+        case = str(folder / "spring.toml")
+        answer = replace(answer, words=Words(shown_system(), case=case))
+        data["findings"] = [one.to_dict() for one in replace(answer, words=Words(case=case)).findings]  # fmt: skip
+        pages.extend(filter(None, (write_page(answer, folder, gaps),)))
+        return [*write_scan(answer, folder), *pages]
 
     with busy("writing files"):
-        saved = SavedRequest("scan", parse_case(text, "scan"), request.output, request.created_at)
-        folder, files = keep_run(saved, text, {"name": request.name}, data, fill)
-    if request.open_page:
+        case = parse_case(answer.text, "scan")
+        saved = SavedRequest("scan", case, request.output, request.created_at)
+        folder, files = keep_run(saved, answer.text, {"name": request.name}, data, fill)
+    page = str(pages[0]) if pages else None
+    if request.open_page and pages:
         show_page(pages[0])
-    data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
+    data |= {"folder": str(folder), "files": files, "page": page}
+    failures = () if compared is None else compared.failures
     deliver(
         Outcome(
             data,
-            lambda console: _show(console, found, compared, folder, pages[0]),
-            () if compared is None else compared.failures,
-            verdict_of(found) if compared is None else verdict_of(compared),
+            lambda console: console.print(screen(answer, page or "", str(folder))),
+            (*failures, *gaps.sentences),
         )
     )
 
@@ -226,43 +233,3 @@ def _data(found: ScannedSpring, compared: ScanComparison | None) -> dict[str, An
         ]
         data["failures"] = list(compared.failures)
     return data
-
-
-def _show(
-    console: Console,
-    found: ScannedSpring,
-    compared: ScanComparison | None,
-    folder: Path,
-    page: Path,
-) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.scan.page import compared_rows, scan_rows
-
-    console.print(f"{found!r}", soft_wrap=True)
-    console.print(
-        f"read as {found.form} in {found.unit}: {found.points_read} points, {found.points_on_wire} on the wire",
-        soft_wrap=True,
-    )
-    console.print()
-    rows = [
-        (row_label, value, spread and f"±{spread}", unit)
-        for row_label, value, spread, unit in scan_rows(found)
-    ]
-    console.print(plain_table(("", "value", "95 %", ""), rows, right=(1, 2)))
-    console.print()
-    if compared is not None:
-        console.print(
-            plain_table(
-                ("", "run", "design", "scan", "", "difference"),
-                compared_rows(compared),
-                right=(2, 3, 5),
-            )
-        )
-        console.print()
-    for note in found.notes:
-        console.print(f"{note[:1].upper()}{note[1:]}.", soft_wrap=True)
-    console.print()
-    console.print(
-        f"the spring for a case file: {folder / 'spring.toml'}; curves: {folder / 'curves.csv'}; page: {page}",
-        soft_wrap=True,
-    )

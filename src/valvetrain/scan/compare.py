@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -31,7 +32,7 @@ MODES, AXIAL = 24, 3
 #: Share by which the frequency of a mode may differ from the design's.
 ALIKE = 0.15
 #: How notes begin on what a scan alone assumes and a design gives.
-ASSUMED = ("a scan does not give the material", "the ground turns of the")
+ASSUMED = ("material", "ground turns")
 #: Quantities of springs at rest that are compared, in this order.
 AT_REST = (
     "preload", "installed_rate", "free_length", "installed_height", "coil_bind_lift", "solid_height", "active_coil_count",
@@ -50,6 +51,11 @@ class ComparedNumber:
     engine_speed: float | None
     design: float
     scanned: float
+
+    @property
+    def difference(self) -> float:
+        """Scan less design as a share of the design; nan where the design has nothing."""
+        return self.scanned / self.design - 1 if self.design else math.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,7 +205,7 @@ def compare_scan(
         upright,
         notes=(
             *notes,
-            f"material, damping, contacts and inactive turns are those of the design '{case.name}'",
+            f"material, damping, contacts and inactive turns of the design '{case.name}'",
         ),
     )
     return ScanComparison(

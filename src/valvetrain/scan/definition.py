@@ -103,7 +103,7 @@ def round_wire(mean: float, ellipticity: float) -> float:
     return float((32 * (a * b) ** 3 / (a**2 + b**2)) ** 0.25)
 
 
-def wire_curve(fitted: FittedSpring, turns: Array, round_: float) -> tuple[Curve, bool]:
+def wire_curve(fitted: FittedSpring, turns: Array, round_: float) -> Curve:
     """Wire diameter (m) over the coil: one value, or one a turn where the turns differ by more than
     chance.
     """
@@ -111,16 +111,14 @@ def wire_curve(fitted: FittedSpring, turns: Array, round_: float) -> tuple[Curve
     if len(turns) > 2 and not fitted.ovate:
         far = np.abs(values - 2 * fitted.tube.section[0])
         if np.count_nonzero((far > VARIED * spreads) & (far > MIN_VARIED * values)) >= 2:
-            return PiecewiseLinear(
-                tuple(turns[:, 0].tolist()), tuple((1e-3 * values).tolist())
-            ), True
-    return Constant(1e-3 * round_), False
+            return PiecewiseLinear(tuple(turns[:, 0].tolist()), tuple((1e-3 * values).tolist()))
+    return Constant(1e-3 * round_)
 
 
 def define(
     fitted: FittedSpring, wire: Wire, turns: Array, material: Material, name: str
-) -> tuple[SpringDefinition, list[str]]:
-    """The spring definition, and sentences on what had to be chosen."""
+) -> SpringDefinition:
+    """The spring definition. A round wire that twists alike replaces an ellipse; gaps between coils are preserved."""
     mean, size = (
         float(fitted.tube.section[0]),
         float(np.hypot(*fitted.tube.section[1:])) if fitted.ovate else 0.0,
@@ -130,7 +128,6 @@ def define(
     wider = diameter - 2 * mean * (
         1 - along
     )  # beyond the height of the section; the gaps between coils are preserved
-    law, varied = wire_curve(fitted, turns, diameter)
     bend = np.diff(wire.pitch, 2)
     rise = (
         wire.pitch - np.concatenate([[0.0], bend, [0.0]]) / 12
@@ -139,19 +136,10 @@ def define(
         tuple(wire.coil.tolist()), tuple((1e-3 * np.maximum(rise + max(wider, 0.0), 0.0)).tolist())
     )
     width = PiecewiseLinear(tuple(wire.coil.tolist()), tuple((2e-3 * wire.radius).tolist()))
-    notes = []
     ends = [_end(wire, mean * (1 - along), upper) for upper in (False, True)]
-    if varied:
-        notes.append("the wire is not of one diameter: it is written over the coils")
-    if fitted.ovate:
-        notes.append(
-            f"the section is an ellipse of {2 * mean * (1 + size):.3f} by {2 * mean * (1 - size):.3f} mm; a case takes round wire, so "
-            f"{diameter:.3f} mm replaces it, which twists alike. Gaps between the coils are preserved, so the spring of the case is "
-            f"{max(wider, 0.0) * wire.coil[-1]:.2f} mm longer; its mass is {100 * (diameter**2 / (4 * mean**2 * (1 - size**2)) - 1):+.1f} %"
-        )
     hand = "right" if fitted.tube.hand > 0 else "left"
-    found = SpringDefinition(
-        law,
+    return SpringDefinition(
+        wire_curve(fitted, turns, diameter),
         width,
         pitch,
         float(wire.coil[-1]),
@@ -161,7 +149,6 @@ def define(
         hand,  # type: ignore[arg-type]
         name,
     )
-    return found, notes
 
 
 def _end(wire: Wire, half: float, upper: bool) -> EndCoil:
@@ -206,6 +193,8 @@ def turned_over(scan: ScannedSpring) -> ScannedSpring:
         name: _reversed(getattr(wire, name), wire.total_coils)
         for name in ("wire_diameter", "mean_diameter", "pitch")
     }
+    swapped = {"lower": "upper", "upper": "lower"}
+    hidden = tuple(swapped[name] for name in scan.coverage.hidden_tips)
     other = wire.replace(**laws, lower_end=wire.upper_end, upper_end=wire.lower_end)
     names = (
         "mean_diameter",
@@ -223,6 +212,7 @@ def turned_over(scan: ScannedSpring) -> ScannedSpring:
         section=replace(section, turns=turns, shown=shown, inclination=-section.inclination),
         lower_end=scan.upper_end,
         upper_end=scan.lower_end,
+        coverage=replace(scan.coverage, hidden_tips=hidden),
         axis_direction=-scan.axis_direction,
     )
 

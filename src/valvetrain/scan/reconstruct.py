@@ -16,14 +16,13 @@ from valvetrain.scan.axis import WEDGES
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.scan.definition import Wire, define, round_wire, wire_of
 from valvetrain.scan.fit import (
-    ALL_AROUND,
     PER_TURN,
     FittedSpring,
     fit_spring,
     seen_around,
     unseen_sector,
 )
-from valvetrain.scan.result import ScanCurves, ScannedEnd, ScannedSpring, WireSection
+from valvetrain.scan.result import Coverage, ScanCurves, ScannedEnd, ScannedSpring, WireSection
 from valvetrain.units import dimension_of, unit_factor
 
 Array = NDArray[np.float64]
@@ -97,9 +96,6 @@ def _mixed(points: Array) -> NDArray[np.uint64]:
 SMALLEST, LARGEST = 4.0, 500.0
 #: Material where none is given, and the maximum of points that figures show.
 DEFAULT_MATERIAL, SHOWN = "EN 10270-2 VDSiCr", 4000
-#: Sector (turns) without points from which a note reports it, and share of the points on the wire
-#: below which one does.
-BRIDGED, EXPLAINED = 0.04, 0.8
 
 
 def spring_from_scan(
@@ -181,7 +177,7 @@ def spring_from_scan(
     wire = wire_of(fitted, turn_over)
     turns = _turn_diameters(fitted, wire)
     try:
-        definition, notes = define(
+        definition = define(
             fitted, wire, turns, material or material_by_name(DEFAULT_MATERIAL), name
         )
     except InputError as error:
@@ -189,19 +185,7 @@ def spring_from_scan(
             f"what the points of '{cloud.name}' show is no spring: {str(error).partition(';')[0]}; give a cloud that shows the wire on all "
             "sides of the spring"
         ) from error
-    if drawn.read > len(drawn.points) and len(drawn.points) == points:
-        notes.insert(
-            0, f"{drawn.read} points are in the file, an even draw of {len(drawn.points)} is fitted"
-        )
-    if drawn.broken:
-        notes.append(f"{drawn.broken} points of the file are no numbers and were left out")
-    around = seen_around(fitted.on, fitted.weight)
-    if around < ALL_AROUND:
-        notes.append(
-            f"{100 * around:.0f} % of the way around the wire is seen, so its section is taken as round"
-        )
-    notes += _unseen(fitted, wire)
-    notes += _assumed(material, definition, fitted)
+    broken = [f"{drawn.broken} points left out that are no numbers"] if drawn.broken else []
     on_wire = fitted.weight > 0
     left = 1e-3 * fitted.on.left[np.abs(fitted.on.left) < 8 * fitted.tube.noise]
     ends = [_end(fitted, definition, place, wire.turned_over) for place in (0, 1)]
@@ -226,8 +210,9 @@ def spring_from_scan(
         drawn.read,
         len(drawn.points),
         int(np.count_nonzero(on_wire)),
+        _coverage(fitted, wire),
         1e-3 * fitted.frame.outside(fitted.points[::step]),
-        tuple(notes),
+        (*broken, *_assumed(material, definition)),
     )
 
 
@@ -343,51 +328,24 @@ def _end(fitted: FittedSpring, definition: SpringDefinition, place: int, over: b
     )
 
 
-def _unseen(fitted: FittedSpring, wire: Wire) -> list[str]:
-    """A sector about the axis without points, tips in it, and points that are not explained."""
-    notes = []
-    surface = fitted.points[fitted.weight > 0]
-    begin, width = unseen_sector(surface)
-    if width > BRIDGED:
-        notes.append(
-            f"no point is in a sector of {360 * width:.0f} degrees about the axis; the smooth curve bridges it on every coil"
-        )
-        names = ("upper", "lower") if wire.turned_over else ("lower", "upper")
-        for name, tip, side in zip(names, fitted.tips, (-1, 1), strict=True):
-            beyond = np.mod(fitted.tube.hand * (tip + 0.5 * side * width) - begin, 1.0)
-            if beyond < width:
-                notes.append(
-                    f"the {name} tip is at the edge of that sector or in it, so the wire may be up to {width:.2f} turns longer there"
-                )
-    share = float(np.mean(np.abs(fitted.on.left) < 4 * fitted.tube.noise))
-    if share < EXPLAINED:
-        notes.append(
-            f"{100 * share:.0f} % of the points are on the wire that was followed; the others are strays, a holder or coils that were missed"
-        )
-    return notes
+def _coverage(fitted: FittedSpring, wire: Wire) -> Coverage:
+    """The widest sector about the axis without points, and the tips in it."""
+    begin, width = unseen_sector(fitted.points[fitted.weight > 0])
+    names = ("upper", "lower") if wire.turned_over else ("lower", "upper")
+    hidden = tuple(
+        name
+        for name, tip, side in zip(names, fitted.tips, (-1, 1), strict=True)
+        if np.mod(fitted.tube.hand * (tip + 0.5 * side * width) - begin, 1.0) < width
+    )
+    return Coverage(seen_around(fitted.on, fitted.weight), 2 * np.pi * width, hidden)
 
 
-def _assumed(
-    material: Material | None, definition: SpringDefinition, fitted: FittedSpring
-) -> list[str]:
-    notes = []
-    if material is None:
-        notes.append(
-            f"a scan does not give the material: moduli and density are those of {definition.material.name}"
-        )
+def _assumed(material: Material | None, definition: SpringDefinition) -> list[str]:
+    notes = [] if material else [f"material {definition.material.name}, which a scan does not show"]
     for word, end in (("lower", definition.lower_end), ("upper", definition.upper_end)):
-        if "ground" in end.kind:
-            notes.append(
-                f"the ground turns of the {word} end ({end.inactive_coils:.3f}) are taken as inactive; a scan does not show where the wire "
-                "begins to move"
-            )
-        else:
-            notes.append(
-                f"no ground face is seen at the {word} end, so it is taken as {end.kind}, with {end.inactive_coils:g} inactive turns"
-            )
-    leans = [float(np.hypot(*face.lean)) for face in fitted.faces if face is not None]
-    if leans and max(leans) > 0.004:
-        notes.append(
-            f"ground faces lean by up to {np.degrees(max(leans)):.2f} degrees; a case has them square to the axis, so this is lost"
+        ground = f"ground turns of the {word} end ({end.inactive_coils:.3f}) inactive"
+        other = (
+            f"{word} end {end.kind}, without a ground face, {end.inactive_coils:g} turns inactive"
         )
+        notes.append(ground if "ground" in end.kind else other)
     return notes

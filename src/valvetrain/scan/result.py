@@ -70,6 +70,17 @@ class ScannedEnd:
     tip_spread: float
 
 
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """How much of a spring a scan shows: ``around``, share of the way around the wire with points on it; ``sector`` (rad),
+    the widest about the axis without points; ``hidden_tips``, the ends (lower, upper) whose tip is at its edge or in it.
+    """
+
+    around: float
+    sector: float
+    hidden_tips: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class ScannedSpring(Reported):
     """A spring out of a scan, made by :func:`spring_from_scan`; SI.
@@ -80,8 +91,8 @@ class ScannedSpring(Reported):
     frame, towards the upper end; ``noise``:
     standard deviation of a point from the surface; ``residuals``: distances of the points from it
     (n,); ``points_read``,
-    ``points_fitted``, ``points_on_wire``; ``shown``: some points in the file's frame (n, 3);
-    ``notes``: what was found or assumed.
+    ``points_fitted``, ``points_on_wire``; ``coverage``: how much of the spring they show; ``shown``: some points in the
+    file's frame (n, 3); ``notes``: what was left out or assumed, a few words each.
 
     >>> ScannedEnd("closed-ground", 900, 0.01, 0.002).kind
     'closed-ground'
@@ -106,6 +117,7 @@ class ScannedSpring(Reported):
     points_read: int
     points_fitted: int
     points_on_wire: int
+    coverage: Coverage
     shown: Array
     notes: tuple[str, ...]
 

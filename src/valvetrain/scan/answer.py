@@ -1,0 +1,160 @@
+"""What ``scan`` shows: whether the scan covers the spring, its sizes with their scatter, and its design next to it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from valvetrain.findings.engine import Findings, Mark, judge
+from valvetrain.findings.words import Amount, Words, speed_text
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.summary import percent
+from valvetrain.report.files import spring_text
+from valvetrain.scan import figures
+from valvetrain.scan.compare import ComparedNumber, ScanComparison
+from valvetrain.scan.result import ScannedSpring
+from valvetrain.scan.rules import AS_DRAWN, BRIDGED, RULES, ScanFacts, degrees, length
+from valvetrain.solution.definition import label_of
+from valvetrain.units.reader import shown_system
+from valvetrain.views.shown import Shown
+from valvetrain.views.style import FigureSpec
+from valvetrain.views.table import Line, TextTable
+
+#: Quantities at rest in the first table, and standard deviations of a 95 % interval.
+FIRST, BAND = ("installed_rate", "preload", "coil_bind_lift", "mode_1_frequency"), 2.0
+GREY = "grey: 95 % of what the scatter of the points leaves"
+
+
+@dataclass(frozen=True)
+class ScanAnswer(Shown):
+    """What is shown of a ``scan``, and of the comparison with its design, in the units of the reader by default."""
+
+    scan: ScannedSpring
+    compared: ScanComparison | None = None
+    words: Words = field(default_factory=lambda: Words(shown_system()))
+
+    @property
+    def facts(self) -> ScanFacts:
+        """The scan as rules read it."""
+        return ScanFacts(self.scan, self.compared)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """All findings, the verdict first."""
+        return judge(self.facts, RULES, self.words)
+
+    @property
+    def title(self) -> str:
+        """The file, and the design that it is compared with."""
+        beside = "" if self.compared is None else f", design {self.compared.cases[0].name}"
+        return f"Spring from the scan {self.scan.source} ({self.scan.form}, {self.scan.unit}){beside}"  # fmt: skip
+
+    @property
+    def headings(self) -> list[str]:
+        """Columns of the first table."""
+        return [""] if self.compared is None else ["design", "scan", "difference"]
+
+    @property
+    def rests_on(self) -> list[str]:
+        """What the scan does not show."""
+        return list(self.scan.notes)
+
+    @cached_property
+    def lines(self) -> list[Line]:
+        """Sizes and ends, then how well the scan shows them, or rate and preload of design and scan."""
+        return [*self._sizes(), *(self._seen() if self.compared is None else self._loads())]
+
+    def _sizes(self) -> Iterator[Line]:
+        scan, curves = self.scan, self.scan.curves
+        design = None if self.compared is None else self.compared.cases[0].springs[0].wire
+        known = curves.mean_diameter_spread < 3 * np.median(curves.mean_diameter_spread)
+        coil, spread = curves.coil[known], curves.mean_diameter_spread[known]
+        drawn: tuple[ArrayLike | None, ...] = (None,) * 5 if design is None else (
+            design.free_length, np.mean(design.wire_diameter.value(coil)), design.mean_diameter.value(coil), design.total_coils,
+            design.pitch.value(coil),
+        )  # fmt: skip
+        made: tuple[tuple[str, ArrayLike, ArrayLike], ...] = (
+            ("free length", *scan.free_length), ("wire diameter", *scan.section.diameter),
+            ("mean diameter", curves.mean_diameter[known], spread), ("turns", *scan.total_coils),
+            ("pitch", curves.pitch[known], curves.pitch_spread[known]),
+        )  # fmt: skip
+        for (label, values, scatter), other in zip(made, drawn, strict=True):
+            name = "total_coil_count" if label == "turns" else "free_length"
+            yield Line(label, self._cells(name, values, scatter, other))
+        for place in ("lower_end", "upper_end"):
+            ends = [getattr(one, place) for one in (design, scan.definition) if one is not None]
+            ground = f"{ends[-1].ground_coils:.2f} turns ground"
+            yield Line(
+                place.replace("_", " "),
+                (*(end.kind for end in ends), "")[: len(self.headings)],
+                "",
+                ground,
+            )
+
+    def _cells(self, name: str, values: ArrayLike, spread: ArrayLike, drawn: ArrayLike | None) -> tuple[str, ...]:  # fmt: skip
+        """A size from its least to its largest value, with its interval or next to the design's."""
+        bar, words = BAND * float(np.max(spread)), replace(self.words, brief=True)
+        design, made = (
+            words.span(Amount(name, np.min(one), width), Amount(name, np.max(one), width), 4)
+            for one, width in ((values if drawn is None else drawn, 0.0), (values, bar))
+        )
+        if drawn is None:
+            return (f"{made} ± {words.amount(Amount(name, bar), 2)}",)
+        off = np.atleast_1d(np.subtract(values, drawn))
+        return design, made, words.amount(Amount(name, off[np.argmax(np.abs(off))], bar), 2)
+
+    def _seen(self) -> Iterator[Line]:
+        scan, seen = self.scan, self.scan.coverage
+        share, scatter = scan.points_on_wire / scan.points_fitted, self.words.amount(length(scan.noise), 2)  # fmt: skip
+        mark: Mark = "bad" if seen.sector > BRIDGED else "ok"
+        yield Line("points", (f"{scan.points_fitted}, scatter {scatter}",), "", f"{100 * share:.0f} % on the wire")  # fmt: skip
+        yield Line("seen", (f"{100 * seen.around:.0f} % around the wire",), mark, f"gap about the axis {degrees(seen.sector)}")  # fmt: skip
+
+    def _loads(self) -> Iterator[Line]:
+        for one in self.facts.numbers:
+            if one.quantity in FIRST:
+                mark: Mark = "ok" if abs(one.difference) <= AS_DRAWN else "warn"
+                yield Line(label_of(one.quantity), self._compared(one), mark)
+
+    def _compared(self, one: ComparedNumber) -> tuple[str, ...]:
+        both = (self.words.amount(Amount(one.quantity, value), 4) for value in (one.design, one.scanned))  # fmt: skip
+        return *both, percent(one.difference) if one.design else ""
+
+    def tables(self) -> Mapping[str, TextTable]:
+        """Every compared number by run."""
+        rows: list[tuple[str, ...]] = []
+        for speed, group in groupby(self.facts.numbers, lambda one: one.engine_speed):
+            rows.append(("at rest" if speed is None else speed_text(speed),))
+            rows += [(f"{label_of(one.quantity)} {one.label}", *self._compared(one)) for one in group]  # fmt: skip
+        return {"numbers": TextTable("Design and scan", ("quantity", *self.headings), tuple(rows))}
+
+    def figures(self) -> Mapping[str, FigureSpec]:
+        """The points about the axis and the curves; the curves less the design's first where there is one."""
+        hint = "unrolled about the axis of the spring; a white band from bottom to top was not seen"
+        cloud = FigureSpec("Points and wire axis", hint, figures.cloud)
+        if self.compared is None:
+            return {"cloud": cloud, "curves": FigureSpec("Curves over the coil", GREY, figures.curves)}  # fmt: skip
+        curves = FigureSpec("Scan less design", GREY, figures.curves)
+        return {"curves": curves, "force": FigureSpec("Force and rate", "", figures.force), "cloud": cloud}  # fmt: skip
+
+    def computed(self) -> Iterator[str]:
+        """What was fitted, and what its intervals leave out."""
+        yield "The surface of a tube whose axis is a smooth curve is fitted to the points. Coils are counted from the lower tip."
+        yield "The intervals hold for independent errors of the points. A scanner that is wrong by a share of the length is wrong by it in all sizes."
+
+    @property
+    def text(self) -> str:
+        """The case file that is written: the scanned spring free, or as its design is installed."""
+        free = InstalledSpring(wire=self.scan.definition)
+        spring = free if self.compared is None else self.compared.cases[1].springs[0]
+        return spring_text("scan", spring, "from a scan")
+
+
+def answer_of_comparison(compared: ScanComparison) -> ScanAnswer:
+    """What is shown of a comparison with a design."""
+    return ScanAnswer(compared.scan, compared)
