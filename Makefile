@@ -59,7 +59,7 @@ validate-all: environment-test parts
 	$(ONE_THREAD) $(BIN)/python -m validation --page docs/validation.md
 	VALVETRAIN_LONG=1 VALVETRAIN_ALL=1 nice $(PYTEST) --dist load -m long tests/contracts/test_one_way_to_a_case.py $(ARGS)
 
-docs: environment-test
+docs: environment-test parts
 	$(ONE_THREAD) $(BIN)/python -m sphinx -b html -n -W --keep-going -q -d build/doctrees docs build/docs
 	@echo "build/docs/index.html"
 
@@ -109,7 +109,7 @@ workbench: environment-test parts
 	$(BIN)/python scripts/measure_workbench.py $(ARGS)
 	VALVETRAIN_LONG=1 $(PYTEST) tests/browser/test_workbench_browser.py
 
-guides: environment-test
+guides: environment-test parts
 	$(ONE_THREAD) nice $(BIN)/python scripts/write_pages.py how-to
 	VALVETRAIN_LONG=1 nice $(PYTEST) tests/examples/test_how_to.py
 

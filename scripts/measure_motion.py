@@ -16,13 +16,16 @@ import time
 from pathlib import Path
 
 import valvetrain as vt
-from valvetrain.report.motion.project import motion_json, still_svg
+from valvetrain.report.motion.project import motion_json
 from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.page import Motion, Page, Section, motion_script, render
+from valvetrain.report.page import motion_script
 
 #: The page is put together on the processor, WebGL is drawn there too.
 OPTIONS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
-HANDLE = "document.querySelector('[data-motion]').motion"
+HANDLE = "document.querySelector('.vtm').parentElement.motion"
+#: A page of the picture alone.
+PAGE = """<!DOCTYPE html><meta charset="utf-8"><title>motion</title><script>{script}</script><div id="place"></div>
+<script>valvetrainMotion.mount(document.getElementById("place"), {data});</script>"""
 NEEDED = 30.0
 
 
@@ -48,8 +51,7 @@ def measure(study: vt.Study, seconds: float) -> dict[str, float]:
     assert moving is not None
     data = motion_json(moving)
     built = time.perf_counter() - begun
-    block = Motion("in-motion", moving.title, "", data, still_svg(moving.variants[0]))
-    html = render(Page("motion", "", "", (), (Section("in-motion", "In motion", (block,)),)))
+    html = PAGE.format(script=motion_script(), data=data)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
         file, profile = Path(folder) / "page.html", f"{folder}/profile"
         file.write_text(html, encoding="utf-8")
@@ -61,7 +63,9 @@ def measure(study: vt.Study, seconds: float) -> dict[str, float]:
         )
         page = browser.new_page()
         page.goto(file.as_uri())
-        page.wait_for_function(f"{HANDLE} && {HANDLE}.statistics().frames > 0")
+        page.wait_for_function(
+            f"document.querySelector('.vtm') && {HANDLE}.statistics().frames > 0"
+        )
         first, loaded = page.evaluate(
             "[performance.now(), performance.getEntriesByType('navigation')[0].loadEventEnd]"
         )

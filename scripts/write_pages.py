@@ -30,8 +30,10 @@ from pathlib import Path
 
 import how_to_pictures
 import numpy as np
+import plotly.graph_objects as go
 import sample_test_cycles
 from numpy.typing import NDArray
+from plotly_pictures import Panel, curve, dots, drawn, save
 from quantity_pages import plausible_page, quantities_page
 
 import valvetrain as vt
@@ -41,8 +43,6 @@ from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.report.chart import Chart, Line, Marks, Panel
-from valvetrain.report.svg_chart import svg
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.run import run_study, sweep_study
 from valvetrain.solution.atomic import write_text
@@ -50,11 +50,11 @@ from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.views.results import figure_for_user
+from valvetrain.views.style import BAD
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS, PUBLIC_NAMES = ROOT / "docs", ROOT / "docs" / "public-names.md"
 PICTURES = DOCS / "pictures"
-BLUE, RED = "#1f5aa6", "#a33b53"
 Array = NDArray[np.float64]
 
 
@@ -279,61 +279,37 @@ def run_page(
             yield step, printed_by(step["command"])
 
 
-def tutorial_pictures(folder: Path) -> dict[str, str]:
-    """File name -> SVG of the three pictures, from what the commands wrote."""
+def tutorial_pictures(folder: Path) -> dict[str, go.Figure]:
+    """Name -> the three pictures, from what the commands wrote."""
     # the rod to which the spring is fitted: the chain is 3 % stiffer over closing coils
     spring = vt.load_case(folder / "spring" / "spring.toml").springs[0]
-    curve = vt.static_curve(spring, "25 mm", spring_model="finite-element")
+    rest = vt.static_curve(spring, "25 mm", spring_model="finite-element")
     assert spring.wire is not None
-    height = 1e3 * (spring.wire.free_length - curve.compression)
-    loads = Marks(np.array([1.8, 1.2]) * 25.4, np.array([140.0, 375.0]) * 4.4482216, "card", RED)
-    force = Panel("height (mm)", "force (N)", (Line(height, curve.force, "spring", BLUE), loads))
+    height = 1e3 * (spring.wire.free_length - rest.compression)
+    loads = dots(np.array([1.8, 1.2]) * 25.4, np.array([140.0, 375.0]) * 4.4482216, "card", BAD)
+    force = Panel("height, mm", "force, N", [curve(height, rest.force, "spring"), loads])
 
     run = vt.solution.load_netcdf(next((folder / "run").glob("*.nc")))
     angle = np.degrees(run.cam_angle - run.cam_angle[0])
-    lift, cam = (
-        Panel(
-            "cam angle (deg)",
-            label,
-            (Line(angle, scale * run.channel(name), "", colour),),
-            x_range=(0, 360),
-            x_step=45,
+    turn = [
+        Panel("cam angle, deg", label, [curve(angle, scale * run.channel(name))], x_range=(0, 360))
+        for label, name, scale in (
+            ("valve lift, mm", "valve_lift", 1e3),
+            ("force on the cam, N", "cam_contact_force", 1.0),
         )
-        for label, name, scale, colour in (
-            ("valve lift (mm)", "valve_lift", 1e3, BLUE),
-            ("force on the cam (N)", "cam_contact_force", 1.0, RED),
-        )
-    )
-
+    ]
     speeds, least, above_rigid = swept(folder / "sweep" / "sweep-mine.csv")
-    below = Panel(
-        "engine speed (rpm)",
-        "least force on the cam, valve open (N)",
-        (Line(speeds, least, "", RED),),
-    )
-    above = Panel(
-        "engine speed (rpm)",
-        "lift above the rigid lift (mm)",
-        (Line(speeds, above_rigid, "", BLUE),),
-    )
+    over = [
+        Panel("engine speed, rpm", label, [curve(speeds, values)])
+        for label, values in (
+            ("least force on the cam, valve open, N", least),
+            ("lift above the rigid lift, mm", above_rigid),
+        )
+    ]
     return {
-        "tutorial-spring.svg": svg(
-            Chart("spring", "The spring of the card", "", (force,), height=300)
-        ),
-        "tutorial-run.svg": svg(
-            Chart("run", "The train at 6000 rpm", "", (lift, cam), height=460, legend=False)
-        ),
-        "tutorial-sweep.svg": svg(
-            Chart(
-                "sweep",
-                "The train over engine speed",
-                "",
-                (below, above),
-                columns=2,
-                height=320,
-                legend=False,
-            )
-        ),
+        "tutorial-spring": drawn("The spring of the card", [force]),
+        "tutorial-run": drawn("The train at 6000 rpm", turn),
+        "tutorial-sweep": drawn("The train over engine speed", over),
     }
 
 
@@ -362,10 +338,10 @@ def write_tutorial() -> None:
         for step, printed in run_page(text):
             start, stop = step.span("printed")
             new, end = f"{new}{text[end:start]}{printed}", stop
-        drawn = tutorial_pictures(Path(name))
+        pictures = tutorial_pictures(Path(name))
     write_text(page, new + text[end:])
-    for file, picture in drawn.items():
-        write_text(PICTURES / file, picture)
+    for file, picture in pictures.items():
+        save(picture, PICTURES / f"{file}.svg")
 
 
 # Pictures of docs/model-against-test.md

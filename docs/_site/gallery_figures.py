@@ -7,14 +7,16 @@ plotly.js that all pages share.
 from __future__ import annotations
 
 import json
-import re
 import shutil
+from contextlib import suppress
+from importlib import resources
 from pathlib import Path
 
-from figure_svg import svg_of
+from valvetrain.errors import InputError
+from valvetrain.solution.display import Shown
 
-from valvetrain.report.notebook import picture_of
-from valvetrain.report.page import plotly_script
+#: Width of a picture (px).
+WIDTH = 900
 
 
 def scrape(block, block_vars, gallery_conf) -> str:
@@ -30,7 +32,7 @@ def scrape(block, block_vars, gallery_conf) -> str:
         return ""
     scope["_shown"] = figure
     path = Path(next(block_vars["image_path_iterator"])).with_suffix(".svg")
-    path.write_text(svg_of(figure), encoding="utf-8")
+    figure.write_image(path, width=WIDTH)
     name = path.name
     data = json.dumps(json.loads(figure.to_json()), separators=(",", ":")).replace("<", "\\u003c")
     words = figure.layout.title.text or "figure"
@@ -43,11 +45,13 @@ def scrape(block, block_vars, gallery_conf) -> str:
 
 
 def keep_picture(result, block_vars) -> None:
-    """The picture of what the last line of a notebook's cell shows, for the gallery; the page has it in the result's own table."""
-    found = re.search(r"<svg.*</svg>", picture_of(result), re.DOTALL)
-    if found:
+    """The first figure of the result that the last line of a notebook's cell shows, for the gallery."""
+    if not isinstance(result, Shown):
+        return
+    with suppress(InputError):  # of a result that holds nothing to draw
+        figure = result.plot()
         path = Path(next(block_vars["image_path_iterator"])).with_suffix(".svg")
-        path.write_text(found[0], encoding="utf-8")
+        figure.write_image(path, width=WIDTH)
 
 
 def copy_script(app, error) -> None:
@@ -56,7 +60,7 @@ def copy_script(app, error) -> None:
         static, images = Path(app.outdir) / "_static", Path(app.outdir) / "_images"
         target = static / "plotly.min.js"
         if not target.exists():
-            target.write_text(plotly_script(), encoding="utf-8")
+            shutil.copyfile(resources.files("plotly") / "package_data" / "plotly.min.js", target)
         images.mkdir(exist_ok=True)
         for picture in (Path(app.srcdir) / "gallery" / "images").glob("*.svg"):
             shutil.copyfile(picture, images / picture.name)

@@ -14,6 +14,7 @@ from valvetrain.explore.identification_rules import (
     RULES,
     IdentificationFacts,
     data_name,
+    few,
     off_text,
     plain_name,
     value_text,
@@ -72,7 +73,7 @@ class IdentificationAnswer(Shown):
         facts, one = self.facts, self.result.unknowns[place]
         state, others = facts.states[one.name], range(1, len(self.result.branches))
         remark = {
-            "tied": f"only together with {joined(facts.partners(place))}", "open": "the data say little",
+            "tied": f"only together with {few(facts.partners(place))}", "open": "the data say little",
             "bound": "on the bound of its prior", "determined": self.result.meanings.get(one.name, ""),
         }[state]  # fmt: skip
         if others and state == "determined":

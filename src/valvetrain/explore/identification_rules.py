@@ -37,6 +37,15 @@ def data_name(datum: Datum) -> str:
     return ": ".join(dict.fromkeys(map(plain_name, (datum.name, datum.key))))
 
 
+def few(names: Sequence[str]) -> str:
+    """Names in a sentence, of more than three the first two.
+
+    >>> few(["a", "b", "c", "d"])
+    'a, b and 2 more'
+    """
+    return joined(names if len(names) <= 3 else [*names[:2], f"{len(names) - 2} more"])
+
+
 def value_text(unit: str, *values: float, bar: float = 0.0, digits: int = 4) -> str:
     """A value or a range (SI) in ``unit``, or the reader's in its place, no finer than ``bar`` (SI).
 
@@ -145,16 +154,15 @@ def refused(facts: IdentificationFacts) -> Iterator[Hit]:
 def undetermined(facts: IdentificationFacts) -> Iterator[Hit]:
     """Data that remove less than half of the variance of a prior, or show a combination of unknowns alone."""
     if vague := facts.those("tied", "open"):
-        tied = joined(facts.those("tied"))
-        names = "any unknown" if len(vague) == len(facts.states) else joined(vague)
-        why = f"only a combination of {tied} shows" if tied else "most of the prior is left"
+        names = "any unknown" if len(vague) == len(facts.states) else few(vague)
+        why = "only combinations show" if facts.those("tied") else "most of the prior is left"
         yield Hit(fields={"names": names, "why": why, "first": vague[0]})
 
 
 def on_bound(facts: IdentificationFacts) -> Iterator[Hit]:
     """The likeliest value of an unknown lies on a bound of its prior."""
     if there := facts.those("bound"):
-        yield Hit(fields={"names": joined(there)})
+        yield Hit(fields={"names": few(there)})
 
 
 def branches(facts: IdentificationFacts) -> Iterator[Hit]:
@@ -188,8 +196,8 @@ def missed(facts: IdentificationFacts) -> Iterator[Hit]:
     for one in facts.data(True)[:1]:
         if abs(one.off) > MET:
             conflict = facts.result.conflicts[:1]
-            instead = [data_name(datum) for each in conflict for datum, _ in each.instead[:3]]
-            yield _about(one, instead=joined(instead))
+            instead = [data_name(datum) for each in conflict for datum, _ in each.instead]
+            yield _about(one, instead=few(instead))
 
 
 def unlike(facts: IdentificationFacts) -> Iterator[Hit]:
