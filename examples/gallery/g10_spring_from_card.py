@@ -21,7 +21,7 @@ found = vt.spring_card.spring_from_card(card)
 print(
     f"{found.definition.total_coils:.2f} turns, free length {1e3 * found.definition.free_length:.1f} mm"
 )
-print(f"left open: {len(found.free)} things, the first: {found.free[0]}")
+print(f"{found.verdict}; left open: {', '.join(found.free)}")
 
 # %%
 # The curve of that spring goes through both loads.

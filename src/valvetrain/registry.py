@@ -82,21 +82,15 @@ BUILT_IN["springs"] = {
 }
 #: Class of a result -> the page, or its blocks, whose first table and figure a notebook shows.
 BUILT_IN["results"] = {
-    "MeasuredLift": "valvetrain.lift.notebook:measured_lift_blocks",
-    "SmoothedLift": "valvetrain.lift.notebook:smoothed_lift_blocks",
     "CoilMotion": "valvetrain.film.page:film_page",
     "FilmedModel": "valvetrain.film.notebook:filmed_model_blocks",
     "RigResult": "valvetrain.rig.notebook:rig_result_blocks",
-    "SpringFit": "valvetrain.spring_card.page:card_page",
-    "TesterFit": "valvetrain.spring_card.page:tester_page",
 }
 #: Class of a result -> the function that gives its one sentence, without end of line.
 BUILT_IN["verdicts"] = {
     "CoilMotion": "valvetrain.film.verdict:film_verdict",
     "FilmedModel": "valvetrain.film.verdict:filmed_model_verdict",
     "RigResult": "valvetrain.rig.verdict:rig_verdict",
-    "SpringFit": "valvetrain.spring_card.verdict:card_verdict",
-    "TesterFit": "valvetrain.spring_card.verdict:tester_verdict",
 }
 #: Class of a result -> what is shown of it, made from the result alone.
 BUILT_IN["answers"] = {
@@ -115,6 +109,11 @@ BUILT_IN["answers"] = {
     "Identified": "valvetrain.explore.identification_answer:IdentificationAnswer",
     "Optimum": "valvetrain.explore.optimum_answer:answer_of_search",
     "StudyTable": "valvetrain.explore.study_answer:StudyAnswer",
+    "MeasuredLift": "valvetrain.lift.answer:answer_of_stations",
+    "SmoothedLift": "valvetrain.lift.answer:answer_of_law",
+    "LiftBandStudy": "valvetrain.lift.answer:answer_of_band",
+    "SpringFit": "valvetrain.spring_card.answer:answer_of_spring",
+    "TesterFit": "valvetrain.spring_card.answer:answer_of_spring",
 }
 #: What shows results and the progress of a call, loaded on first use.
 BUILT_IN["displays"] = {
@@ -239,6 +238,8 @@ BUILT_IN["other_rules"] = {
     "identification": "valvetrain.explore.identification_rules:RULES",
     "optimise": "valvetrain.explore.optimum_rules:RULES",
     "study": "valvetrain.explore.study_rules:RULES",
+    "lift": "valvetrain.lift.rules:RULES",
+    "spring-card": "valvetrain.spring_card.rules:RULES",
 }
 BUILT_IN["figures"] = {
     "run-up": "valvetrain.views.figures:RUN_UP",

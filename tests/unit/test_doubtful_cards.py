@@ -12,6 +12,7 @@ import valvetrain as vt
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.schema_pair import read_pair
 from valvetrain.spring_card import SpringLoad
+from valvetrain.views.results import answer_of
 
 #: Total loads of a dual spring with the wire and diameter of its outer spring.
 DUAL = {"wire_diameter": "0.177 in", "outer_diameter": "1.43 in"}
@@ -29,7 +30,7 @@ def test_a_catalogue_card_of_a_dual_spring_is_doubted():
         fit = vt.spring_card.spring_from_card(
             vt.spring_card.CatalogueCard(**DUAL, **loads, solid_height="1.06 in")
         )
-    assert "dual spring" in fit.free[0]  # on its page and in its JSON too
+    assert answer_of(fit).verdict.code == "Z101"
 
 
 @pytest.mark.parametrize(
@@ -60,7 +61,7 @@ def test_a_published_single_is_met_with_its_turns():
     assert held["total_coils"].found == pytest.approx(6.15)
     # by torsion, G d^4 / (8 D^3 k), there are 3.55
     assert fit.definition.active_coils == pytest.approx(3.55, rel=0.02)
-    assert any("with fewer the coils would close" in sentence for sentence in fit.free)
+    assert "early" in fit.free
 
 
 def test_where_coils_close_before_the_second_load_the_refusal_says_so():

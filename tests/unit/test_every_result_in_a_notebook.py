@@ -113,15 +113,11 @@ DATA = {
 }  # fmt: skip
 #: Class of a result -> one, a word of its table, and what the axes of its figure show.
 RESULTS = {
-    "MeasuredLift": (lift, "question", "valve lift (mm)"),
-    "SmoothedLift": (lambda: lift(smoothed=True), "lift (mm)", "jerk (mm/deg³)"),
     "CoilMotion": (film, "mean peak (mm)", "displacement towards the seat (mm)"),
     "FilmedModel": (filmed, "peak (mm)", "displacement towards the seat (mm)"),
     "RigResult": (
         lambda: stand_in("RigResult", test_every_rig_table.result()), "95 %", "valve lift (mm)",
     ),
-    "SpringFit": (from_card, "card", "force (N)"),
-    "TesterFit": (from_tester, "Active turns", "force (N)"),
 }  # fmt: skip
 
 
@@ -186,10 +182,17 @@ def test_every_registered_result_is_tried_and_every_public_one_is_registered():
     assert set(shown) - {"Case", "Quantities"} - by_views <= set(RESULTS)
 
 
-def test_axes_of_a_map_and_doubled_names_keep_their_numbers():
-    """A legend names a line once, and numbers are not rounded to those of a page."""
-    law = lift(smoothed=True)
-    figure = law.plot()
-    assert sum(bool(trace.showlegend) for trace in figure.data) == 2
-    band = figure.data[2]
-    np.testing.assert_array_equal(band.y, 1e3 * law.lift(np.linspace(*law.event, 1501)))
+@pytest.mark.parametrize("smoothed", [True, False])
+def test_a_measured_lift_shows_its_rows_and_its_band(smoothed):
+    assert "<table>" in lift(smoothed)._repr_html_()
+    figure = lift(smoothed).plot()
+    law, mean = lift(smoothed=True), figure.data[1]
+    assert mean.y == pytest.approx(1e3 * law.lift(np.radians(mean.x)), abs=1e-4)
+
+
+@pytest.mark.parametrize("made", [from_card, from_tester])
+def test_a_spring_shows_its_rows_and_the_points_that_were_given(made):
+    fit = made()
+    assert fit.verdict and "<table>" in fit._repr_html_()
+    wire, given, _ = fit.plot().data
+    assert np.interp(given.x, wire.x[::-1], wire.y[::-1]) == pytest.approx(given.y, rel=0.01)

@@ -13,9 +13,10 @@ from unit.cli_parts import call as invoke
 from valvetrain.errors import InputError
 from valvetrain.measured.force_height import ForceHeight, read_force_height
 from valvetrain.parameters.loading import load_case
+from valvetrain.spring_card.answer import _force
 from valvetrain.spring_card.card import CatalogueCard, SpringLoad
 from valvetrain.spring_card.fit import forces_at, spring_from_card
-from valvetrain.spring_card.page import _card_chart, _tester_chart
+from valvetrain.spring_card.rules import CardFacts
 from valvetrain.spring_card.tester import card_from_table, spring_from_tester
 
 CARD = ("spring-card", "--wire-diameter", "4.4 mm", "--outer-diameter", "32 mm")
@@ -42,7 +43,9 @@ def test_a_card_gives_a_spring_that_a_case_takes(tmp_path, monkeypatch):
     )
     assert data["card"]["installed_load"] == pytest.approx({"asked": 350, "found": 350}, rel=1e-3)
     assert data["card"]["solid_height"]["found"] == pytest.approx(29e-3, rel=1e-3)
-    assert "meet all 4 numbers of the card within 0.1 %" in data["verdict"]
+    verdict = data["findings"][0]
+    assert (verdict["code"], verdict["fields"]["count"]) == ("Z110", "4")
+    assert verdict["value"]["value"] == pytest.approx(40e3, rel=1e-3)
     assert {path.rsplit("/")[-1] for path in data["files"]} >= {
         "spring.toml",
         "report.html",
@@ -60,8 +63,7 @@ def test_the_line_of_a_card_goes_through_its_loads():
         wire_diameter="0.165 in", outer_diameter="1.29 in", top_outer_diameter="1.05 in", installed_load=low, open_load=high,
         solid_height="1.10 in",
     )  # fmt: skip
-    (panel,) = _card_chart(spring_from_card(card)).panels
-    line, loads = panel.layers
+    line, loads, _ = _force(CardFacts(spring_from_card(card))).data
     assert np.interp(loads.x, line.x[::-1], line.y[::-1]) == pytest.approx(loads.y, rel=2e-3)
 
 
@@ -71,8 +73,7 @@ def test_the_rate_of_a_table_fills_its_figure():
     fit = spring_from_tester(
         table, card_from_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3)
     )
-    force, rate = _tester_chart(fit).panels
-    assert 40 < rate.y_range[1] < 60 and rate.x_range == force.x_range
+    assert 40 < _force(CardFacts(fit)).layout.yaxis2.range[1] < 60
 
 
 def test_inches_and_pounds_are_the_same_card(tmp_path, monkeypatch):
@@ -111,7 +112,8 @@ def test_a_table_gives_rate_length_and_pitch_with_intervals(tmp_path, monkeypatc
     )
     assert data["preload"]["value"] == pytest.approx(280, rel=5e-3)
     assert data["coil_bind_height"] is None and len(data["pitch"]) >= 3
-    assert data["verdict"].startswith("280") and "the table ends above coil bind" in data["verdict"]
+    codes = [one["code"] for one in data["findings"]]
+    assert codes[0] == "Z111" and "Z140" in codes
 
 
 @pytest.mark.parametrize(

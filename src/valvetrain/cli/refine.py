@@ -137,18 +137,12 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     """The study written to its folder, with a sentence where it was ``stopped`` or a variant
     failed.
     """
-    from valvetrain.cli.outcome import Outcome
-    from valvetrain.cli.progress import busy
-    from valvetrain.cli.run_answer import keep_run
-    from valvetrain.findings.words import Words
+    from valvetrain.cli.run_answer import saved_result
     from valvetrain.report.json import uncertainty_object
     from valvetrain.report.text import rpm
     from valvetrain.report.uncertainty_tables import levels_table, uncertainty_table
     from valvetrain.solution.atomic import write_text
-    from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.views.refinement import RefineAnswer
-    from valvetrain.views.results import write_page
-    from valvetrain.views.terminal import screen
 
     case, engine_speeds = request.case, request.engine_speeds
     if stopped:
@@ -158,26 +152,17 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
         "command": "refine", "case": case.name, "title": case.title, "elements_per_coil": list(study.elements_per_coil),
         "uncertainties": [uncertainty_object(row) for row in study.rows], "completed": not study.failures,
         "failures": list(study.failures), "page": "report.html",
-        "findings": [one.to_dict() for one in RefineAnswer(study, Words()).findings],
     }  # fmt: skip
-
-    gaps = PartialFailures()
 
     def write(folder: Path) -> list[Path]:
         table = write_text(folder / "uncertainty.csv", uncertainty_table(study.rows).csv())
-        levels = write_text(folder / "levels.csv", levels_table(study).csv())
-        page = write_page(RefineAnswer(study), folder, gaps)
-        return [table, levels, *filter(None, (page,))]
+        return [table, write_text(folder / "levels.csv", levels_table(study).csv())]
 
     choices = {
         "engine_speeds": [rpm(speed) for speed in engine_speeds or case.operation.engine_speeds],
         "engine_speed_unit": "rpm",
     }
-    with busy("writing files"):
-        folder, files = keep_run(request, case.record().text, choices, data, write)
-    data |= {"folder": str(folder), "files": files, "page": str(folder / "report.html")}
-    return Outcome(
-        data,
-        lambda console: console.print(screen(RefineAnswer(study), str(folder / "report.html"))),
-        (*study.failures, *gaps.sentences),
+    text = case.record().text
+    return saved_result(
+        request, text, data, lambda _: RefineAnswer(study), write, choices, failures=study.failures
     )

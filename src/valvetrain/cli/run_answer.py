@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
+    from valvetrain.views.shown import Shown
 
 
 class Named(Protocol):
@@ -499,6 +500,45 @@ def keep_run(
     if request.output is None:
         missing.part("link to the latest run", None, link_latest, folder)
     return folder, [str(folder / name) for name in (*saved.answer["files"], ANSWER)]
+
+
+def saved_result(
+    request: KeepRequest,
+    text: str,
+    data: dict[str, Any],
+    show: Callable[[Path], Shown],
+    write: Callable[[Path], list[Path]],
+    choices: Mapping[str, Any],
+    open_page: bool = False,
+    failures: Sequence[str] = (),
+) -> Outcome:
+    """Save a result that is no study in the folder of its run, with its page: its answer.
+
+    ``show``: the answer that names files of a folder; ``write``: fills the folder; the rest as for :func:`keep_run`.
+    """
+    from valvetrain.cli.outcome import Outcome
+    from valvetrain.cli.progress import busy
+    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.units.reader import for_reader
+    from valvetrain.views.results import write_page
+    from valvetrain.views.terminal import screen
+
+    gaps = PartialFailures()
+    data["findings"] = [one.to_dict() for one in show(Path()).findings]
+
+    def fill(folder: Path) -> list[Path]:
+        with for_reader():
+            page = write_page(show(folder), folder, gaps)
+        return [*write(folder), *filter(None, (page,))]
+
+    with busy("writing files"):
+        folder, files = keep_run(request, text, choices, data, fill)
+    page = str(folder / "report.html")
+    data |= {"folder": str(folder), "files": files, "page": page}
+    if open_page:
+        show_page(Path(page))
+    failed = (*failures, *gaps.sentences)
+    return Outcome(data, lambda console: console.print(screen(show(folder), page)), failed)
 
 
 def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = False) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +12,10 @@ from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.compare_test.comparison import RunAgainstTest, ValueRow
 from valvetrain.compare_test.reader import FEW, SAME_SPEED
 from valvetrain.compare_test.tables import value_name, value_quantity
-from valvetrain.findings.engine import Condition, Fields, Hit, Rule
+from valvetrain.findings.engine import Condition, Fields, Hit, Rule, Subject
 from valvetrain.findings.words import Amount, Phrase, digits_text, joined, speed_text
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.quantities.signal import WINDOWS
-from valvetrain.solution.result import Solution
 
 #: Scatters beyond which a value is off, and share of the difference that an offset must have to be named.
 OFF, NAMED = 2.0, 0.3
@@ -31,7 +30,7 @@ FIT = "fit what was not measured to another test: valvetrain identify (docs/iden
 
 
 @dataclass(frozen=True)
-class AgainstTest:
+class AgainstTest(Subject):
     """A comparison as rules and figures read it; ``name`` and ``test``: case and options of the test, as the command
     line has them.
     """
@@ -44,14 +43,6 @@ class AgainstTest:
     def case(self) -> str:
         """What a command takes for its case."""
         return self.name or self.result.study.record.name
-
-    def at(self, run: Solution) -> str:
-        """Nothing: the fields of its findings say where."""
-        return ""
-
-    def where(self, runs: Sequence[Solution]) -> str:
-        """Nothing: the fields of its findings say where."""
-        return ""
 
     @property
     def cycles(self) -> MeasuredCycles | None:

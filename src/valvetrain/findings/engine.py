@@ -57,6 +57,7 @@ class Subject(Protocol):
     @property
     def case(self) -> str:
         """What a command takes for the case."""
+        return ""
 
     def at(self, run: Solution) -> str:
         """Where a run is, as text."""

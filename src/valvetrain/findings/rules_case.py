@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from valvetrain.findings.engine import Hit, Rule
+from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import Amount
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.cam_shape import lash_lift
-from valvetrain.solution.result import Solution
 from valvetrain.system.problem import Gear
 
 #: Stiffness over that of a tube of the same mass, above which no such tube is, since mass and length are rounded; below
@@ -24,7 +23,7 @@ SPRINGS = ("", "outer_", "inner_")
 
 
 @dataclass(frozen=True)
-class CaseFacts:
+class CaseFacts(Subject):
     """A case as rules read it.
 
     Parameters
@@ -46,14 +45,6 @@ class CaseFacts:
     def case(self) -> str:
         """What a command takes for this case."""
         return self.name or self.parameters.name
-
-    def at(self, run: Solution) -> str:
-        """Nothing: no run is judged."""
-        return ""
-
-    def where(self, runs: Sequence[Solution]) -> str:
-        """Nothing: no run is judged."""
-        return ""
 
     def amount(self, name: str) -> Amount | None:
         """A quantity; None where the case does not give it."""

@@ -110,6 +110,11 @@ def digits_text(value: float, bar: float = 0.0, digits: int = 3) -> str:
     return (text.rstrip("0").rstrip(".") if exact else text).replace("-", "−")
 
 
+def percent(share: float) -> str:
+    """A share with two digits: ``6.2 %``."""
+    return f"{digits_text(100 * share, 0, 2)} %"
+
+
 def speed_text(engine_speed: float, unit: str = " rpm") -> str:
     """An engine speed (rad/s) that was asked for: ``5600 rpm``."""
     return f"{round(engine_speed / RPM, 3):.0f}{unit}"
@@ -206,6 +211,18 @@ class Words:
         if one.bar > COARSE * abs(one.value):
             text += f" ± {digits_text(one.bar / unit.size, one.bar / unit.size)}"
         return f"{text} {unit.text}".strip()
+
+    def between(self, one: Amount) -> str:
+        """A number with its error bar, however small the bar.
+
+        >>> Words().between(Amount("peak_spring_force", 1900.0, 1.6))
+        '1900.0 ± 1.6 N'
+        """
+        if not one.bar:
+            return self.amount(one, 4)
+        unit = self.unit(one.name, one.value)
+        value, bar = one.value / unit.size, one.bar / unit.size
+        return f"{digits_text(value, bar / 10, 9)} ± {digits_text(bar, 0, 2)} {unit.text}".strip()
 
     def span(self, least: Amount, most: Amount, digits: int = 3) -> str:
         """``436 to 1960 N``: two numbers with their unit once; only the larger where one is not resolved."""

@@ -1,7 +1,7 @@
 """Measured valve lifts: figures of a measured lift, and what its noise does to forces and float speed.
 
-Begin in ``figures.py``; ``band.py`` carries the noise through runs, ``page.py`` and ``command.py`` show both. Reading and
-smoothing belong to ``valvetrain.measured``, which lift laws share.
+Begin in ``figures.py``; ``band.py`` carries the noise through runs, ``files.py`` writes what a lift leaves, and ``answer.py``
+shows it by the findings of ``rules.py``. Reading and smoothing belong to ``valvetrain.measured``, which lift laws share.
 """
 
 from valvetrain.lazy import public_names

@@ -20,6 +20,7 @@ from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, map_points, worker_count
 from valvetrain.solution.critical import KINDS
+from valvetrain.solution.display import Shown
 from valvetrain.solution.study import Study
 from valvetrain.units import as_names, known_arguments, si_speeds
 
@@ -47,7 +48,7 @@ class CarriedSpread:
 
 
 @dataclass(frozen=True, eq=False)
-class LiftBandStudy:
+class LiftBandStudy(Shown):
     """``mean``: the study of the mean law; ``spreads`` of all its quantities; ``failures``: a
     sentence per draw that did not complete.
     """

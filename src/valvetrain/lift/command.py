@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,6 +18,7 @@ from valvetrain.cli.options import (
     SpeedOption,
     SpringOption,
     SpringSetOption,
+    UnitsOption,
     WorkersOption,
     asks,
     read_amounts,
@@ -27,18 +27,22 @@ from valvetrain.cli.options import (
     read_names,
     read_workers,
     take_folder,
+    take_units,
 )
-from valvetrain.cli.outcome import say_cost
-from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
+from valvetrain.cli.outcome import deliver, say_cost
+from valvetrain.cli.run_answer import SavedRequest, saved_result
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from valvetrain.lift.band import LiftBandStudy
     from valvetrain.lift.figures import LiftFigure, LobeResult
+    from valvetrain.lift.rules import LiftFacts
     from valvetrain.measured.lift_file import LiftAnswers
+    from valvetrain.parameters.lift_law import LiftLawParameters
     from valvetrain.runs.cost import Limits
+
+#: Options that say where and how an answer is shown.
+MANNER = ("output", "open_page", "units", "as_json", "quiet")
 
 
 def register(app: typer.Typer) -> None:
@@ -147,146 +151,86 @@ def lift(
     workers: WorkersOption = None,
     limit: LimitOption = None,
     open_page: OpenOption = False,
+    units: UnitsOption = "si",
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Measured lift: figures of the lobe, lift to jerk with error bands, a lift law for a case,
     effect of the noise on forces and float.
     """
+    choices = {name: str(value) for name, value in locals().items() if name not in MANNER}
+    from valvetrain.lift.answer import LiftAnswer
+    from valvetrain.lift.files import lift_case, lift_parameters, write_lift, write_table
+    from valvetrain.lift.rules import LiftFacts
     from valvetrain.measured.lift_file import LiftAnswers
     from valvetrain.runs.cost import read_limits
-    from valvetrain.units import parse_quantity
+    from valvetrain.solution.atomic import write_text
 
     take_folder(output)
+    take_units(units)
     if case is None and (engine_speed or search):
         raise InputError("speeds are run with a case; name it with --case", "--case")
     answers = LiftAnswers(
-        angle_of=angle_of,
-        lift_of=lift_of,
-        lift_unit=lift_unit,
-        angle_unit=angle_unit,
-        zero=zero,
-        direction=direction,
+        angle_of=angle_of, lift_of=lift_of, lift_unit=lift_unit, angle_unit=angle_unit, zero=zero, direction=direction,
         columns=tuple(word.strip() for word in columns.split(",") if word.strip()),
-        peak_lift=None if peak_lift is None else parse_quantity(peak_lift, "length", "--peak-lift"),
-        duration=None if duration is None else parse_quantity(duration, "angle", "--duration"),
-        opening=None if opening is None else parse_quantity(opening, "angle", "--opening"),
+        peak_lift=_si(peak_lift, "length", "--peak-lift"), duration=_si(duration, "angle", "--duration"),
+        opening=_si(opening, "angle", "--opening"),
+    )  # fmt: skip
+    stated = _si(noise, "length", "--noise"), _si(band, "length", "--band")
+    limits, heights = read_limits(limit), read_amounts(at, "length", "--at")
+    options = {
+        "engine_speeds": read_engine_speeds(engine_speed), "search": read_engine_speeds(search, "--search"), "draws": draws,
+        "spring_models": read_models(spring), "spring_set": read_names(spring_set), "workers": read_workers(workers),
+        "limit": ", ".join(limit or ()),
+    }  # fmt: skip
+    lobes, pair = _lobes(
+        file, exhaust, answers, stated, (heights, _si(lash, "length", "--lash") or 0.0)
     )
-    request = _Request(
-        file,
-        exhaust,
-        answers,
-        None if noise is None else parse_quantity(noise, "length", "--noise"),
-        None if band is None else parse_quantity(band, "length", "--band"),
-        read_amounts(at, "length", "--at"),
-        parse_quantity(lash, "length", "--lash"),
-        case,
-        read_engine_speeds(engine_speed),
-        read_engine_speeds(search, "--search"),
-        draws,
-        read_models(spring),
-        read_names(spring_set),
-        write,
-        write_form,
-        output,
-        read_workers(workers),
-        read_limits(limit),
-        ", ".join(limit or ()),
-        open_page,
-        datetime.now(UTC).replace(microsecond=0),
-    )
-    _answer(request)
-
-
-@dataclass(frozen=True)
-class _Request:
-    """The command as requested; lengths in m, speeds in rad/s."""
-
-    file: Path
-    exhaust: Path | None
-    answers: LiftAnswers
-    noise: float | None
-    band: float | None
-    heights: tuple[float, ...]
-    lash: float
-    case_name: str | None
-    engine_speeds: tuple[float, ...] | None
-    search: tuple[float, ...] | None
-    draws: int
-    spring_models: tuple[str, ...]
-    spring_sets: tuple[str, ...]
-    write: Path | None
-    write_form: str
-    output: Path | None
-    workers: int
-    limits: Limits
-    limit: str
-    open_page: bool
-    created_at: datetime
-
-
-def _answer(request: _Request) -> None:
-    from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.cli.progress import busy
-    from valvetrain.lift.page import lift_case, lift_page, write_lift
-    from valvetrain.report.page import render
-    from valvetrain.solution.atomic import write_text
-
-    lobes, pair = _lobes(request)
-    carried = _carried(request, lobes[0])
-    own = lift_case(f"lift-{request.file.stem}", lobes[0], request.noise, request.band)
-    title = (
-        f"{request.file.name}{'' if request.exhaust is None else ' and ' + request.exhaust.name}"
-    )
-    data = _data(lobes, pair, carried)
-    pages: list[Path] = []
+    law = lift_parameters(lobes[0], *stated)
+    carried = None if case is None else _carried(case, law, options, limits)
+    own = lift_case(f"lift-{file.stem}", lobes[0], *stated)
+    title = " and ".join(one.name for one in (file, exhaust) if one is not None)
+    facts = LiftFacts(tuple(lobes), pair, carried)
+    name = "case" if carried is not None else lobes[0].measured.name
 
     def fill(folder: Path) -> list[Path]:
-        pages.append(
-            write_text(folder / "report.html", render(lift_page(title, lobes, pair, carried)))
-        )
-        return [*write_lift(lobes, folder, request.noise, request.band), *pages]
+        files = write_lift(lobes, folder, *stated)
+        if carried is not None:
+            files.append(write_text(folder / "case.toml", carried.mean.record.text))
+        if write is not None:
+            write_table(lobes, write, write_form)
+        return files
 
-    with busy("writing files"):
-        choices = {
-            name: str(value)
-            for name, value in vars(request).items()
-            if name not in ("output", "created_at", "open_page")
-        }
-        folder, files = keep_run(
-            SavedRequest("lift", own, request.output, request.created_at),
-            own.text,
-            choices,
-            data,
-            fill,
-        )
-        if request.write is not None:
-            from valvetrain.lift.page import write_table
-
-            files.append(str(write_table(lobes, request.write, request.write_form)))
-    if request.open_page:
-        show_page(pages[0])
-    data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
-    failures = () if carried is None else (*carried.mean.failures, *carried.failures)
-    from valvetrain.lift.verdict import lift_verdict
-
-    show = partial(_show, lobes=lobes, pair=pair, carried=carried, folder=folder)
-    deliver(Outcome(data, show, failures, lift_verdict(lobes, pair, carried)))
+    outcome = saved_result(
+        SavedRequest("lift", own, output, datetime.now(UTC).replace(microsecond=0)), own.text, _data(facts),
+        lambda folder: LiftAnswer(replace(facts, file=str(folder / f"{name}.toml")), title), fill, choices, open_page, facts.failures,
+    )  # fmt: skip
+    deliver(outcome)
 
 
-def _lobes(request: _Request) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]:
-    """Every lobe smoothed and measured out; overlap and separation where there are intake and
-    exhaust.
+def _si(text: str | None, dimension: str, flag: str) -> float | None:
+    from valvetrain.units import parse_quantity
+
+    return None if text is None else parse_quantity(text, dimension, flag)
+
+
+def _lobes(
+    file: Path,
+    exhaust: Path | None,
+    answers: LiftAnswers,
+    stated: tuple[float | None, float | None],
+    figures: tuple[tuple[float, ...], float],
+) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]:
+    """Every lobe smoothed with the ``stated`` noise and band (m) and measured out; of intake and exhaust
+    what both have together. ``figures``: lifts (m) of durations, and of ramp velocities.
     """
-    from dataclasses import replace
-
     from valvetrain.lift.figures import LobeResult, lift_figures, pair_figures
     from valvetrain.measured.lift_file import read_lift
     from valvetrain.measured.lift_smoothing import smooth_lift
 
-    found = list(read_lift(request.file, request.answers))
-    if request.exhaust is not None:
-        other = read_lift(request.exhaust, request.answers)
+    found = list(read_lift(file, answers))
+    if exhaust is not None:
+        other = read_lift(exhaust, answers)
         if len(found) != 1 or len(other) != 1:
             raise InputError(
                 "with --exhaust each file holds one lobe; leave it out for a file with both",
@@ -295,144 +239,65 @@ def _lobes(request: _Request) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]
         found = [replace(found[0], name="intake"), replace(other[0], name="exhaust")]
     results = []
     for lobe in found:
-        smoothed = smooth_lift(lobe.cam_angles, lobe.lifts, request.noise, request.band)
-        results.append(
-            LobeResult(lobe, smoothed, lift_figures(smoothed, request.heights, request.lash))
-        )
+        smoothed = smooth_lift(lobe.cam_angles, lobe.lifts, *stated)
+        results.append(LobeResult(lobe, smoothed, lift_figures(smoothed, *figures)))
     known = {one.measured.name: one.smoothed for one in results}
     both = {"intake", "exhaust"} <= set(known)
-    return results, pair_figures(known["intake"], known["exhaust"], request.heights) if both else ()
+    return results, pair_figures(known["intake"], known["exhaust"], figures[0]) if both else ()
 
 
-def _carried(request: _Request, lobe: LobeResult) -> LiftBandStudy | None:
-    """Forces and critical speeds of the case with this lobe, over the laws that its stations allow."""
-    if request.case_name is None:
-        return None
+def _carried(
+    name: str, law: LiftLawParameters, options: dict[str, Any], limits: Limits
+) -> LiftBandStudy:
+    """Forces and critical speeds of a case with this ``law``, over the laws that its stations allow."""
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.lift.band import FEWER_LAWS, band_cost, lift_band_study
-    from valvetrain.lift.page import lift_parameters
+    from valvetrain.lift.files import case_with
     from valvetrain.parameters.loading import load_case
     from valvetrain.runs.request_cost import RunRequest
 
-    case = load_case(request.case_name)
-    if case.lift_law is not None and case.lift_law.lift_of != lobe.measured.lift_of:
+    case = load_case(name)
+    if case.lift_law is not None and case.lift_law.lift_of != law.lift_of:
         raise InputError(
-            f"case '{case.name}' is driven by the lift of the {case.lift_law.lift_of}, the table holds the {lobe.measured.lift_of}'s; "
+            f"case '{case.name}' is driven by the lift of the {case.lift_law.lift_of}, the table holds the {law.lift_of}'s; "
             "give a table of the other or another case",
             "--case",
         )
-    law = lift_parameters(lobe, request.noise, request.band)
-    carried = case.replace({"lift_law": law})
-    run_request = RunRequest(
-        "run",
-        carried,
-        request.engine_speeds,
-        request.spring_models,
-        request.spring_sets,
-        request.workers,
-    )
-    say_cost(band_cost(run_request, request.draws, request.search), request.limits, FEWER_LAWS)
+    carried, draws = case_with(case, law), options["draws"]
+    run = (options[key] for key in ("engine_speeds", "spring_models", "spring_set", "workers"))
+    cost = band_cost(RunRequest("run", carried, *run), draws, options["search"])
+    say_cost(cost, limits, FEWER_LAWS)
     announce_compilation("train")
-    with progress_bar(f"{case.name} with {request.draws} laws") as report:
-        return lift_band_study(
-            carried,
-            request.engine_speeds,
-            draws=request.draws,
-            search=request.search,
-            spring_models=request.spring_models,
-            spring_set=request.spring_sets,
-            workers=request.workers,
-            progress=report,
-            limit=request.limit,
-        )
+    with progress_bar(f"{case.name} with {draws} laws") as report:
+        return lift_band_study(carried, progress=report, **options)
 
 
-def _data(
-    lobes: list[LobeResult], pair: tuple[LiftFigure, ...], carried: LiftBandStudy | None
-) -> dict[str, Any]:
+def _data(facts: LiftFacts) -> dict[str, Any]:
     """The JSON answer, SI."""
+    carried = facts.carried
 
     def figures(found: tuple[LiftFigure, ...]) -> dict[str, Any]:
         return {one.name: {"value": one.value, "standard_deviation": one.spread} for one in found}
 
     data: dict[str, Any] = {
-        "command": "lift",
-        "case": "",
-        "completed": carried is None or not (carried.mean.failures or carried.failures),
-    }
+        "command": "lift", "case": "", "completed": not facts.failures,
+    }  # fmt: skip
     data["lobes"] = [
         {
-            "name": one.measured.name,
-            "form": one.measured.form,
-            "lift_of": one.measured.lift_of,
-            "zero": one.measured.zero,
-            "answers": {
-                answer.question: {"answer": answer.answer, "by": answer.by}
-                for answer in one.measured.answers
-            },
-            "notes": list(one.measured.notes),
-            "noise": one.smoothed.noise,
-            "figures": figures(one.figures),
+            "name": one.measured.name, "form": one.measured.form, "lift_of": one.measured.lift_of, "zero": one.measured.zero,
+            "answers": {answer.question: {"answer": answer.answer, "by": answer.by} for answer in one.measured.answers},
+            "notes": list(one.measured.notes), "noise": one.smoothed.noise, "figures": figures(one.figures),
         }
-        for one in lobes
-    ]
-    if pair:
-        data["both_lobes"] = figures(pair)
+        for one in facts.lobes
+    ]  # fmt: skip
+    if facts.pair:
+        data["both_lobes"] = figures(facts.pair)
     if carried is not None:
         data["carried"] = [
             {
-                "quantity": one.quantity,
-                "label": one.label,
-                "engine_speed": one.engine_speed,
-                "value": one.value,
-                "standard_deviation": one.spread,
-                "laws": one.draws,
+                "quantity": one.quantity, "label": one.label, "engine_speed": one.engine_speed, "value": one.value,
+                "standard_deviation": one.spread, "laws": one.draws,
             }
             for one in carried.spreads
-        ]
+        ]  # fmt: skip
     return data
-
-
-def _show(
-    console: Console,
-    lobes: list[LobeResult],
-    pair: tuple[LiftFigure, ...],
-    carried: LiftBandStudy | None,
-    folder: Path,
-) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.lift.figures import figure_rows
-    from valvetrain.lift.page import carried_rows, lift_notes
-    from valvetrain.lift.verdict import carried_text
-
-    for one in lobes:
-        said = ", ".join(
-            f"{answer.question.replace('_', ' ')} {answer.answer} ({answer.by})"
-            for answer in one.measured.answers
-        )
-        console.print(f"{one.measured!r}; read as {one.measured.form}\n{said}", soft_wrap=True)
-        console.print()
-        console.print(
-            plain_table(("", "value", "95 %", ""), figure_rows(one.figures), right=(1, 2))
-        )
-        for note in (*one.measured.notes, *lift_notes(one)):
-            console.print(f"{note[:1].upper()}{note[1:]}.", soft_wrap=True)
-        console.print()
-    if pair:
-        console.print(
-            plain_table(("both lobes", "value", "95 %", ""), figure_rows(pair), right=(1, 2))
-        )
-        console.print()
-    if carried is not None:
-        console.print(
-            plain_table(
-                ("", "run", "mean law", "95 %", ""),
-                [carried_text(one) for one in carried_rows(carried)],
-                right=(2, 3),
-            )
-        )
-        console.print()
-    console.print(f"results in {folder}", soft_wrap=True)
-    if carried is None:
-        into = "lift.toml there holds the cam as the [lift_law] of a case; --case CASE runs a case with it"
-        console.print(into, soft_wrap=True)

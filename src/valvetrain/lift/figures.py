@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.findings.words import Amount
 from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import BAND, DEGREE, SmoothedLift
 from valvetrain.units import unit_factor
@@ -26,17 +27,25 @@ RAMP_HEIGHT = 0.006 * 25.4e-3
 STATIONS, DRAWS = 8001, 200
 
 
+#: Standard deviations from which a station is off the law.
+OFF = 4.0
+
+
 @dataclass(frozen=True, slots=True)
 class LiftFigure:
-    """One figure: ``value`` and its ``spread`` (standard deviation), both SI, ``unit`` to show them
-    in and ``words`` for people.
-    """
+    """One figure: ``value`` and its ``spread`` (standard deviation), both SI, its ``label`` and the ``unit`` of its text."""
 
     name: str
     label: str
     value: float
     spread: float
     unit: str
+
+    @property
+    def amount(self) -> Amount:
+        """The figure, a length or an angle, with half of its 95 % interval."""
+        turns = "crank_angle" if self.name.startswith("overlap") else "cam_angle"
+        return Amount("lift" if self.unit == "mm" else turns, self.value, BAND * self.spread)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +55,11 @@ class LobeResult:
     measured: MeasuredLift
     smoothed: SmoothedLift
     figures: tuple[LiftFigure, ...]
+
+    @property
+    def off(self) -> NDArray[np.int64]:
+        """Places of the stations, of those of the law, that are more than :data:`OFF` standard deviations off it."""
+        return np.flatnonzero(np.abs(self.smoothed.residuals) > OFF * self.smoothed.noise)
 
 
 def lift_figures(
@@ -98,25 +112,11 @@ def lift_figures(
         if height < peak:
             opening, closing = crossings(grid, curves[0], height)
             if height == HEIGHTS[0]:
-                found.append(
-                    _figure(
-                        "lobe_centre",
-                        "lobe centre, midway between its flanks at 0.050 in",
-                        (opening + closing) / 2,
-                        "deg",
-                    )
-                )
-            found.append(
-                _figure(
-                    f"duration_at_{_key(label)}", f"duration at {label}", closing - opening, "deg"
-                )
-            )
-            found.append(
-                _figure(f"opening_at_{_key(label)}", f"opening at {label}", opening, "deg")
-            )
-            found.append(
-                _figure(f"closing_at_{_key(label)}", f"closing at {label}", closing, "deg")
-            )
+                words = "lobe centre, midway between its flanks at 0.050 in"
+                found.append(_figure("lobe_centre", words, (opening + closing) / 2, "deg"))
+            ends = {"duration": closing - opening, "opening": opening, "closing": closing}
+            for name, values in ends.items():
+                found.append(_figure(f"{name}_at_{_key(label)}", f"{name} at {label}", values, "deg"))  # fmt: skip
     found.append(
         _figure(
             "lift_area",
@@ -127,30 +127,21 @@ def lift_figures(
     )
     if lash < peak:
         at = _height_text(lash)
-        for side, word, angle in zip(
-            ("opening", "closing"),
-            ("opening", "closing"),
-            crossings(grid, curves[0], lash),
-            strict=True,
+        for side, angle in zip(
+            ("opening", "closing"), crossings(grid, curves[0], lash), strict=True
         ):
-            values = np.array(
-                [np.interp(one, grid, curve) for one, curve in zip(angle, curves[1], strict=True)]
-            )
-            found.append(
-                _figure(
-                    f"{side}_ramp_velocity",
-                    f"ramp velocity, {word}, at {at}",
-                    np.abs(values),
-                    "mm/deg",
-                )
-            )
+            slopes = [
+                np.interp(one, grid, curve) for one, curve in zip(angle, curves[1], strict=True)
+            ]
+            words = f"ramp velocity, {side}, at {at}"
+            found.append(_figure(f"{side}_ramp_velocity", words, np.abs(slopes), "mm/deg"))
     found += [
         _figure("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg"),
         _figure("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg"),
-        _figure("largest_acceleration", "largest acceleration", curves[2].max(axis=1), "um/deg2"),
+        _figure("largest_acceleration", "acceleration, flanks", curves[2].max(axis=1), "um/deg2"),
         _figure(
             "nose_acceleration",
-            "minimum acceleration, over the nose",
+            "acceleration, nose",
             curves[2].min(axis=1),
             "um/deg2",
         ),
@@ -241,8 +232,12 @@ def _figure(name: str, label: str, values: Array, unit: str) -> LiftFigure:
     return LiftFigure(name, label, float(values[0]), float(np.std(values[1:])), unit)
 
 
-#: Units of figures as printed, where that is otherwise.
+#: Unit of a figure -> unit of its text, where that is otherwise; and as readers of inches have it, with its size.
 UNIT_TEXTS = {"deg": "cam deg", "um/deg2": "µm/deg²", "mm/deg3": "mm/deg³"}
+INCH_TEXTS = {
+    "mm": ("in", 25.4), "mm deg": ("in deg", 25.4), "mm/deg": ("thou/deg", 0.0254), "um/deg2": ("thou/deg²", 25.4),
+    "mm/deg3": ("thou/deg³", 0.0254),
+}  # fmt: skip
 
 
 def figure_factor(unit: str) -> float:
@@ -252,29 +247,28 @@ def figure_factor(unit: str) -> float:
     return own.get(unit) or unit_factor(unit)
 
 
-def figure_rows(figures: Sequence[LiftFigure]) -> list[tuple[str, str, str, str]]:
-    """Words, value, twice the standard deviation and unit of each figure, in the units of the
-    trade.
+def figure_text(figure: LiftFigure, units: str = "si") -> str:
+    """A figure with its 95 % interval, which has two digits, in the units of the trade or of readers of inches.
+
+    >>> figure_text(LiftFigure("peak_lift", "peak lift", 9.1e-3, 2e-6, "mm"))
+    '9.1000 ± 0.0039 mm'
     """
-    rows = []
-    for figure in figures:
-        factor = 1 / figure_factor(figure.unit)
-        value, spread = figure.value * factor, BAND * figure.spread * factor
-        digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 4
-        # a size is not below zero, however wide the band
-        below = figure.name == "largest_jerk" and spread > value
-        band = f"0 to {value + spread:.{digits}f}" if below else f"±{spread:.{digits}f}"
-        rows.append(
-            (
-                figure.label,
-                f"{value:.{digits}f}",
-                band,
-                "crank deg"
-                if figure.name.startswith("overlap_at_")
-                else UNIT_TEXTS.get(figure.unit, figure.unit),
-            )
-        )
-    return rows
+    unit, size = UNIT_TEXTS.get(figure.unit, figure.unit), figure_factor(figure.unit)
+    if units == "imperial" and figure.unit in INCH_TEXTS:
+        unit, inches = INCH_TEXTS[figure.unit]
+        size *= inches
+    if figure.name.startswith("overlap_at_"):
+        unit = "crank deg"
+    value, spread = figure.value / size, BAND * figure.spread / size
+    digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 4
+    text = f"{value:.{digits}f}"
+    if (
+        figure.name == "largest_jerk" and spread > value
+    ):  # a size is not below zero, however wide the band
+        text = f"0 to {value + spread:.{digits}f}"
+    elif spread > 0:
+        text += f" ± {spread:.{digits}f}"
+    return f"{text} {unit}".strip().replace("-", "−")
 
 
 _NAMED: Mapping[float, str] = {HEIGHTS[0]: "0.050 in", RAMP_HEIGHT: "0.006 in"}

@@ -4,7 +4,9 @@ velocity columns with the lift.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
@@ -40,8 +42,9 @@ class MeasuredLift(Shown):
     smoothing.
 
     ``name``: lift, intake or exhaust. ``lift_of``: valve or tappet. ``form``: name of the format
-    the file had. ``answers``: what the stations mean and who said so. ``notes``: sentences on what
-    was found in the file, such as a velocity column that agrees.
+    the file had. ``answers``: what the stations mean and who said so. ``notes``: sentences on columns
+    that were left out. ``misfits``: column of velocity or acceleration -> root mean square of its difference from the
+    derivative of the lift as a share of its peak, infinite for one of the other sign.
 
     >>> lift = MeasuredLift("lift", np.radians([100.0, 101.0]), np.array([0.0, 1e-4]), "valve", "columns")
     >>> lift
@@ -56,6 +59,7 @@ class MeasuredLift(Shown):
     zero: str = ""
     answers: tuple[Answer, ...] = ()
     notes: tuple[str, ...] = ()
+    misfits: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         first, last = np.degrees(self.cam_angles[[0, -1]])
@@ -208,19 +212,19 @@ def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredL
     lobes = {word: rows[:, place] * scale for place, word in enumerate(columns) if word in LOBES}
     for word, lifts in lobes.items():
         refuse_beyond(lifts, "m", f"the {word} in {name[:80]}")
-    for word in ("velocity", "acceleration"):
-        if word in columns:
-            notes.append(
-                _agreement_note(
-                    rows[:, columns.index(word)], word, angles, next(iter(lobes.values()))
-                )
-            )
+    lead = next(iter(lobes.values()))
+    misfits = {
+        word: _misfit(rows[:, place], word, angles, lead)
+        for place, word in enumerate(columns)
+        if word in ("velocity", "acceleration")
+    }
     if "ignore" in columns:
         notes.append(
             f"left out as requested: column {', '.join(str(place + 1) for place, word in enumerate(columns) if word == 'ignore')}"
         )
     return tuple(
-        _oriented(lobe, angles, lifts, form, known, tuple(notes)) for lobe, lifts in lobes.items()
+        replace(_oriented(lobe, angles, lifts, form, known), notes=tuple(notes), misfits=misfits)
+        for lobe, lifts in lobes.items()
     )
 
 
@@ -366,10 +370,8 @@ def _check_angles(angles: Array, name: str) -> None:
         )
 
 
-def _agreement_note(values: Array, word: str, angles: Array, lifts: Array) -> str:
-    """A sentence on how a velocity or acceleration column fits the derivative of the lift; it is
-    not used otherwise.
-    """
+def _misfit(values: Array, word: str, angles: Array, lifts: Array) -> float:
+    """How far a velocity or acceleration column is off the derivative of the lift; it is not used otherwise."""
     slope = np.gradient(lifts, angles)
     if word == "acceleration":
         slope = np.gradient(slope, angles)
@@ -377,12 +379,11 @@ def _agreement_note(values: Array, word: str, angles: Array, lifts: Array) -> st
     values = values / max(float(np.abs(values).max()), 1e-300)
     scale = float(np.dot(values, slope)) / size if size else 0.0
     apart = float(np.sqrt(np.mean((values - scale * slope) ** 2)))
-    verdict = "agrees with" if scale > 0 and apart < 0.05 else "does not fit"
-    return f"the {word} column {verdict} the derivative of the lift (rms {100 * apart:.1f} % of its peak) and is not used"
+    return apart if scale > 0 else math.inf
 
 
 def _oriented(
-    lobe: str, angles: Array, lifts: Array, form: str, known: _AnswerSheet, notes: tuple[str, ...]
+    lobe: str, angles: Array, lifts: Array, form: str, known: _AnswerSheet
 ) -> MeasuredLift:
     if known.answer("direction") == "reversed":
         angles, lifts = -angles[::-1], lifts[::-1]
@@ -401,7 +402,6 @@ def _oriented(
         form,
         zero_text,
         answers,
-        notes,
     )
 
 

@@ -1,7 +1,7 @@
 """Springs from catalogue cards and from tables of a spring tester.
 
 Begin in ``card.py`` (a card) and ``fit.py`` (the spring that meets it); ``tester.py`` fits a spring to forces over height;
-``page.py`` and ``command.py`` show both.
+``answer.py`` shows both by the findings of ``rules.py``.
 """
 
 from valvetrain.lazy import public_names

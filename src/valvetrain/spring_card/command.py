@@ -5,7 +5,7 @@ tester.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,16 +17,16 @@ from valvetrain.cli.options import (
     OpenOption,
     OutputOption,
     QuietOption,
+    UnitsOption,
     asks,
     take_folder,
+    take_units,
 )
-from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
+from valvetrain.cli.outcome import deliver
+from valvetrain.cli.run_answer import SavedRequest, saved_result
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
-    from valvetrain.report.page import Page
     from valvetrain.spring_card.card import SpringLoad
     from valvetrain.spring_card.fit import SpringFit
     from valvetrain.spring_card.tester import TesterFit
@@ -102,6 +102,7 @@ def spring_card(
     ] = SPRING,
     output: OutputOption = None,
     open_page: OpenOption = False,
+    units: UnitsOption = "si",
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -113,6 +114,7 @@ def spring_card(
     from valvetrain.units import parse_quantity
 
     take_folder(output)
+    take_units(units)
     for flag, value, typical in (
         ("--wire-diameter", wire_diameter, "4.2 mm"),
         ("--outer-diameter", outer_diameter, "32 mm"),
@@ -133,7 +135,6 @@ def spring_card(
         "mass": None if mass is None else parse_quantity(mass, "mass", "--mass"), "total_coils": total_coils,
         "material": material_by_name(material) if material else None, "name": name,
     }  # fmt: skip
-    request = _Request(name, output, datetime.now(UTC).replace(microsecond=0), open_page)
     if table is None:
         from valvetrain.spring_card.fit import spring_from_card
 
@@ -145,10 +146,8 @@ def spring_card(
         loads = [
             _load(text, flag) for flag, text in (("--installed", installed), ("--open-load", open_))
         ]
-        return _show_card(
-            spring_from_card(CatalogueCard(installed_load=loads[0], open_load=loads[1], **known)),
-            request,
-        )
+        met = spring_from_card(CatalogueCard(installed_load=loads[0], open_load=loads[1], **known))
+        return _deliver(met, _card_data(met), name, output, open_page)
     if installed is not None or open_ is not None:
         raise InputError(
             "a table holds the loads; leave --installed and --open-load out, or the table",
@@ -173,27 +172,7 @@ def spring_card(
             read_end(closes),
             length(installed_height, "--installed-height"),
         )
-    return _show_tester(fit, request)
-
-
-@dataclass(frozen=True)
-class _Request:
-    """Where an answer goes."""
-
-    name: str
-    output: Path | None
-    created_at: datetime
-    open_page: bool
-
-    @property
-    def case_name(self) -> str:
-        """Name of the case that is written: that of the spring where one is given, else of its folder,
-        to distinguish two springs that are compared.
-        """
-        if self.name != SPRING:
-            return self.name
-        folder = "" if self.output is None else self.output.name
-        return folder if re.fullmatch(r"[\w-]+", folder) else "spring-card"
+    return _deliver(fit, _table_data(fit), name, output, open_page)
 
 
 def _load(text: str | None, flag: str) -> SpringLoad:
@@ -209,111 +188,62 @@ def _load(text: str | None, flag: str) -> SpringLoad:
     return SpringLoad(*parts)
 
 
+def _case_name(name: str, output: Path | None) -> str:
+    """Name of the case that is written: that of the spring where one is given, else of its folder, to distinguish two springs
+    that are compared.
+    """
+    folder = "" if output is None else output.name
+    if name != SPRING:
+        return name
+    return folder if re.fullmatch(r"[\w-]+", folder) else "spring-card"
+
+
 def _deliver(
-    request: _Request,
     fit: SpringFit | TesterFit,
-    page: Page,
-    data: dict[str, Any],
-    source: str,
-    show: Any,
+    found: dict[str, Any],
+    name: str,
+    output: Path | None,
+    open_page: bool,
 ) -> None:
     """Write the folder (page, block of the spring, run.json) and report it."""
-    from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.parameters.loading import parse_case
     from valvetrain.report.files import spring_text
-    from valvetrain.report.page import render
-    from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.atomic import write_text
+    from valvetrain.spring_card.answer import CardAnswer
+    from valvetrain.spring_card.rules import CardFacts
 
-    text = spring_text(request.case_name, fit.spring, source)
-    pages: list[Path] = []
-
-    def fill(folder: Path) -> list[Path]:
-        pages.append(write_text(folder / "report.html", render(page)))
-        return [write_text(folder / "spring.toml", text), *pages]
-
-    folder, files = keep_run(
-        SavedRequest(
-            "spring-card", parse_case(text, request.case_name), request.output, request.created_at
-        ),
-        text,
-        {"name": request.name},
-        data,
-        fill,
+    case, facts = _case_name(name, output), CardFacts(fit)
+    text = spring_text(
+        case, fit.spring, f"from a {'catalogue card' if facts.by_card else 'table of forces'}"
     )
-    if request.open_page:
-        show_page(pages[0])
-    data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
-
-    def show_text(console: Console) -> None:
-        show(console)
-        for sentence in fit.free:
-            console.print(f"{sentence[:1].upper()}{sentence[1:]}.", soft_wrap=True)
-        console.print()
-        console.print(
-            f"the spring for a case file: {folder / 'spring.toml'}; page: {pages[0]}",
-            soft_wrap=True,
-        )
-
-    deliver(Outcome(data, show_text, (), verdict_of(fit)))
+    outcome = saved_result(
+        SavedRequest("spring-card", parse_case(text, case), output, datetime.now(UTC).replace(microsecond=0)), text,
+        {"command": "spring-card", "case": "", "completed": True, **found},
+        lambda folder: CardAnswer(replace(facts, file=str(folder / "spring.toml"))),
+        lambda folder: [write_text(folder / "spring.toml", text)], {"name": name}, open_page,
+    )  # fmt: skip
+    deliver(outcome)
 
 
-def _show_card(fit: SpringFit, request: _Request) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.spring_card.page import card_page, held_rows, spring_rows
-
-    def show(console: Console) -> None:
-        console.print(
-            plain_table(
-                ("", "card", "spring", "", "difference"), held_rows(fit.held), right=(1, 2, 4)
-            )
-        )
-        console.print()
-        console.print(plain_table(("the spring", "", ""), spring_rows(fit.spring), right=(1,)))
-        console.print()
-        console.print(f"{fit.in_engine}.", soft_wrap=True)
-
-    data: dict[str, Any] = {
-        "command": "spring-card", "case": "", "completed": True, "left_free": list(fit.free), "in_engine": fit.in_engine,
-        "card": {one.quantity: {"asked": one.requested, "found": one.found} for one in fit.held},
-    }  # fmt: skip
-    _deliver(request, fit, card_page(fit), data, "from a catalogue card", show)
+def _card_data(fit: SpringFit) -> dict[str, Any]:
+    """Every number of the card (SI) and that of the spring."""
+    return {
+        "card": {one.quantity: {"asked": one.requested, "found": one.found} for one in fit.held}
+    }
 
 
-def _show_tester(fit: TesterFit, request: _Request) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.spring_card.page import spring_rows, tester_page, tester_rows
+def _table_data(fit: TesterFit) -> dict[str, Any]:
+    """What the table gives (SI), with standard deviations."""
 
-    def show(console: Console) -> None:
-        console.print(f"{fit.table!r}", soft_wrap=True)
-        rows = [
-            (names, value, spread and f"±{spread}", unit)
-            for names, value, spread, unit in tester_rows(fit)
-        ]
-        console.print(plain_table(("", "value", "95 %", ""), rows, right=(1, 2)))
-        console.print()
-        stations = zip(fit.stations.coil, fit.stations.pitch, fit.stations.spread, strict=True)
-        law = [
-            (f"{coil:.2f}", f"{1e3 * pitch:.3f}", f"±{2e3 * spread:.2g}", "mm")
-            for coil, pitch, spread in stations
-        ]
-        console.print(plain_table(("coil", "pitch", "95 %", ""), law, right=(0, 1, 2)))
-        console.print()
-        console.print(plain_table(("the spring", "", ""), spring_rows(fit.spring), right=(1,)))
-        console.print()
-        for note in fit.table.notes:
-            console.print(f"{note[:1].upper()}{note[1:]}.", soft_wrap=True)
+    def spread(value: float, deviation: float) -> dict[str, float]:
+        return {"value": value, "standard_deviation": deviation}
 
-    def spread(pair: tuple[float, float]) -> dict[str, float]:
-        return {"value": pair[0], "standard_deviation": pair[1]}
-
-    data: dict[str, Any] = {
-        "command": "spring-card", "case": "", "completed": True, "left_free": list(fit.free), "notes": list(fit.table.notes),
-        "active_coils": spread(fit.active_coils), "free_length": spread(fit.free_length), "rate": spread(fit.rate),
-        "preload": spread(fit.preload), "coil_bind_height": fit.coil_bind, "scatter": fit.scatter, "worst_by_rod": fit.worst_by_rod,
+    law = fit.stations
+    return {
+        "active_coils": spread(*fit.active_coils), "free_length": spread(*fit.free_length), "rate": spread(*fit.rate),
+        "preload": spread(*fit.preload), "coil_bind_height": fit.coil_bind, "scatter": fit.scatter, "worst_by_rod": fit.worst_by_rod,
         "pitch": [
-            {"coil": coil, "pitch": pitch, "standard_deviation": sd}
-            for coil, pitch, sd in zip(fit.stations.coil.tolist(), fit.stations.pitch.tolist(), fit.stations.spread.tolist(), strict=True)
+            {"coil": float(coil), "pitch": float(pitch), "standard_deviation": float(sd)}
+            for coil, pitch, sd in zip(law.coil, law.pitch, law.spread, strict=True)
         ],
     }  # fmt: skip
-    _deliver(request, fit, tester_page(fit), data, "from a table of forces", show)

@@ -13,18 +13,15 @@ import numpy as np
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.quantities.statics import design_quantities
 from valvetrain.solution.saveable import Saveable
 from valvetrain.spring_card.card import (
     GROUND,
-    INACTIVE,
     CatalogueCard,
     Winding,
     changed,
     doubt_of,
     first_winding,
     ground_choices,
-    moving_mass,
     weight,
 )
 from valvetrain.springs.finite_element import FiniteElementRod
@@ -46,7 +43,7 @@ class CardDeviation:
 @dataclass(frozen=True)
 class SpringFit(Saveable):
     """A spring that meets its card: the ``spring`` as installed, its numbers and the card's, and
-    what the card left ``free``.
+    words for what the card left ``free``: material, turns, pitch.
 
     Made by :func:`spring_from_card`.
 
@@ -64,27 +61,6 @@ class SpringFit(Saveable):
         """The wire."""
         assert self.spring.wire is not None
         return self.spring.wire
-
-    @property
-    def in_engine(self) -> str:
-        """What an engine has of this wire that it has not of the card alone: end turns on the retainer,
-        another surge frequency, clashes.
-        """
-        wire, card = self.definition, self.card
-        last = wire.total_coils
-        squares = wire.integrate_along_wire(
-            wire.wire_diameter, 2, (last - wire.upper_end.inactive_coils, last)
-        )
-        ends = np.pi / 4 * wire.material.density * squares
-        surge = design_quantities(self.spring).get("estimated_surge_frequency", np.nan)
-        said = f"this wire has {1e3 * ends:.2g} g of end turns that also move with the retainer, surges at {surge:.0f} Hz, and its coils can clash"
-        if card.top_outer_diameter is not None:
-            return f"What the card alone does not have in an engine: {said}"
-        moves = moving_mass(card)
-        alone = (
-            f"{1e3 * moves:.3g} g that move and surges at {0.5 * np.sqrt(card.rate / moves):.0f} Hz"
-        )
-        return f"In an engine the card alone has {alone}; {said}"
 
     def __repr__(self) -> str:
         wire = self.definition
@@ -208,42 +184,16 @@ def _fit(
 
 
 def _left_free(card: CatalogueCard, winding: Winding) -> tuple[str, ...]:
-    """One sentence for each choice that the card did not make."""
-    free = []
-    if doubt := doubt_of(card):
-        free.append(doubt)
-    if card.material is None:
-        free.append(
-            f"no material is given: moduli and density are those of {card.wire.name} (G = {card.wire.shear_modulus / 1e9:g} GPa); 1 % of G "
-            "is 1 % of the active turns"
-        )
-    if card.total_coils is None and card.mass is None and card.solid_height is None:
-        free.append(
-            f"no turns, mass or solid height are given: {INACTIVE:g} inactive turn at either end is assumed, so mass and bind are open"
-        )
-    elif card.total_coils is None and card.mass is None:
-        free.append(
-            f"the turns are those of the solid height with {GROUND:g} ground turns at either end; a mass would check them"
-        )
+    """A word for each choice that the card did not make; the rules on springs have the sentences."""
+    weighed = card.total_coils is not None or card.mass is not None
+    if not weighed:
+        turns = "turns" if card.solid_height is None else "mass"
     elif card.solid_height is None:
-        free.append(
-            f"no solid height is given: {GROUND:g} turns are ground at either end as in textbooks"
-            if winding.ground == GROUND
-            else f"no solid height is given: {winding.ground:g} turns are taken as ground at either end, since with fewer the coils would "
-            "close before the second load"
-        )
-    elif winding.ground == GROUND:
-        free.append(
-            "turns and solid height do not fit together with ends ground over 0.2 to 1 turn, so the solid height is missed as shown"
-        )
-    if card.top_outer_diameter is not None and card.taper_from_coil is None:
-        free.append("no start of the taper is given: half of the turns are taken")
-    free.append(
-        "the pitch is taken constant between the closed ends: two loads do not determine a progressive pitch, a table of forces does"
-    )
-    free.append(
-        "damping is on no card, so this spring has none: copy that of the engine's spring; contact of the coils is the default"
-    )
-    if card.free_length is None:
-        free.append("no free length is given: it follows from both loads")
-    return tuple(free)
+        turns = "ground" if winding.ground == GROUND else "early"
+    else:
+        turns = "solid" if winding.ground == GROUND else ""
+    tapers = card.top_outer_diameter is not None and card.taper_from_coil is None
+    words = (
+        "material" * (card.material is None), turns, "taper" * tapers, "pitch", "damping", "free_length" * (card.free_length is None),
+    )  # fmt: skip
+    return tuple(filter(None, words))

@@ -246,7 +246,7 @@ class TesterFit(Saveable):
     ``coil_bind``: height (m), None where the table
     ends above it. ``by_rod``: (m, 3) heights, forces of the table and of the finite-element rod.
     ``scatter`` (N): standard deviation of
-    the table about the rod. ``free``: what the table left open. Made by :func:`spring_from_tester`.
+    the table about the rod. ``free``: words for what the table left open. Made by :func:`spring_from_tester`.
 
     >>> [name for name in TesterFit.__dataclass_fields__ if name in ("rate", "preload", "stations")]
     ['rate', 'preload', 'stations']
@@ -509,20 +509,8 @@ def _bind(table: ForceHeight) -> float | None:
 
 
 def _left_free(law: PitchLaw, bind: float | None) -> tuple[str, ...]:
-    free = [
-        f"the order of the coils is not in a table of forces: the tight ones are assumed to be at "
-        f"{'both ends' if law.closes == 'both' else 'the ' + law.closes + ' end'}"
-    ]
-    if law.card.material is None:
-        free.append(
-            f"no material is given: G = {law.card.wire.shear_modulus / 1e9:g} GPa of {law.card.wire.name}; 1 % of it is 1 % of the turns"
-        )
-    if law.total is None:
-        free.append(
-            "no turns, mass or solid height are given: one inactive turn at either end is assumed, so mass and bind are open"
-        )
-    if bind is None:
-        free.append(
-            "the table does not reach coil bind, so gaps that never close in it follow from the free length alone"
-        )
-    return tuple(free)
+    words = (
+        "both ends" if law.closes == "both" else f"{law.closes} end", "material" * (law.card.material is None),
+        "turns" * (law.total is None), "gaps" * (bind is None),
+    )  # fmt: skip
+    return tuple(filter(None, words))

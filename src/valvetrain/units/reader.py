@@ -26,7 +26,7 @@ _METRIC = re.compile(
     rf"(?<![\w.])({_NUMBER}(?:(?: (?:to|of|and|or|±) |[–±/-])[−-]?{_NUMBER})*)[ \xa0](N/mm|N|mm|MPa|m/s|mJ)(?![\w/^])"
 )
 #: Units as pages print them -> as they are read.
-_WRITTEN = {"m/s2": "m/s^2"}
+_WRITTEN = {"m/s2": "m/s^2", "µm/deg²": "um/deg^2"}
 _REQUESTED: ContextVar[str] = ContextVar("requested_units", default="si")
 _SHOWN: ContextVar[str] = ContextVar("shown_units", default="si")
 
@@ -71,7 +71,7 @@ def reader_unit(unit: str) -> str:
     ('lbf/in', 'deg', 'g')
     >>> request_units("si")
     """
-    if _SHOWN.get() == "si" or not unit:
+    if shown_system() == "si" or not unit:
         return unit
     try:
         return IMPERIAL.get(dimension_of(_read(unit)) or "", unit)

@@ -1,0 +1,114 @@
+"""The files of a measured lift: its curves, its law for a case file, and its table in a common form."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from valvetrain import registry
+from valvetrain.errors import InputError
+from valvetrain.lift.figures import LobeResult
+from valvetrain.measured.lift_formats import LiftFormat, LiftTable
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.parameters.loading import parse_case
+from valvetrain.parameters.toml_text import resolved, toml_text
+from valvetrain.solution.atomic import write_bytes, write_text
+
+#: Cam degrees between the rows of the curves.
+STEP = 0.25
+#: First line of the law for a case file.
+AS_MEASURED = "# Stations as measured; a noise or band of 0 is found from them in each run.\n"
+
+
+def lift_parameters(
+    lobe: LobeResult, noise: float | None = None, band: float | None = None
+) -> LiftLawParameters:
+    """The measured law of a lobe as a case says it."""
+    values = {
+        "cam_angles": tuple(map(float, lobe.measured.cam_angles)), "lifts": tuple(map(float, lobe.measured.lifts)), "noise": noise or 0.0,
+        "band": band or 0.0, "draw": 0,
+    }  # fmt: skip
+    return LiftLawParameters("measured", values, lobe.measured.lift_of, lobe.measured.zero)  # type: ignore[arg-type]
+
+
+def lift_case(
+    name: str, lobe: LobeResult, noise: float | None = None, band: float | None = None
+) -> Case:
+    """A case that holds nothing but the lift of ``lobe``; its text can be put into any case file."""
+    law = lift_parameters(lobe, noise, band)
+    return parse_case(toml_text({"name": name, **resolved({"lift_law": {}}, law)}), name)
+
+
+def case_with(case: Case, law: LiftLawParameters) -> Case:
+    """The case with that lift law, in its text too."""
+    tree = tomllib.loads(case.text) | resolved({"lift_law": {}}, law)
+    return parse_case(toml_text(tree), case.name)
+
+
+def write_lift(
+    lobes: Sequence[LobeResult],
+    folder: Path,
+    noise: float | None = None,
+    band: float | None = None,
+) -> list[Path]:
+    """``lift.csv`` (or ``intake.csv``, ``exhaust.csv``): lift to jerk and standard deviations; and
+    the lift as part of a case file, with the stated ``noise`` and ``band`` (m).
+    """
+    files = []
+    for lobe in lobes:
+        name = lobe.measured.name
+        first, last = np.degrees(lobe.smoothed.event)
+        degrees = np.arange(np.ceil(first / STEP), np.floor(last / STEP) + 1) * STEP
+        angles = np.radians(degrees)
+        columns, heads = [degrees], ["cam angle [deg]"]
+        for derivative, (quantity, unit) in enumerate(
+            (
+                ("lift", "mm"),
+                ("velocity", "mm/rad"),
+                ("acceleration", "mm/rad2"),
+                ("jerk", "mm/rad3"),
+            )
+        ):
+            heads += [f"{quantity} [{unit}]", f"standard deviation of {quantity} [{unit}]"]
+            columns += [
+                1e3 * lobe.smoothed.lift(angles, derivative),
+                1e3 * lobe.smoothed.spread(angles, derivative),
+            ]
+        lines = [
+            ",".join(heads),
+            *(",".join(f"{value:.9g}" for value in row) for row in np.column_stack(columns)),
+        ]
+        files.append(write_text(folder / f"{name}.csv", "\n".join(lines) + "\n"))
+        files.append(
+            write_text(
+                folder / f"{name}.toml",
+                AS_MEASURED
+                + toml_text(resolved({"lift_law": {}}, lift_parameters(lobe, noise, band))),
+            )
+        )
+    return files
+
+
+def write_table(lobes: Sequence[LobeResult], path: Path, form: str) -> Path:
+    """The smoothed lifts at whole cam degrees in one of the forms. Raises :class:`InputError` for a
+    form that cannot be written.
+    """
+    found: LiftFormat = registry.find("lift_formats", form, "--write-form")
+    if found.write is None:
+        raise InputError(f"lifts are not written in the form '{form}'; use columns", "--write-form")
+    first = min(lobe.smoothed.event[0] for lobe in lobes)
+    degrees = np.ceil(np.degrees(first)) - 1 + np.arange(360.0)
+    lifts = np.column_stack([lobe.smoothed.lift(np.radians(degrees)) for lobe in lobes])
+    lead = lobes[0].measured
+    table = LiftTable(
+        np.radians(degrees),
+        lifts,
+        tuple(lobe.measured.name for lobe in lobes),
+        lead.lift_of,
+        lead.zero,
+    )
+    return write_bytes(path, found.write(table))

@@ -1,0 +1,182 @@
+"""Rules on measured lifts (L201 and up): whether their stations are good enough to simulate with, and what they give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.words import Amount, Said, percent
+from valvetrain.lift.band import CarriedSpread, LiftBandStudy
+from valvetrain.lift.figures import LiftFigure, LobeResult
+from valvetrain.measured.lift_smoothing import BAND
+from valvetrain.solution.definition import label_of
+
+#: Share of the acceleration from which its 95 % interval is a doubt, and share of its peak by which a column may differ.
+LOOSE, AGREES = 0.2, 0.05
+#: Question of a table -> what is assumed where it gives no answer.
+ASSUMED = {
+    "angle_unit": "angles in degrees", "zero": "zero of the angle as in the file", "direction": "a cam that turns with rising angle",
+}  # fmt: skip
+#: What a case with the lift is about, the first that it has.
+IN_CASE = (
+    "float_engine_speed", "minimum_open_cam_contact_force", "peak_cam_contact_force", "peak_spring_force",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class LiftFacts(Subject):
+    """Measured lifts as rules read them.
+
+    Parameters
+    ----------
+    lobes : one, or intake and exhaust
+    pair : what both lobes have together
+    carried : a case with the first lobe, and what the noise does to it
+    file : the law of the first lobe as part of a case file; of a case the whole of it
+    """
+
+    lobes: tuple[LobeResult, ...] = ()
+    pair: tuple[LiftFigure, ...] = ()
+    carried: LiftBandStudy | None = None
+    file: str = ""
+
+    @property
+    def case(self) -> str:
+        """What a command takes for the case that has the lift."""
+        return self.file
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """Sentences on runs of the case that failed."""
+        study = self.carried
+        return () if study is None else (*study.mean.failures, *study.failures)
+
+    @property
+    def worst(self) -> list[CarriedSpread]:
+        """Of each quantity of :data:`IN_CASE` that the case has, its worst run."""
+        rows = self.carried.spreads if self.carried is not None else ()
+        runs = [[one for one in rows if one.quantity == name and one.value > 0] for name in IN_CASE]
+        return [
+            sorted(one, key=lambda run: run.value)[-one[0].quantity.startswith("peak")]
+            for one in runs
+            if one
+        ]
+
+
+def looseness(lobe: LobeResult) -> float:
+    """The 95 % interval of the acceleration as a share of it: on the flanks or over the nose, the larger."""
+    peaks = [one for one in lobe.figures if one.name.endswith("acceleration")]
+    return max(BAND * one.spread / abs(one.value) for one in peaks)
+
+
+def failed(facts: LiftFacts) -> Iterator[Hit]:
+    """A run of the case with this lift failed."""
+    for said in facts.failures[:1]:
+        yield Hit(fields={"said": said})
+
+
+def off(facts: LiftFacts) -> Iterator[Hit]:
+    """A station is more than four standard deviations off the law."""
+    for lobe in facts.lobes:
+        if lobe.off.size:
+            left = np.abs(lobe.smoothed.residuals)
+            worst, count = int(np.argmax(left)), f"{lobe.off.size} of {left.size} stations"
+            angle = Amount("station_cam_angle", float(lobe.smoothed.cam_angles[worst]))
+            yield Hit(
+                Amount("station_lift", float(left[worst])),
+                fields={"count": count, "lobe": lobe.measured.name, "angle": angle},
+            )
+
+
+def misfit(facts: LiftFacts) -> Iterator[Hit]:
+    """A column of velocity or acceleration is not the derivative of the lift."""
+    for lobe in facts.lobes:
+        for column, apart in lobe.measured.misfits.items():
+            if apart > AGREES:
+                yield Hit(fields={"column": column})
+
+
+def loose(facts: LiftFacts) -> Iterator[Hit]:
+    """The noise leaves more than a fifth of the acceleration open."""
+    for lobe in facts.lobes:
+        if (share := looseness(lobe)) > LOOSE:
+            step = Amount("station_cam_angle", float(np.median(np.diff(lobe.smoothed.cam_angles))))
+            yield Hit(
+                Amount("station_noise_lift", lobe.smoothed.noise),
+                fields={"share": percent(share), "lobe": lobe.measured.name, "spacing": step},
+            )
+
+
+def carried(facts: LiftFacts) -> Iterator[Hit]:
+    """A case has the lift, and its float speed or a force is known."""
+    for one in facts.worst[:1]:
+        spread = Amount(one.quantity, BAND * one.spread)
+        yield Hit(
+            Amount(one.quantity, one.value),
+            fields={"name": label_of(one.quantity), "spread": spread},
+        )
+
+
+def good(facts: LiftFacts) -> Iterator[Hit]:
+    """The stations determine the lift, or both lifts."""
+    for lobe in facts.lobes[:1]:
+        durations = [one for one in lobe.figures if one.name.startswith(("peak", "duration"))]
+        first, *more = (facts.pair or durations)[:2]
+        share = percent(max(map(looseness, facts.lobes)))
+        fields: dict[str, Said] = {"first": first.label, "share": share}
+        fields |= {"second": more[0].label, "more": more[0].amount} if more else {}
+        yield Hit(first.amount, fields=fields)
+
+
+def widened(facts: LiftFacts) -> Iterator[Hit]:
+    """The requested band is tighter than the noise."""
+    if any(lobe.smoothed.widened for lobe in facts.lobes):
+        yield Hit()
+
+
+def base(facts: LiftFacts) -> Iterator[Hit]:
+    """The base circle of the table was not at zero, or it scatters."""
+    for law in (lobe.smoothed for lobe in facts.lobes):
+        if law.base or law.runout:
+            scatter = Amount("station_lift", law.runout)
+            yield Hit(Amount("station_lift", law.base), fields={"scatter": scatter})
+
+
+def unused(facts: LiftFacts) -> Iterator[Hit]:
+    """The table holds columns besides angle and lift."""
+    for table in (lobe.measured for lobe in facts.lobes):
+        fits = [f"{name} fits within {percent(apart)}" for name, apart in table.misfits.items()]
+        if said := [*fits, *table.notes]:
+            yield Hit(fields={"said": said})
+
+
+def assumed(facts: LiftFacts) -> Iterator[Hit]:
+    """The table leaves something open that was assumed."""
+    for table in (lobe.measured for lobe in facts.lobes[:1]):
+        if said := [ASSUMED[one.question] for one in table.answers if one.by == "assumed"]:
+            yield Hit(fields={"said": said})
+
+
+RULES = (
+    Rule("L201", "decides", "the case did not run with this lift: {said}", failed),
+    Rule("L202", "decides", "a smooth {lobe} misses {count}", off, ("station_lift",), "most at {angle:4}, by {value}",
+         "correct these stations in the table, then repeat this command", "most at {angle:4}", "measured-lifts.md", "warn"),
+    Rule("L203", "decides", "the column of {column} is not the derivative of the lift", misfit, (),
+         "the unit, the zero or the direction may be wrong", "correct the table or --columns, then repeat this command", mark="warn"),
+    Rule("L204", "decides", "too much noise in the {lobe}: {share} of the acceleration is open", loose, ("station_noise_lift",),
+         "{value:2} of noise with stations {spacing} apart", "measure again: average several turns, or reduce the noise of the probe",
+         "{share} of the acceleration is open", "measured-lifts.md", "warn"),
+    Rule("L210", "decides", "{name} is {value:4} in the case", carried, IN_CASE, "[the noise of the lift moves it by ± {spread:2}]",
+         "[valvetrain run {case}]", mark=""),
+    Rule("L211", "decides", "good enough to simulate, {first} {value:4}[, {second} {more:3}]", good, (),
+         "its acceleration is known within {share}", "[copy the lift_law table of {case} into your case, or repeat this command with --case CASE]",
+         mark="ok", unless=("L20", "L210")),
+    Rule("L220", "warns", "the requested band is tighter than the noise", widened, (),
+         "the lift follows the stations more closely than they deserve"),
+    Rule("L230", "notes", "the base circle was at {value:2} and is now zero[; it scatters by {scatter:2}]", base),
+    Rule("L231", "notes", "columns that are not used: {said}", unused, unless=("L203",)),
+    Rule("L232", "notes", "assumed: {said}", assumed, remark="{said}"),
+)  # fmt: skip

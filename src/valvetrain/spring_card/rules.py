@@ -1,0 +1,162 @@
+"""Rules on springs from cards and testers (Z101 and up): whether card and wire agree, what the spring is, what was assumed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.words import Amount, digits_text, percent
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.quantities.statics import design_quantities
+from valvetrain.solution.definition import label_of
+from valvetrain.spring_card.card import GROUND, INACTIVE, doubt_of, moving_mass
+from valvetrain.spring_card.fit import CardDeviation, SpringFit
+from valvetrain.spring_card.tester import MISFIT, TesterFit
+
+#: Share from which a number of the card counts as missed.
+MISSED = 0.01
+
+
+@dataclass(frozen=True)
+class CardFacts(Subject):
+    """A spring as rules read it: its ``fit`` to a card or to a table of forces, and the case ``file`` that holds it."""
+
+    fit: SpringFit | TesterFit
+    file: str = ""
+
+    @property
+    def case(self) -> str:
+        """What a command takes for the spring."""
+        return self.file
+
+    @property
+    def wire(self) -> SpringDefinition:
+        """The spring itself."""
+        return self.fit.definition
+
+    @property
+    def quantities(self) -> dict[str, float]:
+        """Geometry, estimates and the state of closed coils (SI)."""
+        return design_quantities(self.fit.spring)
+
+    @property
+    def by_card(self) -> list[SpringFit]:
+        """The fit to a card; empty of a table of forces."""
+        return [self.fit] if isinstance(self.fit, SpringFit) else []
+
+
+def apart(one: CardDeviation) -> float:
+    """The number of the wire over that of the card, less one; 0 where the card is silent."""
+    return one.found / one.requested - 1 if one.requested else 0.0
+
+
+def doubted(facts: CardFacts) -> Iterator[Hit]:
+    """The loads are hardly those of one spring with this wire."""
+    for fit in facts.by_card:
+        if doubt_of(fit.card):
+            turns = Amount("total_coil_count", facts.wire.total_coils)
+            yield Hit(Amount("active_coil_count", facts.wire.active_coils), fields={"turns": turns})
+
+
+def missed(facts: CardFacts) -> Iterator[Hit]:
+    """A number of the card is more than 1 % off what the others make."""
+    for one in (held for fit in facts.by_card for held in fit.held):
+        if one.requested and abs(apart(one)) > MISSED:
+            name, limit = {"name": label_of(one.quantity)}, one.requested
+            yield Hit(Amount(one.quantity, one.found), None, limit, name, abs(apart(one)))
+
+
+def off_table(facts: CardFacts) -> Iterator[Hit]:
+    """The wire is more than 3 % of the largest force off the table."""
+    return (hit for hit in of_table(facts) if hit.severity > MISFIT)
+
+
+def of_card(facts: CardFacts) -> Iterator[Hit]:
+    """A wire has the numbers of the card."""
+    for fit in facts.by_card:
+        apart_by = [abs(apart(one)) for one in fit.held if one.requested]
+        bind = "" if "turns" in fit.free else Amount("solid_height", facts.wire.solid_height)
+        yield Hit(Amount("rate", fit.held[2].found), fields={
+            "force": Amount("preload", fit.held[0].found), "bind": bind, "count": str(len(apart_by)), "share": percent(max(1e-3, *apart_by)),
+        })  # fmt: skip
+
+
+def of_table(facts: CardFacts) -> Iterator[Hit]:
+    """A wire has the forces of the table."""
+    if isinstance(fit := facts.fit, TesterFit):
+        share = fit.worst_by_rod / float(np.max(fit.table.forces))
+        bind = "" if fit.coil_bind is None else Amount("coil_bind_height", fit.coil_bind)
+        yield Hit(Amount("rate", fit.rate[0]), fields={
+            "force": Amount("preload", fit.preload[0]), "bind": bind, "share": percent(share), "off": Amount("force", fit.worst_by_rod),
+        }, severity=share)  # fmt: skip
+
+
+def in_engine(facts: CardFacts) -> Iterator[Hit]:
+    """What a wire has in an engine that its card alone has not."""
+    wire = facts.wire
+    for card in (fit.card for fit in facts.by_card if fit.card.top_outer_diameter is None):
+        span = (wire.total_coils - wire.upper_end.inactive_coils, wire.total_coils)
+        ends = wire.material.density * wire.integrate_along_wire(wire.wire_diameter, 2, span)
+        mass = moving_mass(card)
+        yield Hit(Amount("mass", np.pi / 4 * ends), fields={
+            "surge": Amount("surge_frequency", facts.quantities["estimated_surge_frequency"]), "mass": Amount("mass", mass),
+            "alone": Amount("surge_frequency", 0.5 * float(np.sqrt(card.rate / mass))),
+        })  # fmt: skip
+
+
+def noted(facts: CardFacts) -> Iterator[Hit]:
+    """Something was found in the table, such as unloading besides loading."""
+    if isinstance(facts.fit, TesterFit) and facts.fit.table.notes:
+        yield Hit(fields={"said": facts.fit.table.notes})
+
+
+def left(code: str, text: str, remark: str, *words: str) -> Rule:
+    """The rule that says what is assumed where a fit leaves any of ``words`` open."""
+
+    def hits(facts: CardFacts) -> Iterator[Hit]:
+        """The card or the table leaves it open."""
+        steel, ends = facts.wire.material, facts.wire.lower_end
+        for word in set(words).intersection(facts.fit.free):
+            yield Hit(Amount("shear_modulus_pressure", steel.shear_modulus), fields={
+                "steel": steel.name, "closes": word, "ground": digits_text(ends.ground_coils),
+            })  # fmt: skip
+
+    return Rule(code, "notes", text, hits, remark=remark)
+
+
+INTO_CASE = "[copy the spring of {case} into your case, or compare it there by compare-springs]"
+GUIDE = "springs-from-cards.md"
+RULES = (
+    Rule("Z101", "decides", "hardly the card of one spring: its loads make {value:2} active turns of {turns:2}", doubted, ("active_coil_count",),
+         "", "enter a dual spring as two, each with its own wire; else check wire, diameters and loads", guide=GUIDE),
+    Rule("Z102", "decides", "card and wire disagree: {name} {limit:4} on the card, {value:4} by its other numbers", missed, (), "",
+         "measure the spring, or give this command the table of a spring tester", guide=GUIDE, mark="warn"),
+    Rule("Z103", "decides", "the wire is up to {off:2} off the table", off_table, (), "{share} of its largest force",
+         "check wire, diameters, material and units, or give --total-coils", guide=GUIDE, mark="warn"),
+    Rule("Z110", "decides", "card and wire agree, rate {value:3}, {force:3} installed[, coil bind at {bind:3}]", of_card, (),
+         "all {count} numbers of the card are met within {share}", INTO_CASE, mark="ok", unless=("Z10",)),
+    Rule("Z111", "decides", "table and wire agree, rate {value:3}, {force:3} installed[, coil bind from {bind:3}]", of_table, (),
+         "the wire meets the table within {off:2}, {share} of its largest force", INTO_CASE, mark="ok", unless=("Z10",)),
+    Rule("Z120", "notes", "in an engine the wire moves {value:2} of end turns too and surges at {surge:3}; "
+         "the card alone moves {mass:3} and surges at {alone:3}", in_engine),
+    Rule("Z121", "notes", "{said}", noted),
+    left("Z130", "no material is given: {steel} with G = {value}; 1 % of G is 1 % of the active turns", "{steel}", "material"),
+    left("Z131", f"no turns, mass or solid height are given: {INACTIVE:g} inactive turn at either end, so mass and bind are open",
+         "inactive end turns", "turns"),
+    left("Z132", f"the turns are those of the solid height with {GROUND:g} ground turns at either end; a mass would check them",
+         "turns by the solid height", "mass"),
+    left("Z133", "no solid height is given: {ground} turns are ground at either end", "{ground} ground turns", "ground"),
+    left("Z134", "no solid height is given: {ground} turns are ground at either end, since with fewer the coils would close before the second load",
+         "{ground} ground turns", "early"),
+    left("Z135", "turns and solid height do not fit together with ends ground over 0.2 to 1 turn", "", "solid"),
+    left("Z136", "no start of the taper is given: half of the turns are taken", "taper from half way", "taper"),
+    left("Z137", "the pitch is constant between the closed ends; only a table of forces gives a progressive one", "constant pitch", "pitch"),
+    left("Z138", "damping is on no card: copy that of your engine's spring", "no damping", "damping"),
+    left("Z139", "no free length is given: it follows from both loads", "", "free_length"),
+    left("Z140", "the table does not reach coil bind: gaps that never close in it follow from the free length alone", "open gaps", "gaps"),
+    left("Z141", "a table of forces does not say where the close coils are: at the {closes}", "close coils at the {closes}",
+         "lower end", "upper end", "both ends"),
+)  # fmt: skip

@@ -1,0 +1,117 @@
+"""Every rule on measured lifts on two lobes: one in which it holds and one in which it does not; codes and numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from valvetrain.findings.words import Words
+from valvetrain.lift.answer import LiftAnswer, answer_of_band, answer_of_law, answer_of_stations
+from valvetrain.lift.band import CarriedSpread, LiftBandStudy
+from valvetrain.lift.figures import LobeResult, lift_figures, pair_figures
+from valvetrain.lift.rules import RULES, LiftFacts
+from valvetrain.measured.lift_file import LiftAnswers, lifts_in
+from valvetrain.measured.lift_smoothing import smooth_lift
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.study import Study
+from valvetrain.views.results import figures_of
+
+ANGLES = np.arange(90.0, 271.0)
+LIFTS = 9.0 * np.clip(1 - ((ANGLES - 180) / 60) ** 2, 0, None) ** 3
+HEAD = "cam angle [deg]; valve lift [mm]"
+#: A case with a float speed of 7000 ± 39.2 rpm and a force.
+CARRIED = LiftBandStudy(
+    Study(CaseRecord("own")),
+    (
+        CarriedSpread("float_engine_speed", "massless", None, 7000 * np.pi / 30, 20 * np.pi / 30, 16),
+        CarriedSpread("peak_spring_force", "massless", 500.0, 900.0, 5.0, 16),
+    ),
+)  # fmt: skip
+
+
+def table(noise: float, slip: float = 0.0, head: str = HEAD, velocity: float = 0.0, **answers):
+    """A lobe of 9 mm with ``noise`` (mm); one station ``slip`` (mm) too high; a column of velocity of that sign."""
+    lifts = LIFTS + np.random.default_rng(7).normal(0, noise, len(ANGLES)) + slip * (ANGLES == 150)
+    columns = [ANGLES, lifts] + [velocity * np.gradient(LIFTS)] * bool(velocity)
+    rows = ["; ".join(f"{one:.5f}" for one in row) for row in zip(*columns, strict=True)]
+    names = head + "; velocity" * bool(velocity)
+    return lifts_in("\n".join([names, *rows]).encode(), "own.txt", LiftAnswers(**answers))[0]
+
+
+def lobe(noise: float = 3e-3, band: float | None = None, **more) -> LobeResult:
+    measured = table(noise, **more)
+    law = smooth_lift(measured.cam_angles, measured.lifts, None, band)
+    return LobeResult(measured, law, lift_figures(law))
+
+
+@cache
+def answers() -> dict[str, LiftAnswer]:
+    intake, exhaust = (replace(lobe().measured, name=name) for name in ("intake", "exhaust"))
+    law = lobe().smoothed
+    both = tuple(LobeResult(one, law, lift_figures(law)) for one in (intake, exhaust))
+    failed = replace(CARRIED, failures=("draw 3: diverged",))
+    facts = {
+        "good": LiftFacts((lobe(),)), "slip": LiftFacts((lobe(slip=0.05),)), "noisy": LiftFacts((lobe(40e-3),)),
+        "wrong": LiftFacts((lobe(velocity=-1.0),)), "right": LiftFacts((lobe(velocity=1.0),)), "tight": LiftFacts((lobe(band=1e-6),)),
+        "both": LiftFacts(both, pair_figures(law, law)), "case": LiftFacts((lobe(),), carried=CARRIED, file="case.toml"),
+        "failed": LiftFacts((lobe(),), carried=failed), "told": LiftFacts((lobe(direction="forward", zero="file"),)),
+    }  # fmt: skip
+    clean = replace(facts["good"].lobes[0].smoothed, base=0.0, runout=0.0)
+    facts["clean"] = LiftFacts((replace(facts["good"].lobes[0], smoothed=clean),))
+    return {name: LiftAnswer(one) for name, one in facts.items()}
+
+
+#: Code -> where it holds, where it does not.
+HOLDS = {
+    "L201": ("failed", "case"), "L202": ("slip", "good"), "L203": ("wrong", "right"), "L204": ("noisy", "good"), "L210": ("case", "good"),
+    "L211": ("good", "slip"), "L220": ("tight", "good"), "L230": ("good", "clean"), "L231": ("right", "good"), "L232": ("good", "told"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("code", HOLDS)
+def test_a_rule_holds_in_one_lobe_and_not_in_the_other(code):
+    there, elsewhere = (answers()[name].findings.codes for name in HOLDS[code])
+    assert code in there and code not in elsewhere
+
+
+def test_every_rule_has_its_lobes():
+    assert {rule.code for rule in RULES} == set(HOLDS)
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "value"),
+    [
+        ("good", "L211", pytest.approx(9.0025e-3, rel=1e-4)), ("slip", "L202", pytest.approx(0.045e-3, rel=0.2)),
+        ("noisy", "L204", pytest.approx(40e-6, rel=0.15)), ("both", "L211", pytest.approx(0, abs=1e-3)),
+        ("case", "L210", pytest.approx(7000 * np.pi / 30)), ("failed", "L201", None), ("wrong", "L203", None),
+    ],
+)  # fmt: skip
+def test_a_verdict_is_the_doubt_first(name, code, value):
+    verdict = answers()[name].verdict
+    assert verdict.code == code and (value is None or verdict.value == value)
+
+
+def test_the_station_that_slipped_is_named_and_marked():
+    answer = answers()["slip"]
+    assert np.degrees(answer.verdict.fields["angle"].value) == pytest.approx(150)
+    assert len(answer.tables()["off"].rows) == 1
+    marked = [one for one in answer.lines if one.mark == "warn"]
+    assert len(marked) == 1 and not [one for one in answers()["good"].lines if one.mark == "warn"]
+
+
+@pytest.mark.parametrize("name", ["good", "both", "case"])
+def test_first_rows_and_figures(name):
+    answer = answers()[name]
+    assert 4 <= len(answer.lines) <= 12 and next(iter(figures_of(answer))) == "lift"
+    assert all(len(one.cells) == len(answer.headings) for one in answer.lines)
+    assert all(table.rows for key, table in answer.tables().items() if key in ("figures", "meaning"))  # fmt: skip
+
+
+def test_results_of_python_have_answers():
+    measured = table(3e-3)
+    codes = [answer_of_stations(measured).verdict.code, answer_of_law(lobe().smoothed).verdict.code]
+    assert codes == ["L211", "L211"] and answer_of_band(CARRIED).verdict.code == "L210"
+    assert "thou" in str(LiftAnswer(answers()["slip"].facts, words=Words("imperial")).verdict)
