@@ -34,7 +34,7 @@ def found(case):
 def test_the_nearest_design_is_the_one_with_the_shortest_loss_of_contact(case, found):
     """Rigid theory, which knows nothing of the run, puts the designs in the same order."""
     assert found.best is None and all(one.constraints[0] == 0.0 for one in found.trials)
-    nearest, _ = found.missed_by_least
+    nearest = found.nearest
     assert nearest.number > 0 and nearest is min(found.trials, key=lambda one: one.losses[0])
     assert nearest is min(found.trials, key=lambda one: one.losses[2])
     ordered = sorted(found.trials, key=lambda one: one.rank)
@@ -45,7 +45,7 @@ def test_the_nearest_design_is_the_one_with_the_shortest_loss_of_contact(case, f
 
 
 def test_where_the_nearest_design_loses_contact_is_where_its_own_runs_do(case, found):
-    nearest, _ = found.missed_by_least
+    nearest = found.nearest
     loss = found.contact_loss
     assert loss is not None and loss.kind == FOUND
     design = case.set(dict(zip(KEYS, map(float, nearest.values), strict=True)))

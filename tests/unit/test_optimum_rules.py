@@ -160,7 +160,7 @@ def test_the_verdict_has_the_numbers_of_case_and_best():
 
 def test_a_missed_bound_is_named_with_what_is_missing():
     found = impossible()
-    nearest, _ = found.missed_by_least
+    nearest = found.nearest
     verdict = answer_of_search(found).verdict
     assert verdict.fields["by"].value == pytest.approx(400e3 - float(nearest.constraints[0]))
 

@@ -376,13 +376,13 @@ class _Search:
 
     def _beside_the_case(self, points: Engine, made: Optimum, own: Subject) -> Compared | None:
         """The best design, or the one that comes nearest, next to the case: curves and error bars."""
-        nearest, case = made.missed_by_least, self.plan.case
+        nearest, case = made.nearest, self.plan.case
         if nearest is None or case is None:
             return None
         if self.progress is not None:
             self.progress(0.99, "error bars")
         name = "best" if made.best is not None else "nearest"
-        design = Design(nearest[0], name) if made.best is None else made.best
+        design = Design(nearest, name) if made.best is None else made.best
         subjects = {"case": own}
         if design.trial is not self.case:
             subjects[name] = self.plan.plans, tuple(design.trial.values.tolist())
@@ -396,11 +396,10 @@ class _Search:
 
     def _contact_loss(self, points: Engine, made: Optimum) -> LimitFound | None:
         """The speed at which the nearest design loses contact, where no design retains it."""
-        nearest = made.missed_by_least
-        force = None if made.designs or nearest is None else nearest[0].floating
-        if force is None or nearest is None:
+        plan, trial = self.plan, made.nearest
+        force = None if made.designs or trial is None else trial.floating
+        if force is None or trial is None:
             return None
-        plan, trial = self.plan, nearest[0]
         run = max(force.runs, key=lambda one: one[0] or 0.0)
         speeds = [share * (run[0] or 0.0) for share in np.linspace(0.4, 1.0, 7).tolist()]
         limit = limit_search(

@@ -204,16 +204,9 @@ class Optimum(Reported):
         )
 
     @property
-    def missed_by_least(self) -> tuple[Trial, str] | None:
-        """Where no trial is feasible: the one that misses its bounds by least, and the words of the
-        bound that it misses most.
-        """
-        computed = [one for one in self.trials if not one.failure]
-        if not computed:
-            return None
-        nearest = min(computed, key=lambda one: one.rank)
-        place = int(np.argmax(nearest.penalties))
-        return nearest, bound_label(self.plan, place)
+    def nearest(self) -> Trial | None:
+        """The design that misses its bounds by least; None where none could be computed."""
+        return min((one for one in self.trials if not one.failure), key=lambda one: one.rank, default=None)  # fmt: skip
 
     def __repr__(self) -> str:
         cut = "" if self.finished else ", stopped before its end"

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from valvetrain.explore.measure import Measure
-from valvetrain.explore.optimum import Optimum
+from valvetrain.explore.optimum import Design, Optimum
 from valvetrain.explore.optimum_facts import SearchFacts, range_text
 from valvetrain.explore.optimum_figures import figures
 from valvetrain.explore.optimum_rules import RULES
@@ -57,7 +57,7 @@ class OptimumAnswer(Shown):
     @property
     def headings(self) -> list[str]:
         """Columns of the first table."""
-        return ["case", "best" if self.found.best is not None else "nearest", "bound or range"]
+        return ["case", self.facts.name, "bound or range"]
 
     @property
     def lines(self) -> list[Line]:
@@ -80,7 +80,8 @@ class OptimumAnswer(Shown):
             remarks = [f"{100 * (after / before - 1):+.2g} %".replace("-", "−")] if before and np.isfinite(after / before) else []  # fmt: skip
             remarks += [f"error bar {self.words.said(self.facts.said(goal.measure, bar), 2)}"] if bar else []  # fmt: skip
             reach = "most" if goal.maximise else "least"
-            reach += "" if same is None else f" of {range_text(self.found.plan.varied[same])}"
+            if same is not None:
+                reach = range_text(self.found.plan.varied[same])
             yield Line(goal.measure.label, (*self._cells(goal.measure, before, after, trial), reach), "", ", ".join(remarks))  # fmt: skip
 
     def _varied(self, trial: Trial) -> Iterator[Line]:
@@ -91,7 +92,7 @@ class OptimumAnswer(Shown):
                 values = (float(each.values[place]) for each in (self.found.case, trial))
                 cells = (one.value_text(value, 4) if np.isfinite(value) else "" for value in values)
                 mark: Mark = "warn" if place in facts.ends else ""
-                remark = "end of its range" if mark else f"{alike} gives the same" if (alike := facts.alike(place)) else ""  # fmt: skip
+                remark = "end of its range" if mark else f"{alike} as good" if (alike := facts.alike(place)) else ""  # fmt: skip
                 yield Line(one.shown_name, (*cells, range_text(one)), mark, remark)
         for label, name, *pair in card_values(self.found, trial):
             yield Line(label, (*(self.words.amount(Amount(name, value), 4) for value in pair), ""))
@@ -130,17 +131,13 @@ class OptimumAnswer(Shown):
         return TextTable("Designs of the front", ("trial", *heads), tuple(rows))
 
     def _models(self) -> TextTable:
-        """The numbers of the search by other models."""
+        """The same rows by other models."""
         best, rows = self.found.best, list[tuple[str, ...]]()
-        for other in best.confirmed if best is not None else ():
-            rows.append((other.label,))
-            for k, goal in enumerate(other.plan.objectives):
-                before, after = (float(one.objectives[k]) for one in (other.case, other.design))
-                rows.append((goal.measure.label, *self._cells(goal.measure, before, after, other.design)))  # fmt: skip
-            for k, bound in enumerate(other.plan.constraints):
-                before, after = (float(one.constraints[k]) for one in (other.case, other.design))
-                rows.append((bound.measure.label, *self._cells(bound.measure, before, after, other.design)))  # fmt: skip
-        return TextTable("By other models", ("", "case", "best"), tuple(rows))
+        for one in best.confirmed if best is not None else ():
+            found = replace(self.found, plan=one.plan, case=one.case, designs=(Design(one.design, ""),), error_bars=())  # fmt: skip
+            lines = OptimumAnswer(found, self.words)._rows
+            rows += [(one.label,), *((each.label, *each.cells, each.remark) for each in lines)]
+        return TextTable("By other models", ("", *self.headings, ""), tuple(rows))
 
     def computed(self) -> Iterator[str]:
         """Method, runs, where numbers are taken, and what could not be computed."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,13 +10,14 @@ from valvetrain.explore.measure import BELOW, BEYOND, FOUND, Measure
 from valvetrain.explore.optimum import Design, Optimum
 from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.trial import Trial
+from valvetrain.explore.valley import Step
+from valvetrain.findings.engine import Subject
 from valvetrain.findings.words import Amount, Phrase, Said, digits_text
 from valvetrain.parameters.summary import unit_text
-from valvetrain.solution.result import Solution
 
 
 @dataclass(frozen=True)
-class SearchFacts:
+class SearchFacts(Subject):
     """A search as rules read it; ``file``: case file of the best design, empty where none was written."""
 
     found: Optimum
@@ -28,18 +28,19 @@ class SearchFacts:
         """Name of the case."""
         return self.found.plan.case_name
 
-    def at(self, run: Solution) -> str:
-        """Nothing: a search has no runs."""
-        return ""
-
-    def where(self, runs: Sequence[Solution]) -> str:
-        """Nothing: a search has no runs."""
-        return ""
-
     @property
     def several(self) -> bool:
         """Whether there are several objectives."""
         return len(self.found.plan.objectives) > 1
+
+    @property
+    def name(self) -> str:
+        """What the design is that is set beside the case."""
+        return "nearest" if self.found.best is None else "balanced" if self.several else "best"
+
+    def number(self, one: Measure, value: float) -> float:
+        """A number (SI) of a measure in its unit; as it is where a function gives it."""
+        return value if self.found.plan.case is None else one.shown(value)
 
     @property
     def goal(self) -> Measure:
@@ -55,10 +56,10 @@ class SearchFacts:
     @property
     def trial(self) -> Trial | None:
         """The best design, or where none meets every bound the one that comes nearest."""
-        best, nearest = self.found.best, self.found.missed_by_least
-        return best.trial if best is not None else nearest[0] if nearest else None
+        best = self.found.best
+        return self.found.nearest if best is None else best.trial
 
-    def gain(self, trial: Trial, case: Trial) -> float:
+    def gain(self, trial: Trial | Step, case: Trial) -> float:
         """By how much (SI) the first objective of a design is better than that of a case."""
         return self.found.plan.objectives[0].sign * float(case.objectives[0] - trial.objectives[0])
 

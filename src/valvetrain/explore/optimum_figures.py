@@ -34,10 +34,9 @@ ROOM, OPEN = 1.3, 0.02
 
 def figures(facts: SearchFacts) -> Mapping[str, FigureSpec]:
     """The figures by name; the one that shows the verdict first."""
-    name = "best" if facts.found.best is not None else "nearest"
     speed = next((one.speed for one in facts.found.curves if one.speed), 0.0)
     hint = f"at {speed_text(speed)}" if speed else ""
-    compared = FigureSpec(f"The case and the {name} design", hint, _compared)
+    compared = FigureSpec(f"The case and the {facts.name} design", hint, _compared)
     over = FigureSpec("Designs that were computed", "", _designs)
     first = {"designs": over, "compared": compared} if facts.several else {"compared": compared, "designs": over}  # fmt: skip
     return first | {"progress": FigureSpec("Best value after each trial", "", _progress)}
@@ -74,7 +73,7 @@ def _designs(facts: SearchFacts) -> go.Figure | None:
     found, plan, several = facts.found, facts.found.plan, facts.several
     trials = [one for one in found.trials if np.all(np.isfinite([*one.values, *one.objectives]))]
     goals = [
-        (_axis(facts, k), [each.measure.shown(float(one.objectives[k])) for one in trials])
+        (_axis(facts, k), [facts.number(each.measure, float(one.objectives[k])) for one in trials])
         for k, each in enumerate(plan.objectives)
     ]
     axes = [
@@ -95,7 +94,7 @@ def _designs(facts: SearchFacts) -> go.Figure | None:
     if several and found.best is not None:
         order = [trials.index(one) for one in found.front]
         fig.add_scatter(x=[x[k] for k in order], y=[y[k] for k in order], name="front", mode="lines", line={"color": LEAD})  # fmt: skip
-    for name, trial, colour, symbol in (("case", found.case, OTHER, "diamond"), ("best", facts.trial, OK, "star")):  # fmt: skip
+    for name, trial, colour, symbol in (("case", found.case, OTHER, "diamond"), (facts.name, facts.trial, OK, "star")):  # fmt: skip
         if trial in trials:
             k = trials.index(trial)
             fig.add_scatter(x=[x[k]], y=[y[k]], name=name, mode="markers", marker={"color": colour, "size": 13, "symbol": symbol})  # fmt: skip
@@ -104,7 +103,7 @@ def _designs(facts: SearchFacts) -> go.Figure | None:
 
 def _axis(facts: SearchFacts, place: int = 0) -> str:
     one = facts.found.plan.objectives[place].measure
-    return f"{one.label}, {one.unit}".rstrip(", ")
+    return f"{one.label}, {one.unit}".rstrip(", ") if facts.found.plan.case is not None else one.label  # fmt: skip
 
 
 def _progress(facts: SearchFacts) -> go.Figure | None:
@@ -114,6 +113,6 @@ def _progress(facts: SearchFacts) -> go.Figure | None:
         return None
     fig = panels((1.0,))
     for seed, colour in zip(found.seeds, SPEEDS * len(found.seeds), strict=False):
-        values = [facts.goal.shown(float(one)) for one in found.history(seed)]
+        values = [facts.number(facts.goal, float(one)) for one in found.history(seed)]
         fig.add_scatter(y=values, name=f"seed {seed}", mode="lines", line={"color": colour, "shape": "hv"})  # fmt: skip
     return styled(fig, "trial", (_axis(facts),), 300)

@@ -186,7 +186,7 @@ def write_optimum(
         gaps.part(f"file '{TRIALS}'", None, lambda: write_text(folder / TRIALS, trials_csv(found))),
         gaps.part(f"file '{OPTUNA}'", None, lambda: write_optuna(found, folder / OPTUNA)),
     ]
-    for index, design in enumerate(found.designs):
+    for index, design in enumerate(found.designs if found.plan.case is not None else ()):
         name = BEST if index == 0 else f"design-{index + 1}.toml"
         made.append(
             gaps.part(f"file '{name}'", None, partial(_write_case, found, design, folder / name))

@@ -113,7 +113,7 @@ def better(condition: Callable[[SearchFacts], object]) -> Callable[[SearchFacts]
             pair = (facts.said(one.plan.objectives[0].measure, float(one.objectives[0]), one) for one in (other.case, other.design))  # fmt: skip
             fields = dict(zip(("by_before", "by_after"), pair, strict=True)) | {"by": other.label}
         active = found.active(best.trial)
-        limits: Said = [facts.bound(place) for place in active] if len(active) <= NAMED else f"{len(active)} bounds"  # fmt: skip
+        limits: Said = tuple(map(facts.bound, active)) if len(active) <= NAMED else f"{len(active)} bounds"  # fmt: skip
         worse = [facts.bound(place) for place, miss in enumerate(found.case.missed) if miss > 0]
         fields |= {
             "name": facts.goal.label, "before": facts.objective(found.case), "after": facts.objective(best.trial), "limits": limits,
@@ -163,27 +163,20 @@ def moving(facts: SearchFacts) -> Hits:
 
 def narrow(facts: SearchFacts) -> Hits:
     """A small step that costs half of the gain of the best design or more."""
-    best, case, sign = facts.best, facts.found.case, facts.found.plan.objectives[0].sign
+    best, case = facts.best, facts.found.case
     if best is None or not case.feasible:
         return
     for step in best.steps:
-        value = float(step.objectives[0])
-        cost = sign * (value - float(best.trial.objectives[0]))
+        cost = -facts.gain(step, best.trial)
         if step.index != facts.same_as_varied(0) and cost >= NARROW * facts.gain(best.trial, case):
-            fields: dict[str, Said] = {
-                "name": facts.goal.label,
-                "left": facts.said(facts.goal, value),
-            }
-            yield Hit(fields=fields, severity=cost)
+            left = facts.said(facts.goal, float(step.objectives[0]))
+            yield Hit(fields={"name": facts.goal.label, "left": left}, severity=cost)
 
 
 def unresolved(facts: SearchFacts) -> Hits:
     """Numbers of the search whose error bar is half of them or more."""
-    plan, trial = facts.found.plan, facts.trial
-    active = [] if trial is None else [plan.constraints[place].measure for place in facts.found.active(trial)]  # fmt: skip
-    names = {one.quantity for one in (*(goal.measure for goal in plan.objectives), *active)}
     for row in facts.found.error_bars:
-        if row.quantity in names and row.numerical >= UNRESOLVED * abs(row.value) > 0:
+        if row.numerical >= UNRESOLVED * abs(row.value) > 0:
             fields = {"name": label_of(row.quantity), "speed": speed_text(row.engine_speed or 0.0)}
             yield Hit(Amount(row.quantity, row.value, row.numerical), None, None, fields, row.numerical / abs(row.value))  # fmt: skip
 
@@ -198,9 +191,11 @@ def alone(facts: SearchFacts) -> Hits:
 
 def alike(facts: SearchFacts) -> Hits:
     """Quantities that designs as good leave open."""
-    texts = [f"{one.shown_name} {reach}" for place, one in enumerate(facts.found.plan.varied) if (reach := facts.alike(place))]  # fmt: skip
+    reaches = {one.shown_name: facts.alike(place) for place, one in enumerate(facts.found.plan.varied)}  # fmt: skip
+    texts = [f"{name}: {reach}" for name, reach in reaches.items() if reach]
     if texts:
-        yield Hit(fields={"ranges": joined(texts[:NAMED]), "share": f"{100 * ALIKE:g} %"})
+        only = max(reaches.values(), key=len) if len(texts) == 1 else ""
+        yield Hit(fields={"ranges": texts, "share": f"{100 * ALIKE:g} %", "only": only})
 
 
 RUN = "[valvetrain run {file}]"
@@ -210,7 +205,7 @@ RULES = (
          "widen {wide}", unless=("O101",)),
     Rule("O103", "decides", "no design meets every bound", missed, (), "the nearest misses {bound} by {by}",
          "loosen that bound, or widen {wide}", unless=("O101", "O102")),
-    Rule("O104", "decides", "{count} designs trade {a} against {b}", front, (), "{a_least..a_most} for {b_least..b_most}", RUN, mark="ok"),
+    Rule("O104", "decides", "{count} designs trade {a} against {b}", front, (), "{a_least} to {a_most} for {b_least} to {b_most}", RUN, mark="ok"),
     Rule("O105", "decides", "no design beats the case", itself, (), "its {name} is {before:4}", "widen {wide}", mark="warn"),
     Rule("O106", "decides", "{name} goes from {by_before:4} to {by_after:4} by {by}", better(denying), (),
          "the model of the search has {after:4}", RUN, mark="warn"),
@@ -228,5 +223,5 @@ RULES = (
     Rule("O125", "warns", "the best is narrow: a small step leaves {name} {left:4}", narrow),
     Rule("O126", "warns", "{name} of the best is not resolved at {speed}", unresolved, guide="uncertainty.md"),
     Rule("O127", "warns", "only {model} computed it: confirm it by finite-element", alone, mark="", guide="optimisation.md"),
-    Rule("O128", "warns", "{ranges} gives the same within {share}", alike, mark="", guide="optimisation.md"),
+    Rule("O128", "warns", "designs as good within {share} have {ranges}", alike, remark="[{only} as good]", mark="", guide="optimisation.md"),
 )  # fmt: skip
