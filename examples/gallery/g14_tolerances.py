@@ -34,7 +34,7 @@ label = "installed compression"
     workers=1,
 )
 (indices,) = table.sensitivities
-print(indices.leaders, table.verdict)
+print(table.verdict)
 
 # %%
 # Total shares with their 95 % intervals.

@@ -391,7 +391,7 @@ class _Search:
     def _doubt(self, best: Trial | None) -> str:
         """What is unusual about the values of the best design and not about the case."""
         values = [] if best is None or best is self.case else [best.values.tolist()]
-        texts = doubts(self.plan.case, self.plan.varied, values).by_point.values()
+        texts = doubts(self.plan.case, self.plan.varied, values).values()
         return next((text.partition(": ")[2] for text in texts), "")
 
     def _contact_loss(self, points: Engine, made: Optimum) -> LimitFound | None:

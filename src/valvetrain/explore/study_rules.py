@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from valvetrain.explore.doubts import MAX_POINTS
 from valvetrain.explore.sensitivity import ENOUGH_ROWS
 from valvetrain.explore.study_facts import PERCENTILES, StudyFacts
 from valvetrain.explore.surrogate import POOR
@@ -51,9 +52,10 @@ def lacking(facts: StudyFacts) -> Iterator[Hit]:
 
 def doubtful(facts: StudyFacts) -> Iterator[Hit]:
     """Points with values that no spring or valve has."""
-    doubts = facts.table.doubts
-    for told in list(doubts.by_point.values())[:1]:
-        yield Hit(fields={"share": f"{len(doubts.by_point)} of {doubts.count} points", "told": told})  # fmt: skip
+    found = facts.table.doubts
+    for told in list(found.values())[:1]:
+        share = f"{len(found)} of {min(len(facts.draws), MAX_POINTS)} points"
+        yield Hit(fields={"share": share, "told": told})
 
 
 def at_an_end(facts: StudyFacts) -> Iterator[Hit]:
@@ -122,7 +124,7 @@ def best_point(facts: StudyFacts) -> Iterator[Hit]:
         near = np.flatnonzero(np.abs(values - values[best]) <= ALIKE * abs(values[best]))
         yield Hit(facts.amount(name, values[best]), fields={
             **_chosen(facts, name, best, other),
-            "near": next((facts.label(k) for k in near.tolist() if k not in (best, other)), "") if len(near) < len(values) else "",
+            "near": next((facts.label(k) for k in near.tolist() if k not in (best, other)), "") if facts.listed or len(facts.along) == 1 else "",
         })  # fmt: skip
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.explore.doubts import Doubts, doubts
+from valvetrain.explore.doubts import doubts
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.outputs import Run, has_pair
 from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
@@ -173,8 +173,8 @@ class StudyTable(Reported):
         return found
 
     @cached_property
-    def doubts(self) -> Doubts:
-        """Points with doubtful values; their cases are made again when first read."""
+    def doubts(self) -> Mapping[int, str]:
+        """Points (from 0) with doubtful values -> the first warning; their cases are made again when first read."""
         return doubts(self.plan.case, self.plan.varied, self.inputs[:: max(1, len(self.plan.runs))])
 
     @property
