@@ -6,6 +6,7 @@ Use: python scripts/film_accuracy.py
 
 from __future__ import annotations
 
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -96,12 +97,13 @@ def damping(films: int = 12) -> None:
 
 
 def pictures(folder: Path) -> None:
-    """The two pictures of docs/film.md: the film of vaz-ohc, fewer dots than on the page."""
-    from valvetrain.film import page as film_charts
-    from valvetrain.report.svg_chart import svg
-    from valvetrain.solution.atomic import write_text
+    """The two pictures of docs/film.md: the film of vaz-ohc."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "docs" / "_site"))
+    from figure_svg import svg_of  # type: ignore[import-not-found]
 
-    film_charts.DOTS = 90
+    from valvetrain.solution.atomic import write_text
+    from valvetrain.views.results import figure_for_user
+
     _, rest, angle, moved, cam_speed = drawn.coils_of_case()
     scene = drawn.Scene(camera_drift=1.5)
     film, _ = drawn.draw(
@@ -118,12 +120,8 @@ def pictures(folder: Path) -> None:
         marker_angle=1.0,
     )
     motion = vt.film.coil_motion(film, setup, synthetic=True)
-    for name, chart in (
-        ("space-time", film_charts.space_time_chart(motion)),
-        ("displacement", film_charts.displacement_chart(motion)),
-    ):
-        assert chart is not None
-        write_text(folder / f"film-{name}.svg", svg(chart))
+    for name, figure in (("space-time", "space-time"), ("displacement", "coils")):
+        write_text(folder / f"film-{name}.svg", svg_of(figure_for_user(motion, figure)))
 
 
 if __name__ == "__main__":

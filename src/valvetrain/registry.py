@@ -82,14 +82,10 @@ BUILT_IN["springs"] = {
 }
 #: Class of a result -> the page, or its blocks, whose first table and figure a notebook shows.
 BUILT_IN["results"] = {
-    "CoilMotion": "valvetrain.film.page:film_page",
-    "FilmedModel": "valvetrain.film.notebook:filmed_model_blocks",
     "RigResult": "valvetrain.rig.notebook:rig_result_blocks",
 }
 #: Class of a result -> the function that gives its one sentence, without end of line.
 BUILT_IN["verdicts"] = {
-    "CoilMotion": "valvetrain.film.verdict:film_verdict",
-    "FilmedModel": "valvetrain.film.verdict:filmed_model_verdict",
     "RigResult": "valvetrain.rig.verdict:rig_verdict",
 }
 #: Class of a result -> what is shown of it, made from the result alone.
@@ -97,6 +93,8 @@ BUILT_IN["answers"] = {
     "Study": "valvetrain.views.answer:Answer",
     "ScannedSpring": "valvetrain.scan.answer:ScanAnswer",
     "ScanComparison": "valvetrain.scan.answer:answer_of_comparison",
+    "CoilMotion": "valvetrain.film.answer:FilmAnswer",
+    "FilmedModel": "valvetrain.film.answer:answer_of_model",
     "Solution": "valvetrain.views.results:answer_of_run",
     "UncertaintyStudy": "valvetrain.views.refinement:RefineAnswer",
     "StaticCurve": "valvetrain.views.data:static_curve",
@@ -127,11 +125,11 @@ BUILT_IN["displays"] = {
 BUILT_IN["files"] = {
     "result": "valvetrain.solution.netcdf:save_result",
     "scan": "valvetrain.scan.files:report_scan",
+    "film": "valvetrain.film.files:report_film",
     "study": "valvetrain.views.results:write_study",
     "identification": "valvetrain.explore.identification_files:report_identification",
     "optimum": "valvetrain.explore.optimum_files:report_optimum",
     "points": "valvetrain.explore.study_files:report_points",
-    "film": "valvetrain.film.page:report_film",
     "rig": "valvetrain.rig.page:report_rig",
     "compare-test": "valvetrain.compare_test.answer:report_compare_test",
 }
@@ -233,6 +231,7 @@ BUILT_IN["rules"] = {
 BUILT_IN["other_rules"] = {
     "case": "valvetrain.findings.rules_case:RULES",
     "scan": "valvetrain.scan.rules:RULES",
+    "film": "valvetrain.film.rules:RULES",
     "refine": "valvetrain.findings.rules_refine:RULES",
     "compare-test": "valvetrain.compare_test.rules:RULES",
     "identification": "valvetrain.explore.identification_rules:RULES",

@@ -26,7 +26,6 @@ KNOWN = {
     "report/notebook.py:_shown": "no display",
     "report/notebook.py:_picture": "no picture",
     "report/opening.py:motion_blocks": "a gap on the page, with the reason",
-    "report/page.py:figure_or_gap": "a gap on the page, with the reason",
     "report/page.py:_still": "no still picture",
     "report/page.py:_drawn": "a gap on the page, with the reason",
     "report/study.py:_section": "a gap on the page, with the reason",

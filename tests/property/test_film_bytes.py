@@ -17,10 +17,11 @@ from unit.cli_parts import call
 from valvetrain.errors import InputError
 from valvetrain.film.frames import MAX_PIXELS, open_film, picture_size
 from valvetrain.film.motion import coil_motion
-from valvetrain.film.page import film_page
 from valvetrain.film.setup import FilmSetup
 from valvetrain.film.space_time import SightLine, read_space_time
-from valvetrain.report.page import gaps_of
+from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.views.page import page_of
+from valvetrain.views.results import answer_of
 
 cv2 = pytest.importorskip("cv2")
 FRAMES = np.random.default_rng(1).integers(0, 255, (20, 24, 32)).astype(np.uint8)
@@ -197,4 +198,5 @@ def test_any_grey_levels_are_followed_or_refused(seed):
         return
     gaps = np.diff(motion.places, axis=1)
     assert (gaps[np.isfinite(gaps)] > 0).all() or (gaps[np.isfinite(gaps)] < 0).all()
-    assert not gaps_of(film_page(motion))
+    gaps = PartialFailures()
+    assert page_of(answer_of(motion), gaps) and not gaps.sentences

@@ -13,14 +13,12 @@ import pytest
 import valvetrain as vt
 from synthetic_study import at_rest, critical_speeds, own_study, published_study
 from unit import (
-    test_every_film_table,
     test_every_rig_table,
     test_study_page,
     test_told_beside_a_test,
 )
 from valvetrain import registry
 from valvetrain.compare_test import compare as compare_test
-from valvetrain.film.model import FilmedModel
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import ValueTable
 from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
@@ -46,24 +44,6 @@ def lift(smoothed: bool = False):
     if smoothed:
         return vt.measured.smooth_lift(angles, noisy)
     return vt.measured.MeasuredLift("lift", angles, noisy, "valve", "columns")
-
-
-def film() -> Shown:
-    phase = SimpleNamespace(
-        cam_speed=100.0, spread=0.1, by="marker", cam_angle=np.linspace(0, 40.0, 600)
-    )
-    moved = np.column_stack([k * np.cos(phase.cam_angle) for k in (1e-3, 2e-3, 3e-3)])
-    told = test_every_film_table.film(
-        phase=phase, dwell=(5.0, 7.0), displacement=moved, cycles=(cycles(), cycles(), cycles())
-    )
-    return stand_in("CoilMotion", told)
-
-
-def filmed() -> FilmedModel:
-    three = np.array([1e-3, 2e-3, 3e-3])
-    moved = np.outer(np.sin(np.radians(DEGREES)), three)
-    return FilmedModel("own", "multi-mass", "inner", np.array([1.0, 2.0, 3.0]), ("a", "b", "c"), 0.0,
-                       np.radians(DEGREES), moved, three, 0.1 * three, None, 500.0, ())  # fmt: skip
 
 
 def error_bars() -> UncertaintyStudy:
@@ -113,8 +93,6 @@ DATA = {
 }  # fmt: skip
 #: Class of a result -> one, a word of its table, and what the axes of its figure show.
 RESULTS = {
-    "CoilMotion": (film, "mean peak (mm)", "displacement towards the seat (mm)"),
-    "FilmedModel": (filmed, "peak (mm)", "displacement towards the seat (mm)"),
     "RigResult": (
         lambda: stand_in("RigResult", test_every_rig_table.result()), "95 %", "valve lift (mm)",
     ),

@@ -12,7 +12,6 @@ import pytest
 import film_parts as made
 import valvetrain as vt
 from unit.cli_parts import call as invoke
-from valvetrain.film.model import FilmedModel, alias_text
 from valvetrain.film.surge import alias_of, fit_surge
 
 cv2 = pytest.importorskip("cv2")
@@ -72,10 +71,10 @@ def test_the_answer_is_that_of_the_function(answer):
         data["cam_speed"]["value"] == pytest.approx(made.CAM_SPEED, rel=1e-3)
         and data["cam_speed"]["by"] == "marker"
     )
-    assert (
-        any("1623.4 rpm were specified" in note for note in data["notes"])
-        and data["synthetic"] is True
-    )
+    assert data["synthetic"] is True and "verdict" not in data
+    assert data["findings"][0]["code"] == "Y231" and "Y211" not in {
+        one["code"] for one in data["findings"]
+    }
     kept = json.loads((home / "out" / "run.json").read_text())
     assert kept["peaks"] == data["peaks"] and (home / "out" / "inputs" / "case.toml").is_file()
 
@@ -138,31 +137,6 @@ def test_the_files_hold_a_column_a_turn(answer):
     )
     tracks = list(csv.reader((home / "out" / "tracks.csv").open()))
     assert len(tracks) == 301 and len(tracks[0]) == 2 + 3 * 6
-
-
-NAMES = tuple(f"outer_coil_{turn}_70_displacement" for turn in range(6))
-
-
-def model():
-    motion = made.turning_motion()
-    grid = motion.cycles[0].cam_angle
-    moved = 1e-3 * (made.REST - made.turning((grid - made.FIRST_ANGLE) / made.CAM_SPEED))
-    apart = np.full(6, 1e-5)
-    return FilmedModel(
-        "own",
-        "multi-mass",
-        "outer",
-        np.arange(6) + 0.7,
-        NAMES,
-        0.0,
-        grid,
-        moved,
-        moved.max(axis=0),
-        apart,
-        None,
-        412.0,
-        alias_text(412.0, 2000.0),
-    )
 
 
 def test_aliases_are_where_sampling_folds_them():

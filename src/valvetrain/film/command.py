@@ -4,7 +4,7 @@ lines and damping out.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -24,8 +24,6 @@ from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from valvetrain.film.cycles import Lift
     from valvetrain.film.model import FilmedModel
     from valvetrain.film.result import CoilMotion
@@ -269,12 +267,15 @@ def _window(text: str | None) -> tuple[float, float] | None:
 def _answer(request: _Request) -> None:
     from valvetrain.cli.outcome import Outcome, deliver
     from valvetrain.cli.progress import busy
+    from valvetrain.film.answer import FilmAnswer
+    from valvetrain.film.files import film_json, write_film
     from valvetrain.film.motion import coil_motion
-    from valvetrain.film.page import film_json, film_page, write_film
+    from valvetrain.findings.words import Words
     from valvetrain.parameters.loading import load_case
-    from valvetrain.report.page import render
-    from valvetrain.report.verdict import verdict_of
-    from valvetrain.solution.atomic import write_text
+    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.units.reader import shown_system
+    from valvetrain.views.results import write_page
+    from valvetrain.views.terminal import screen
 
     case = None if request.case_name is None else load_case(request.case_name)
     lift = _lift(request)
@@ -286,10 +287,15 @@ def _answer(request: _Request) -> None:
     data = film_json(motion, model) | {"synthetic": request.synthetic}
     pages: list[Path] = []
 
+    words = Words(shown_system(), case=request.case_name or "")
+    answer, gaps = FilmAnswer(motion, model, request.synthetic, words=words), PartialFailures()
+
     def fill(folder: Path) -> list[Path]:
-        pages.append(
-            write_text(folder / "report.html", render(film_page(motion, model, request.synthetic)))
-        )
+        nonlocal answer
+        answer = replace(answer, folder=str(folder))
+        plain = replace(answer, words=replace(words, units="si"))
+        data["findings"] = [one.to_dict() for one in plain.findings]
+        pages.extend(filter(None, (write_page(answer, folder, gaps),)))
         return [*write_film(motion, model, folder), *pages]
 
     name = f"film-{request.film.resolve().stem}"[:80]
@@ -310,11 +316,17 @@ def _answer(request: _Request) -> None:
             data,
             fill,
         )
-    if request.open_page:
+    page = str(pages[0]) if pages else None
+    if request.open_page and pages:
         show_page(pages[0])
-    data |= {"folder": str(folder), "files": files, "page": str(pages[0])}
-    verdict = verdict_of(motion) if model is None else verdict_of(model)
-    deliver(Outcome(data, lambda console: _show(console, motion, model, folder), (), verdict))
+    data |= {"folder": str(folder), "files": files, "page": page}
+    deliver(
+        Outcome(
+            data,
+            lambda console: console.print(screen(answer, page or "", str(folder))),
+            gaps.sentences,
+        )
+    )
 
 
 def _lift(request: _Request) -> Lift | None:
@@ -347,27 +359,3 @@ def _model(request: _Request, motion: CoilMotion, case: Any) -> FilmedModel | No
         return film_over_model(
             motion, case, request.spring_model, request.spring, request.first_turn
         )
-
-
-def _show(console: Console, motion: CoilMotion, model: FilmedModel | None, folder: Path) -> None:
-    from valvetrain.cli.outcome import plain_table
-    from valvetrain.film.page import film_facts
-    from valvetrain.film.tables import LINE_COLUMNS, line_table, peak_columns, peak_table
-    from valvetrain.views.columns import text_table
-
-    console.print(
-        "; ".join(f"{name}: {value}" for name, value in film_facts(motion)), soft_wrap=True
-    )
-    console.print()
-    if motion.peaks:
-        head, rows, right = text_table(peak_columns(model), peak_table(motion, model))
-        console.print(plain_table(head, rows, right=right))
-        console.print()
-    if motion.surge is not None:
-        head, rows, right = text_table(LINE_COLUMNS, line_table(motion))
-        console.print(plain_table(head, rows, right=right))
-        console.print()
-    for note in (*motion.notes, *(() if model is None else model.notes)):
-        console.print(f"{note[:1].upper()}{note[1:]}.", soft_wrap=True)
-    console.print()
-    console.print(f"results in {folder}", soft_wrap=True)

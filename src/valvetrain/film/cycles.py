@@ -218,9 +218,6 @@ def _motion(place: Array, time: Array) -> float:
 
 #: Lift (m) at cam angles (rad).
 Lift = Callable[[Array], Array]
-#: A given speed and a measured one agree within this many standard deviations, and
-#: within this share of it at least.
-AGREES, SHARE = 3.0, 1e-3
 #: Scatter (frames) of a mark about an even speed that the frames themselves explain.
 MARK_SCATTER = 0.35
 
@@ -230,7 +227,7 @@ class CamPhase:
     """``cam_angle`` (frames,) rad, unwrapped; ``cam_speed`` rad/s, mean, with its standard
     deviation; ``by`` marker, speed or lift;
     ``metres_per_pixel`` by the lift, 0 without; ``notes``; ``zero_by`` which source sets where the cam
-    angle is zero: ``told`` (given), ``lift`` or ``nobody`` (unknown)."""
+    angle is zero: ``told`` (given), ``lift`` or ``nobody`` (unknown); ``given_speed`` (rad/s) next to a measured one, else 0."""
 
     cam_angle: Array
     cam_speed: float
@@ -239,6 +236,7 @@ class CamPhase:
     metres_per_pixel: float = 0.0
     notes: tuple[str, ...] = ()
     zero_by: str = "told"
+    given_speed: float = 0.0
 
 
 def by_speed(time: Array, cam_speed: float, first_angle: float) -> CamPhase:
@@ -301,23 +299,9 @@ def by_marker(
         TURN / slope**2 * spread_of_mark / np.sqrt(max(np.sum((turns - turns.mean()) ** 2), 0.5))
     )
     speed = TURN / slope
-    if given_speed is not None:
-        notes.append(_compared(speed, float(spread), given_speed, "marker"))
     return CamPhase(
-        mark_angle + TURN * turned, float(speed), float(spread), "marker", 0.0, tuple(notes)
-    )
-
-
-def _compared(speed: float, spread: float, given_speed: float, by: str) -> str:
-    apart = given_speed / speed - 1
-    agrees = abs(given_speed - speed) <= max(AGREES * spread, SHARE * speed)
-    sentence = f"the {by} gives {30 * speed / np.pi:.6g} rpm of the cam, {30 * given_speed / np.pi:.6g} rpm were specified ({100 * apart:+.2g} %)"
-    return (
-        sentence
-        if agrees
-        else sentence
-        + ": they do not agree, and the measured one is used; check the rate of the camera"
-    )
+        mark_angle + TURN * turned, float(speed), float(spread), "marker", 0.0, tuple(notes), given_speed=given_speed or 0.0
+    )  # fmt: skip
 
 
 def _pulses(time: Array, brightness: Array) -> Array:
@@ -401,15 +385,11 @@ def by_lift(time: Array, moved: Array, valve_lift: Lift, given_speed: float | No
     variance = float(np.sum(left**2)) / max(len(t) - 4, 1)
     spread = float(np.sqrt(variance * np.linalg.pinv(found.jac.T @ found.jac)[1, 1])) / span
     speed = float(best[1] + found.x[1] / span)
-    notes = [
-        f"the cam angle is that at which the upper coil moves as the lift does ({100 * explained:.1f} % of its motion)"
-    ]
-    if given_speed is not None:
-        notes.append(_compared(speed, spread, given_speed, "lift"))
+    sentence = f"the cam angle is that at which the upper coil moves as the lift does ({100 * explained:.1f} % of its motion)"
     start = best[2] + float(found.x[0]) - float(found.x[1]) / span * middle
     return CamPhase(
-        speed * time + start, speed, spread, "lift", 1.0 / float(factor), tuple(notes), "lift"
-    )
+        speed * time + start, speed, spread, "lift", 1.0 / float(factor), (sentence,), "lift", given_speed or 0.0
+    )  # fmt: skip
 
 
 def _turn_speed(time: Array, moved: Array) -> float:

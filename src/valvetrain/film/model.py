@@ -36,7 +36,7 @@ MULTIPLES = 5
 class FilmedModel(Shown):
     """A run compared with a film; SI, displacements positive towards the seat from rest in the dwell.
 
-    ``turns`` (coils,): coil numbers from the lower tip of the wire; ``quantities``: the names that
+    ``motion``: of the film; ``turns`` (coils,): coil numbers from the lower tip of the wire; ``quantities``: the names that
     these
     curves have in a run, such as outer_coil_2_60_displacement; ``shift`` (rad) by which the run's
     cam angle was moved to the film's;
@@ -50,6 +50,7 @@ class FilmedModel(Shown):
     ['turns', 'peaks', 'apart']
     """
 
+    motion: CoilMotion
     case: str
     model: str
     spring: str
@@ -155,6 +156,7 @@ def film_over_model(
     apart = np.sqrt(np.nanmean((measured - shown) ** 2, axis=0))
     frequency = EquivalentSpring.from_installed(part).surge_frequency
     return FilmedModel(
+        motion,
         found.name,
         run.model,
         name,

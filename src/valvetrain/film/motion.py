@@ -28,7 +28,7 @@ from valvetrain.film.cycles import (
     whole_turns,
 )
 from valvetrain.film.frames import Film, Picture, open_film
-from valvetrain.film.result import CoilMotion, drift_text, surge_text, turn_text
+from valvetrain.film.result import CoilMotion, blur_text, drift_text
 from valvetrain.film.setup import FilmSetup
 from valvetrain.film.space_time import SightLine, SpaceTime, find_line, read_space_time
 from valvetrain.film.surge import fit_surge, spectrum
@@ -172,14 +172,9 @@ def _motion(
         moved = moved - _rest(moved, closed, phase.cam_angle, dwell)
         surge = fit_surge(moved, closed, seen.frame_rate)
         found = peaks(phase.cam_angle, moved, spread, turns)
-        notes += turn_text(phase.cam_angle)
         cycles = _cycles(seen, phase, moved, turns, grid, synthetic, sentence)
-    if surge is None:
-        notes += (
-            "no surge frequency with its damping is found: the dwell holds too few frames, or nothing in it rings",
-        )
-    else:
-        notes += surge_text(surge, seen.frame_rate, setup.exposure)
+    if surge is not None:
+        notes += blur_text(surge, setup.exposure)
     return CoilMotion(
         seen,
         places,
@@ -227,10 +222,6 @@ def _phase(seen: SpaceTime, moved: Array, setup: FilmSetup, lift: Lift | None) -
             phase = replace(
                 phase,
                 zero_by="nobody",
-                notes=(
-                    *phase.notes,
-                    "cam angle zero is where the mark passes, since its angle was not given",
-                ),
             )
         return (
             phase
@@ -250,7 +241,6 @@ def _phase(seen: SpaceTime, moved: Array, setup: FilmSetup, lift: Lift | None) -
         else replace(
             phase,
             zero_by="nobody",
-            notes=("cam angle zero is the first frame's, since no zero was given",),
         )
     )
 

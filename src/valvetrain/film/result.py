@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.film.cycles import SPOKEN_OF, TURN, CamPhase, CoilPeak
+from valvetrain.film.cycles import SPOKEN_OF, CamPhase, CoilPeak
 from valvetrain.film.space_time import SpaceTime
 from valvetrain.film.surge import SurgeFit
 from valvetrain.measured.cycles import MeasuredCycles
@@ -95,32 +95,12 @@ def drift_text(drift: Array, still: int | None) -> tuple[str, ...]:
     )
 
 
-def turn_text(cam_angle: Array) -> tuple[str, ...]:
-    """What few turns leave open."""
-    shown = float(cam_angle[-1] - cam_angle[0]) / TURN
-    if shown >= 2.0:
-        return ()
-    sentence = f"the film shows {shown:.2f} cam revolutions, so peaks have no scatter"
-    return (sentence + (", and a peak outside them is not seen" if shown < 1.0 else ""),)
-
-
-def surge_text(surge: SurgeFit, frame_rate: float, exposure: float | None) -> tuple[str, ...]:
-    """What frame rate and exposure do to the lines."""
-    half, notes = 0.5 * frame_rate, []
-    high = [one for one in surge.lines if one.natural_frequency > 0.8 * half]
-    for one in high:
-        notes.append(
-            f"the line at {one.natural_frequency:.4g} Hz is near half the frame rate ({half:g} Hz) and may be one of "
-            f"{frame_rate - one.natural_frequency:.4g} Hz mirrored there; film faster to decide"
-        )
-    if exposure is not None:
-        lost = [
-            (one.natural_frequency, 1 - float(np.sinc(one.natural_frequency * exposure)))
-            for one in surge.lines
-        ]
-        notes += [
-            f"motion blur lowers the swing at {line:.4g} Hz by {100 * share:.2g} %"
-            for line, share in lost
-            if share > 0.005
-        ]
-    return tuple(notes)
+def blur_text(surge: SurgeFit, exposure: float | None) -> tuple[str, ...]:
+    """What the exposure (s) does to the lines."""
+    lines = [one.natural_frequency for one in surge.lines] if exposure is not None else []
+    lost = [(line, 1 - float(np.sinc(line * (exposure or 0.0)))) for line in lines]
+    return tuple(
+        f"motion blur lowers the swing at {line:.4g} Hz by {100 * share:.2g} %"
+        for line, share in lost
+        if share > 0.005
+    )

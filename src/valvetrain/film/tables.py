@@ -1,4 +1,4 @@
-"""Tables of a film: one list of columns each, which terminal, page, CSV and JSON read.
+"""Tables of a film: one list of columns each, which page, CSV and JSON read.
 
 A column more is one entry of :data:`PEAK_COLUMNS` or :data:`LINE_COLUMNS`; what it needs of other rows
 is a field more of the row, filled in where rows are made.
@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from valvetrain.film.cycles import CoilPeak
 from valvetrain.film.model import FilmedModel
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.surge import BAND, SurgeLine
-from valvetrain.report.text import number, percent
+from valvetrain.findings.words import digits_text
+from valvetrain.parameters.summary import percent
 from valvetrain.views.columns import RowColumn
+
+#: Quantity in whose unit displacements are read.
+LENGTH = "maximum_lift"
 
 
 class PeakRow(NamedTuple):
@@ -53,91 +55,35 @@ def line_table(motion: CoilMotion) -> list[LineRow]:
     return [LineRow(index, one) for index, one in enumerate(lines, start=1)]
 
 
-def digits(width: float) -> int:
-    """Decimals of a value that is known within ``width``."""
-    return (
-        int(np.clip(1 - np.floor(np.log10(width)), 0, 7)) if width > 0 and np.isfinite(width) else 4
-    )
-
-
-def _millimetres(value: float) -> str:
-    return "–" if np.isnan(value) else f"{1e3 * value:.3f}"
-
-
 PEAK_COLUMNS: list[RowColumn] = [
     RowColumn("coil", lambda row: str(row.peak.coil), "peak.coil", "coil", "coil"),
-    RowColumn(
-        "mean peak (mm)",
-        lambda row: _millimetres(row.peak.mean),
-        "peak.mean",
-        "mean",
-        "mean peak displacement [mm]",
-        1e3,
-    ),
-    RowColumn(
-        "95 %",
-        lambda row: f"±{_millimetres(BAND * row.peak.spread)}",
-        "peak.spread",
-        "standard_deviation",
-        "standard deviation of the mean [mm]",
-        1e3,
-    ),
-    RowColumn(
-        "scatter of a turn (mm)",
-        lambda row: _millimetres(row.peak.scatter),
-        "peak.scatter",
-        "scatter",
-        "scatter of a turn [mm]",
-        1e3,
-    ),
+    RowColumn("mean peak", None, "peak.mean", "mean", "mean peak displacement [mm]", 1e3, quantity=LENGTH),
+    RowColumn("95 %, ±", None, lambda row: BAND * row.peak.spread, quantity=LENGTH),
+    RowColumn("", None, "peak.spread", "standard_deviation", "standard deviation of the mean [mm]", 1e3),
+    RowColumn("scatter of a turn", None, "peak.scatter", "scatter", "scatter of a turn [mm]", 1e3, quantity=LENGTH),
     RowColumn(value="peak.cycles", key="turns", csv="turns"),
-]
+]  # fmt: skip
 #: Shown beyond these where a run is compared with the film; the files have them in ``model``.
 MODEL_COLUMNS: list[RowColumn] = [
-    RowColumn("model (mm)", lambda row: _millimetres(row.model_peak)),
+    RowColumn("model", None, "model_peak", quantity=LENGTH),
     RowColumn("model less film", lambda row: row.model_difference),
 ]
 LINE_COLUMNS: list[RowColumn] = [
     RowColumn("line", lambda row: str(row.position)),
     RowColumn(
-        "frequency",
-        lambda row: f"{row.line.natural_frequency:.{digits(BAND * row.line.frequency_spread)}f} Hz",
-        lambda row: {
-            "value": row.line.natural_frequency,
-            "standard_deviation": row.line.frequency_spread,
-        },
-        "frequency",
+        "frequency", lambda row: f"{digits_text(row.line.natural_frequency, row.line.frequency_spread, 7)} Hz",
+        lambda row: {"value": row.line.natural_frequency, "standard_deviation": row.line.frequency_spread}, "frequency",
     ),
-    RowColumn("95 %", lambda row: f"±{number(BAND * row.line.frequency_spread, 2)}"),
+    RowColumn("95 %, ±", lambda row: f"{digits_text(BAND * row.line.frequency_spread, 0, 2)} Hz"),
     RowColumn(
-        "damping ratio",
-        lambda row: f"{row.line.damping_ratio:.{digits(BAND * row.line.damping_spread)}f}",
-        lambda row: {
-            "value": row.line.damping_ratio,
-            "standard_deviation": row.line.damping_spread,
-        },
-        "damping_ratio",
+        "damping ratio", lambda row: digits_text(row.line.damping_ratio, row.line.damping_spread, 7),
+        lambda row: {"value": row.line.damping_ratio, "standard_deviation": row.line.damping_spread}, "damping_ratio",
     ),
-    RowColumn("95 %", lambda row: f"±{number(BAND * row.line.damping_spread, 2)}"),
-    RowColumn(
-        "decay rate",
-        lambda row: f"{row.line.decay_rate:.3g} 1/s",
-        "line.decay_rate",
-        "decay_rate",
-    ),
-    RowColumn(
-        "log. decrement",
-        lambda row: f"{row.line.logarithmic_decrement:.3g}",
-        "line.logarithmic_decrement",
-        "logarithmic_decrement",
-    ),
-    RowColumn(
-        "amplitude",
-        lambda row: f"{1e6 * row.line.amplitude:.3g} µm",
-        "line.amplitude",
-        "amplitude",
-    ),
-]
+    RowColumn("95 %, ±", lambda row: digits_text(BAND * row.line.damping_spread, 0, 2)),
+    RowColumn("decay rate", lambda row: f"{digits_text(row.line.decay_rate)} 1/s", "line.decay_rate", "decay_rate"),
+    RowColumn("log. decrement", None, "line.logarithmic_decrement", "logarithmic_decrement"),
+    RowColumn("amplitude", None, "line.amplitude", "amplitude", quantity=LENGTH),
+]  # fmt: skip
 
 
 def peak_columns(model: FilmedModel | None) -> list[RowColumn]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from html import escape, unescape
+from html import escape
 from importlib import resources
-from typing import TYPE_CHECKING, Any, ParamSpec
+from typing import TYPE_CHECKING, Any
 
 from valvetrain.report import theme
 from valvetrain.report.chart import Chart, legend_entries
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     import jinja2
 
 
-P = ParamSpec("P")
 #: Dashes of a line in the key above a figure.
 _DASHES = {"solid": "", "dash": "6 4", "dot": "2 3", "dashdot": "8 3 2 3"}
 
@@ -176,16 +175,6 @@ def gap(sentence: str) -> Text:
     return Text(escape(sentence), "alert", gap=True)
 
 
-def gaps_of(page: Page) -> tuple[str, ...]:
-    """A sentence per part of a page that failed."""
-    return tuple(
-        unescape(block.html)
-        for part in page.parts
-        for block in _all(part)
-        if isinstance(block, Text) and block.gap
-    )
-
-
 def prose(paragraphs: Sequence[str], summary: str, tone: str = "note") -> tuple[Block, ...]:
     """Paragraphs; text after the third sentence is folded."""
     blocks = tuple(text(sentence, tone) for sentence in paragraphs)
@@ -199,17 +188,6 @@ def prose(paragraphs: Sequence[str], summary: str, tone: str = "note") -> tuple[
 def sentences(sentence: str) -> list[str]:
     """Sentences of a text, each with its closing sign."""
     return [part for part in re.split(r"(?<=[.!?])\s+(?=[A-Z])", sentence.strip()) if part]
-
-
-def figure_or_gap(
-    title: str, build: Callable[P, Chart | None], *args: P.args, **more: P.kwargs
-) -> tuple[Block, ...]:
-    """The figure of ``build``, nothing for None, or a sentence where it cannot be drawn."""
-    try:
-        chart = build(*args, **more)
-    except Exception as error:  # one figure must not cost the others
-        return (gap(f"The figure '{title}' could not be drawn: {reason(error)}"),)
-    return () if chart is None else (Figure(chart),)
 
 
 def charts(page: Page) -> list[Chart]:

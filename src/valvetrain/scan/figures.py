@@ -6,17 +6,11 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import ArrayLike
 
-from valvetrain.findings.facts import Array
 from valvetrain.scan.rules import ScanFacts
-from valvetrain.views.style import LEAD, RIGID, SECOND, band, line, panels, styled
+from valvetrain.views.style import LEAD, RIGID, SECOND, band, dots, line, panels, styled
 
 #: Scan and design: name, colour and dash of their lines. The dashed ones are drawn last, so that they are seen on the others.
 LOOKS = (("scan", LEAD, "solid"), ("design", SECOND, "dash"))
-
-
-def dots(x: Array, y: Array, name: str, colour: str) -> go.Scatter:
-    """Dots in single precision."""
-    return line(x, y, name, colour).update(mode="markers", marker={"color": colour, "size": 3})
 
 
 def cloud(facts: ScanFacts) -> go.Figure:

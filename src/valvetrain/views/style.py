@@ -80,6 +80,11 @@ def line(
     )  # fmt: skip
 
 
+def dots(x: ArrayLike, y: ArrayLike, name: str, colour: str) -> go.Scatter:
+    """Single points, as :func:`line`."""
+    return line(x, y, name, colour).update(mode="markers", marker={"color": colour, "size": 3})
+
+
 def band(
     x: ArrayLike, low: ArrayLike, high: ArrayLike, name: str, colour: str = OTHER
 ) -> tuple[go.Scatter, go.Scatter]:

@@ -72,7 +72,7 @@ def _rows(answer: Shown) -> Table:
     grid.add_column(style="dim", no_wrap=True)
     for _ in answer.headings:
         grid.add_column(justify="right" if several else "left")
-    grid.add_column()
+    grid.add_column(min_width=1)  # rich narrows the others next to an empty column
     if several:
         grid.add_row("", *(Text(one, style="dim") for one in answer.headings), "")
     for row in answer.lines:

@@ -1,0 +1,122 @@
+"""What ``film`` shows: doubts, how far a model is from the film or what moves most, peaks and surge lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from valvetrain.film import figures
+from valvetrain.film.model import FilmedModel
+from valvetrain.film.result import CoilMotion
+from valvetrain.film.rules import RULES, FilmFacts, displacement, frequency, nearest, ratio, rpm
+from valvetrain.film.surge import BAND
+from valvetrain.film.tables import LINE_COLUMNS, line_table, peak_columns, peak_table
+from valvetrain.findings.engine import Findings, judge
+from valvetrain.findings.words import Words
+from valvetrain.units.reader import shown_system
+from valvetrain.views.columns import table_of
+from valvetrain.views.shown import Shown
+from valvetrain.views.style import FigureSpec
+from valvetrain.views.table import Line, TextTable
+
+#: Coils and surge lines in the first table at most.
+COILS, LINES = 7, 2
+
+
+@dataclass(frozen=True)
+class FilmAnswer(Shown):
+    """What is shown of a film, and of the run that is compared with it; ``synthetic``: it was computed; ``folder`` of its
+    files, which the next step names.
+    """
+
+    motion: CoilMotion
+    model: FilmedModel | None = None
+    synthetic: bool = False
+    folder: str = ""
+    words: Words = field(default_factory=lambda: Words(shown_system()))
+
+    @property
+    def facts(self) -> FilmFacts:
+        """The film as rules read it."""
+        return FilmFacts(self.motion, self.model, self.folder)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """All findings, the verdict first."""
+        return judge(self.facts, RULES, self.words)
+
+    @property
+    def title(self) -> str:
+        """The film, and the case that is compared with it."""
+        model = self.model
+        beside = (
+            "" if model is None else f", {model.spring} spring of {model.case} by {model.model}"
+        )
+        return f"Film {self.motion.seen.name}{', synthetic' * self.synthetic}{beside}"
+
+    @property
+    def headings(self) -> list[str]:
+        """Columns of the first table."""
+        return [""] if self.model is None else ["film", "model", "apart (rms)"]
+
+    @cached_property
+    def lines(self) -> list[Line]:
+        """Peaks of the coils that move most, surge lines, and how well the film shows them."""
+        motion, words = self.motion, self.words
+        place = float(np.nanmedian(motion.spread))
+        within = words.amount(displacement(place * motion.metres_per_pixel), 2)
+        rows = [
+            *self._coils(), *self._surge(), ("frames", f"{len(motion.places)} at {motion.seen.frame_rate:g} a second"),
+            ("place of a coil", f"{place:.2g} px, {within}"),
+        ]  # fmt: skip
+        if motion.phase is not None:
+            rows.insert(
+                -2, ("cam speed", f"{rpm(motion.phase.cam_speed)}, by the {motion.phase.by}")
+            )
+        blank = ("",) * 3
+        return [Line(label, (*cells, *blank)[: len(self.headings)]) for label, *cells in rows]
+
+    def _coils(self) -> Iterator[tuple[str, ...]]:
+        for one in sorted(self.motion.peaks, key=lambda one: -one.mean)[:COILS]:
+            peak, bar, *more = (self.words.amount(displacement(float(value)), digits) for value, digits in (
+                (one.mean, 4), (BAND * one.spread, 2),
+                *(() if self.model is None else ((self.model.peaks[one.coil - 1], 4), (self.model.apart[one.coil - 1], 2))),
+            ))  # fmt: skip
+            yield f"coil {one.coil}", f"{peak} ± {bar}", *more
+
+    def _surge(self) -> Iterator[tuple[str, ...]]:
+        for place, one in enumerate(self.facts.lines[:LINES], 1):
+            pair = (one, nearest(self.model, one))
+            yield f"surge line {place}", *(f"{self.words.said(frequency(two), 5)}, damping {ratio(two)}" for two in pair if two)  # fmt: skip
+
+    def tables(self) -> Mapping[str, TextTable]:
+        """All peaks and surge lines, by the columns that JSON and CSV have."""
+        peaks = peak_table(self.motion, self.model)
+        return {
+            "peaks": table_of("Peaks along the spring", peak_columns(self.model), peaks, self.words),
+            "surge": table_of("Surge lines", LINE_COLUMNS, line_table(self.motion), self.words),
+        }  # fmt: skip
+
+    def figures(self) -> Mapping[str, FigureSpec]:
+        """The coils over the cam angle, of a cam that does not turn the decay first."""
+        shaded = "shaded: valve closed; " + ("mean of the turns" if self.model is None else "dashed: the model")  # fmt: skip
+        return {
+            "coils": FigureSpec("Motion of the coils", shaded, figures.coils),
+            "decay": FigureSpec("Free decay", "the coil that rings most", figures.decay),
+            "space-time": FigureSpec("Space-time picture with the tracks", "", figures.space_time),
+            "spectrum": FigureSpec("Spectrum of the whole film", "dotted: surge lines found in the decay", figures.spectrum),
+        }  # fmt: skip
+
+    def computed(self) -> Iterator[str]:
+        """What was found and done."""
+        yield "Coils are followed by the glare line on each of them and counted from the seat. Displacements are along the picture, towards the seat."
+        for one in (*self.motion.notes, *(() if self.model is None else self.model.notes)):
+            yield f"{one[:1].upper()}{one[1:]}."
+
+
+def answer_of_model(model: FilmedModel) -> FilmAnswer:
+    """What is shown of a run that is compared with a film."""
+    return FilmAnswer(model.motion, model)
