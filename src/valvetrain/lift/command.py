@@ -197,14 +197,15 @@ def lift(
         files = write_lift(lobes, folder, *stated)
         if carried is not None:
             files.append(write_text(folder / "case.toml", carried.mean.record.text))
-        if write is not None:
-            write_table(lobes, write, write_form)
         return files
 
+    data = _data(facts)
     outcome = saved_result(
-        SavedRequest("lift", own, output, datetime.now(UTC).replace(microsecond=0)), own.text, _data(facts),
+        SavedRequest("lift", own, output, datetime.now(UTC).replace(microsecond=0)), own.text, data,
         lambda folder: LiftAnswer(replace(facts, file=str(folder / f"{name}.toml")), title), fill, choices, open_page, facts.failures,
     )  # fmt: skip
+    if write is not None:
+        data["files"].append(str(write_table(lobes, write, write_form)))
     deliver(outcome)
 
 
