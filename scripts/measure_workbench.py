@@ -101,7 +101,7 @@ def measured(browser: Any, url: str, visits: int) -> dict[str, list[float]]:
         page.context.close()
     page = browser.new_context(viewport={"width": 1400, "height": 900}).new_page()
     page.goto(url)
-    page.get_by_role("button", name="Beehive valve spring").click()
+    page.locator("[data-source=gu2021-beehive-blind]").click()
     page.wait_for_url("**/case/gu2021-beehive-blind")
     page.wait_for_selector(".form")
     for _ in range(visits):
