@@ -30,7 +30,7 @@ NARROW_NUMBERS, NARROW_NAMES = 48, 150
 #: Texts and data of a page as it packs them, by which a page of this kind is known.
 _PACKED = re.compile(r'<script type="application/gzip" id="(answer|data)">([^<]*)</script>')
 #: Bytes to which the texts, or the data, of a page are unpacked at most.
-MOST = 200_000_000
+MOST = 50_000_000
 HINT = (
     "Drag the picture or use the arrow keys to turn it. Space plays, arrow keys step by one cam degree, page keys go "
     "from mark to mark. The picture records itself to a film."
