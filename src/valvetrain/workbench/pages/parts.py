@@ -57,9 +57,9 @@ def over(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any] 
     both need.
     """
     lines = [
-        trace | {"name": f"{trace.get('name', '')}, B", "line": trace["line"] | {"dash": "dash"}}
+        trace | {"name": f"{trace.get('name', '')}, B", "line": trace.get("line", {}) | {"dash": "dash"}}
         for trace in second["data"]
-        if trace.get("mode") == "lines" and trace["line"].get("dash", "solid") == "solid"
+        if trace.get("mode") == "lines" and trace.get("line", {}).get("dash", "solid") == "solid"
         and f"yaxis{str(trace.get('yaxis', 'y'))[1:]}" in first["layout"]
     ]  # fmt: skip
     if not lines:
