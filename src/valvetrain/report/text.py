@@ -58,11 +58,3 @@ def speed_text(engine_speed: float) -> str:
 def axis_label(name: str) -> str:
     """A quantity's label with the remark of its definition: ``surge amplitude, 0 to peak``."""
     return ", ".join(filter(None, (label_of(name), definition_of(name).remark)))
-
-
-def quantity_label(name: str) -> str:
-    """A quantity's label as a line begins with it: ``stage_2_peak_cam_angle`` -> ``Stage II peak,
-    cam angle``, with the remark of its definition.
-    """
-    text = axis_label(name)
-    return text[:1].upper() + text[1:]
