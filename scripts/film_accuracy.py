@@ -6,7 +6,6 @@ Use: python scripts/film_accuracy.py
 
 from __future__ import annotations
 
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -98,10 +97,8 @@ def damping(films: int = 12) -> None:
 
 def pictures(folder: Path) -> None:
     """The two pictures of docs/film.md: the film of vaz-ohc."""
-    sys.path.insert(0, str(Path(__file__).parents[1] / "docs" / "_site"))
-    from figure_svg import svg_of  # type: ignore[import-not-found]
+    from plotly_pictures import save
 
-    from valvetrain.solution.atomic import write_text
     from valvetrain.views.results import figure_for_user
 
     _, rest, angle, moved, cam_speed = drawn.coils_of_case()
@@ -121,7 +118,7 @@ def pictures(folder: Path) -> None:
     )
     motion = vt.film.coil_motion(film, setup, synthetic=True)
     for name, figure in (("space-time", "space-time"), ("displacement", "coils")):
-        write_text(folder / f"film-{name}.svg", svg_of(figure_for_user(motion, figure)))
+        save(figure_for_user(motion, figure), folder / f"film-{name}.svg")
 
 
 if __name__ == "__main__":

@@ -115,16 +115,14 @@ def large(folder: Path, count: int) -> None:
 
 def picture(folder: Path, file: Path) -> None:
     """The curves of the beehive as made less those of its design."""
-    sys.path.insert(0, str(Path(__file__).parents[1] / "docs" / "_site"))
-    from figure_svg import svg_of  # type: ignore[import-not-found]
+    from plotly_pictures import save
 
     from valvetrain.scan.compare import compare_scan
-    from valvetrain.solution.atomic import write_text
 
     point, _ = cloud(springs()["beehive-as-made"], 30_000, Scanner(outside=True, seed=3))
     (folder / "cloud.ply").write_bytes(ply(point))
     compared = compare_scan(spring_from_scan(folder / "cloud.ply"), "gu2021-beehive-blind")
-    write_text(file, svg_of(compared.plot()))
+    save(compared.plot(), file)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ WIDTH = 900
 
 
 def scrape(block, block_vars, gallery_conf) -> str:
-    """What a block leaves on the page: nothing, or its figure once, when it has its title (a figure drawn in
+    """What a block leaves on the page: nothing, or its figure once, when its axes have titles (a figure drawn in
     one block and labelled in a later one stood without labels).
     """
     scope = block_vars["example_globals"]
@@ -28,7 +28,8 @@ def scrape(block, block_vars, gallery_conf) -> str:
     if figure is None:
         keep_picture(scope.get("___"), block_vars)
         return ""
-    if scope.get("_shown") is figure or not figure.layout.title.text:
+    titled = any(axis.title.text for axis in figure.select_xaxes())
+    if scope.get("_shown") is figure or not titled:
         return ""
     scope["_shown"] = figure
     path = Path(next(block_vars["image_path_iterator"])).with_suffix(".svg")
