@@ -8,7 +8,6 @@ from valvetrain.parameters.summary import in_unit as in_unit
 from valvetrain.parameters.summary import number as number
 from valvetrain.parameters.summary import percent as percent
 from valvetrain.parameters.summary import unit_text as unit_text
-from valvetrain.solution.definition import definition_of, label_of
 from valvetrain.solution.status import Cause
 from valvetrain.units.reader import reader_factor, reader_unit
 
@@ -53,8 +52,3 @@ def rpm_text(engine_speed: float) -> str:
 def speed_text(engine_speed: float) -> str:
     """An engine speed as text, such as ``5600 rpm``."""
     return f"{rpm(engine_speed):.10g} rpm"
-
-
-def axis_label(name: str) -> str:
-    """A quantity's label with the remark of its definition: ``surge amplitude, 0 to peak``."""
-    return ", ".join(filter(None, (label_of(name), definition_of(name).remark)))
