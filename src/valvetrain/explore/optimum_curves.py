@@ -23,14 +23,14 @@ CHANNELS, SAMPLES = (("cam_contact_force", "retainer_force", "seat_force"), ("va
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """``quantity`` (sample,) over ``across`` (sample,) of the ``design`` named, SI; ``speed`` (rad/s) of its run, 0 without."""
+    """``quantity`` (sample,) over ``across`` (sample,) of the ``design`` named, SI; ``engine_speed`` (rad/s) of its run, 0 without."""
 
     design: str
     across: str
     quantity: str
     x: Array
     y: Array
-    speed: float = 0.0
+    engine_speed: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ ROOM, OPEN = 1.3, 0.02
 
 def figures(facts: SearchFacts) -> Mapping[str, FigureSpec]:
     """The figures by name; the one that shows the verdict first."""
-    speed = next((one.speed for one in facts.found.curves if one.speed), 0.0)
+    speed = next((one.engine_speed for one in facts.found.curves if one.engine_speed), 0.0)
     hint = f"at {speed_text(speed)}" if speed else ""
     compared = FigureSpec(f"The case and the {facts.name} design", hint, _compared)
     over = FigureSpec("Designs that were computed", "", _designs)
