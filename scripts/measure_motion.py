@@ -8,6 +8,7 @@ plays, and the processor time of one. Run on Linux: python scripts/measure_motio
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import sys
@@ -16,7 +17,7 @@ import time
 from pathlib import Path
 
 import valvetrain as vt
-from valvetrain.report.motion.project import motion_json
+from valvetrain.report.motion.project import motion_data
 from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.page import motion_script
 
@@ -49,7 +50,7 @@ def measure(study: vt.Study, seconds: float) -> dict[str, float]:
     begun = time.perf_counter()
     moving = moving_picture(study)
     assert moving is not None
-    data = motion_json(moving)
+    data = json.dumps(motion_data(moving))
     built = time.perf_counter() - begun
     html = PAGE.format(script=motion_script(), data=data)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:

@@ -89,8 +89,8 @@ object from the names above to such numbers.
 | `cases` | of `cases`: per case `name`, `title`, `holds`, `sources`; with a name, `text` of the file instead |
 | `uncertainties` | error bars, stored or computed: per number `quantity`, `label` of the run, `engine_speed`, `value`, `numerical_uncertainty`, `resolved` (false: the bar is larger than the value), `observed_order` (null: not monotonic), `extrapolated`, `step_part`, `range` (null: not computed) with `low`, `high` and the constants that move it (`by`), and `rests_on_contact_constants` |
 | `without_error_bars` | completed runs that have none: `label`, `engine_speed`, `code` (`no-division`, `not-repeated`) |
-| `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference` |
-| `runs` | of the command `runs`: per saved run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `headline`, `folder` |
+| `inputs`, `results` | of `compare-runs`, with the folders `a` and `b`: per input `key`, `a`, `b`; per number `quantity`, `run`, `a`, `b`, `difference`, and `bar`, the sum of both error bars (null: none is stored); `failed` of each |
+| `runs` | of the command `runs`: per saved run `created_at`, `case`, `digest`, `asked`, `spring_models`, `engine_speeds`, `completed`, `state`, `headline`, `verdict` (its first finding, where one was stored), `folder`; `unfinished` runs with `state`, `finished_runs`, `command_line` |
 | `error` | in place of all of these: `message`, `where`, `code` (the exit code) |
 """  # noqa: E501  a row of a table is one line
 

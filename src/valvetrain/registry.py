@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections.abc import Container
 from functools import cache
 from importlib import import_module, metadata
 from typing import Any
@@ -216,16 +217,26 @@ BUILT_IN["sources"] = {
     key: f"valvetrain.sources.library:{key.upper()}"
     for key in ("gu2021", "vasilyev2016", "multibody4b17")
 }
-#: Tables of rules by importance, figures of a study's page and its folded tables, each in their order.
+#: Tables of rules by importance, figures of a study's page and its folded tables, each in their order. What stands before
+#: the stroke is the kind of studies (:attr:`valvetrain.findings.facts.Facts.kinds`) that one speaks of; others are not loaded.
 BUILT_IN["rules"] = {
     "first": "valvetrain.findings.rules_study:FIRST",
-    "rest": "valvetrain.findings.rules_rest:RULES",
-    "sweep": "valvetrain.findings.rules_sweep:RULES",
-    "train": "valvetrain.findings.rules_train:RULES",
-    "spring": "valvetrain.findings.rules_spring:RULES",
+    "run-up/run-up": "valvetrain.findings.rules_study:RUN_UP",
+    "train/models": "valvetrain.findings.rules_study:MODELS",
+    "compare/peaks": "valvetrain.findings.rules_study:PEAKS",
+    "static/static": "valvetrain.findings.rules_rest:STATIC",
+    "modes/modes": "valvetrain.findings.rules_rest:MODES",
+    "searched/speeds": "valvetrain.findings.rules_sweep:RULES",
+    "train/train": "valvetrain.findings.rules_train:RULES",
+    "spring/spring": "valvetrain.findings.rules_spring:ALONE",
+    "train/strikes": "valvetrain.findings.rules_spring:OF_TRAIN",
+    "springs": "valvetrain.findings.rules_spring:RULES",
+    "ends": "valvetrain.findings.rules_study:ENDS",
+    "train/others": "valvetrain.findings.rules_study:OTHERS",
+    "spring/others": "valvetrain.findings.rules_study:SPREAD",
     "last": "valvetrain.findings.rules_study:LAST",
     "assumed": "valvetrain.findings.rules_assumed:RULES",
-    "published": "valvetrain.findings.rules_published:RULES",
+    "published/published": "valvetrain.findings.rules_published:RULES",
 }
 #: Tables of rules on other results than studies; the answer of each judges by its own.
 BUILT_IN["other_rules"] = {
@@ -239,42 +250,43 @@ BUILT_IN["other_rules"] = {
     "study": "valvetrain.explore.study_rules:RULES",
     "lift": "valvetrain.lift.rules:RULES",
     "spring-card": "valvetrain.spring_card.rules:RULES",
+    "saved": "valvetrain.findings.rules_saved:RULES",
 }
 BUILT_IN["figures"] = {
-    "run-up": "valvetrain.views.figures:RUN_UP",
-    "speeds": "valvetrain.views.over_speed:SPEEDS_FIGURE",
-    "forces": "valvetrain.views.over_speed:FORCES",
-    "models": "valvetrain.views.models:MODELS",
-    "control": "valvetrain.views.figures:CONTROL",
+    "run-up/run-up": "valvetrain.views.figures:RUN_UP",
+    "searched/speeds": "valvetrain.views.over_speed:SPEEDS_FIGURE",
+    "sweeps/forces": "valvetrain.views.over_speed:FORCES",
+    "compare/models": "valvetrain.views.models:MODELS",
+    "train/control": "valvetrain.views.figures:CONTROL",
     "force": "valvetrain.views.figures:FORCE",
-    "lift": "valvetrain.views.figures:LIFT",
-    "contacts": "valvetrain.views.figures:CONTACTS",
-    "piston": "valvetrain.views.figures:PISTON",
-    "margin": "valvetrain.views.figures:MARGIN",
-    "pressure": "valvetrain.views.figures:PRESSURE",
+    "train/lift": "valvetrain.views.figures:LIFT",
+    "train/contacts": "valvetrain.views.figures:CONTACTS",
+    "train/piston": "valvetrain.views.figures:PISTON",
+    "train/margin": "valvetrain.views.figures:MARGIN",
+    "train/pressure": "valvetrain.views.figures:PRESSURE",
     "coils": "valvetrain.views.figures_of_springs:COILS",
     "orders": "valvetrain.views.figures_of_springs:ORDERS_OF_SURGE",
-    "order-map": "valvetrain.views.over_speed:ORDER_MAP",
+    "sweeps/order-map": "valvetrain.views.over_speed:ORDER_MAP",
     "strength": "valvetrain.views.figures_of_springs:STRENGTH",
-    "surge-orders": "valvetrain.views.at_rest:SURGE_ORDERS",
-    "mode-shapes": "valvetrain.views.at_rest:MODE_SHAPES",
+    "modes/surge-orders": "valvetrain.views.at_rest:SURGE_ORDERS",
+    "modes/mode-shapes": "valvetrain.views.at_rest:MODE_SHAPES",
     "rest": "valvetrain.views.at_rest:STATIC_CURVES",
-    "paper": "valvetrain.views.figures_of_springs:PAPER",
+    "published/paper": "valvetrain.views.figures_of_springs:PAPER",
 }
 BUILT_IN["tables"] = {
     "findings": "valvetrain.views.tables:findings",
     "numbers": "valvetrain.views.tables:numbers",
-    "published": "valvetrain.views.tables:published",
-    "source": "valvetrain.views.tables:source",
+    "published/published": "valvetrain.views.tables:published",
+    "published/source": "valvetrain.views.tables:source",
     "events": "valvetrain.views.tables:events",
-    "critical": "valvetrain.views.tables:critical",
+    "searched/critical": "valvetrain.views.tables:critical",
     "models": "valvetrain.views.tables:models",
     "error-bars": "valvetrain.views.tables:error_bars",
     "at-rest": "valvetrain.views.tables:rest",
-    "requested": "valvetrain.views.at_rest:requested_table",
-    "curve": "valvetrain.views.at_rest:curve_table",
-    "modes": "valvetrain.views.at_rest:modes_table",
-    "train-modes": "valvetrain.views.at_rest:train_table",
+    "static/requested": "valvetrain.views.at_rest:requested_table",
+    "static/curve": "valvetrain.views.at_rest:curve_table",
+    "modes/modes": "valvetrain.views.at_rest:modes_table",
+    "modes/train-modes": "valvetrain.views.at_rest:train_table",
 }
 
 #: Kind -> what makes its object from a part given in Python (:mod:`valvetrain.parameters.own_parts`).
@@ -321,6 +333,16 @@ def places(kind: str) -> dict[str, str]:
 def names(kind: str) -> tuple[str, ...]:
     """The names of ``kind``, in order."""
     return tuple(places(kind))
+
+
+def members(kind: str, scopes: Container[str] | None = None) -> list[tuple[str, Any]]:
+    """Names and objects of ``kind``: of those with a scope before a stroke the ones of the ``scopes`` (None: of all)."""
+    found = []
+    for word in places(kind):
+        scope, _, name = word.rpartition("/")
+        if not scope or scopes is None or scope in scopes:
+            found.append((name, find(kind, word)))
+    return found
 
 
 def find(kind: str, word: str, where: str = "") -> Any:

@@ -16,7 +16,7 @@ from synthetic_study import own_study, rod_run
 from system_parts import program
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.project import motion_json, still_svg
+from valvetrain.report.motion.project import motion_data, still_svg
 from valvetrain.report.motion.scene import moving_picture
 from valvetrain.report.page import Motion, Page, Section, motion_script, render, text
 
@@ -72,7 +72,7 @@ def blocks(study):
     """The moving picture as a part of a page."""
     moving = moving_picture(study)
     still = still_svg(moving.variants[0])
-    return (Motion("in-motion", moving.title, "", motion_json(moving), still),)
+    return (Motion("in-motion", moving.title, "", json.dumps(motion_data(moving)), still),)
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +145,7 @@ class Visit:
 def strict_page(study):
     html = (
         MOUNT.replace("POLICY", STRICT)
-        .replace("DATA", motion_json(moving_picture(study)))
+        .replace("DATA", json.dumps(motion_data(moving_picture(study))))
         .replace("SCRIPT", motion_script())
     )
     return html
@@ -305,7 +305,7 @@ def test_without_webgl_the_still_picture_stays_and_the_forces_move(browser, repo
 
 
 def test_the_data_are_whole_json(study):
-    assert json.loads(motion_json(moving_picture(study)))["version"] == 1
+    assert motion_data(moving_picture(study))["version"] == 1
 
 
 def test_nothing_serious_is_wrong_for_screen_readers(browser, report, tmp_path):

@@ -24,7 +24,6 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.views.answer import Answer
-from valvetrain.views.figures import figure_specs
 from valvetrain.views.page import data_of, page_of
 from valvetrain.views.results import write_answer
 
@@ -114,9 +113,9 @@ def test_a_figure_that_fails_is_named_and_the_others_are_drawn(monkeypatch):
         name = key.removeprefix("data-")
         gaps = PartialFailures()
         with monkeypatch.context() as patch:
-            specs = figure_specs()
+            specs = answer.figures()
             specs[name] = replace(specs[name], make=broken)
-            patch.setattr("valvetrain.views.figures.figure_specs", lambda found=specs: found)
+            patch.setattr(Answer, "figures", lambda _, found=specs: found)
             text = page_of(answer, gaps)
         assert len(gaps.sentences) == 1 and BROKEN in gaps.sentences[0]
         assert {one for one in data_of(text) if one.startswith("data-")} == drawn - {key}

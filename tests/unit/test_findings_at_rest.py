@@ -17,7 +17,6 @@ from valvetrain.solution.study import Study
 from valvetrain.views.answer import Answer
 from valvetrain.views.page import data_of, page_of
 from valvetrain.views.results import figures_of
-from valvetrain.views.tables import tables_of
 
 LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
 TEMPLATE = str(Path(vt.__file__).parent / "templates" / "pushrod.toml")
@@ -116,5 +115,5 @@ def test_page_rows_and_tables_hold_what_was_computed(name):
     data = data_of(page_of(answer))
     assert data is not None and set(data) == {f"data-{key}" for key in figures_of(answer)}
     wanted = "modes" if name.startswith("modes") else "curve"
-    assert wanted in tables_of(answer)
+    assert wanted in answer.tables()
     assert answer.next_step.split()[:1] == ["valvetrain"] or not answer.next_step

@@ -5,7 +5,6 @@ rounding that pack.py states.
 from __future__ import annotations
 
 import base64
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +14,7 @@ import valvetrain as vt
 from synthetic_study import own_study, rod_run
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.project import motion_json
+from valvetrain.report.motion.project import motion_data
 from valvetrain.report.motion.scene import choose_frames, moving_picture
 from valvetrain.report.motion.springs import largest_between, slope_stress
 from valvetrain.solution.study import Study
@@ -45,7 +44,7 @@ def cycle(study):
 @pytest.fixture(scope="module")
 def drawn(study):
     """The picture as a page holds it."""
-    return json.loads(motion_json(moving_picture(study)))["variants"][0]
+    return motion_data(moving_picture(study))["variants"][0]
 
 
 def test_nodes_stand_where_the_solution_says(drawn, cycle):

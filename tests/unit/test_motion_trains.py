@@ -8,7 +8,6 @@ from it is found by brute force.
 from __future__ import annotations
 
 import base64
-import json
 from functools import cache
 from importlib import resources
 
@@ -17,7 +16,7 @@ import pytest
 
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.project import motion_json
+from valvetrain.report.motion.project import motion_data
 from valvetrain.report.motion.scene import moving_picture
 from valvetrain.runs.run import run_study
 
@@ -42,7 +41,7 @@ def drawn(kind: str, model: str = "planar"):
         case, engine_speeds=case.operation.engine_speeds[:1], spring_models=("massless",), workers=1
     )
     picture = moving_picture(study, 150)
-    data = json.loads(motion_json(picture))["variants"][0]
+    data = motion_data(picture)["variants"][0]
     return study, data, picture.variants[0].sample, case.train
 
 

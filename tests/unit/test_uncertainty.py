@@ -188,17 +188,12 @@ def test_shipped_file_belongs_to_its_case_and_to_no_other():
         row.numerical >= 0 and row.contact_stiffness[0] <= row.value <= row.contact_stiffness[1]
         for row in rows
     )
-    assert stored_error_bars.meshes_of(case.record()) == (24, 36, 54)
     for other in (
         meshed("gu2021-beehive-blind", 30),
         case.replace({"springs.0.precompression": 6.9e-3}),
         case.replace(name="own-spring"),
     ):
-        assert (
-            stored_error_bars.load_uncertainty(other.record())
-            == ()
-            == stored_error_bars.meshes_of(other.record())
-        )
+        assert stored_error_bars.load_uncertainty(other.record()) == ()
 
 
 def test_shipped_preload_and_mode_are_those_of_this_version():

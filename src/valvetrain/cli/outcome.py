@@ -158,7 +158,8 @@ def _show(outcome: Outcome) -> tuple[str, ...]:
     from valvetrain.units.reader import for_reader
 
     try:
-        console = output_console()
+        width = None if sys.stdout.isatty() else PLAIN_WIDTH
+        console = _Plain(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
         with for_reader():
             outcome.show(console)
         if outcome.verdict:
@@ -174,14 +175,6 @@ def _show(outcome: Outcome) -> tuple[str, ...]:
             raise
         return (f"answer in the terminal: {reason(error)}",)
     return ()
-
-
-def output_console() -> Console:
-    """Standard output for people: a terminal as wide as it is, anything else :data:`PLAIN_WIDTH`
-    columns.
-    """
-    width = None if sys.stdout.isatty() else PLAIN_WIDTH
-    return _Plain(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
 
 
 class _Plain(Console):
@@ -267,15 +260,6 @@ def plain_table(
     for row in rows:
         table.add_row(*row)
     return table
-
-
-def shown_text(name: str, value: float | None, digits: int = 5) -> tuple[str, str]:
-    """SI ``value`` of quantity ``name`` as (number, unit) in the field's units."""
-    from valvetrain.parameters.summary import number, unit_text
-    from valvetrain.solution.definition import definition_of, shown
-
-    unit = unit_text(definition_of(name).unit_word)
-    return ("–" if value is None else number(float(shown(name, value)[0]), digits)), unit
 
 
 #: Estimates above this are printed (s).

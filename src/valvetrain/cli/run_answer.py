@@ -338,7 +338,6 @@ def _saved_outcome(
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.outcome import Outcome
     from valvetrain.report.text import rpm
-    from valvetrain.report.verdict import verdict_of
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.views.results import answer_json
 
@@ -347,8 +346,6 @@ def _saved_outcome(
     failures = gaps.part("list of failures", none, lambda: study.failures)
     plain: dict[str, Any] = {"case": request.case.name, "failures": list(failures)}
     data = gaps.part("JSON answer", plain, answer_json, study) | {"command": request.command}
-    verdict = verdict_of(study)  # with the error bars that the JSON has computed
-    data |= {"verdict": verdict} if verdict else {}
     choices_made = {
         **choices, "engine_speeds": [rpm(value) for value in study.engine_speeds], "engine_speed_unit": "rpm",
         "spring_models": list(dict.fromkeys(one.model for one in study.solutions or study.rest)) or list(request.spring_models),

@@ -10,12 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol, overload
+from typing import TYPE_CHECKING, Any, Literal, Protocol, overload
 
-from valvetrain.findings.facts import SPRINGS, Facts
 from valvetrain.findings.words import RPM, Amount, Phrase, Said, Words
 from valvetrain.solution.definition import definition_of
-from valvetrain.solution.result import Solution
+
+if TYPE_CHECKING:  # facts load kernels, which lists of files never need
+    from valvetrain.findings.facts import Facts
+    from valvetrain.solution.result import Solution
 
 Level = Literal["decides", "warns", "notes"]
 Mark = Literal["bad", "warn", "ok", ""]
@@ -25,6 +27,8 @@ MARKS: dict[Level, Mark] = {"decides": "bad", "warns": "warn", "notes": ""}
 #: Parts of a rule that are templates.
 PARTS = ("text", "reason", "step", "remark")
 Fields = Mapping[str, Said]
+#: Prefixes of the quantities of a single spring and of the springs of a pair.
+SPRINGS = ("", "outer_", "inner_")
 
 
 @dataclass(frozen=True)

@@ -29,8 +29,6 @@ TRUST = (
 )  # fmt: skip
 #: Ends of runs whose numbers count: the motion ended, or does not repeat.
 JUDGED = ("completed", "not-converged")
-#: Prefixes of the quantities of a single spring and of the springs of a pair.
-SPRINGS = ("", "outer_", "inner_")
 #: A number of runs that a negative value of has no meaning: a valve that flies loses no lift.
 LOSSES = ("lift_loss_displacement",)
 #: What decides blows and raw peaks, of which no error bar tells.
@@ -76,6 +74,16 @@ class Facts:
         self.others = tuple(run for run in judged if run not in lead)
         self.ended = tuple(run for run in every if run.status.code not in JUDGED)
         self.train = any(run.provenance.system == TRAIN for run in every)
+
+    @cached_property
+    def kinds(self) -> tuple[str, ...]:
+        """What this study is, by which the registry lists rules, figures and tables: its command; ``train`` or ``spring``;
+        ``sweeps`` (runs at steady speeds), ``searched`` and ``published`` where it is.
+        """
+        study = self.study
+        also = {"sweeps": self.sweep, "searched": self.searched, "published": bool(study.comparisons)}  # fmt: skip
+        kind = "train" if self.train else "spring"
+        return (study.command, kind, *(name for name, holds in also.items() if holds))
 
     # -- numbers -----------------------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import SPRINGS, Hit, Rule, Subject
 from valvetrain.findings.words import Amount
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.case import Case
@@ -18,8 +18,6 @@ from valvetrain.system.problem import Gear
 ABOVE_TUBE, BELOW_TUBE = 1.05, 0.5
 #: Share by which the length given may differ from that between the balls.
 LENGTH_SHARE = 0.02
-#: Beginning of the names of springs: alone, and of a pair.
-SPRINGS = ("", "outer_", "inner_")
 
 
 @dataclass(frozen=True)

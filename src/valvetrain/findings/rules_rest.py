@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from functools import wraps
 
-from valvetrain.findings.engine import Condition, Fields, Hit, Rule
+from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_spring import NEAR
 from valvetrain.findings.springs_at_rest import pair_of, states_of
@@ -24,26 +23,9 @@ OF_TORSION, BELOW_TORSION = 0.02, (0.005, 0.06)
 NAME_ONLY = 0.5
 
 
-def asked(command: str) -> Callable[[Condition], Condition]:
-    """A condition on the studies of one ``command``."""
-
-    def only(function: Condition) -> Condition:
-        @wraps(function)
-        def hits(facts: Facts) -> Iterator[Hit]:
-            return iter(function(facts)) if facts.study.command == command else iter(())
-
-        return hits
-
-    return only
-
-
-static, modal = asked("static"), asked("modes")
-
-
 # -- force over compression ------------------------------------------------------------------------
 
 
-@static
 def near(facts: Facts) -> Iterator[Hit]:
     """Less than a millimetre is left to coil bind at the largest lift."""
     for one in states_of(facts.study):
@@ -51,7 +33,6 @@ def near(facts: Facts) -> Iterator[Hit]:
             yield Hit(one.left, None, NEAR, {"spring": one.name}, -one.left.value)
 
 
-@static
 def unknown_solid(facts: Facts) -> Iterator[Hit]:
     """A spring states no height at which it is solid."""
     for one in states_of(facts.study):
@@ -59,7 +40,6 @@ def unknown_solid(facts: Facts) -> Iterator[Hit]:
             yield Hit(fields={"spring": one.one.spring})
 
 
-@static
 def fails(facts: Facts) -> Iterator[Hit]:
     """A static curve ends before it should, or passes the compression at which the spring buckles."""
     for one in states_of(facts.study):
@@ -72,7 +52,6 @@ def fails(facts: Facts) -> Iterator[Hit]:
             })  # fmt: skip
 
 
-@static
 def leans(facts: Facts) -> Iterator[Hit]:
     """A spring in a guide bows until it touches it."""
     for one in states_of(facts.study):
@@ -83,7 +62,6 @@ def leans(facts: Facts) -> Iterator[Hit]:
             yield Hit(at, None, None, {"spring": one.name, "force": force})
 
 
-@static
 def loads(facts: Facts) -> Iterator[Hit]:
     """Loads with the valve closed and at full lift."""
     states = states_of(facts.study)
@@ -110,7 +88,6 @@ def _loads(name: str, force: Read, rate: Read, closed: float, full: float) -> It
     }, 0.0)  # fmt: skip
 
 
-@static
 def as_installed(facts: Facts) -> Iterator[Hit]:
     """Load and rate of a spring that nothing lifts."""
     for one in states_of(facts.study)[:1]:
@@ -135,7 +112,6 @@ def speed_of(order: int, natural_frequency: float) -> float:
     return 120 * natural_frequency / order * RPM
 
 
-@modal
 def surges(facts: Facts) -> Iterator[Hit]:
     """The first axial natural frequency of the first spring, both ends fixed."""
     for one in [one for one in states_of(facts.study) if one.surge is not None][:1]:
@@ -153,7 +129,6 @@ def surges(facts: Facts) -> Iterator[Hit]:
         })  # fmt: skip
 
 
-@modal
 def moving_end(facts: Facts) -> Iterator[Hit]:
     """The first axial natural frequency with a mass on the retainer, or with its end free."""
     for one in states_of(facts.study)[:1]:
@@ -163,7 +138,6 @@ def moving_end(facts: Facts) -> Iterator[Hit]:
             yield Hit(one.surge, None, None, {"spring": one.name, "end": grams})
 
 
-@modal
 def still(facts: Facts) -> Iterator[Hit]:
     """No spring has modes by the models that were asked for."""
     some = states_of(facts.study)
@@ -171,7 +145,6 @@ def still(facts: Facts) -> Iterator[Hit]:
         yield Hit(fields={"model": some[0].one.model})
 
 
-@modal
 def failed_modes(facts: Facts) -> Iterator[Hit]:
     """Modes about a state that does not last, such as one beyond buckling."""
     for one in states_of(facts.study):
@@ -180,7 +153,6 @@ def failed_modes(facts: Facts) -> Iterator[Hit]:
             yield Hit(fields={"did": modes.status.message, "remedy": modes.status.remedy})
 
 
-@modal
 def torsion(facts: Facts) -> Iterator[Hit]:
     """A wire surges below the frequency by torsion alone, by which cards go, since few coils also tilt."""
     for one in states_of(facts.study)[:1]:
@@ -204,7 +176,6 @@ def _train(facts: Facts) -> Iterator[tuple[TrainModes, TrainModes]]:
     return zip(modes[::2], modes[1::2], strict=False)
 
 
-@modal
 def whole_train(facts: Facts) -> Iterator[Hit]:
     """The lowest natural frequency of the train with its springs, valve closed and at full lift."""
     for closed, lifted in list(_train(facts))[:1]:
@@ -214,7 +185,6 @@ def whole_train(facts: Facts) -> Iterator[Hit]:
         yield Hit(other, fields={"closed": one, "moving": lifted.moving(0)})
 
 
-@modal
 def changed(facts: Facts) -> Iterator[Hit]:
     """A mode of the closed valve has another shape at full lift than any mode there."""
     for closed, lifted in _train(facts):
@@ -230,7 +200,7 @@ def changed(facts: Facts) -> Iterator[Hit]:
 LOADS = ("preload", "installed_rate")
 SURGE = ("surge_frequency",)
 BIND = ("coil_bind_clearance",)
-RULES = (
+STATIC = (
     Rule("F101", "decides", "[{spring} buckles at {value} of compression][{did}]", fails, LOADS, step="[{remedy}]"),
     Rule("F102", "decides", "{closed} closed, {value} at the full lift of {lift}[, {spring}]", loads, LOADS,
          "rate {rate..rate_full}", "valvetrain modes {case}", mark="ok"),
@@ -242,6 +212,8 @@ RULES = (
          leans, guide="how-to/05-coil-bind.md"),
     Rule("F112", "notes", "coil bind of {spring} is not checked: no solid height is known", unknown_solid, BIND,
          remark="not known"),
+)  # fmt: skip
+MODES = (
     Rule("N101", "decides", "{did}", failed_modes, SURGE, step="[{remedy}]"),
     Rule("N102", "decides", "surge at {value}[, {spring}]", surges, SURGE,
          "met by [cam orders {order} to {last} at {speed} to {top}][cam order {lowest} at {speed}, the lowest below the red line of {red}]",

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from valvetrain.findings.engine import Condition, Hit, Rule, above, below, per_run
-from valvetrain.findings.facts import SPRINGS, TURN, Facts
+from valvetrain.findings.engine import SPRINGS, Hit, Rule, above, below, per_run
+from valvetrain.findings.facts import TURN, Facts
 from valvetrain.findings.words import Amount
 from valvetrain.solution.result import Solution
 
@@ -23,16 +23,6 @@ KNOWS_COILS = ("finite-element", "solid", "reduced-rod")
 MOTIONS = {
     "closes": "as the valve closes", "opens": "as the valve opens", "shut": "with the valve shut", "": "",
 }  # fmt: skip
-
-
-def in_system(train: bool, condition: Condition) -> Condition:
-    """A condition for springs of trains alone, or for springs under a given motion alone."""
-
-    def hits(facts: Facts) -> Iterator[Hit]:
-        return iter(condition(facts) if facts.train is train else ())
-
-    hits.__doc__ = condition.__doc__
-    return hits
 
 
 def _strike(facts: Facts, run: Solution) -> Hit | None:
@@ -153,16 +143,18 @@ BLOW = "[{spring}]surge at {angle}[, {size}]"
 STRIKES = "{count} strikes[; height by {rests}]"
 SWEEP = "valvetrain sweep {case}"
 
-RULES = (
-    Rule("K101", "decides", STRIKE, in_system(False, strikes), CLASH, BLOW, SWEEP, STRIKES,
+ALONE = (
+    Rule("K101", "decides", STRIKE, strikes, CLASH, BLOW, SWEEP, STRIKES,
          "how-to/16-force-spikes.md"),
-    Rule("E101", "decides", "the spring would leave its seat: least force {value}[ {where}]", in_system(False, lifts),
+    Rule("E101", "decides", "the spring would leave its seat: least force {value}[ {where}]", lifts,
          FORCE, guide="how-to/03-resonance.md"),
-    Rule("K103", "decides", "no coil strikes another: at most {value} on the retainer[ {at}]", in_system(False, quiet),
+    Rule("K103", "decides", "no coil strikes another: at most {value} on the retainer[ {at}]", quiet,
          CLASH, step=SWEEP, mark="ok", unless=("K101", "E101")),
     Rule("K104", "decides", "{value} at most[ {at}]; clash of coils is not computed",
-         in_system(False, unknown_coils), step="[valvetrain run {case} --spring {better}]", mark="warn",
+         unknown_coils, step="[valvetrain run {case} --spring {better}]", mark="warn",
          unless=("K10", "E101")),
+)  # fmt: skip
+RULES = (
     Rule("S101", "warns", "{value} of shear, above the {limit} its wire may bear at rest[ {where}]",
          above("open_uncorrected_shear_stress", "permitted_shear_stress", springs=True),
          (*STRESS, "open_uncorrected_shear_stress"), remark="above its static limit", guide="how-to/17-life.md"),
@@ -170,8 +162,6 @@ RULES = (
          above("peak_shear_stress", "wire_tensile_strength", springs=True), STRESS, remark="no wire bears it"),
     Rule("B102", "warns", "only {value} left to coil bind[, {spring} spring][ {at}]",
          below("coil_bind_clearance", NEAR, springs=True), BIND, remark="close", guide="how-to/05-coil-bind.md"),
-    Rule("K102", "warns", STRIKE, in_system(True, strikes), CLASH, BLOW, remark=STRIKES,
-         guide="how-to/16-force-spikes.md"),
     Rule("K110", "warns", "the peak on the seat is a spike[ {at}][, {value} high]; below 10 kHz it is {smooth}", spike, FORCE[:1],
          remark="below 10 kHz; a spike above", guide="how-to/16-force-spikes.md"),
     Rule("G101", "warns", "surge of {value}[ {at}][ of the {left} that the spring has to spare]", large_surge, SURGE,
@@ -181,4 +171,7 @@ RULES = (
     Rule("K120", "notes", "coils rest on each other at lift ({pairs}), which is no blow", resting, ("clash_count",)),
     Rule("K121", "notes", "coils meet lightly[, at most {value}][ {at}]", touches, CLASH, remark="light touches",
          mark="ok", unless=("K101", "K102")),
+)  # fmt: skip
+OF_TRAIN = (
+    Rule("K102", "warns", STRIKE, strikes, CLASH, BLOW, remark=STRIKES, guide="how-to/16-force-spikes.md"),
 )  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
@@ -102,7 +102,7 @@ def _loses(facts: Facts, run: Solution) -> str:
 
 def _votes(facts: Facts) -> tuple[list[Solution], list[Solution]]:
     """Models that keep contact at the speed that decides, and those that lose it; a massless spring has no vote."""
-    models = [run for run in facts.models if facts.train and run.model != MASSLESS]
+    models = [run for run in facts.models if run.model != MASSLESS]
     lost = [run for run in models if facts.losses(run)]
     return [run for run in models if run not in lost], lost
 
@@ -132,7 +132,7 @@ def _agree(facts: Facts, little: bool) -> Iterator[Hit]:
             yield Hit(least, None, 0.0, _range(facts, held, least, most) | {"rigid": rigid or ""})
 
 
-def _range(facts: Facts, runs: list[Solution], least: Amount, most: Amount) -> dict[str, Said]:
+def _range(facts: Facts, runs: Sequence[Solution], least: Amount, most: Amount) -> dict[str, Said]:
     """Both ends of a range over models, with the number of the model that decides."""
     own = facts.amount(runs[0], least.name)
     return {
@@ -163,10 +163,9 @@ def all_lose(facts: Facts) -> Iterator[Hit]:
 
 def peaks(facts: Facts) -> Iterator[Hit]:
     """The range of the peak force that a spring alone has by the models of a comparison, and which one decides."""
-    runs = [run for run in facts.models if not facts.train and facts.study.command == "compare"]
-    known = [
-        one for run in runs if (one := facts.amount(run, "peak_retainer_force")) and one.resolved
-    ]
+    runs = () if facts.train else facts.models
+    amounts = (facts.amount(run, "peak_retainer_force") for run in runs)
+    known = [one for one in amounts if one and one.resolved]
     if len(known) > 1:
         least, most = (way(known, key=lambda one: one.value) for way in (min, max))
         yield Hit(most, None, None, _range(facts, runs, least, most))
@@ -175,7 +174,7 @@ def peaks(facts: Facts) -> Iterator[Hit]:
 def other_models(facts: Facts) -> Iterator[Hit]:
     """What the other models say of the same train."""
     own, said = {run.model for run in facts.runs}, list[Said]()
-    for run in facts.models if facts.train else ():
+    for run in facts.models:
         does = _loses(facts, run)
         left = facts.amount(run, CONTACT[0])
         if run.model not in own and (does or left):
@@ -186,7 +185,7 @@ def other_models(facts: Facts) -> Iterator[Hit]:
 
 def spread(facts: Facts) -> Iterator[Hit]:
     """Another model of a spring alone, next to the one that decides."""
-    for run in facts.others if not facts.train else ():
+    for run in facts.others:
         for mine in facts.runs:
             peaks = [facts.amount(one, "peak_retainer_force") for one in (run, mine)]
             if mine.engine_speed == run.engine_speed and peaks[0] and peaks[1]:
@@ -199,8 +198,7 @@ def spread(facts: Facts) -> Iterator[Hit]:
 
 def _lost(facts: Facts) -> list[Solution]:
     """Revolutions of a run-up in which control is lost, in their order of speed."""
-    runs = facts.runs if facts.run_up else ()
-    return [run for run in runs if _without_contact(facts, run) > 0]
+    return [run for run in facts.runs if _without_contact(facts, run) > 0]
 
 
 def _without_contact(facts: Facts, run: Solution) -> float:
@@ -224,7 +222,7 @@ def loses_running_up(facts: Facts) -> Iterator[Hit]:
 
 def kept_running_up(facts: Facts) -> Iterator[Hit]:
     """A run-up in which the cam is never left."""
-    if facts.run_up and facts.runs and not _lost(facts):
+    if facts.runs and not _lost(facts):
         least = min(
             facts.amounts(CONTACT[0]),
             key=lambda pair: pair[0].value,
@@ -243,11 +241,15 @@ FIRST = (
     Rule("R101", "decides", "nothing to judge: the run {did}[ {at}]", nothing, step="[{message}: ][{remedy}]"),
     Rule("R100", "decides", "nothing moves: the case names no engine speed", at_rest, mark="",
          step="valvetrain static {case}"),
+)  # fmt: skip
+RUN_UP = (
     Rule("U101", "decides", "loses the cam from {speed} on[, {short} short of the red line]",
          loses_running_up, (*CONTACT, "float_excess_lift"), "[at most {gap} off the cam][, {label}]", "valvetrain sweep {case}", "[from {speed}]",
          "how-to/02-power-drops.md"),
     Rule("U102", "decides", "in control up to {speed}", kept_running_up, CONTACT,
          "[at least {least} on the cam][, at {there}]", "valvetrain sweep {case}", mark="ok"),
+)  # fmt: skip
+MODELS = (
     Rule("M101", "decides", "control ends about here: {lost} loses contact at {speed}", disagree, CONTACT[:1],
          "{value} left by {kept}", "valvetrain sweep {case} --spring wave-rod", guide="models.md", mark="warn"),
     Rule("M102", "decides", "in control by {count} models: {least..most} left on the cam at {speed}", all_hold, CONTACT[:1],
@@ -256,11 +258,13 @@ FIRST = (
          CONTACT[:1], DECIDES, SWEEP, guide="models.md", mark="warn"),
     Rule("M104", "decides", "contact is lost by {count} models at {speed}: {least..most} open", all_lose, CONTACT,
          "{lead} decides[: {cause}]", SWEEP, guide="models.md"),
+)  # fmt: skip
+PEAKS = (
     Rule("M105", "decides", "{least..most} at most on the retainer at {speed}, by {count} models", peaks, ("peak_retainer_force",),
          DECIDES, SWEEP, guide="models.md", mark=""),
 )  # fmt: skip
 
-LAST = (
+ENDS = (
     Rule("R102", "warns", "a run {did} {at}", ended, step="[{remedy}]", unless=("R101",)),
     Rule("R103", "warns", "stopped before its end: {said}", stopped),
     Rule("R110", "warns", "the motion does not repeat[ {where}]: cycles differ", unsettled),
@@ -268,8 +272,10 @@ LAST = (
          ("minimum_spring_force",), step="valvetrain run {case} --spring wave-rod", remark="ends would lift", unless=("W114",)),
     Rule("R121", "warns", "doubtful at {speed}: coils clash too hard for the reduced rod", too_hard,
          step="valvetrain run {case} --spring finite-element"),
-    Rule("M110", "notes", "other models: {said}", other_models),
-    Rule("M111", "notes", "the {model} model says {value}[ {at}] where {lead} has {best}", spread),
+)  # fmt: skip
+OTHERS = (Rule("M110", "notes", "other models: {said}", other_models),)
+SPREAD = (Rule("M111", "notes", "the {model} model says {value}[ {at}] where {lead} has {best}", spread),)  # fmt: skip
+LAST = (
     Rule("R130", "notes", "unsure by more than 5 % on other meshes: {first}[{more}]", unsure, guide="uncertainty.md"),
     Rule("R140", "notes", "not computed: {said}", missing),
 )  # fmt: skip

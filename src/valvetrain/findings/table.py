@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+
 from valvetrain.errors import UnknownNameError
 from valvetrain.findings.engine import Findings, Rule, judge
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.words import Words
-from valvetrain.registry import find as registered
-from valvetrain.registry import names
+from valvetrain.registry import members
 from valvetrain.solution.study import Study
 
-#: Version of the table, which stored findings carry; it rises with every change of a code or a threshold.
-VERSION = 1
 LEVELS = {
     "decides": "decides the verdict", "warns": "warns", "notes": "notes",
 }  # fmt: skip
 
 
-def rules() -> tuple[Rule, ...]:
+def rules(kinds: Container[str] | None = None) -> tuple[Rule, ...]:
     """All rules by importance: the tables that the registry lists (kind ``rules``), those of packages last.
+
+    Parameters
+    ----------
+    kinds : what a study is (:attr:`Facts.kinds`), of which rules shall speak; None: every rule
 
     Returns
     -------
@@ -33,13 +36,12 @@ def rules() -> tuple[Rule, ...]:
     >>> any(rule.code == "C101" for rule in rules())
     True
     """
-    return tuple(rule for name in names("rules") for rule in registered("rules", name))
+    return tuple(rule for _, table in members("rules", kinds) for rule in table)
 
 
 def every_rule() -> tuple[Rule, ...]:
     """The rules on studies, then those on every other kind of result."""
-    others = (rule for name in names("other_rules") for rule in registered("other_rules", name))
-    return (*rules(), *others)
+    return (*rules(), *(rule for _, table in members("other_rules") for rule in table))
 
 
 def findings_of(study: Study, words: Words | None = None) -> Findings:
@@ -65,7 +67,8 @@ def findings_of(study: Study, words: Words | None = None) -> Findings:
     >>> found.verdict.code, found.verdict.mark
     ('K104', 'warn')
     """
-    return judge(Facts(study), rules(), words or Words())
+    facts = Facts(study)
+    return judge(facts, rules(facts.kinds), words or Words())
 
 
 def rule_of(code: str) -> Rule:

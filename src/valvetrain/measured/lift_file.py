@@ -389,7 +389,8 @@ def _oriented(
         angles, lifts = -angles[::-1], lifts[::-1]
     zero = known.answer("zero")
     if zero == "nose":
-        angles = angles - _nose(angles, lifts)
+        high = np.flatnonzero(lifts >= 0.9 * lifts.max())  # whose middle noise moves least
+        angles = angles - float((angles[high[0]] + angles[high[-1]]) / 2)
     zero_text = "at the nose of the lobe" if zero == "nose" else "as in the file"
     known.answer("angle_of"), known.answer("lift_of")
     order = ("lift_of", "lift_unit", "angle_of", "angle_unit", "zero", "direction")
@@ -403,9 +404,3 @@ def _oriented(
         zero_text,
         answers,
     )
-
-
-def _nose(angles: Array, lifts: Array) -> float:
-    """Angle midway between the flanks at 90 % of the largest lift, which noise moves least."""
-    high = np.flatnonzero(lifts >= 0.9 * lifts.max())
-    return float((angles[high[0]] + angles[high[-1]]) / 2)

@@ -123,7 +123,12 @@ def column_separator(lines: list[str]) -> str:
     ):
         if 2 * sum(re.search(pattern, line) is not None for line in sample) > len(sample):
             return mark
-    if any("," in line for line in sample) and not _decimal_commas_alone(sample):
+    alone = all(
+        line.count(",") <= 1 and "." not in line for line in sample
+    )  # decimal commas of one column
+    if any("," in line for line in sample) and not (
+        alone and any("," not in line for line in sample)
+    ):
         return ","
     return r"[;\t|]"
 
@@ -138,13 +143,6 @@ def _row(separator: str, line: str, number: int, name: str) -> list[float]:
         raise InputError(
             f"line {number} of {name} is not separated as the others are: '{line[:40]}'; make the rows alike"
         ) from error
-
-
-def _decimal_commas_alone(sample: list[str]) -> bool:
-    """One column of numbers with decimal commas: at most one comma a line and no point anywhere."""
-    return all(line.count(",") <= 1 and "." not in line for line in sample) and any(
-        "," not in line for line in sample
-    )
 
 
 def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -13,7 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.mechanism.lumped import build_lumped, build_single_mass
 from valvetrain.mechanism.parts import AssembledMechanism, Interaction
 from valvetrain.mechanism.sliding import SLIDING_KINDS
-from valvetrain.parameters.train import ContactParameters, TrainParameters
+from valvetrain.parameters.train import TrainParameters
 from valvetrain.registry import find
 
 #: ``(train, lift law, contact law by place, what the lift is of)`` -> the planar mechanism.
@@ -76,7 +76,11 @@ def build_mechanism(
             f"a {train.kind} train needs a contact law for {_listed(missing)}, and has {has}; {remedy}",
             "train.contacts",
         )
-    laws = {place: _contact_law(train.contact(place)) for place in places}
+    laws = {}
+    for place in places:
+        one = train.contact(place)
+        units = {"stiffness_exponent": one.stiffness_exponent, "damping_unit": one.damping_unit}
+        laws[place] = build_contact_law(one.law, **{**one.values, **units})
     planar = spec.build(train, law, laws, lift_of)
     if planar.cam is None:
         raise InputError(f"the mechanism of a {train.kind} train has no contact that follows a cam")
@@ -100,11 +104,6 @@ def build_mechanism(
 def _listed(places: Sequence[str]) -> str:
     quoted = [f"'{place}'" for place in places]
     return f"{', '.join(quoted[:-1])} and {quoted[-1]}" if len(quoted) > 1 else quoted[0]
-
-
-def _contact_law(contact: ContactParameters) -> ContactLaw:
-    units = {"stiffness_exponent": contact.stiffness_exponent, "damping_unit": contact.damping_unit}
-    return build_contact_law(contact.law, **{**contact.values, **units})
 
 
 def _with_friction(

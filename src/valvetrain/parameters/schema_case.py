@@ -40,13 +40,6 @@ from valvetrain.solution.provenance import PublishedValue, Role
 from valvetrain.units import dimension_of, parse_quantity, si, si_speeds
 
 
-def dimension_of_quantity(name: str) -> str | None:
-    """Dimension (see `valvetrain.units`) of a quantity by the table of quantities; None where its
-    name promises none.
-    """
-    return definition_of(name).dimension or None
-
-
 class ValueModel(StrictModel):
     """One number, with how firmly it is stated, how near a computed one should be, and what it was
     used for.
@@ -65,7 +58,7 @@ class ValueModel(StrictModel):
         """SI value, the unit it was written in and the SI tolerance (given in percent or in the
         same dimension).
         """
-        dimension = dimension_of_quantity(quantity)
+        dimension = definition_of(quantity).dimension or None
         value = guarded(parse_quantity, self.value, dimension, path=("value",))
         unit = str(self.value).strip().lstrip("+-0123456789.").strip()
         if unit[:1] in "eE" and unit[1:2] in tuple("+-0123456789"):

@@ -151,9 +151,6 @@ def written_for(raw: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-ContactField = Annotated[ContactParameters, PlainValidator(_read_contact)]
-
-
 def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
     """Contacts by place; the word alone, or of the place ``others``, applies to every place not
     named (stored under ''), and to tables that give friction and no law.

@@ -404,7 +404,9 @@ class SpringDefinition:
         counted).
         """
         coil = np.linspace(0.0, self.total_coils, 64 * int(np.ceil(self.total_coils)) + 1)
-        height = self._solid_axis(coil)
+        rise = self.solid_rise(coil)
+        steps = np.diff(coil) * (rise[1:] + rise[:-1]) / 2
+        height = np.concatenate(([0.0], np.cumsum(steps)))
         lower, upper = self.lower_end.ground_coils, self.total_coils - self.upper_end.ground_coils
         wire = (self.wire_diameter.value(lower) + self.wire_diameter.value(upper)) / 2
         return float(np.interp(upper, coil, height) - np.interp(lower, coil, height) + wire)
@@ -434,7 +436,3 @@ class SpringDefinition:
         rise = np.sqrt(np.maximum(wire**2 - (high - low) ** 2, 0.0))
         found: Array = np.minimum(rise, np.maximum(self.pitch.value(coil), 0.0))
         return found
-
-    def _solid_axis(self, coil: Array) -> Array:
-        rise = self.solid_rise(coil)
-        return np.concatenate(([0.0], np.cumsum(np.diff(coil) * (rise[1:] + rise[:-1]) / 2)))

@@ -232,7 +232,8 @@ def number(value: float | None, digits: int = 4) -> str:
         return "0"
     if size >= 1e6 or size < 1e-4:
         mantissa, power = f"{value:.{max(digits - 2, 1)}e}".split("e")
-        return _scientific(mantissa, int(power))
+        raised = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+        return f"{mantissa.rstrip('0').rstrip('.')}·10{raised}".replace("-", "−")
     decimals = max(0, digits - 1 - math.floor(math.log10(size)))
     text = f"{value:.{min(decimals, 6)}f}"
     if "." in text:
@@ -262,8 +263,3 @@ def percent(share: float) -> str:
 def unit_text(unit: str) -> str:
     """A unit as printed: ``mm/s^2`` -> ``mm/s²``, ``us`` -> ``µs``, ``um`` -> ``µm``."""
     return unit.replace("^2", "²").replace("^3", "³").replace("us", "µs").replace("um", "µm")
-
-
-def _scientific(mantissa: str, power: int) -> str:
-    raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa.rstrip('0').rstrip('.')}·10{raised}".replace("-", "−")

@@ -244,16 +244,23 @@ def main_clash_quantities(cycle: Cycle, window: ClashWindow) -> dict[str, float]
     inside = np.flatnonzero((force.cam_angle >= window.first) & (force.cam_angle <= window.last))
     if len(inside) < 5:
         return {}
-    found = {
-        "main_clash_peak_force": max(
-            float(np.max(force.raw[inside])), _on_every_step(cycle, window)
-        )
-    }
-    found["main_clash_below_5_khz_peak_force"] = float(np.max(force.height[inside]))
+    every, values = extreme_series(cycle.solution, "seat_force", "highest")
+    mine, begin = within_cycle(cycle, every)
+    on_steps = values[mine][_within(every[mine] - begin, window)]
     angle = _vertex(force.cam_angle, force.filtered, inside)
-    impulse = _impulse(force, angle, IMPULSE_SHARE / window.surge_frequency)
-    found |= {"main_clash_cam_angle": angle % TURN, "main_clash_impulse": impulse}
-    return found
+    above, reach = force.raw - force.base, IMPULSE_SHARE / window.surge_frequency
+    trapezes = 0.5 * (above[1:] + above[:-1]) * np.diff(force.time)
+    summed = np.concatenate(([0.0], np.cumsum(trapezes)))
+    centre = float(np.interp(angle, force.cam_angle, force.time))
+    first, last = np.interp([centre - reach, centre + reach], force.time, summed)
+    return {
+        "main_clash_peak_force": max(
+            float(np.max(force.raw[inside])), float(np.max(on_steps, initial=-np.inf))
+        ),
+        "main_clash_below_5_khz_peak_force": float(np.max(force.height[inside])),
+        "main_clash_cam_angle": angle % TURN,
+        "main_clash_impulse": float(last - first),
+    }
 
 
 def _force(cycle: Cycle, surge_frequency: float, end_of_event: float) -> _Force | None:
@@ -283,14 +290,6 @@ def _force(cycle: Cycle, surge_frequency: float, end_of_event: float) -> _Force 
     return _Force(at, turned, raw[order], filtered[order], height[order], base)
 
 
-def _on_every_step(cycle: Cycle, window: ClashWindow) -> float:
-    """Largest seat force (N) of every step within ``window``."""
-    angle, values = extreme_series(cycle.solution, "seat_force", "highest")
-    mine, begin = within_cycle(cycle, angle)
-    inside = _within(angle[mine] - begin, window)
-    return float(np.max(values[mine][inside], initial=-np.inf))
-
-
 def _vertex(angle: Array, values: Array, inside: Index) -> float:
     """Angle of the largest value: vertex of the parabola through it and three neighbours to either
     side.
@@ -302,15 +301,3 @@ def _vertex(angle: Array, values: Array, inside: Index) -> float:
     if not fit[0] < 0:
         return float(angle[top])
     return float(angle[top] + np.clip(-fit[1] / (2 * fit[0]), place[0], place[-1]))
-
-
-def _impulse(force: _Force, place: float, reach: float) -> float:
-    """Integral of the raw force above its base over ``reach`` (s) either side of cam angle ``place``
-    (rad).
-    """
-    steps = np.diff(force.time)
-    above = force.raw - force.base
-    summed = np.concatenate(([0.0], np.cumsum(0.5 * (above[1:] + above[:-1]) * steps)))
-    centre = float(np.interp(place, force.cam_angle, force.time))
-    first, last = np.interp([centre - reach, centre + reach], force.time, summed)
-    return float(last - first)

@@ -35,7 +35,6 @@ from valvetrain.solution.definition import computed_rows
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
-from valvetrain.solution.study import LiftEvent
 
 #: Channels of rigid theory that are added to a train's run -> SI unit and words.
 RIGID_CHANNELS = {
@@ -138,15 +137,11 @@ def _whole_cycle(
         and frame.lift_event is not None
         and solution.has("seat_force", "valve_lift")
     ):
-        found |= gaps.part(
-            "main clash", {}, _main_clash, cycle, frame.surge_frequency, frame.lift_event
-        )
+        search = cycle, frame.surge_frequency, frame.lift_event
+        window = gaps.part("main clash", None, find_clash_window, *search)
+        if window is not None:
+            found |= gaps.part("main clash", {}, main_clash_quantities, cycle, window)
     return found
-
-
-def _main_clash(cycle: Cycle, surge_frequency: float, lift_event: LiftEvent) -> dict[str, float]:
-    window = find_clash_window(cycle, surge_frequency, lift_event)
-    return main_clash_quantities(cycle, window) if window is not None else {}
 
 
 def _with_rigid(solution: Solution, frame: Frame) -> Solution:

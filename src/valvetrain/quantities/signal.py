@@ -63,24 +63,18 @@ def filtered_force(
     """
     try:
         if solution.has(f"{channel}_fine"):
-            return _filtered_substeps(solution, cutoff_frequency, f"{channel}_fine")
+            # the last sample has no substeps after it; its row repeats the end value and takes no part
+            fine = solution.channel(f"{channel}_fine")
+            interval = float(solution.time[1] - solution.time[0]) / fine.shape[1]
+            series = fine[:-1].ravel()
+            filtered = low_pass(interval * np.arange(len(series)), series, cutoff_frequency)
+            rows = filtered.reshape(-1, fine.shape[1])
+            return np.append(rows.max(axis=1), rows[-1, -1])
         return low_pass(
             solution.time, solution.channel(channel), cutoff_frequency, is_closed(solution)
         )
     except InputError:
         return None
-
-
-def _filtered_substeps(solution: Solution, cutoff_frequency: float, channel: str) -> Array:
-    fine = solution.channel(channel)
-    count = fine.shape[1]
-    interval = float(solution.time[1] - solution.time[0]) / count
-    # The last sample has no substeps after it; its row repeats the end value and takes no part.
-    series = fine[:-1].ravel()
-    filtered = low_pass(interval * np.arange(len(series)), series, cutoff_frequency).reshape(
-        -1, count
-    )
-    return np.append(filtered.max(axis=1), filtered[-1, -1])
 
 
 def fine_series(

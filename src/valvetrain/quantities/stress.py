@@ -102,11 +102,19 @@ def _nominal(cycle: Cycle, spring: InstalledSpring) -> dict[str, float]:
     at = np.array([spring.precompression, spring.precompression + lift])
     closed, opened = static_curve(reduction_chain(spring.wire), at)[0].tolist()
     factor, opened = nominal_stress_per_force(spring.wire), min(opened, solid_force(spring.wire))
-    return {
+    found = {
         "open_nominal_shear_stress": factor * opened,
         "closed_nominal_shear_stress": factor * closed,
         UNCORRECTED: uncorrected_stress_per_force(spring.wire) * opened,
-    } | _strength(spring.wire)
+    }
+    coils = np.linspace(0.0, spring.wire.total_coils, 201)
+    thickest = float(np.max(spring.wire.wire_diameter.value(coils)))
+    strength = tensile_strength(spring.wire.material, thickest)
+    if strength is not None:
+        found |= {
+            "wire_tensile_strength": strength, "permitted_shear_stress": PERMITTED_SHEAR * strength,
+        }  # fmt: skip
+    return found
 
 
 def most_force_of_wire(spring: InstalledSpring) -> float:
@@ -121,18 +129,6 @@ def most_force_of_wire(spring: InstalledSpring) -> float:
 def solid_force(wire: SpringDefinition) -> float:
     """Force (N) that closes the last coil of a wire."""
     return solid_quantities(wire)["solid_force"]
-
-
-def _strength(wire: SpringDefinition) -> dict[str, float]:
-    """Least tensile strength and permitted shear (Pa) of the thickest wire; empty where unknown."""
-    coils = np.linspace(0.0, wire.total_coils, 201)
-    strength = tensile_strength(wire.material, float(np.max(wire.wire_diameter.value(coils))))
-    if strength is None:
-        return {}
-    return {
-        "wire_tensile_strength": strength,
-        "permitted_shear_stress": PERMITTED_SHEAR * strength,
-    }
 
 
 def _traces(

@@ -21,7 +21,7 @@ from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.quantity import unit_of
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, named
-from valvetrain.solution.status import Event, Status
+from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 
 if TYPE_CHECKING:
@@ -62,13 +62,10 @@ def status_object(status: Status) -> dict[str, Any]:
     return {"code": status.code, "time": measured(status.time, "s"), **label}
 
 
-def comparison_object(row: Comparison) -> dict[str, Any]:
-    """Computed and published value of one comparison."""
+def _comparison_object(row: Comparison) -> dict[str, Any]:
     unit = unit_of(row.quantity)
-    values = {
-        name: getattr(row, name)
-        for name in ("published", "computed", "difference", "tolerance", "blind")
-    }
+    names = ("published", "computed", "difference", "tolerance", "blind")
+    values = {name: getattr(row, name) for name in names}
     return {
         "quantity": row.quantity,
         "engine_speed": engine_speed_object(row.engine_speed),
@@ -159,7 +156,7 @@ def study_json(study: Study) -> dict[str, Any]:
         ),
         "runs": [_run_object(run) for run in study.solutions],
         "critical_speeds": [_critical_object(one) for one in study.critical_speeds],
-        "comparisons": [comparison_object(row) for row in study.comparisons],
+        "comparisons": [_comparison_object(row) for row in study.comparisons],
         "findings": [
             {name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")}
             for one in study.findings
@@ -227,16 +224,20 @@ def _train_object(modes: TrainModes) -> dict[str, Any]:
     }
 
 
-def _passed(run: Solution) -> dict[str, Any]:
-    """The limits that a run passes, by quantity; nothing where it passes none."""
-    found = {
+def _run_object(run: Solution) -> dict[str, Any]:
+    passed = {
         name: {**quantities_object({name: one.limit})[name], "reason": one.reason}
         for name, one in passed_limits(run.quantities).items()
     }
-    return {"passed_limits": found} if found else {}
-
-
-def _run_object(run: Solution) -> dict[str, Any]:
+    clashes = sum(event.kind == "clash" for event in run.events)
+    events = [
+        {
+            "kind": event.kind, "where": event.where, "cam_angle": measured(event.cam_angle, "rad"), "time": measured(event.time, "s"),
+            "duration": measured(event.duration, "s"), "size": measured(event.size, event.unit),
+            "details": {name: _with_unit(name, value) for name, value in event.details.items()},
+        }
+        for event in run.events
+    ]  # fmt: skip
     return {
         "label": run.label,
         "model": run.model,
@@ -244,30 +245,14 @@ def _run_object(run: Solution) -> dict[str, Any]:
         "engine_speed": engine_speed_object(run.engine_speed),
         "status": status_object(run.status),
         "quantities": quantities_object(run.quantities),
-        **_passed(run),
-        "clash_count": measured(
-            run.quantities.get("clash_count", sum(event.kind == "clash" for event in run.events)),
-            "1",
-        ),
-        "events": [_event_object(event) for event in run.events],
+        **({"passed_limits": passed} if passed else {}),
+        "clash_count": measured(run.quantities.get("clash_count", clashes), "1"),
+        "events": events,
         "options": {
             name: _with_unit(name, value) for name, value in run.provenance.options.items()
         },
         "statistics": {name: _with_unit(name, value) for name, value in run.statistics.items()},
     } | ({"gaps": list(run.gaps)} if run.gaps else {})
-
-
-def _event_object(event: Event) -> dict[str, Any]:
-    details = {name: _with_unit(name, value) for name, value in event.details.items()}
-    return {
-        "kind": event.kind,
-        "where": event.where,
-        "cam_angle": measured(event.cam_angle, "rad"),
-        "time": measured(event.time, "s"),
-        "duration": measured(event.duration, "s"),
-        "size": measured(event.size, event.unit),
-        "details": details,
-    }
 
 
 def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
@@ -382,21 +367,12 @@ def _rest_object(one: SpringAtRest) -> dict[str, Any]:
 
 
 def _with_unit(name: str, value: object) -> Any:
-    """A number with the unit of its name (``1`` for counts and ratios); text and booleans
-    unchanged.
-    """
+    """A number with the SI unit of its name (``1`` for counts and shares); text and booleans unchanged."""
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return value
-    return measured(value, unit_of_number(name))
-
-
-def unit_of_number(name: str) -> str:
-    """SI unit of an option, a statistic or a detail of an event by its name; ``1`` for counts and
-    shares.
-    """
     try:
-        return _UNITS.get(name) or unit_of(name)
+        return measured(value, _UNITS.get(name) or unit_of(name))
     except InputError:
-        return "1"
+        return measured(value, "1")

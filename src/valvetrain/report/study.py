@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -88,9 +87,9 @@ def write_parts(
     nothing: tuple[Path | None, tuple[Path, ...]] = (None, ())
     data: list[Path] = []
 
-    def write(name: str, function: Callable[..., Path], *given: Any) -> None:
-        found = gaps.part(f"file '{name}' could not be written", None, function, *given)
-        data.extend([found] if found is not None else [])
+    def write(name: str, make: Callable[..., Path]) -> None:
+        path = gaps.part(f"file '{name}' could not be written", None, make, target / name)
+        data.extend([path] if path is not None else [])
 
     try:
         target.mkdir(parents=True, exist_ok=True)
@@ -101,23 +100,26 @@ def write_parts(
     for run in study.solutions:
         if run.arrays.variables and len(run.time):
             stem = names.free(f"{run.label}-{rpm(run.engine_speed):.10g}rpm")
-            write(f"{stem}.nc", _named, run, target / f"{stem}.nc", written_before)
+            before = written_before(run)  # the file as it came only takes its name
+            write(f"{stem}.nc", before.replace if before else partial(save_netcdf, run))
             write(
                 f"{stem}.csv",
-                lambda run, path: save_csv(at_wire_points(run, CSV_SPACING), path),
-                run,
-                target / f"{stem}.csv",
+                lambda path, run=run: save_csv(at_wire_points(run, CSV_SPACING), path),
             )
-    _write_rest(study, target, names, write)
+    for one in study.rest:
+        whose = f"{one.spring}-{one.model}"
+        if one.curve is not None:
+            stem = names.free(f"static-{whose}")
+            write(f"{stem}.nc", partial(save_static_curve, one.curve, provenance=study.provenance))
+            write(f"{stem}.csv", lambda path, one=one: write_text(path, static_table(one, one.curve).csv()))  # fmt: skip
+        if one.modes is not None:
+            stem = names.free(f"modes-{whose}")
+            write(f"{stem}.nc", partial(save_modal_result, one.modes, provenance=study.provenance))
+            write(f"{stem}.csv", lambda path, one=one: write_text(path, frequency_table(one.modes).csv()))  # fmt: skip
     for name, build in _tables(study, names).items():
         content = gaps.part(f"table '{name}'", None, build)
         if content is not None and len(content):
-            write(
-                f"{name}.csv",
-                lambda content, path: write_text(path, content.csv()),
-                content,
-                target / f"{name}.csv",
-            )
+            write(f"{name}.csv", lambda path, content=content: write_text(path, content.csv()))
     written: Path | None = None
     pictures: tuple[Path, ...] = ()
     if page:
@@ -131,15 +133,6 @@ def write_parts(
         (*data, *pictures, *((written,) if written else ())),
     )
     return StudyFiles(target, written, tuple(data), pictures, gaps.sentences)
-
-
-def _named(run: Solution, path: Path, written_before: Callable[[Solution], Path | None]) -> Path:
-    """A NetCDF file of the run under its name: the one written as it came, where there is one."""
-    before = written_before(run)
-    if before is None:
-        return save_netcdf(run, path)
-    os.replace(before, path)
-    return path
 
 
 def _tables(study: Study, names: FreeNames) -> dict[str, Callable[[], Table]]:
@@ -189,34 +182,6 @@ def at_wire_points(solution: Solution, spacing: float) -> Solution:
     return replace(solution, channels=solution.arrays.at(places)) if places else solution
 
 
-def _write_rest(study: Study, folder: Path, names: FreeNames, write: Callable[..., None]) -> None:
-    """Static curve, modes and mode shapes of every spring at rest, NetCDF and CSV each."""
-    for one in study.rest:
-        whose = f"{one.spring}-{one.model}"
-        if one.curve is not None:
-            stem = names.free(f"static-{whose}")
-            write(
-                f"{stem}.nc", save_static_curve, one.curve, folder / f"{stem}.nc", study.provenance
-            )
-            write(
-                f"{stem}.csv",
-                lambda rest, path: write_text(path, static_table(rest, rest.curve).csv()),
-                one,
-                folder / f"{stem}.csv",
-            )
-        if one.modes is not None:
-            stem = names.free(f"modes-{whose}")
-            write(
-                f"{stem}.nc", save_modal_result, one.modes, folder / f"{stem}.nc", study.provenance
-            )
-            write(
-                f"{stem}.csv",
-                lambda modes, path: write_text(path, frequency_table(modes).csv()),
-                one.modes,
-                folder / f"{stem}.csv",
-            )
-
-
 def static_table(rest: SpringAtRest, curve: StaticCurve) -> Table:
     """``compression`` (mm), ``force`` (N), ``stiffness`` (N/mm), ``closed turns`` (turns of wire lying on the turn
     below); ``height`` (mm), ``nominal shear`` by EN 13906-1 and ``wire shear`` (MPa), each where it is known.
@@ -260,20 +225,23 @@ def quantity_table(study: Study) -> Table:
     """Every named number: ``label``, ``engine speed`` (rpm; empty where none applies), ``quantity``,
     ``value`` and ``unit`` in SI, and both as terminal and page show them (speeds in rpm, angles in deg).
     """
-    items = list(study.quantities.items())
-    speeds = [None if key.engine_speed is None else rpm(key.engine_speed) for key, _ in items]
-    label = {"label": [key.label for key, _ in items], "quantity": [key.name for key, _ in items]}
-    units = [definition_of(key.name).si_unit for key, _ in items]
-    seen = [shown(key.name, float(value)) for key, value in items]
-    return table(
-        ("label", "", np.array(label["label"], dtype=object)),
-        ("engine speed", "rpm", np.array(speeds, dtype=object)),
-        ("quantity", "", np.array(label["quantity"], dtype=object)),
-        ("value", "SI", np.array([float(value) for _, value in items])),
-        ("unit", "", np.array(units, dtype=object)),
-        ("shown value", "", np.array([float(value) for value, _ in seen])),
-        ("shown unit", "", np.array([unit for _, unit in seen], dtype=object)),
-    )
+    rows = [
+        (
+            key.label, None if key.engine_speed is None else rpm(key.engine_speed), key.name, float(value),
+            definition_of(key.name).si_unit, *shown(key.name, float(value)),
+        )
+        for key, value in study.quantities.items()
+    ]  # fmt: skip
+    heads = (
+        ("label", ""), ("engine speed", "rpm"), ("quantity", ""), ("value", "SI"), ("unit", ""), ("shown value", ""), ("shown unit", ""),
+    )  # fmt: skip
+    return _by_row(heads, rows)
+
+
+def _by_row(heads: Sequence[tuple[str, str]], rows: Sequence[tuple[Any, ...]]) -> Table:
+    """A table of rows, under names with units."""
+    cells = [np.array([row[place] for row in rows], dtype=object) for place in range(len(heads))]
+    return table(*((*head, column) for head, column in zip(heads, cells, strict=True)))
 
 
 def event_table(study: Study) -> Table:
@@ -301,12 +269,7 @@ def event_table(study: Study) -> Table:
         ("label", ""), ("engine speed", "rpm"), ("event", ""), ("place", ""), ("cam angle", "deg"), ("duration", "ms"), ("size", ""),
         ("unit", ""), ("lower coil", ""), ("upper coil", ""), ("impulse", "N s"), ("energy", "J"), ("cause", ""),
     )  # fmt: skip
-    return table(
-        *(
-            (name, unit, np.array([row[place] for row in rows], dtype=object))
-            for place, (name, unit) in enumerate(names)
-        )
-    )
+    return _by_row(names, rows)
 
 
 def sweep_table(study: Study, label: str) -> Table:

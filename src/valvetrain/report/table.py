@@ -97,48 +97,27 @@ def quoted(value: Any) -> str:
 
 def comparison_table(rows: Sequence[Comparison]) -> Table:
     """All rows as a table in the units shown, for ``comparison.csv``."""
-
-    def shown(value: float | None, unit: str) -> float | None:
-        return None if value is None else in_unit(value, unit)
-
-    def text_cells(values: list[object]) -> np.ndarray:
-        return np.array(values, dtype=object)
-
+    plain = {
+        "quantity": "quantity", "engine speed": "engine_speed", "given by": "origin", "given": "published", "computed by": "model",
+        "computed": "computed", "blind": "blind", "difference": "difference", "unit": "unit",
+        "relative difference": "relative_difference", "tolerance": "tolerance", "role": "role", "verdict": "verdict",
+        "source": "source", "used for": "used_for", "reading": "reading",
+    }  # fmt: skip
+    sampled = {"low over phases": "low", "high over phases": "high", "share at or above": "share", "phases": "phases"}  # fmt: skip
+    cells = {name: [getattr(row, key) for row in rows] for name, key in plain.items()}
+    cells |= {
+        name: [row.samples and getattr(row.samples, key) for row in rows]
+        for name, key in sampled.items()
+    }
+    cells["engine speed"] = [one if one is None else rpm(one) for one in cells["engine speed"]]
+    for name in ("given", "computed", "blind", "difference", "tolerance", *[*sampled][:2]):
+        cells[name] = [
+            one if one is None else in_unit(one, row.unit)
+            for one, row in zip(cells[name], rows, strict=True)
+        ]
     return table(
-        ("quantity", "", text_cells([row.quantity for row in rows])),
-        (
-            "engine speed",
-            "rpm",
-            text_cells(
-                [None if row.engine_speed is None else rpm(row.engine_speed) for row in rows]
-            ),
-        ),
-        ("given by", "", text_cells([row.origin for row in rows])),
-        ("given", "", text_cells([shown(row.published, row.unit) for row in rows])),
-        ("computed by", "", text_cells([row.model for row in rows])),
-        ("computed", "", text_cells([shown(row.computed, row.unit) for row in rows])),
-        ("blind", "", text_cells([shown(row.blind, row.unit) for row in rows])),
-        ("difference", "", text_cells([shown(row.difference, row.unit) for row in rows])),
-        ("unit", "", text_cells([row.unit for row in rows])),
-        ("relative difference", "", text_cells([row.relative_difference for row in rows])),
-        ("tolerance", "", text_cells([shown(row.tolerance, row.unit) for row in rows])),
-        ("role", "", text_cells([row.role for row in rows])),
-        ("verdict", "", text_cells([row.verdict for row in rows])),
-        ("source", "", text_cells([row.source for row in rows])),
-        ("used for", "", text_cells([row.used_for for row in rows])),
-        ("reading", "", text_cells([row.reading for row in rows])),
         *(
-            (
-                f"{end} over phases",
-                "",
-                text_cells(
-                    [row.samples and shown(getattr(row.samples, end), row.unit) for row in rows]
-                ),
-            )
-            for end in ("low", "high")
-        ),
-        *(
-            (name, "", text_cells([row.samples and getattr(row.samples, end) for row in rows]))
-            for name, end in (("share at or above", "share"), ("phases", "phases"))
-        ),
+            (name, "rpm" if name == "engine speed" else "", np.array(values, dtype=object))
+            for name, values in cells.items()
+        )
     )

@@ -8,7 +8,7 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_toml, read_text
-from valvetrain.runs.saved_runs import SavedRun, check_inputs
+from valvetrain.runs.saved_runs import SavedRun, check_inputs, is_number
 from valvetrain.solution.definition import definition_of, is_defined, label_cut_off
 from valvetrain.solution.force_peak import FORCE_BANDWIDTH, band_text
 
@@ -33,7 +33,7 @@ IDENTIFYING = (
 @dataclass(frozen=True, slots=True)
 class ResultDifference:
     """A ``quantity`` (SI, ``unit``) of a ``run`` (label and speed; empty for none) that differs;
-    None: missing.
+    None: missing. ``bar`` (SI): sum of the error bars that the runs stored of it.
     """
 
     quantity: str
@@ -41,6 +41,7 @@ class ResultDifference:
     unit: str
     a: float | None
     b: float | None
+    bar: float = 0.0
 
     @property
     def difference(self) -> float | None:
@@ -51,6 +52,24 @@ class ResultDifference:
     def relative(self) -> float | None:
         """Difference over the size of A's value; None where that is zero or missing."""
         return None if self.difference is None or not self.a else self.difference / abs(self.a)
+
+
+@dataclass(frozen=True)
+class RunDifferences:
+    """Two saved runs, the ``inputs`` (key path, value of each) and the ``results`` that differ."""
+
+    a: SavedRun
+    b: SavedRun
+    inputs: tuple[tuple[str, Any, Any], ...]
+    results: tuple[ResultDifference, ...]
+
+
+def differences(one: SavedRun, other: SavedRun) -> RunDifferences:
+    """What differs between two saved runs.
+
+    Raises :class:`InputError` as :func:`input_differences` and :func:`result_differences` do.
+    """
+    return RunDifferences(one, other, input_differences(one, other), result_differences(one, other))
 
 
 def input_differences(one: SavedRun, other: SavedRun) -> tuple[tuple[str, Any, Any], ...]:
@@ -97,8 +116,21 @@ def result_differences(one: SavedRun, other: SavedRun) -> tuple[ResultDifference
     for key in dict.fromkeys((*first, *second)):
         (a, unit), (b, other_unit) = first.get(key, (None, "")), second.get(key, (None, ""))
         if a != b:
-            rows.append(ResultDifference(*key, unit or other_unit, a, b))
+            bar = _bar_of(one, *key) + _bar_of(other, *key)
+            rows.append(ResultDifference(*key, unit or other_unit, a, b, bar))
     return tuple(sorted(rows, key=lambda row: (row.difference is None, -abs(row.relative or 0.0))))
+
+
+def _bar_of(run: SavedRun, quantity: str, name: str) -> float:
+    """The error bar (SI) that a run stored of a quantity; 0 for none."""
+    for row in run.answer.get("uncertainties", ()):
+        if isinstance(row, Mapping) and row.get("quantity") == quantity:
+            speed = (row.get("engine_speed") or {}).get("value")
+            place = " at ".join(filter(None, (row.get("label"), speed and f"{speed:g} rpm")))
+            bar: Any = (row.get("numerical_uncertainty") or {}).get("value")
+            if name.endswith(place) and is_number(bar):
+                return float(bar)
+    return 0.0
 
 
 def definitions(force_bandwidth: float) -> dict[str, Any]:
@@ -183,7 +215,7 @@ def _others(
     if len(path) > MAX_DEPTH:
         return
     if isinstance(item, Mapping):
-        if path and _is_number(item.get("value")) and isinstance(item.get("unit"), str):
+        if path and is_number(item.get("value")) and isinstance(item.get("unit"), str):
             yield (path[-1], ", ".join(path[:-1])), (float(item["value"]), item["unit"])
             item = {key: value for key, value in item.items() if key not in ("value", "unit")}
         for key, value in item.items():
@@ -192,7 +224,7 @@ def _others(
     elif isinstance(item, list):
         for name, value in zip(_names_of(item), item, strict=True):
             yield from _others(value, (*path, name))
-    elif _is_number(item) and path:
+    elif is_number(item) and path:
         yield (path[-1], ", ".join(path[:-1])), (float(item), "")
 
 
@@ -209,17 +241,13 @@ def _names_of(items: list[Any]) -> list[str]:
     speeds = [item.get("engine_speed") if isinstance(item, Mapping) else None for item in items]
     numbers = [speed.get("value") if isinstance(speed, Mapping) else None for speed in speeds]
     with_speed = [
-        f"{name} {number:g} rpm".strip() if _is_number(number) else name
+        f"{name} {number:g} rpm".strip() if is_number(number) else name
         for name, number in zip(names, numbers, strict=True)
     ]
     for some in (names, with_speed):
         if len(set(some)) == len(some) and all(some):
             return some
     return [f"{name} {number}".strip() for number, name in enumerate(names, start=1)]
-
-
-def _is_number(item: Any) -> bool:
-    return isinstance(item, (int, float)) and not isinstance(item, bool)
 
 
 def _quantities(

@@ -226,7 +226,13 @@ def _way(problem: Problem, member: Member, rest: Rest, factor: float) -> _Furthe
         other = _as_rod(member)
     by_step = word in BY_STEP or not own
     try:
-        springs = tuple(_finer(other, spring, factor) for spring in other.springs)
+        springs = tuple(divided(other, spring, factor) for spring in other.springs)
+        if other.model.word == MODES:  # no more modes than still oscillate
+            counts = _parts(other, springs)
+            springs = tuple(
+                one.with_options(MODES, modes=oscillating_modes(one, round(count)))
+                for one, count in zip(springs, counts, strict=True)
+            )
         ratios = [
             new / old for new, old in zip(_parts(other, springs), own, strict=True) if new != old
         ]
@@ -261,15 +267,6 @@ def _as_rod(member: Member) -> Member:
         for spring in member.springs
     )
     return replace(member, model=SPEC, springs=springs)
-
-
-def _finer(member: Member, spring: InstalledSpring, factor: float) -> InstalledSpring:
-    """A spring divided otherwise, of modes no more than still oscillate."""
-    found = divided(member, spring, factor)
-    if member.model.word != MODES:
-        return found
-    (count,) = _parts(member, (found,))
-    return found.with_options(MODES, modes=oscillating_modes(found, round(count)))
 
 
 def _parts(member: Member, springs: Sequence[InstalledSpring]) -> list[float]:

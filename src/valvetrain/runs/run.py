@@ -298,13 +298,19 @@ def run_problem(
         created_at=created_at,
         citations=problem.record.citations,
     )
+
+    def facts() -> tuple[Fact, ...]:
+        by_speed = sorted((*solutions, *between), key=lambda run: (run.label, run.engine_speed))
+        extra = between_facts(solutions, between) if between else ()
+        return (*extra, *run_facts(by_speed), *spike_facts(solutions))
+
     study = Study(
         problem.record,
         command,
         solutions,
         springs,
         still,
-        facts=failures.part("facts", (), _of_runs, solutions, between),
+        facts=failures.part("facts", (), facts),
         lift_event=problem.lift_event,
         provenance=provenance,
         wall_time=time.perf_counter() - begun,
@@ -350,7 +356,10 @@ def _completed(study: Study, problem: Problem, failures: PartialFailures) -> Stu
     if not load_uncertainty(
         problem.record
     ):  # a published run is reported next to its measured peaks
-        facts += failures.part("facts", (), _beyond_wire, problem, study.solutions)
+        none: tuple[Fact, ...] = ()
+        facts += failures.part(
+            "facts", none, lambda: tuple(beyond_wire_facts(problem, study.solutions))
+        )
     study = replace(study, facts=facts)
     study = failures.part("published values", study, next_to_published, study, problem)
     return replace(study, gaps=failures.sentences)
@@ -382,15 +391,6 @@ def _shares(progress: Progress) -> tuple[Progress, Callable[[int, int], None]]:
         progress(GRID_SHARE + (1 - GRID_SHARE) * count / total, "critical speeds")
 
     return lambda done, text: progress(GRID_SHARE * done, text), tell
-
-
-def _of_runs(solutions: Sequence[Solution], between: Sequence[Solution]) -> tuple[Fact, ...]:
-    by_speed = sorted((*solutions, *between), key=lambda run: (run.label, run.engine_speed))
-    return (*between_facts(solutions, between), *run_facts(by_speed), *spike_facts(solutions))
-
-
-def _beyond_wire(problem: Problem, solutions: Sequence[Solution]) -> tuple[Fact, ...]:
-    return tuple(beyond_wire_facts(problem, solutions))
 
 
 def next_to_published(study: Study, problem: Problem) -> Study:

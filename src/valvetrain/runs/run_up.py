@@ -15,7 +15,6 @@ from valvetrain.integrate.run_up import turns_of_run_up
 from valvetrain.integrate.train_leapfrog import FINER_STEPS, SAMPLES
 from valvetrain.integrate.train_run import CycleRecord, TrainOptions, runner
 from valvetrain.integrate.train_steady import steady_train
-from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.quantities.forces import bind_clearances
 from valvetrain.quantities.train_numbers import OpenWindow, turn_quantities
@@ -265,22 +264,14 @@ def _revolutions(
         found = []
         for record in turns_of_run_up(ready, last, start):
             values = turn_quantities(ready.system, record, window)
-            values |= bind_clearance(record, ready.system, one.member.springs)
+            highest = float(record.q[:, ready.system.arrays.retainer].max())
+            values |= bind_clearances(one.member.springs, highest)
             values = {} if record.status.code == "out-of-range" else values
             found.append((record, values, each * len(record.q)))
         if found and found[-1][0].status.code != "diverged":
             break
         options = replace(options, step_fraction=options.step_fraction / 3)
     return found
-
-
-def bind_clearance(
-    record: CycleRecord, system: TrainSystem, springs: Sequence[InstalledSpring]
-) -> dict[str, float]:
-    """Least clearance (m) to coil bind at the largest lift of a revolution; none where no spring
-    has one.
-    """
-    return bind_clearances(springs, float(record.q[:, system.arrays.retainer].max()))
 
 
 def _lost(study: Study, label: str) -> dict[str, float]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shlex
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -120,6 +121,21 @@ class SavedRun:
         codes = [status.get("code") for status in statuses if isinstance(status, dict)]
         stopped = any(sentence.startswith("interrupted") for sentence in self.failures)
         return "interrupted" if stopped or "interrupted" in codes else "failed"
+
+    @property
+    def verdict(self) -> Mapping[str, Any]:
+        """The stored finding that decides, with ``code`` and ``text``; empty where none was stored."""
+        found = self.answer.get("findings")
+        first = found[0] if isinstance(found, list) and found else None
+        if isinstance(first, dict) and _is_text(first.get("code")) and _is_text(first.get("text")):
+            return first
+        return {}
+
+    @property
+    def command_line(self) -> str:
+        """The command that made it, for a shell; empty where it was not stored."""
+        words = self.answer.get("command_line")
+        return shlex.join(map(str, words)) if isinstance(words, list) else ""
 
     @property
     def headline(self) -> dict[str, Any] | None:
@@ -373,7 +389,8 @@ def _sum(answer: Mapping[str, Any]) -> str:
     return digest(json.dumps(answer, sort_keys=True).encode())
 
 
-def _is_number(item: Any) -> bool:
+def is_number(item: Any) -> bool:
+    """Whether a value of JSON is a number."""
     return isinstance(item, (int, float)) and not isinstance(item, bool)
 
 
@@ -392,7 +409,7 @@ def _table_of(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
 def _is_measured(item: Any) -> bool:
     if not isinstance(item, dict) or not _is_text(item.get("unit", "")):
         return False
-    return item.get("value") is None or _is_number(item["value"])
+    return item.get("value") is None or is_number(item["value"])
 
 
 def _is_run(item: Any) -> bool:
@@ -407,7 +424,7 @@ def _are_choices(item: Any) -> bool:
     if not isinstance(item, dict):
         return False
     speeds, models = item.get("engine_speeds", []), item.get("spring_models", [])
-    return _are(_is_number)(speeds) and _are(_is_text)(models)
+    return _are(is_number)(speeds) and _are(_is_text)(models)
 
 
 #: Entry of ``run.json`` -> whether a value is of its type.

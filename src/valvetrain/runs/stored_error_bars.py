@@ -67,14 +67,6 @@ def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]
     )
 
 
-def meshes_of(record: CaseRecord) -> tuple[int, ...]:
-    """Elements per coil of the meshes behind :func:`load_uncertainty`; empty where that has no
-    rows.
-    """
-    content = _library_file(record, "uncertainty")
-    return tuple(content.get("case", {}).get("elements_per_coil", ()))
-
-
 def _library_file(record: CaseRecord, ending: str) -> dict[str, Any]:
     """Tables of a file next to a library case; empty without one, and where its digest is not that
     of ``record``.
@@ -127,13 +119,9 @@ def rows_that_hold(
     """Rows of :func:`load_uncertainty` at every engine speed and variant of which ``quantities``
     reproduce all numbers.
     """
-    rows = load_uncertainty(record)
-    computed = {key.name for key in quantities}
-    lost = {
-        (row.engine_speed, row.label)
-        for row in rows
-        if row.quantity in computed and not belongs(row, quantities)
-    }
+    rows, computed = load_uncertainty(record), {key.name for key in quantities}
+    changed = [row for row in rows if row.quantity in computed and not belongs(row, quantities)]
+    lost = {(row.engine_speed, row.label) for row in changed}
     return tuple(row for row in rows if (row.engine_speed, row.label) not in lost)
 
 
@@ -150,15 +138,8 @@ def _row(name: str, label: str, numbers: list[float]) -> Uncertainty:
 
 def _numbers(row: Uncertainty) -> tuple[float, ...]:
     order = math.nan if row.observed_order is None else row.observed_order
-    return (
-        row.value,
-        row.numerical,
-        order,
-        row.extrapolated,
-        row.step_part,
-        *row.contact_stiffness,
-        *row.damping,
-    )
+    first = row.value, row.numerical, order, row.extrapolated, row.step_part
+    return (*first, *row.contact_stiffness, *row.damping)
 
 
 def _rpm(engine_speed: float) -> str:

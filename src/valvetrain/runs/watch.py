@@ -29,7 +29,8 @@ def shows_progress(
     """
 
     def decorate(function: Callable[P, Result]) -> Callable[P, Result]:
-        signature, run = inspect.signature(function), _untyped(function)
+        signature = inspect.signature(function)
+        run: Any = function  # whose arguments are bound again
 
         @wraps(function)
         def call(*arguments: P.args, **options: P.kwargs) -> Result:
@@ -53,10 +54,6 @@ def shows_progress(
         return call
 
     return decorate
-
-
-def _untyped(function: Any) -> Any:
-    return function
 
 
 def _counting(report: Callable[[float, str], None]) -> Callable[[int, int], None]:

@@ -47,7 +47,8 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         ) from error
     try:
         yield temporary
-        os.chmod(temporary, _default_mode())
+        os.umask(mask := os.umask(0))
+        os.chmod(temporary, 0o666 & ~mask)  # mkstemp makes files private to their owner
         os.replace(temporary, target)
     except BaseException:
         temporary.unlink(missing_ok=True)
@@ -162,13 +163,6 @@ def _locked_file(target: Path) -> tuple[int, Path]:
 
 
 _sweep_once = cache(remove_abandoned)
-
-
-def _default_mode() -> int:
-    """The mode a plain ``open`` would give; mkstemp makes files private to their owner."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask
 
 
 _MARK, _HEX = b"# blake2b ", 32

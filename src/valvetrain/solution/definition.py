@@ -141,7 +141,9 @@ def row(
         raise InputError(
             f"quantity '{name}' has the unknown use '{unknown[0]}'; use {', '.join(get_args(Use))}"
         )
-    default = _by_last_word(name)
+    parts = name.split("_")
+    last = parts[-2] if parts[-1] == "range" and len(parts) > 1 else parts[-1]
+    default = BY_LAST_WORD.get(last, ("", ""))
     return QuantityRow(
         name, dimension or default[0], default[1] if shown_unit is None else shown_unit, label, definition, sense, systems, topic, uses,
         answered_as, compute, remark, physical,
@@ -384,9 +386,3 @@ def pattern_of(template: str) -> re.Pattern[str]:
     )
     fixed = map(re.escape, places[::2])
     return re.compile("".join(text + next(text_of, "") for text in fixed))
-
-
-def _by_last_word(name: str) -> tuple[str, str]:
-    parts = name.split("_")
-    last = parts[-2] if parts[-1] == "range" and len(parts) > 1 else parts[-1]
-    return BY_LAST_WORD.get(last, ("", ""))

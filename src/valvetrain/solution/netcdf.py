@@ -37,7 +37,13 @@ def write_arrays(target: Path | BinaryIO, arrays: ChannelArrays, texts: Mapping[
     import h5py
 
     variables = {**arrays.variables, **arrays.coords}
-    on_variables, on_file = _coordinate_attributes(arrays)
+    plain = {name: set(one.dims) for name, one in arrays.coords.items() if name not in one.dims}
+    along = {  # the attribute ``coordinates`` of each channel, and of the file for those along which none is (CF 1.11, 5)
+        label: sorted(name for name, dims in plain.items() if dims <= set(one.dims))
+        for label, one in arrays.variables.items()
+    }
+    left = sorted(plain.keys() - {name for names in along.values() for name in names})
+    on_file = {"coordinates": " ".join(left)} if left else {}
     with h5netcdf.File(target, "w", invalid_netcdf=None, decode_vlen_strings=True) as file:
         file.dimensions = {
             dim: size
@@ -46,37 +52,16 @@ def write_arrays(target: Path | BinaryIO, arrays: ChannelArrays, texts: Mapping[
         }
         file.attrs.update({**arrays.attributes, **on_file})
         for name, one in variables.items():
-            values, attributes = _stored(one)
+            values, truth = one.values, {}
+            if values.dtype.kind == "b":  # the format has no truth values
+                values, truth = values.astype(np.int8), {"dtype": "bool"}
             variable = file.create_variable(name, one.dims, values.dtype)
-            variable.attrs.update({**attributes, **on_variables.get(name, {})})
+            variable.attrs.update({**one.attrs, **truth})
+            if along.get(name):
+                variable.attrs["coordinates"] = " ".join(along[name])
             variable[...] = values
         for name, text in texts.items():
             file.create_variable(name, (), h5py.string_dtype())[...] = text
-
-
-def _coordinate_attributes(
-    arrays: ChannelArrays,
-) -> tuple[dict[str, dict[str, str]], dict[str, str]]:
-    """The attribute ``coordinates`` of each channel, and that of the file for coordinates along
-    which no channel is (CF 1.11, 5).
-    """
-    plain = {name: set(one.dims) for name, one in arrays.coords.items() if name not in one.dims}
-    found = {
-        label: sorted(name for name, dims in plain.items() if dims <= set(one.dims))
-        for label, one in arrays.variables.items()
-    }
-    left = sorted(plain.keys() - {name for names in found.values() for name in names})
-    on_file = {"coordinates": " ".join(left)} if left else {}
-    return {
-        label: {"coordinates": " ".join(names)} for label, names in found.items() if names
-    }, on_file
-
-
-def _stored(one: Variable) -> tuple[np.ndarray[Any, Any], Mapping[str, Any]]:
-    """Values and attributes in types of the format, which has no truth values."""
-    if one.values.dtype.kind == "b":
-        return one.values.astype(np.int8), {**one.attrs, "dtype": "bool"}
-    return one.values, one.attrs
 
 
 _METADATA = "valvetrain_metadata"

@@ -43,19 +43,6 @@ def wire_lift_row(
     return row
 
 
-def bending_compliance(spring: SpringDefinition, place: Array, turns: Array) -> Array:
-    """Axial travel (m/N) of the wire at coil numbers ``place`` by its bending alone, ``turns`` off
-    the clamp, under a force there.
-
-    The moment R sin(psi - phi) about the wire's normal: R**3 (psi/2 - sin(2 psi)/4) / (E I).
-    """
-    psi, radius = 2 * np.pi * turns, spring.mean_diameter.value(place) / 2
-    bending_stiffness = (
-        spring.material.youngs_modulus * np.pi / 64 * spring.wire_diameter.value(place) ** 4
-    )
-    return np.asarray(radius**3 * (psi / 2 - np.sin(2 * psi) / 4) / bending_stiffness)
-
-
 Array = NDArray[np.float64]
 
 
@@ -320,9 +307,12 @@ def _with_ends(
     order = np.argsort(on_seat | under_retainer, kind="stable")
     held = np.flatnonzero(on_seat | under_retainer)
     ends = [wire_lift_row(spring, coil, float(free[i]), from_below=bool(on_seat[i])) for i in held]
-    bending = bending_compliance(
-        spring, free[held], np.where(on_seat[held], free[held] - coil[0], coil[-1] - free[held])
-    )
+    # travel by bending alone: the moment R sin(psi - phi) about the wire's normal, off the clamp, under a force there
+    place, wire = free[held], spring.wire_diameter.value(free[held])
+    psi = 2 * np.pi * np.where(on_seat[held], place - coil[0], coil[-1] - place)
+    radius = spring.mean_diameter.value(place) / 2
+    bending_stiffness = spring.material.youngs_modulus * np.pi / 64 * wire**4
+    bending = radius**3 * (psi / 2 - np.sin(2 * psi) / 4) / bending_stiffness
     stiffness[held] = 1 / (1 / stiffness[held] + bending)
     return CoilContacts(
         upper[order],

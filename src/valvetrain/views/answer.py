@@ -14,6 +14,7 @@ from valvetrain.findings.engine import Findings
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.table import findings_of
 from valvetrain.findings.words import Words, speed_text
+from valvetrain.registry import members
 from valvetrain.session import called_case
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import shown_system
@@ -82,16 +83,13 @@ class Answer(ShownStudy):
         return paper_table(self.study.comparisons)
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """Every figure that the registry lists (kind ``figures``)."""
-        from valvetrain.views.figures import figure_specs
-
-        return figure_specs()
+        """Those that the registry lists (kind ``figures``) for such a study, those of packages last."""
+        return dict(members("figures", self.facts.kinds))
 
     def tables(self) -> Mapping[str, TextTable]:
-        """Every table that the registry lists (kind ``tables``)."""
-        from valvetrain.views.tables import tables_of
-
-        return tables_of(self)
+        """Those that the registry lists (kind ``tables``) for such a study and that have rows."""
+        made = ((key, make(self)) for key, make in members("tables", self.facts.kinds))
+        return {key: one for key, one in made if one is not None and one.rows}
 
     def moving(self) -> Moving | None:
         """The runs in motion, the one that decides first."""

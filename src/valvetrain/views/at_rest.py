@@ -132,8 +132,6 @@ def _modes(words: Words) -> Iterator[tuple[str, Read, str]]:
 def curve_table(answer: ShownStudy) -> TextTable | None:
     """Every static curve: compression, height, force, rate, shear."""
     facts, words = answer.facts, answer.words
-    if facts.study.command != "static":
-        return None
     names = ("compression", "installed_height", "preload", "installed_rate", "nominal_shear_stress")
     heads = ("compression", "height", "force", "rate", "shear")
     rows, units = list[tuple[str, ...]](), list[str]()
@@ -177,11 +175,8 @@ def requested_table(answer: ShownStudy) -> TextTable | None:
 
 def modes_table(answer: ShownStudy) -> TextTable | None:
     """Every natural mode of every spring."""
-    facts = answer.facts
     rows = list[tuple[str, ...]]()
-    if facts.study.command != "modes":
-        return None
-    for state in states_of(facts.study):
+    for state in states_of(answer.study):
         modes = state.one.modes
         if modes is None:
             continue
@@ -257,7 +252,7 @@ def static_curves(facts: Facts) -> go.Figure | None:
 def surge_orders(facts: Facts) -> go.Figure | None:
     """Where cam orders meet the first axial natural frequencies (Hz) over engine speed (rpm)."""
     states = [one for one in states_of(facts.study) if one.surge is not None]
-    if facts.study.command != "modes" or not states:
+    if not states:
         return None
     surges = [one.surge.value for one in states if one.surge is not None]
     orders = orders_of(facts, surges[0])
@@ -293,7 +288,7 @@ def surge_orders(facts: Facts) -> go.Figure | None:
 
 def mode_shapes(facts: Facts) -> go.Figure | None:
     """Axial displacement (largest 1) along the wire of the first axial modes of the first wire."""
-    for state in states_of(facts.study) if facts.study.command == "modes" else ():
+    for state in states_of(facts.study):
         modes = state.one.modes
         if modes is None or len(modes.coil_number) < 2:
             continue

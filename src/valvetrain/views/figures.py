@@ -13,7 +13,6 @@ import plotly.graph_objects as go
 
 from valvetrain.findings.facts import TURN, Array, Facts, over_turn
 from valvetrain.findings.words import RPM, speed_text
-from valvetrain.registry import find, names
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.views.style import (
@@ -53,7 +52,7 @@ def worst_run(facts: Facts) -> Solution | None:
 def running_up(facts: Facts) -> go.Figure | None:
     """Least force on the cam and largest gap of every revolution of a run-up over engine speed."""
     runs = (*facts.runs, *facts.beyond)
-    if not facts.run_up or not runs:
+    if not runs:
         return None
     fig = panels((0.6, 0.4))
     labels = list(dict.fromkeys(run.label for run in runs))
@@ -259,8 +258,3 @@ PRESSURE = FigureSpec(
     "by Hertz, of a line",
     _of_every_run("cam_contact_pressure", 1e-6, "MPa"),
 )
-
-
-def figure_specs() -> dict[str, FigureSpec]:
-    """Every figure that the registry lists (kind ``figures``) by its name, in order; those of packages come last."""
-    return {name: find("figures", name) for name in names("figures")}

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.findings.facts import SPRINGS, Facts, over_turn
+from valvetrain.findings.engine import SPRINGS
+from valvetrain.findings.facts import Facts, over_turn
 from valvetrain.findings.words import RPM, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.solution.comparison import Comparison

@@ -124,7 +124,7 @@ def models(facts: Facts) -> go.Figure | None:
     name = "cam_contact_force" if facts.train else "retainer_force"
     least = CONTACT[0] if facts.train else "peak_retainer_force"
     runs = [run for run in facts.models if run.has(name, "valve_lift")]
-    if facts.study.command != "compare" or len(runs) < 2:
+    if len(runs) < 2:
         return None
     fig, lead = go.Figure(), runs[0]
     rigid = "rigid_contact_force" if facts.train else "static_retainer_force"

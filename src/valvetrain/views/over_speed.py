@@ -111,7 +111,7 @@ def _of_revolutions(facts: Facts) -> list[Bar]:
 
 def speeds(facts: Facts) -> go.Figure | None:
     """Bars of control over engine speed, with the least force on the cam and surge below."""
-    shown = bars(facts) if facts.searched else []
+    shown = bars(facts)
     if not shown:
         return None
     fig = panels((0.12 + 0.06 * len(shown), 0.88 - 0.06 * len(shown)))
@@ -174,7 +174,7 @@ def _of(facts: Facts, label: str) -> Sequence[Solution]:
 
 def forces(facts: Facts) -> go.Figure | None:
     """Largest and least force on the retainer over engine speed, of springs alone."""
-    if not facts.sweep or facts.train or len(facts.study.engine_speeds) < 2:
+    if facts.train or len(facts.study.engine_speeds) < 2:
         return None
     fig = go.Figure()
     for label, dash in zip(
@@ -191,11 +191,7 @@ def forces(facts: Facts) -> go.Figure | None:
 def order_map(facts: Facts) -> go.Figure | None:
     """Amplitude (N) of each cam order of the spring force over engine speed, with the line of the surge frequency."""
     label = facts.first_label
-    runs = (
-        [run for run in _of(facts, label) if "surge_order_3_force" in run.quantities]
-        if facts.sweep
-        else []
-    )
+    runs = [run for run in _of(facts, label) if "surge_order_3_force" in run.quantities]
     if len(runs) < 3:
         return None
     at = [run.engine_speed / RPM for run in runs]

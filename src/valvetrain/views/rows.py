@@ -134,7 +134,7 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         return rest_lines(facts, findings, words)
     if rest := _rest(facts):
         return _rest_rows(rest, words)
-    looked_at = {name for rule in rules() for name in rule.reads}
+    looked_at = {name for rule in rules(facts.kinds) for name in rule.reads}
     lines, brief, told, runs = list[Line](), replace(words, brief=True), set[str](), columns(facts)
     for row in (*ROWS, *_added_rows()):
         if row.of not in ("", "train" if facts.train else "spring"):

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from valvetrain.findings.engine import Finding, Findings
-from valvetrain.findings.facts import Facts
 from valvetrain.findings.words import Words
-from valvetrain.solution.study import Study
 from valvetrain.views.table import Line, TextTable
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # a list of files loads none of these
+    from valvetrain.findings.facts import Facts
     from valvetrain.report.motion.parts import Moving
+    from valvetrain.solution.study import Study
     from valvetrain.views.style import FigureSpec
 
 #: Topics of notes that are said in full; others stand in the table of findings alone.

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from valvetrain.findings.facts import TURN
 from valvetrain.findings.words import COARSE, Amount, digits_text, speed_text
-from valvetrain.registry import find, names
 from valvetrain.report.text import CAUSES
 from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
@@ -21,12 +20,6 @@ from valvetrain.views.table import TextTable
 SIDE_BY_SIDE, EVENTS = 8, 12
 #: Unit of the size of an event -> a quantity of its kind, which gives digits and the reader's unit.
 SIZES = {"N": "peak_clash_force", "m": "loft_gap", "m/s": "seating_velocity", "s": "loft_duration"}
-
-
-def tables_of(answer: ShownStudy) -> dict[str, TextTable]:
-    """Every table that the registry lists (kind ``tables``) and a study has rows for, by its key, in order."""
-    made = ((key, find("tables", key)(answer)) for key in names("tables"))
-    return {key: one for key, one in made if one is not None and one.rows}
 
 
 def findings(answer: Shown) -> TextTable:

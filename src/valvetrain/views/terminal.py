@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
@@ -11,10 +12,11 @@ from rich.table import Table
 from rich.text import Text
 
 from valvetrain.findings.words import speed_text
-from valvetrain.views.over_speed import Bar, reach
-from valvetrain.views.over_speed import bars as control_bars
 from valvetrain.views.shown import Shown, ShownStudy
 from valvetrain.views.table import TextTable
+
+if TYPE_CHECKING:
+    from valvetrain.views.over_speed import Bar
 
 STYLE = {"bad": "bold red", "warn": "yellow", "ok": "green", "": ""}
 SIGN = {"bad": "✗", "warn": "!", "ok": "✓", "": ""}
@@ -42,8 +44,11 @@ def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
     if answer.verdict is not None:
         fact, rest = answer.headline
         yield Text.assemble((fact.upper(), STYLE[answer.verdict.mark]), rest)
-    if isinstance(answer, ShownStudy) and (bars := control_bars(answer.facts)):
-        yield Padding(_bars(answer, bars), (0, 2), expand=False)
+    if isinstance(answer, ShownStudy) and {"searched", "run-up"} & {*answer.facts.kinds}:
+        from valvetrain.views.over_speed import bars, reach  # loads plotly
+
+        if found := bars(answer.facts):
+            yield Padding(_bars(answer, found, reach(answer.facts)), (0, 2), expand=False)
     if answer.models is not None:
         yield Padding(_texts(answer.models, -1), (0, 2), expand=False)
     if answer.lines:
@@ -90,9 +95,9 @@ def _texts(table: TextTable, last: int | None = None) -> Table:
     return grid
 
 
-def _bars(answer: ShownStudy, bars: list[Bar]) -> Table:
+def _bars(answer: ShownStudy, bars: list[Bar], span: tuple[float, float]) -> Table:
     """Bars over engine speed, with the red line where they leave room."""
-    low, high = reach(answer.facts)
+    low, high = span
     step = (high - low) / WIDTH
     red = (answer.facts.red_line - low) / step
     grid = Table.grid(padding=(0, 2, 0, 0))

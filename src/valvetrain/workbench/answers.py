@@ -4,65 +4,34 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from valvetrain.compare_test import ModelAgainstTest, compare_study_with_test
 from valvetrain.errors import InputError
-from valvetrain.findings.engine import Findings
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import read_case
-from valvetrain.report.run_summary import INPUT_HEADS, RESULT_HEADS, input_rows, result_rows
-from valvetrain.runs.differences import input_differences, result_differences
+from valvetrain.runs.differences import differences
 from valvetrain.runs.saved_runs import SavedRun
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
 from valvetrain.units.text import clipped
-from valvetrain.views.shown import Shown
-from valvetrain.views.table import Line, TextTable
+from valvetrain.views.saved import DifferenceAnswer
 from valvetrain.workbench.saved_runs import Run, is_ours
 from valvetrain.workbench.store import inside
 
-#: Largest file of a test (bytes), and rows of a comparison.
-MAX_TEST, MAX_ROWS = 20_000_000, 200
+#: Largest file of a test (bytes).
+MAX_TEST = 20_000_000
 
 
-@dataclass(frozen=True, eq=False)
-class RunsCompared(Shown):
-    """Two runs side by side: ``inputs`` that differ, ``results`` that differ (headline numbers first,
-    then the largest difference).
-    """
-
-    inputs: TextTable
-    results: TextTable
-    facts = None
-    findings = Findings()
-    title = ""
-
-    @property
-    def lines(self) -> list[Line]:
-        """None: both tables say all."""
-        return []
-
-    def tables(self) -> Mapping[str, TextTable]:
-        """Both tables."""
-        return {"inputs": self.inputs, "results": self.results}
-
-
-def compare(run_a: Run, run_b: Run) -> RunsCompared:
+def compare(run_a: Run, run_b: Run) -> DifferenceAnswer:
     """What differs between two runs, as ``valvetrain compare-runs`` reports it.
 
     Raises :class:`InputError` where the inputs on disk are not those that a run was made from.
     """
     one, other = SavedRun(run_a.folder, run_a.answer), SavedRun(run_b.folder, run_b.answer)
-    inputs = tuple(input_rows(input_differences(one, other))[:MAX_ROWS])
-    results = tuple(result_rows(result_differences(one, other))[:MAX_ROWS])
-    return RunsCompared(
-        TextTable("Inputs that differ", INPUT_HEADS, inputs),
-        TextTable("Results that differ", RESULT_HEADS, results),
-    )
+    return DifferenceAnswer(differences(one, other))
 
 
 def against(

@@ -5,7 +5,6 @@ pictures.
 from __future__ import annotations
 
 import base64
-import json
 from dataclasses import dataclass
 from html import escape
 from itertools import pairwise
@@ -27,7 +26,6 @@ from valvetrain.report.motion.parts import (
     Variant,
     still_frame,
 )
-from valvetrain.report.plotly_chart import in_script
 from valvetrain.report.text import rpm
 from valvetrain.units.reader import reader_factor, reader_text, reader_unit
 
@@ -37,11 +35,6 @@ TONES = {
     "cam": "#7d8aa0", "follower": "#a58b62", "lever": "#9a7f9f", "pivot": "#5f6672", "pushrod": "#a58b62", "valve": "#8a9a8e",
     "retainer": "#9aa6a0", "seat": "#7b7f86",
 }  # fmt: skip
-
-
-def motion_json(moving: Moving) -> str:
-    """The picture as JSON text that is safe inside a script element."""
-    return in_script(json.dumps(motion_data(moving), separators=(",", ":"), ensure_ascii=True))
 
 
 def motion_data(moving: Moving) -> dict[str, Any]:

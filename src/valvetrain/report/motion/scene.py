@@ -230,6 +230,7 @@ def _variant(study: Study, run: Solution, size: int, most: int) -> Variant | Non
     springs, notes = _springs(study, member, run, cycle, sample, train)
     if not springs and train is None:
         return None
+    known = [(label, name) for label, name in _FORCES if run.has(name)]
     return Variant(
         run.label,
         f"{theme.model_label(run.label)}, {speed_text(run.engine_speed)}",
@@ -239,7 +240,10 @@ def _variant(study: Study, run: Solution, size: int, most: int) -> Variant | Non
         cycle.channel("valve_lift")[sample],
         springs,
         train.bodies if train else (),
-        forces_of(run, cycle),
+        tuple(
+            Series(label, colour, cycle.cam_angle, cycle.channel(name))
+            for (label, name), colour in zip(known, _FORCE_COLOURS, strict=False)
+        ),
         marks,
         (*notes, *(train.notes if train else ())),
         is_closed(run),
@@ -275,17 +279,6 @@ def _springs(
             for spring, height in zip(springs, heights, strict=True)
         ]
     return tuple(springs), notes
-
-
-def forces_of(run: Solution, cycle: Cycle) -> tuple[Series, ...]:
-    """Forces on the retainer, on the seat and, in a train, at the cam, over every sample of the
-    cycle.
-    """
-    known = [(label, name) for label, name in _FORCES if run.has(name)]
-    return tuple(
-        Series(label, colour, cycle.cam_angle, cycle.channel(name))
-        for (label, name), colour in zip(known, _FORCE_COLOURS, strict=False)
-    )
 
 
 def _peaks(run: Solution, cycle: Cycle) -> list[int]:

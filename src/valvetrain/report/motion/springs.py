@@ -306,12 +306,16 @@ def draw_spring(
             else "the installed shape follows the wire's compliance",
         )
     colourings = colourings_of(cycle, channel, coil, wire, nodes, sample)
+    moving = channel["axial_displacement"]
+    turns = cycle.solution.arrays.along(moving) if cycle.solution.has(moving) else None
     if (
         not shared
         and installed.wire is not None
         and cycle.solution.model != "finite-element"
         and not cycle.solution.has(channel["inner_fibre_shear_stress"])
-        and _knows_turns(cycle, channel["axial_displacement"], wire)
+        and turns is not None
+        and len(turns) > 4
+        and not _shares(turns, wire)
     ):
         colourings.insert(0, slope_stress(wire, coil, moved, closed_force(cycle, name)))
         remarks += (
@@ -412,11 +416,6 @@ def _shares(places: Array, wire: SpringDefinition) -> bool:
     """Whether places along the wire are shares 0..1 of a uniform spring, not turns."""
     first, last = wire.free_coils
     return bool(places[0] >= -1e-9 and places[-1] <= 1 + 1e-9 < last - first)
-
-
-def _knows_turns(cycle: Cycle, name: str, wire: SpringDefinition) -> bool:
-    places = cycle.solution.arrays.along(name) if cycle.solution.has(name) else None
-    return places is not None and len(places) > 4 and not _shares(places, wire)
 
 
 def _nodes(

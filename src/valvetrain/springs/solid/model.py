@@ -22,8 +22,6 @@ ALONE = (
     "solid finite elements follow the motion of a train by run and sweep, one way, and take no part in its steps; "
     "use finite-element here"
 )
-#: Compressions (m) between equilibria on the way to the installed one.
-INCREMENT = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
