@@ -71,8 +71,7 @@ def killed(facts: SavedFacts) -> Iterator[Hit]:
     """A run was killed before its end."""
     for one in facts.killed[:1]:
         yield Hit(fields={
-            "count": count_text(len(facts.killed), "run"), "was": "was" if len(facts.killed) == 1 else "were",
-            "saved": str(len(facts.runs)), "of": one.case, "ended": count_text(one.finished, "run"), "folder": str(one.folder),
+            "count": str(len(facts.killed)), "of": one.case, "ended": count_text(one.finished, "run"), "folder": str(one.folder),
             "command": one.command,
         })  # fmt: skip
 
@@ -192,8 +191,7 @@ def failed(facts: DifferenceFacts) -> Iterator[Hit]:
     """A part of either run failed."""
     for letter, run in (("A", facts.both.a), ("B", facts.both.b)):
         if run.failures:
-            more = len(run.failures) - 1
-            yield Hit(fields={"letter": letter, "said": run.failures[0], "more": f"{more} more" if more else ""})  # fmt: skip
+            yield Hit(fields={"letter": letter, "said": run.failures[0]})
 
 
 def alone(facts: DifferenceFacts) -> Iterator[Hit]:
@@ -205,7 +203,7 @@ def alone(facts: DifferenceFacts) -> Iterator[Hit]:
 
 SAVED = (
     Rule("J201", "decides", "no runs are saved", nothing, (), "'{folder}' holds none[ of {of}]", "valvetrain cases", mark=""),
-    Rule("J202", "decides", "{count} {was} killed: the last, of {of}, after {ended}", killed, (),
+    Rule("J202", "decides", "killed before its end: {count}, the last of {of} after {ended}", killed, (),
          "what it finished is in {folder}; delete it to remove it",
          "[{command}]", mark="warn"),
     Rule("J203", "decides", "{count} saved, the newest {state}: {of}", not_completed, (), "[{said}]", "[{command}]", mark="bad",
@@ -219,7 +217,7 @@ DIFFERENT = (
     Rule("J222", "decides", "no headline number differs by more than its error bar", small, (), "{input}[, {more}]", mark="",
          unless=("J221",)),
     Rule("J223", "decides", "the results[ {there}] are the same", same, (), "{input}[, {more}]", mark="", unless=("J22",)),
-    Rule("J230", "warns", "run {letter} failed: {said}[; {more}]", failed),
+    Rule("J230", "warns", "run {letter} failed: {said}", failed),
     Rule("J231", "notes", "{count} in one of the two runs only", alone),
 )  # fmt: skip
 RULES = (*SAVED, *DIFFERENT)
