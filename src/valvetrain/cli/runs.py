@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,8 +14,6 @@ if TYPE_CHECKING:
 
     from valvetrain.runs.saved_runs import SavedRun
 
-#: Inputs printed; --json has them all.
-MAX_INPUTS = 30
 RootOption = Annotated[
     Path, typer.Option("--folder", metavar="FOLDER", help="Folder that runs are saved in.")
 ]
@@ -53,8 +50,8 @@ def runs(
     from valvetrain.views.saved import SavedAnswer
     from valvetrain.views.terminal import screen
 
-    of, begun = case or "", unfinished_runs(case or "", folder)
-    facts = SavedFacts(list_saved_runs(of, folder), begun, folder, of)
+    of = case or ""
+    facts = SavedFacts(list_saved_runs(of, folder), unfinished_runs(of, folder), folder, of)
     data = {
         "command": "runs",
         "runs": [_run_object(run) for run in facts.runs],
@@ -63,7 +60,7 @@ def runs(
                 "created_at": one.created_at, "case": one.case, "state": "going on" if one.living else "killed",
                 "finished_runs": one.finished, "command_line": list(one.command_line), "folder": str(one.folder),
             }
-            for one in begun
+            for one in facts.unfinished
         ],
         "findings": [one.to_dict() for one in SavedAnswer(facts, Words()).findings],
     }  # fmt: skip
@@ -81,7 +78,7 @@ def _run_object(run: SavedRun) -> dict[str, Any]:
         "completed": run.answer.get("completed"),
         "state": run.state,
         "headline": run.headline,
-        "verdict": dict(run.verdict) or None,
+        "verdict": run.verdict or None,
         "folder": str(run.folder),
     }
 
@@ -119,13 +116,13 @@ def compare_runs(
             for row in both.results
         ],
         "failed": {"a": list(both.a.failures), "b": list(both.b.failures)},
-        "findings": [one.to_dict() for one in replace(answer, words=Words()).findings],
+        "findings": [one.to_dict() for one in DifferenceAnswer(both, Words()).findings],
     }  # fmt: skip
 
     def show(console: Console) -> None:
         console.print(screen(answer))
         if len(both.inputs) > 1:
             table = answer.tables()["inputs"]
-            console.print(plain_table(table.columns, table.rows[:MAX_INPUTS], f"\n{table.title}"))
+            console.print(plain_table(table.columns, table.rows))
 
     deliver(Outcome(data, show))

@@ -154,12 +154,6 @@ class Page:
     key_figures: tuple[tuple[str, str], ...] = ()
 
     @property
-    def verdict_sentences(self) -> tuple[str, str]:
-        """The first sentence of the verdict, and the rest."""
-        first, *more = sentences(self.verdict) or [""]
-        return first, " ".join(more)
-
-    @property
     def parts(self) -> tuple[tuple[Block, ...], ...]:
         """Blocks of the picture, then those of each section."""
         return (self.picture, *(section.blocks for section in self.sections))
@@ -226,15 +220,6 @@ def render(page: Page, gaps: PartialFailures | None = None) -> str:
             if picture
         },
     )
-
-
-def render_part(sections: Sequence[Section]) -> str:
-    """Sections with the data of their figures as HTML for another page, which brings style, script
-    and Plotly.
-    """
-    page = Page("", "", "", (), tuple(sections))
-    drawn = {chart.key: _drawn(chart, None) for chart in charts(page)}
-    return _template("part.html.j2").render(page=page, drawn=drawn, moving=_moving(page), still={})
 
 
 def _moving(page: Page) -> list[Motion]:

@@ -13,10 +13,7 @@ import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.report.files import FreeNames, remove_earlier
-from valvetrain.report.page import (
-    Page,
-    render,
-)
+from valvetrain.report.page import Page, render
 from valvetrain.report.table import Table, comparison_table, table
 from valvetrain.report.text import rpm
 from valvetrain.solution.atomic import write_text

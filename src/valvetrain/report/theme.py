@@ -11,13 +11,8 @@ RULE = "#c9d0d9"
 GRID = "#e9edf1"
 BAND = "#f4f6f9"
 PAPER = "#ffffff"
-ALERT = "#b3261e"
 
 FONT = "'Source Sans 3', 'Segoe UI', 'Helvetica Neue', 'Liberation Sans', Arial, sans-serif"
-
-#: Colours of models that are not installed here, as in a stored run of a package's.
-_SPARE = ("#3c7d3f", "#8c6d1f", "#4b5aa8")
-
 
 #: Colours of a series that belongs to no model, in order.
 SERIES = (
@@ -32,27 +27,6 @@ SERIES = (
     "#4b5aa8",
     "#1b2430",
 )
-
-#: Light to dark, for maps of a quantity that starts at zero.
-SEQUENTIAL = (
-    "#ffffff",
-    "#dbe8f4",
-    "#a9cbe6",
-    "#66a3d2",
-    "#2f74b5",
-    "#174a8a",
-    "#3a1752",
-    "#a3263f",
-)
-
-
-def model_colour(model: str) -> str:
-    """Colour of a spring model, its own; the same name always gives the same colour."""
-    return (
-        spring_model(model).colour
-        if registry.is_known("springs", model)
-        else _SPARE[sum(map(ord, model)) % len(_SPARE)]
-    )
 
 
 def model_label(model: str) -> str:

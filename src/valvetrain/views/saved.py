@@ -16,7 +16,7 @@ from valvetrain.findings.rules_saved import (
     name_of,
     value_text,
 )
-from valvetrain.findings.words import Amount, Words, digits_text
+from valvetrain.findings.words import Amount, Words
 from valvetrain.parameters.summary import number, percent, unit_text
 from valvetrain.runs.differences import ResultDifference, RunDifferences
 from valvetrain.runs.run_folders import UnfinishedFolder
@@ -26,8 +26,8 @@ from valvetrain.units.reader import shown_system
 from valvetrain.views.shown import Shown
 from valvetrain.views.table import Line, TextTable
 
-#: Rows of the first table, and of a table of differences.
-ROWS, MOST = 12, 200
+#: Rows of the first table.
+ROWS = 12
 
 
 @dataclass(frozen=True)
@@ -64,9 +64,11 @@ class SavedAnswer(Shown):
         both: list[SavedRun | UnfinishedFolder] = [*self.listed.runs, *self.listed.unfinished]
         both.sort(key=lambda one: one.created_at, reverse=True)
         return [
-            _finished(one, self.words) if isinstance(one, SavedRun) else _begun(one)
+            _finished(one, self.words) if isinstance(one, SavedRun)
+            else Line(_label(one), ("", "", "", ""), "" if one.living else "warn",
+                      f"{'in progress' if one.living else 'killed'} after {count_text(one.finished, 'run')}")
             for one in both[:ROWS]
-        ]
+        ]  # fmt: skip
 
 
 def _label(one: SavedRun | UnfinishedFolder) -> str:
@@ -90,12 +92,6 @@ def _finished(run: SavedRun, words: Words) -> Line:
         mark if mark in (*MARKS.values(), "ok") else "",
         text,
     )
-
-
-def _begun(one: UnfinishedFolder) -> Line:
-    state = "in progress" if one.living else "killed"
-    told = f"{state} after {count_text(one.finished, 'run')}"
-    return Line(_label(one), ("", "", "", ""), "" if one.living else "warn", told)
 
 
 @dataclass(frozen=True)
@@ -139,15 +135,14 @@ class DifferenceAnswer(Shown):
             named = is_defined(row.quantity)
             plain = f"{number(value)} {unit_text(row.unit)}".strip()
             texts.append(self.words.amount(Amount(row.quantity, value), 4) if named else plain)
-        bar = f" ± {digits_text(100 * row.bar / abs(row.a), 0, 1)} %" if row.bar and row.a else ""
-        return texts[0], texts[1], "" if row.relative is None else f"{percent(row.relative)}{bar}"
+        return texts[0], texts[1], "" if row.relative is None else percent(row.relative)
 
     def tables(self) -> Mapping[str, TextTable]:
         """Inputs and results that differ."""
-        inputs = tuple((key, value_text(a), value_text(b)) for key, a, b in self.both.inputs[:MOST])
+        inputs = tuple((key, value_text(a), value_text(b)) for key, a, b in self.both.inputs)
         results = tuple(
             (name_of(row), row.run.replace("_", " "), *self._cells(row))
-            for row in self.facts.changed[:MOST]
+            for row in self.facts.changed
         )
         return {
             "inputs": TextTable("Inputs that differ", ("input", "A", "B"), inputs),
