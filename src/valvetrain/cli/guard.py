@@ -158,9 +158,7 @@ def _report(error: Exception, options: Mapping[str, str]) -> int:
         where = OPTION_OF.get(error.where) or options.get(named, error.where)
         of_an_option = where in options.values()
         return _say(
-            _by_options(error.reason, options) if of_an_option else error.reason,
-            WRONG_INPUT,
-            where,
+            _by_options(error.reason, options) if of_an_option else error.reason, WRONG_INPUT, where
         )
     if isinstance(error, MissingExtraError):
         return _say(str(error), WRONG_INPUT)

@@ -7,12 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from valvetrain.cli.options import (
-    MAX_COUNTED,
-    read_amounts,
-    read_count,
-    read_length,
-)
+from valvetrain.cli.options import MAX_COUNTED, read_amounts, read_count, read_length
 from valvetrain.cli.run_answer import StudyRequest, answer_study, rest_command
 from valvetrain.errors import InputError
 
@@ -77,11 +72,7 @@ def static(
     loads = read_amounts(load, "force", "--load")
     points = {"heights": len(heights), "loads": len(loads)}
     cost = static_cost(
-        request.case,
-        request.spring_models,
-        spring_sets=request.spring_sets,
-        steps=steps,
-        **points,
+        request.case, request.spring_models, spring_sets=request.spring_sets, steps=steps, **points
     )
     say_cost(cost, request.limits, FEWER_AT_REST)
     announce_compilation("statics")
@@ -180,7 +171,6 @@ def _mass(attached: str | None, free_end: bool) -> float | None:
     masses = read_amounts([attached], "mass", "--attached-mass")
     if len(masses) != 1 or masses[0] < 0:
         raise InputError(
-            f"'{attached}' is no mass; give one of zero or more, such as '50 g'",
-            "--attached-mass",
+            f"'{attached}' is no mass; give one of zero or more, such as '50 g'", "--attached-mass"
         )
     return masses[0]

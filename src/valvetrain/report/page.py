@@ -154,6 +154,12 @@ class Page:
     key_figures: tuple[tuple[str, str], ...] = ()
 
     @property
+    def verdict_sentences(self) -> tuple[str, str]:
+        """The first sentence of the verdict, and the rest."""
+        first, *more = sentences(self.verdict) or [""]
+        return first, " ".join(more)
+
+    @property
     def parts(self) -> tuple[tuple[Block, ...], ...]:
         """Blocks of the picture, then those of each section."""
         return (self.picture, *(section.blocks for section in self.sections))

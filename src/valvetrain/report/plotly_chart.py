@@ -492,18 +492,10 @@ def _colour_axis(heat: HeatMap, narrow: bool) -> dict[str, Any]:
         "tickfont": {"size": 11, "color": theme.MUTED},
     }
     room = {} if narrow else {"xpad": 54}  # names of lines are between the map and its scale
-    return {
-        "colorscale": stops,
-        "cmin": heat.low,
-        "cmax": heat.top,
-        "colorbar": bar | room,
-    }
+    return {"colorscale": stops, "cmin": heat.low, "cmax": heat.top, "colorbar": bar | room}
 
 
 def _hover(marks: Marks) -> dict[str, Any]:
     if not marks.hints:
         return {"hovertemplate": "%{x:.2f}, %{y:.4g}"}
-    return {
-        "customdata": [plain(label) for label in marks.hints],
-        "hovertemplate": "%{customdata}",
-    }
+    return {"customdata": [plain(label) for label in marks.hints], "hovertemplate": "%{customdata}"}

@@ -11,10 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.report.text import (
-    in_unit,
-    rpm,
-)
+from valvetrain.report.text import in_unit, rpm
 from valvetrain.solution.comparison import Comparison
 
 #: Signs with which a spreadsheet takes a cell for a formula, and words that are numbers all the

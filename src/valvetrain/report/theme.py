@@ -28,6 +28,18 @@ SERIES = (
     "#1b2430",
 )
 
+#: Light to dark, for maps of a quantity that starts at zero.
+SEQUENTIAL = (
+    "#ffffff",
+    "#dbe8f4",
+    "#a9cbe6",
+    "#66a3d2",
+    "#2f74b5",
+    "#174a8a",
+    "#3a1752",
+    "#a3263f",
+)
+
 
 def model_label(model: str) -> str:
     """A spring model's name as a reader knows it; any other label without its hyphens."""
