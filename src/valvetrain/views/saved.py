@@ -80,7 +80,7 @@ def _finished(run: SavedRun, words: Words) -> Line:
     speeds, models, best = run.engine_speeds, run.spring_models, run.headline
     rpm = "" if not speeds else f"{speeds[0]:g}" + (f"–{speeds[-1]:g}" if len(speeds) > 1 else "")
     text, mark = run.verdict.get("text", ""), run.verdict.get("mark", "")
-    if not text and best is not None:
+    if best and not text:
         amount = words.amount(Amount(best["quantity"], best["value"]))
         text = f"{label_of(best['quantity'])} {amount}"
     if run.state != "completed":
