@@ -83,11 +83,9 @@ BUILT_IN["springs"] = {
 }
 #: Class of a result -> the page, or its blocks, whose first table and figure a notebook shows.
 BUILT_IN["results"] = {
-    "RigResult": "valvetrain.rig.notebook:rig_result_blocks",
 }
 #: Class of a result -> the function that gives its one sentence, without end of line.
 BUILT_IN["verdicts"] = {
-    "RigResult": "valvetrain.rig.verdict:rig_verdict",
 }
 #: Class of a result -> what is shown of it, made from the result alone.
 BUILT_IN["answers"] = {
@@ -105,6 +103,7 @@ BUILT_IN["answers"] = {
     "Comparison": "valvetrain.views.data:comparison",
     "MeasuredCycles": "valvetrain.views.data:measured_cycles",
     "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
+    "RigResult": "valvetrain.rig.answer:RigAnswer",
     "Identified": "valvetrain.explore.identification_answer:IdentificationAnswer",
     "Optimum": "valvetrain.explore.optimum_answer:answer_of_search",
     "StudyTable": "valvetrain.explore.study_answer:StudyAnswer",
@@ -131,7 +130,7 @@ BUILT_IN["files"] = {
     "identification": "valvetrain.explore.identification_files:report_identification",
     "optimum": "valvetrain.explore.optimum_files:report_optimum",
     "points": "valvetrain.explore.study_files:report_points",
-    "rig": "valvetrain.rig.page:report_rig",
+    "rig": "valvetrain.rig.answer:report_rig",
     "compare-test": "valvetrain.compare_test.answer:report_compare_test",
 }
 BUILT_IN["integrators"] = {
@@ -245,6 +244,8 @@ BUILT_IN["other_rules"] = {
     "film": "valvetrain.film.rules:RULES",
     "refine": "valvetrain.findings.rules_refine:RULES",
     "compare-test": "valvetrain.compare_test.rules:RULES",
+    "rig": "valvetrain.rig.rules:RULES",
+    "gauge": "valvetrain.rig.rules:GAUGE_RULES",
     "identification": "valvetrain.explore.identification_rules:RULES",
     "optimise": "valvetrain.explore.optimum_rules:RULES",
     "study": "valvetrain.explore.study_rules:RULES",

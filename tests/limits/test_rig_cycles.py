@@ -338,11 +338,6 @@ def test_a_falling_encoder_is_turned_round(recorded):
     )
 
 
-def test_a_run_up_is_told():
-    found = cycles_in(recording(Rig(drift_of_speed=0.3)), "run-up", replace(ENCODER, offset=0.0))
-    assert any("a mean over them is none of one speed" in note for note in found.notes)
-
-
 @pytest.mark.parametrize(("per_sample", "step"), [(0.9, 0.0), (0.05, 1.0), (0.37, 0.1), (0.2, 0.5)])
 def test_counts_are_told_from_a_smooth_angle(per_sample, step):
     """Even speed: a smooth angle (step 0) is left as it is; counts of 1, 0.1 and 0.5 degrees are
@@ -385,9 +380,7 @@ def test_a_span_of_the_recording_is_that_part(recorded):
     )
 
 
-def test_a_lift_larger_than_that_of_the_case_is_noted_with_its_share(recorded):
+def test_a_lift_larger_than_that_of_the_case_has_that_gain(recorded):
     found = cycles_in(recorded, "known", WHEEL, lambda angle: lift(angle) / 1.05)
-    (note,) = (note for note in found.notes if "of the lift of the case" in note)
-    assert float(note.split("lift is ")[1].split(" %")[0]) == pytest.approx(105.0, abs=0.3)
-    plain = cycles_in(recorded, "known", WHEEL, lift)
-    assert not any("of the lift of the case" in one for one in plain.notes)
+    assert found.alignment.gain == pytest.approx(1.05, abs=3e-3)
+    assert cycles_in(recorded, "known", WHEEL, lift).alignment.gain == pytest.approx(1.0, abs=3e-3)

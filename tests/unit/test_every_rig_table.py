@@ -1,6 +1,4 @@
-"""Unit: sections, tables, facts, sentences, JSON and curves of the page of a recording, beside
-made-up cycles.
-"""
+"""Unit: rows, JSON and curves of the answer on a recording, beside made-up cycles."""
 
 from __future__ import annotations
 
@@ -9,20 +7,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from valvetrain.findings.words import Amount, Words
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.report.chart import Line
 from valvetrain.rig.alignment import LiftAlignment
+from valvetrain.rig.answer import RigAnswer
 from valvetrain.rig.channels import RigQuantity
-from valvetrain.rig.page import (
-    COLUMNS,
-    data_of,
-    peak_rows,
-    shown_unit,
-    spectrum_chart,
-    speed_chart,
-)
+from valvetrain.rig.files import COLUMNS, data_of, rows_of
 from valvetrain.rig.result import RigChannelCycles
-from valvetrain.views.columns import text_table
+from valvetrain.views.columns import table_of
+from valvetrain.views.results import figures_of
 
 DEGREES = np.arange(360.0)
 ANGLE, RPM, TURN = np.radians(DEGREES), np.pi / 30, 2 * np.pi
@@ -54,7 +47,7 @@ def result(**changes) -> SimpleNamespace:
         "grid": SimpleNamespace(
             cycles=4, cam_angle=ANGLE, cam_speeds=np.array([1000, 1010, 9999, 1020]) * RPM, cut_times=np.array([0.0, 1.0, 2.0, 4.0, 5.0])
         ),
-        "retained": (0, 1, 3), "outliers": ((2, "is far off"),), "offset": 0.0, "offset_uncertainty": 0.0,
+        "retained": (0, 1, 3), "outliers": ((2, "is far off"),), "offset": 0.0, "offset_uncertainty": 0.0, "placed": True,
         "shaft": SimpleNamespace(scatter=0.0, readings=360.0, cam_speed=lambda times: 100.0 * RPM * np.asarray(times)),
     }  # fmt: skip
     return SimpleNamespace(**told | changes)
@@ -74,53 +67,31 @@ LAID = LiftAlignment(
 )
 
 
-@pytest.mark.parametrize(
-    ("quantity", "unit", "shown", "factor"),
-    [
-        ("strain", "1", "µm/m", 1e6),
-        ("valve_lift", "m", "mm", 1e3),
-        ("spring_force", "N", "N", 1.0),
-        ("seating_velocity", "m/s", "m/s", 1.0),
-        ("valve_acceleration", "m/s^2", "m/s²", 1.0),
-        ("cylinder_pressure", "Pa", "MPa", 1e-6),
-        ("cam_torque", "N m", "N m", 1.0),
-        ("oddity", "m/s^2", "m/s²", 1.0),
-        ("oddity", "1", "", 1.0),
-        ("contact_ratio", "1", "", 1.0),
-        ("cam_speed", "rad/s", "rpm", 1 / RPM),
-    ],
-)
-def test_a_channel_is_shown_in_the_unit_of_its_last_word(quantity, unit, shown, factor):
-    assert shown_unit(quantity, unit) == (shown, pytest.approx(factor))
+def test_a_strain_is_said_in_millionths():
+    assert Words().amount(Amount("strain", 160e-6)) == "160 µm/m"
+
+
+def rows(**changes) -> list[tuple[str, ...]]:
+    return list(table_of("", COLUMNS, rows_of(result(**changes)), Words()).rows)
 
 
 def test_rows_tell_the_mean_and_the_extremes_of_the_cycles():
-    """Largest of the mean: 5 + 4 (1 + 2 cos 1 deg) / 3 mm; the angles 199, 200 and 201 scatter by
-    sqrt(2 / 3) degrees.
-    """
-    lift, strain = (
-        text_table(COLUMNS, peak_rows(result()))[1][:3],
-        text_table(COLUMNS, peak_rows(result()))[1][3:],
-    )
+    """Largest of the mean: 5 + 4 (1 + 2 cos 1 deg) / 3 mm; the extremes of the strain are anywhere."""
+    lift, strain = rows()[:3], rows()[3:]
     assert lift == [
-        ("valve lift", "largest of the mean", "8.9996", "±0.2", "", "mm", "200.0", ""),
-        ("valve lift", "largest of a cycle", "9", "±0.25", "0.1", "mm", "200.0", "0.82"),
-        ("valve lift", "smallest of a cycle", "1", "±0.25", "0.1", "mm", "20.0", "0.82"),
+        ("valve lift", "mean", "9.000 mm", "0.2 mm", "", "200 cam deg"),
+        ("valve lift", "largest", "9 mm", "0.2484 mm", "0.1 mm", "200 cam deg"),
+        ("valve lift", "smallest", "1 mm", "0.2484 mm", "0.1 mm", "20 cam deg"),
     ]
-    assert [row[:2] + row[3:6] for row in strain] == [
-        ("strain", "largest of the mean", "", "", "µm/m"),
-        ("strain", "largest of a cycle", "±25", "10", "µm/m"),
-        ("strain", "smallest of a cycle", "±25", "10", "µm/m"),
-    ]
-    assert [row[2] for row in strain[1:]] == ["160", "40"] and [row[6:] for row in strain[1:]] == [
-        ("", ""),
-        ("", ""),
+    assert [row[1:] for row in strain[1:]] == [
+        ("largest", "160 µm/m", "24.84 µm/m", "10 µm/m", ""),
+        ("smallest", "40 µm/m", "24.84 µm/m", "10 µm/m", ""),
     ]
     one = channel("valve_lift", "m", LIFT[1:2], np.full(360, np.inf), 2e3)
-    assert [row[2:5] for row in text_table(COLUMNS, peak_rows(result(channels=(one,))))[1]] == [
-        ("9", "", ""),
-        ("9", "", "0"),
-        ("1", "", "0"),
+    assert [row[2:4] for row in rows(channels=(one,))] == [
+        ("9 mm", ""),
+        ("9 mm", "0 µm"),
+        ("1 mm", "0 µm"),
     ]
 
 
@@ -201,36 +172,20 @@ def test_the_answer_in_json_is_in_si():
     )
 
 
-def lines(panel) -> dict[str, Line]:
-    return {one.name: one for one in panel.layers if isinstance(one, Line)}
+def traces(name: str) -> dict:
+    return {one.name: one for one in figures_of(RigAnswer(result()))[name].data}
 
 
 def test_speeds_stand_at_the_middle_of_their_cycles():
-    (panel,) = speed_chart(result()).panels
-    assert lines(panel)["mean of each cycle"].x == pytest.approx([0.5, 1.5, 3.0, 4.5])
-    assert lines(panel)["mean of each cycle"].y == pytest.approx([1000, 1010, 9999, 1020])
-    assert lines(panel)["by the spline"].y == pytest.approx(
-        100.0 * lines(panel)["by the spline"].x
-    ) and panel.x_range == (0.0, 5.0)
+    drawn = traces("speed")
+    assert drawn["mean of each cycle"].x == pytest.approx([0.5, 1.5, 3.0, 4.5])
+    assert drawn["mean of each cycle"].y == pytest.approx([1000, 1010, 9999, 1020])
+    assert drawn["cam speed"].y == pytest.approx(100.0 * drawn["cam speed"].x, rel=1e-5)
 
 
 def test_a_tone_stands_in_the_spectrum_with_its_amplitude():
-    """2 mm at 0.05 of 10 kHz before the low-pass; over the cam angle 4 mm once a turn, at 100
-    rad/s.
-    """
-    (panel,) = spectrum_chart(result().channels[0]).panels
-    before, after = lines(panel)["as recorded"], lines(panel)["over the cam angle"]
-    assert before.x[np.argmax(before.y)] == pytest.approx(0.5) and before.y.max() == pytest.approx(
+    """2 mm at 0.05 of 10 kHz as recorded."""
+    tone = traces("spectrum-valve_lift")["as recorded"]
+    assert tone.x[np.argmax(tone.y)] == pytest.approx(0.5) and tone.y.max() == pytest.approx(
         2.0, rel=5e-3
-    )
-    assert after.x[np.argmax(after.y)] == pytest.approx(
-        0.1 / TURN, rel=0.02
-    ) and after.y.max() == pytest.approx(4.0, rel=5e-3)
-    assert (
-        panel.y_log
-        and panel.x_range == (0.0, pytest.approx(5.0))
-        and [(one.first, one.last) for one in panel.bands] == [(0.0, 2.0)]
-    )
-    assert panel.y_label == "amplitude (mm)" and panel.y_range == pytest.approx(
-        (2e-5, 4.0), rel=5e-3
     )

@@ -74,9 +74,9 @@ def test_the_command_tells_writes_and_keeps(folder, tmp_path):
     ]
     assert peak == pytest.approx(float(np.mean(direct.channels[0].peaks()[0])), rel=1e-12)
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "Synthetic recording" in page and "left out" in page
+    assert data["findings"][0]["code"] == "T105" and "synthetic" in page and "left out" in page
     shown = call("rig", str(folder / "rig.csv"), *ANSWERS, "--output", str(tmp_path / "out2"))
-    assert "Cycle 4" in shown.output and "synthetic" in shown.output
+    assert "cycle 4" in shown.output and "synthetic" in shown.output
     read_back = vt.measured.read_cycles(tmp_path / "out" / "spring_force.csv")[0]
     np.testing.assert_array_equal(read_back.values, kept["spring_force"].values)
 

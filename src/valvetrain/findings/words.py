@@ -71,6 +71,7 @@ UNITS: dict[str, dict[str, tuple[Unit, ...]]] = {
         "angle": (Unit("deg", math.pi / 180),),
         "angular speed": (Unit("rpm", RPM),),
         "ratio": (Unit("", 1),),
+        "strain": (Unit("µm/m", 1e-6),),
     },
     # small lengths in thousandths of an inch, as engine shops write them
     "imperial": {
@@ -179,7 +180,7 @@ class Words:
     def unit(self, name: str, value: float) -> Unit:
         """The unit in which a ``value`` (SI) of the quantity ``name`` is read."""
         row = definition_of(name)
-        dimension = row.dimension or "ratio"
+        dimension = row.dimension or ("strain" if name.endswith("strain") else "ratio")
         choice = UNITS[self.units].get(dimension) or UNITS["si"].get(dimension)
         if choice is None:
             return Unit(row.si_unit, 1.0)
@@ -264,7 +265,7 @@ class Words:
 
         while _OPTIONAL.search(template):
             template = _OPTIONAL.sub(optional, template)
-        return re.sub(r" ([,;:.])", r"\1", _FIELD.sub(value, template)).strip(" ,;:")
+        return re.sub(r" ([,;:.])(?=\s|$)", r"\1", _FIELD.sub(value, template)).strip(" ,;:")
 
     def said(self, one: Said, digits: int = 3) -> str:
         """What a field holds, as text; several parts with commas."""

@@ -15,8 +15,6 @@ from valvetrain.rig.shaft import REVOLUTION
 
 Array = NDArray[np.float64]
 Lift = Callable[[Array], Array]
-#: Angle between the offsets of both flanks (rad of cam) above which it is noted.
-MAX_FLANK_DIFFERENCE = np.radians(0.5)
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,11 +29,10 @@ from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
+    from valvetrain.findings.words import Words
     from valvetrain.measured.sensor import Sensor
-    from valvetrain.report.page import Page
     from valvetrain.rig.channels import RigAnswers
+    from valvetrain.views.shown import Shown
 
 
 def register(app: typer.Typer) -> None:
@@ -142,7 +141,11 @@ def rig(
     """Recordings of a test rig as cycles over the cam angle, aligned to a case by the lift; or a
     computed force as a gauge records it.
     """
+    from valvetrain.session import call_case
 
+    call_case(
+        [*filter(None, (case,)), *(one for text in settings or () for one in ("--set", text))]
+    )
     take_folder(output)
     if file is None:
         if case is None or (bandwidth is None and sensor is None):
@@ -218,16 +221,15 @@ def _two(text: str | None, dimension: str, option: str) -> tuple[float, float] |
 
 
 class _Answer(NamedTuple):
-    """An answer to be saved and printed: ``name`` of the run, ``text`` of the case, files that
-    ``write(folder)`` writes, ``choices`` in which saved runs differ, ``home`` of the case.
+    """An answer to be saved and printed: ``name`` of the run, ``text`` of the case, what is ``shown`` of the result with
+    cycles in ``folder``, files that ``write(folder)`` writes, ``choices`` in which saved runs differ, ``home`` of the case.
     """
 
     name: str
     text: str
-    page: Page
+    shown: Callable[[Words, Path], Shown]
     data: dict[str, Any]
     write: Callable[[Path], list[Path]]
-    show: Callable[[Console], None]
     choices: dict[str, str]
     home: Path
 
@@ -235,27 +237,34 @@ class _Answer(NamedTuple):
 def _deliver(answer: _Answer, output: Path | None, open_page: bool) -> None:
     """Save the folder (page, files, run.json) and print the answer."""
     from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.report.page import render
-    from valvetrain.solution.atomic import write_text
+    from valvetrain.findings.words import Words
+    from valvetrain.session import called_case
+    from valvetrain.solution.partial_failures import PartialFailures
+    from valvetrain.views.results import write_page
+    from valvetrain.views.terminal import screen
 
-    pages: list[Path] = []
+    gaps, pages = PartialFailures(), list[Path]()
+    words = Words(case=called_case())
+    findings = answer.shown(words, output or Path()).findings
+    data = answer.data | {"findings": [one.to_dict() for one in findings]}
 
     def fill(folder: Path) -> list[Path]:
-        pages.append(write_text(folder / "report.html", render(answer.page)))
+        pages.extend(filter(None, (write_page(answer.shown(words, folder), folder, gaps),)))
         return [*answer.write(folder), *pages]
 
     now = datetime.now(UTC).replace(microsecond=0)
     request = SavedRequest("rig", answer, output, now, folder=answer.home)
-    folder, files = keep_run(request, answer.text, answer.choices, answer.data, fill)
-    if open_page:
+    folder, files = keep_run(request, answer.text, answer.choices, data, fill)
+    page = str(pages[0]) if pages else ""
+    if open_page and pages:
         show_page(pages[0])
-
-    def show(console: Console) -> None:
-        answer.show(console)
-        console.print(f"\nresults in {folder}; page: {pages[0]}", soft_wrap=True)
-
-    data = answer.data | {"folder": str(folder), "files": files, "page": str(pages[0])}
-    deliver(Outcome(data, show, (), answer.page.verdict))
+    data |= {"folder": str(folder), "files": files, "page": page or None}
+    shown = answer.shown(words, folder)
+    deliver(
+        Outcome(
+            data, lambda console: console.print(screen(shown, page, str(folder))), gaps.sentences
+        )
+    )
 
 
 def _recording_answer(
@@ -269,22 +278,13 @@ def _recording_answer(
     from hashlib import file_digest
 
     from valvetrain.cli.options import choose_case, folder_of
-    from valvetrain.cli.outcome import plain_table
     from valvetrain.cli.progress import busy
     from valvetrain.measured.cycles import write_cycles
     from valvetrain.report.files import FreeNames
+    from valvetrain.rig.answer import RigAnswer
     from valvetrain.rig.cycles import rig_cycles
-    from valvetrain.rig.page import (
-        COLUMNS,
-        data_of,
-        facts_of,
-        peak_rows,
-        rig_page,
-        sentences_of,
-        write_rig,
-    )
+    from valvetrain.rig.files import data_of, write_rig
     from valvetrain.solution.atomic import check_target
-    from valvetrain.views.columns import text_table
 
     if settings and case is None:
         raise InputError("values are changed of a case; name it with --case", "--set")
@@ -301,16 +301,6 @@ def _recording_answer(
             write_cycles(write, result.cycles)
         return files
 
-    def show(console: Console) -> None:
-        console.print(f"{result!r}", soft_wrap=True)
-        facts = "; ".join(f"{key} {value}" for key, value in facts_of(result))
-        console.print(f"{facts}\n", soft_wrap=True)
-        headings, rows, right = text_table(COLUMNS, peak_rows(result))
-        console.print(plain_table(headings, rows, right=right))
-        console.print()
-        for sentence in sentences_of(result):
-            console.print(f"{sentence[:1].upper()}{sentence[1:]}.", soft_wrap=True)
-
     # two saved runs are the same where the request and the bytes of the file are
     choices = {
         key: str(value)
@@ -322,10 +312,9 @@ def _recording_answer(
     return _Answer(
         name,
         f'name = "{name}"\n' if chosen is None else chosen.text,
-        rig_page(file.name, result),
+        lambda words, folder: RigAnswer(result, words, folder),
         data_of(result) | {"case": chosen.name if chosen else ""},
         write_files,
-        show,
         choices,
         Path() if case is None else folder_of(case),
     )
@@ -340,30 +329,13 @@ def _case_answer(
 ) -> _Answer:
     """True and recorded peaks of the runs of a case."""
     from valvetrain.cli.options import choose_case, folder_of
-    from valvetrain.cli.outcome import plain_table
     from valvetrain.cli.progress import busy
     from valvetrain.rig.gauge import case_response
-    from valvetrain.rig.gauge_page import (
-        COLUMNS,
-        data_of,
-        notes_of,
-        sensor_page,
-        sensor_text,
-        write_responses,
-    )
-    from valvetrain.views.columns import text_table
+    from valvetrain.rig.gauge_answer import GaugeAnswer, data_of, sensor_text, write_responses
 
     chosen = choose_case(case, list(settings or ()))
     with busy("running the case for the gauge"):
         responses = case_response(chosen, sensor, engine_speeds or (), spring_models)
-
-    def show(console: Console) -> None:
-        console.print(f"Gauge: {sensor_text(sensor)}\n", soft_wrap=True)
-        headings, rows, right = text_table(COLUMNS, responses)
-        console.print(plain_table(headings, rows, right=right))
-        for sentence in notes_of(responses):
-            console.print(f"{sentence}.", soft_wrap=True)
-
     choices = {
         "gauge": sensor_text(sensor),
         "speeds": str(engine_speeds or ""),
@@ -372,10 +344,9 @@ def _case_answer(
     return _Answer(
         chosen.name,
         chosen.text,
-        sensor_page(chosen.name, responses, sensor),
+        lambda words, folder: GaugeAnswer(chosen.name, responses, sensor, words),
         data_of(responses, sensor, chosen.name),
         lambda folder: write_responses(responses, folder),
-        show,
         choices,
         folder_of(case),
     )

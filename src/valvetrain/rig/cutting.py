@@ -32,6 +32,10 @@ MAX_VALUES = 50_000_000
 #: SPREADS times the spread of distances, is MULTIPLE times the median distance and more than
 #: MIN_SHARE of the swing of a cycle; of fewer than MIN_CYCLES none can be identified.
 SPREADS, MULTIPLE, MIN_SHARE, MIN_CYCLES = 6.0, 2.0, 2e-3, 5
+#: Samples that a clipped channel stays at its end; steps of the converter by which it comes there; samples that show a step.
+CLIPPED, CLIP_STEPS, CLIP_SAMPLES = 4, 3.0, 200_000
+#: Standard errors by which a trend over the cycles is one.
+TREND = 4.0
 
 
 @dataclass(frozen=True)
@@ -242,3 +246,46 @@ def outliers_of(values: Array) -> list[tuple[int, str]]:
         )
         for cycle in np.flatnonzero(far)
     ]
+
+
+def drift_of(values: Array) -> float:
+    """Change of the mean of a cycle from the first to the last by a straight line; 0 where it is no trend.
+
+    ``values`` (cycles, angles) of one channel, in its unit.
+
+    >>> bool(abs(drift_of(np.arange(8.0)[:, np.newaxis] + np.zeros((8, 4))) - 7.0) < 1e-9), drift_of(np.zeros((3, 4)))
+    (True, 0.0)
+    """
+    means = values.mean(axis=1)
+    count = len(means)
+    if count < MIN_CYCLES:
+        return 0.0
+    place = np.arange(count) - (count - 1) / 2
+    slope = float(place @ means / (place @ place))
+    rest = means - means.mean() - slope * place
+    error = float(np.sqrt(rest @ rest / (count - 2) / (place @ place)))
+    return slope * (count - 1) if abs(slope) > TREND * error else 0.0
+
+
+def is_clipped(values: Array) -> bool:
+    """Whether samples stay at their largest or least value while the signal comes and goes by steps, as at the end of a range.
+
+    >>> wave = np.sin(np.arange(4000) / 50.0)
+    >>> is_clipped(wave), is_clipped(np.minimum(wave, 0.9))
+    (False, True)
+    """
+    return any(_stays_at_top(sign * values[np.isfinite(values)]) for sign in (1.0, -1.0))
+
+
+def _stays_at_top(values: Array) -> bool:
+    if len(values) < CLIPPED or not np.ptp(values) > 0:
+        return False
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], values == values.max(), [0]])))
+    begins, ends = edges[::2], edges[1::2]
+    long = (ends - begins >= CLIPPED) & (begins > 0)
+    if not long.any():
+        return False
+    # a peak that rests on one step of the converter is left by one step, a cut one by several
+    steps = np.diff(np.unique(values[:CLIP_SAMPLES]))
+    left = values.max() - values[begins[long] - 1]
+    return bool(np.median(left) > CLIP_STEPS * np.min(steps, initial=np.inf))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.parameters.loading import AnyCase, case_of
-from valvetrain.rig.alignment import MAX_FLANK_DIFFERENCE, Lift, LiftAlignment, align_lift
+from valvetrain.rig.alignment import Lift, LiftAlignment, align_lift
 from valvetrain.rig.channels import (
     QUESTIONS,
     RigAnswers,
@@ -24,8 +24,10 @@ from valvetrain.rig.cutting import (
     CycleGrid,
     LowPass,
     band_of,
+    drift_of,
     dwell_of,
     grid_of,
+    is_clipped,
     outliers_of,
     set_to_zero,
 )
@@ -38,8 +40,6 @@ from valvetrain.units import parse_quantity
 Array = NDArray[np.float64]
 #: Angles at which the dwell is looked for.
 DWELL_ANGLES = 720
-#: Relative range of the speeds of cycles above which it is noted.
-MAX_SPEED_RANGE = 0.05
 
 
 class _Filtered(NamedTuple):
@@ -138,17 +138,13 @@ def cycles_in(
     offset, alignment = 0.0, None
     if answers.offset is not None:
         offset = float(answers.offset)
-    elif case_lift is None:
-        notes.append(
-            "cam angles count from the mark of the rig: give a case and a lift, or an offset, to relate them to the cam"
-        )
-    else:
+    elif case_lift is not None:
         if not any(one.quantity.endswith("lift") for one in measured):
             raise InputError(
                 "there is no lift to align to the case by; name its channel, or state the offset of the mark",
                 "offset",
             )
-        alignment = _aligned(*cut(0.0), case_lift, notes)
+        alignment = _aligned(*cut(0.0), case_lift)
         offset = alignment.offset
     grid, filtered = cut(offset)
     outliers: dict[int, str] = {}
@@ -164,13 +160,7 @@ def cycles_in(
         )
     uncertainty = alignment.uncertainty if alignment else 0.0
     dwells = _dwell_times(filtered, shaft, grid, offset, answers, outliers, notes)
-    speeds = grid.cam_speeds[list(retained)]
-    cam_speed = float(np.mean(speeds))
-    if np.ptp(speeds) > MAX_SPEED_RANGE * cam_speed:
-        notes.append(
-            f"the cam speed of the cycles differs by {100 * np.ptp(speeds) / cam_speed:.2g} %: a mean over them is none of one speed; cut the "
-            "recording where one is needed"
-        )
+    cam_speed = float(np.mean(grid.cam_speeds[list(retained)]))
     channels = []
     for raw, low_pass, values in filtered:
         values, taken_off = _zeroed(raw, values, grid, dwells, answers, file_name)
@@ -195,7 +185,17 @@ def cycles_in(
         spread = mean_spread(
             values, float(grid.cam_angle[1]), float(np.hypot(uncertainty, shaft.repeated))
         )
-        channels.append(RigChannelCycles(cycles, raw, low_pass.pass_band, spread, taken_off))
+        channels.append(
+            RigChannelCycles(
+                cycles,
+                raw,
+                low_pass.pass_band,
+                spread,
+                taken_off,
+                is_clipped(raw.values),
+                drift_of(values),
+            )
+        )
     return RigResult(
         file_name,
         recording.form,
@@ -209,26 +209,14 @@ def cycles_in(
         alignment,
         recording.synthetic,
         tuple(dict.fromkeys(notes)),
+        answers.offset is not None or alignment is not None,
     )
 
 
-def _aligned(
-    grid: CycleGrid, filtered: list[_Filtered], case_lift: Lift, notes: list[str]
-) -> LiftAlignment:
+def _aligned(grid: CycleGrid, filtered: list[_Filtered], case_lift: Lift) -> LiftAlignment:
     """The median cycle of the measured lift, aligned to the lift of the case."""
     lifts = next(one.values for one in filtered if one.raw.quantity.endswith("lift"))
-    alignment = align_lift(grid.cam_angle, np.nanmedian(lifts, axis=0), case_lift)
-    apart = alignment.opening - alignment.closing
-    if abs(apart) > MAX_FLANK_DIFFERENCE:
-        notes.append(
-            f"the flanks are {np.degrees(apart):.2g} cam deg apart from those of the case: wear, lash or a valve "
-            "that does not follow the cam; the offset is their middle"
-        )
-    if abs(alignment.gain - 1) > 0.03:
-        notes.append(
-            f"the measured lift is {100 * alignment.gain:.1f} % of the lift of the case; check calibration, lash and cam"
-        )
-    return alignment
+    return align_lift(grid.cam_angle, np.nanmedian(lifts, axis=0), case_lift)
 
 
 def _retained_cycles(count: int, outliers: dict[int, str], keep_outliers: bool) -> tuple[int, ...]:

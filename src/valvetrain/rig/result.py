@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +50,8 @@ class RigChannelCycles:
 
     ``spread``: half width of the 95 % band of the mean (SI), shape (angles,): scatter of the
     cycles, and the slope times the uncertainty of the cam angle. ``taken_off``: zero that was taken
-    off in each dwell, empty where none was.
+    off in each dwell, empty where none was. ``clipped``: the samples stay at the end of a range.
+    ``drift``: change of the mean of a cycle over the recording (SI), 0 where there is no trend.
     """
 
     cycles: MeasuredCycles
@@ -57,6 +59,8 @@ class RigChannelCycles:
     band: float
     spread: Array
     taken_off: Array
+    clipped: bool = False
+    drift: float = 0.0
 
     def peaks(self, sign: float = 1.0) -> tuple[Array, Array]:
         """Largest value (smallest with ``sign`` -1) of each cycle and its cam angle (rad), both of
@@ -64,6 +68,47 @@ class RigChannelCycles:
         """
         index = np.argmax(sign * self.cycles.values, axis=1)
         return self.cycles.values[np.arange(len(index)), index], self.cycles.cam_angle[index]
+
+
+class Peak(NamedTuple):
+    """An extreme of the cycles of a channel, SI and rad: mean, half width of its 95 % interval, and
+    standard deviation over the cycles; its angle and the scatter of that. NaN: none.
+    """
+
+    quantity: str
+    figure: str
+    mean: float
+    interval: float
+    scatter: float
+    cam_angle: float
+    scatter_of_angle: float
+
+
+def peaks_of(channel: RigChannelCycles) -> list[Peak]:
+    """Largest and smallest value over the cycles."""
+    peaks = []
+    for name, sign in (("largest", 1.0), ("smallest", -1.0)):
+        values, angles = channel.peaks(sign)
+        middle = float(np.angle(np.mean(np.exp(1j * angles))) % (2 * np.pi))
+        away = (angles - middle + np.pi) % (2 * np.pi) - np.pi
+        spread = float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
+        interval = student(len(values)) * spread / np.sqrt(len(values)) if spread else 0.0
+        scatter_of_angle = float(np.sqrt(np.mean(away**2)))
+        mean = float(np.mean(values))
+        peaks.append(
+            Peak(channel.cycles.quantity, name, mean, interval, spread, middle, scatter_of_angle)
+        )
+    return peaks
+
+
+def mean_peak(channel: RigChannelCycles) -> Peak:
+    """Largest value of the mean cycle, with the half width of its band."""
+    one = channel.cycles
+    top = int(np.argmax(one.mean))
+    spread = float(channel.spread[top])
+    interval = spread if np.isfinite(spread) else np.nan
+    angle = float(one.cam_angle[top])
+    return Peak(one.quantity, "mean", float(one.mean[top]), interval, np.nan, angle, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +128,7 @@ class RigResult(Reported):
     alignment : fit of the lift that gave the offset, None where it was not fitted
     synthetic : the recording was computed
     notes : what was found, assumed and left out, a sentence each
+    placed : a case or an offset says which cam angle the mark is; else angles count from the mark
 
     >>> [name for name in RigResult.__dataclass_fields__ if name in ("channels", "offset")]
     ['channels', 'offset']
@@ -102,6 +148,7 @@ class RigResult(Reported):
     alignment: LiftAlignment | None
     synthetic: bool
     notes: tuple[str, ...]
+    placed: bool = True
 
     @property
     def cycles(self) -> tuple[MeasuredCycles, ...]:

@@ -1,0 +1,274 @@
+"""What ``rig`` shows of a recording: whether it can be used, the cycles of every channel, and how they were cut."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from pathlib import Path
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from scipy import signal
+
+from valvetrain.findings.engine import Findings, Mark, judge
+from valvetrain.findings.words import RPM, Amount, Words, digits_text, speed_text
+from valvetrain.report.study import StudyFiles
+from valvetrain.rig.files import COLUMNS, angle_of, deviation, rows_of, write_rig
+from valvetrain.rig.result import RigChannelCycles, RigResult, mean_peak, peaks_of
+from valvetrain.rig.rules import RULES, RigFacts
+from valvetrain.session import called_case
+from valvetrain.solution.definition import label_of
+from valvetrain.units.reader import shown_system
+from valvetrain.views.columns import table_of
+from valvetrain.views.results import report_answer
+from valvetrain.views.shown import Shown
+from valvetrain.views.style import (
+    ANGLE,
+    BAD,
+    LEAD,
+    OTHER,
+    RIGID,
+    SECOND,
+    FigureSpec,
+    band,
+    line,
+    panels,
+    styled,
+)
+from valvetrain.views.table import Line, TextTable
+from valvetrain.views.tables import findings as findings_table
+
+Array = NDArray[np.float64]
+#: Samples of the longest segment of a spectrum, segments that are averaged, and cut marks that are drawn, at most.
+SEGMENT, MAX_SEGMENTS, MARKS = 2048, 512, 40
+
+
+@dataclass(frozen=True)
+class RigAnswer(Shown):
+    """What is shown of a ``result`` of :func:`rig_cycles`; ``folder``: of its files."""
+
+    result: RigResult
+    words: Words = field(default_factory=lambda: Words(shown_system(), case=called_case()))
+    folder: Path = Path()
+
+    @cached_property
+    def facts(self) -> RigFacts:
+        """The recording as rules read it."""
+        return RigFacts(self.result, self.words.case, self.folder)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """Whether the recording can be used, doubts first."""
+        return judge(self.facts, RULES, self.words)
+
+    @property
+    def title(self) -> str:
+        """The file and its form."""
+        return f"{self.result.name}, recording of a test rig ({self.result.form}){', synthetic' * self.result.synthetic}"
+
+    @property
+    def headings(self) -> list[str]:
+        """Columns of the first table."""
+        return ["largest", "scatter", "at", "smallest"]
+
+    @cached_property
+    def lines(self) -> list[Line]:
+        """Channels, then cycles, speed and angle."""
+        result, speeds, fit = self.result, self.facts.speeds, self.result.alignment
+        count, every = len(result.retained), result.grid.cycles
+        span = f"{speed_text(speeds.min(), '')} to {speed_text(speeds.max())}"
+        degrees, error, jitter = np.degrees(
+            (result.offset, 2 * result.offset_uncertainty, result.shaft.scatter)
+        )
+        at, gain = (
+            f"{digits_text(degrees, error)} deg",
+            f"lift {100 * fit.gain:.1f} % of the case" if fit else "as stated",
+        )
+        place: tuple[str, Mark, str] = (
+            (at, "ok", gain) if result.placed else ("", "warn", "not related to the cam")
+        )
+        return [
+            *map(self._channel, result.channels),
+            Line("cycles", (f"{count} of {every}", "", "", ""), "ok" if count == every else "warn", "outliers are left out" * (count < every)),
+            Line("cam speed", (speed_text(speeds.mean()), "", "", ""), "warn" if self.findings.by("T104") else "ok", span),
+            Line("angle readings", (f"{result.shaft.readings:.0f} a turn", _within(jitter), "", ""), "", f"{len(result.grid.cam_angle)} a turn"),
+            Line("mark of the rig", ("", _within(error), place[0], ""), *place[1:]),
+        ]  # fmt: skip
+
+    def _channel(self, one: RigChannelCycles) -> Line:
+        name, peak, (top, least) = one.cycles.quantity, mean_peak(one), peaks_of(one)
+        bar = peak.interval if math.isfinite(peak.interval) else 0.0
+        high, low = (
+            self.words.amount(amount, 4)
+            for amount in (Amount(name, peak.mean, bar), Amount(name, least.mean, least.interval))
+        )
+        at = (
+            ""
+            if math.isnan(angle_of(top))
+            else f"{digits_text(math.degrees(peak.cam_angle), 0, 4)} deg"
+        )
+        scatter = f"± {self.words.amount(Amount(name, top.scatter), 2)}" if top.scatter else ""
+        mark: Mark = "bad" if one.clipped else "warn" if one in self.facts.drifting() else "ok"
+        remark = {"bad": "clipped", "warn": "drifts", "ok": f"band {one.band / 1e3:.4g} kHz"}[mark]
+        return Line(label_of(name), (high, scatter, at, low), mark, remark)
+
+    def tables(self) -> Mapping[str, TextTable]:
+        """Extremes of every channel."""
+        peaks = table_of("Extremes of the channels", COLUMNS, rows_of(self.result), self.words)
+        return {"findings": findings_table(self), "extremes": peaks}
+
+    def figures(self) -> Mapping[str, FigureSpec]:
+        """Cycles of every channel, the lift on that of the case, speed, the recording and spectra."""
+        cycles, spectra = dict[str, FigureSpec](), dict[str, FigureSpec]()
+        for one in self.result.channels:
+            key, name = one.cycles.quantity, label_of(one.cycles.quantity)
+            cycles[f"cycles-{key}"] = FigureSpec(
+                f"Cycles: {name}", "Grey: two scatters of a cycle.", partial(cycles_figure, one)
+            )
+            hint = "Right of the dashed line all is cut off."
+            spectra[f"spectrum-{key}"] = FigureSpec(
+                f"Spectrum: {name}", hint, partial(spectrum_figure, one)
+            )
+        return {
+            **cycles,
+            "alignment": FigureSpec("Lift of the rig and of the case", "", alignment_figure),
+            "speed": FigureSpec("Speed of the cam", "", speed_figure),
+            "raw": FigureSpec(
+                "As recorded", "Upright lines: where cycles were cut; red: left out.", raw_figure
+            ),
+            **spectra,
+        }
+
+    def computed(self) -> Iterator[str]:
+        """How it was read."""
+        yield from (
+            f"{note[:1].upper()}{note[1:]}." for one in self.result.cycles for note in one.notes
+        )
+        yield from (f"{note[:1].upper()}{note[1:]}." for note in self.result.notes)
+
+
+def _within(degrees: float) -> str:
+    return f"± {digits_text(degrees, 0, 2)} deg" if degrees else ""
+
+
+def _axis(quantity: str, values: Array) -> tuple[str, float]:
+    """Title of the axis of a channel, and the size of its unit (SI)."""
+    unit = Words().unit(quantity, max(float(np.nanmax(np.abs(values))), 1e-3))
+    return ", ".join(filter(None, (label_of(quantity), unit.text))), unit.size
+
+
+def cycles_figure(one: RigChannelCycles, facts: RigFacts) -> go.Figure:
+    """The mean cycle with two scatters; below, the scatter and the half width of the band of the mean, over two degrees each."""
+    angle, mean, scatter = np.degrees(one.cycles.cam_angle), one.cycles.mean, deviation(one)
+    title, size = _axis(one.cycles.quantity, mean)
+    count = max(1, len(angle) // 180)
+    whole = len(angle) // count * count
+    fig = panels((0.65, 0.35))
+    fig.add_traces(
+        band(
+            angle,
+            (mean - 2 * scatter) / size,
+            (mean + 2 * scatter) / size,
+            "two scatters of a cycle",
+        ),
+        rows=[1, 1],
+        cols=[1, 1],
+    )
+    fig.add_trace(line(angle, mean / size, "mean cycle", LEAD), 1, 1)
+    below = (
+        (scatter, "scatter of a cycle", SECOND),
+        (one.spread, "95 % of the mean within", OTHER),
+    )
+    for values, name, colour in below if np.isfinite(one.spread).all() else below[:1]:
+        pieces = np.sqrt(np.mean(values[:whole].reshape(-1, count) ** 2, axis=1))
+        fig.add_trace(line(angle[:whole:count], pieces / size, name, colour), 2, 1)
+    return styled(fig, ANGLE, (title, f"scatter{title[len(label_of(one.cycles.quantity)) :]}"), 440)
+
+
+def alignment_figure(facts: RigFacts) -> go.Figure | None:
+    """The measured lift on that of the case, and the rest."""
+    fit = facts.result.alignment
+    if fit is None:
+        return None
+    angle, fig = np.degrees(fit.cam_angle), panels((0.65, 0.35))
+    fig.add_trace(line(angle, 1e3 * fit.measured, "measured", LEAD), 1, 1)
+    fig.add_trace(
+        line(
+            angle,
+            1e3 * (fit.base + fit.gain * fit.model),
+            "case, with gain and base",
+            OTHER,
+            "dash",
+        ),
+        1,
+        1,
+    )
+    fig.add_trace(line(angle, 1e3 * fit.residual, "measured less case", SECOND), 2, 1)
+    return styled(fig, ANGLE, ("valve lift, mm", "difference, mm"), 420)
+
+
+def speed_figure(facts: RigFacts) -> go.Figure:
+    """The cam speed over time, and its mean over each cycle."""
+    cuts = facts.result.grid.cut_times
+    times = np.linspace(cuts[0], cuts[-1], 1500)
+    fig = go.Figure(line(times, facts.result.shaft.cam_speed(times) / RPM, "cam speed", LEAD))
+    fig.add_trace(
+        line(
+            (cuts[1:] + cuts[:-1]) / 2,
+            facts.result.grid.cam_speeds / RPM,
+            "mean of each cycle",
+            OTHER,
+            "dash",
+        )
+    )
+    return styled(fig, "time, s", ("cam speed, rpm",))
+
+
+def raw_figure(facts: RigFacts) -> go.Figure:
+    """Every channel over time with the cut marks, cycles that were left out in red."""
+    result = facts.result
+    cuts = result.grid.cut_times
+    fig = panels((1.0,) * len(result.channels))
+    titles = []
+    for place, one in enumerate(result.channels, 1):
+        title, size = _axis(one.cycles.quantity, one.cycles.mean)
+        titles.append(title)
+        times = one.raw.start + one.raw.step * np.arange(len(one.raw.values))
+        fig.add_trace(
+            line(
+                times, one.raw.values / size, label_of(one.cycles.quantity), LEAD, showlegend=False
+            ),
+            place,
+            1,
+        )
+    for cut in cuts[:: max(1, len(cuts) // MARKS)]:
+        fig.add_vline(float(cut), line={"color": RIGID, "width": 1})
+    for cycle in [cycle for cycle, _ in result.outliers if cycle not in result.retained][:MARKS]:
+        fig.add_vrect(
+            float(cuts[cycle]), float(cuts[cycle + 1]), fillcolor=BAD, opacity=0.15, line_width=0
+        )
+    return styled(fig, "time, s", tuple(titles), 120 + 180 * len(titles))
+
+
+def spectrum_figure(one: RigChannelCycles, facts: RigFacts) -> go.Figure:
+    """Amplitudes as recorded, up to half the sampling rate, with the end of the band."""
+    title, size = _axis(one.cycles.quantity, one.cycles.mean)
+    values = one.raw.values[np.isfinite(one.raw.values)][: MAX_SEGMENTS * SEGMENT] / size
+    frequency, power = signal.welch(
+        values, 1e-3 / one.raw.step, "hann", min(SEGMENT, len(values)), 0, scaling="spectrum"
+    )
+    amplitude = np.sqrt(2 * power)
+    fig = go.Figure(line(frequency, amplitude, "as recorded", LEAD))
+    fig.add_vline(1e-3 * one.band, line={"color": BAD, "dash": "dash"})
+    top = math.log10(max(float(amplitude.max()), 1e-300))
+    return styled(fig, "frequency, kHz", (title,)).update_yaxes(
+        type="log", range=(top - 5, top + 0.3)
+    )
+
+
+def report_rig(result: RigResult, folder: Path) -> StudyFiles:
+    """The page of a recording and the files of :func:`write_rig`."""
+    return report_answer(RigAnswer(result, folder=folder), folder, write_rig(result, folder))

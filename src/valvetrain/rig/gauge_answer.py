@@ -1,0 +1,184 @@
+"""What ``rig`` shows of a run as a gauge records it: whether peaks are recorded whole, both peaks, and the traces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+
+from valvetrain.findings.engine import Findings, judge
+from valvetrain.findings.words import Amount, Words, speed_text
+from valvetrain.measured.sensor import Sensor
+from valvetrain.report.files import FreeNames
+from valvetrain.rig.gauge import ChannelResponse
+from valvetrain.rig.rules import GAUGE_RULES, WHOLE, GaugeFacts
+from valvetrain.session import called_case
+from valvetrain.solution.atomic import write_text
+from valvetrain.solution.definition import label_of
+from valvetrain.units.reader import shown_system
+from valvetrain.views.columns import RowColumn, csv_text, json_row, table_of
+from valvetrain.views.shown import Shown
+from valvetrain.views.style import LEAD, OTHER, FigureSpec, line, styled
+from valvetrain.views.table import Line, TextTable
+from valvetrain.views.tables import findings as findings_table
+
+#: Channels that are drawn and stand in the first table, those first that lose most.
+FIGURES, ROWS = 8, 12
+
+
+def run_label(one: ChannelResponse) -> str:
+    """Model and engine speed of a run."""
+    return ", ".join(filter(None, (one.label, speed_text(one.engine_speed))))
+
+
+#: The table of peaks: a row per run and channel.
+COLUMNS = (
+    RowColumn("run", run_label, "label", "run"),
+    RowColumn(value="engine_speed", key="engine_speed"),
+    RowColumn("channel", lambda one: label_of(one.channel), "channel", "channel"),
+    *(RowColumn(key.replace("_", " "), value=key, key=key, quantity=lambda one: str(one.channel)) for key in ("true_peak", "recorded_peak")),
+    RowColumn(value=lambda one: list(one.recorded.peaks), key="recorded_peaks"),
+    *(RowColumn(value=value, key=key) for value, key in (("unit", "unit"), ("spacing", "step"), ("coarse", "coarse"))),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class GaugeAnswer(Shown):
+    """What is shown of the ``responses`` of runs of a case to the gauge ``sensor``."""
+
+    name: str
+    responses: Sequence[ChannelResponse]
+    sensor: Sensor
+    words: Words = field(default_factory=lambda: Words(shown_system(), case=called_case()))
+
+    @cached_property
+    def facts(self) -> GaugeFacts:
+        """The responses as rules read them."""
+        return GaugeFacts(self.responses, self.words.case or self.name)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """Whether the gauge records the peaks whole."""
+        return judge(self.facts, GAUGE_RULES, self.words)
+
+    @property
+    def title(self) -> str:
+        """The case and the gauge."""
+        return f"{self.name}, recorded by a gauge: {sensor_text(self.sensor)}"
+
+    @property
+    def headings(self) -> list[str]:
+        """Columns of the first table."""
+        return ["true peak", "recorded", "by sampling phase", "share"]
+
+    @cached_property
+    def lines(self) -> list[Line]:
+        """Runs and channels, those first that lose most."""
+        return [self._line(one) for one in self.facts.worst[:ROWS]]
+
+    def _line(self, one: ChannelResponse) -> Line:
+        low, high = one.recorded.peaks
+        true, seen = (
+            self.words.amount(Amount(one.channel, value), 4)
+            for value in (one.true_peak, one.recorded_peak)
+        )
+        phase = (
+            f"± {self.words.amount(Amount(one.channel, (high - low) / 2), 2)}" if high > low else ""
+        )
+        share = sum(one.share) / 2
+        whole = abs(share - 1) < WHOLE
+        remark = "too coarse" if one.coarse else ""
+        return Line(
+            f"{label_of(one.channel)}, {run_label(one)}",
+            (true, seen, phase, f"{100 * share:.1f} %"),
+            "ok" if whole else "bad",
+            remark,
+        )
+
+    def tables(self) -> Mapping[str, TextTable]:
+        """Every run and channel."""
+        return {
+            "findings": findings_table(self),
+            "peaks": table_of("True and recorded peaks", COLUMNS, self.responses, self.words),
+        }
+
+    def figures(self) -> Mapping[str, FigureSpec]:
+        """Traces about the true peak."""
+        return {
+            f"trace-{place}": FigureSpec(
+                f"About the peak: {label_of(one.channel)}, {run_label(one)}",
+                "",
+                partial(trace_figure, one),
+            )
+            for place, one in enumerate(self.facts.worst[:FIGURES], 1)
+        }
+
+    def computed(self) -> Sequence[str]:
+        """How the recorded peak is meant."""
+        return (
+            "The recorded peak is the middle of the peaks at all phases of the sampling, followed by half their range.",
+        )
+
+
+def sensor_text(sensor: Sensor) -> str:
+    """The gauge in one line."""
+    parts = []
+    if sensor.resonance is not None:
+        parts.append(
+            f"resonance at {sensor.resonance / 1e3:.4g} kHz with damping ratio {sensor.damping_ratio:g}"
+        )
+    if sensor.bandwidth is not None:
+        kind = f"{sensor.filter.capitalize()} low-pass of order {sensor.order} at {float(sensor.bandwidth) / 1e3:.4g} kHz"
+        parts.append(kind + (", forward and backward" if sensor.zero_phase else ""))
+    if sensor.sampling_rate is not None:
+        parts.append(f"sampled at {float(sensor.sampling_rate) / 1e3:.4g} kHz")
+    if sensor.resolution:
+        parts.append(f"in steps of {sensor.resolution:g}")
+    return "; ".join(parts) or "ideal"
+
+
+def trace_figure(one: ChannelResponse, facts: GaugeFacts) -> go.Figure:
+    """True trace and what the gauge records of it, a sixth of the revolution about the true peak."""
+    unit, fig = Words().unit(one.channel, one.true_peak), go.Figure()
+    middle, half = one.time[np.argmax(one.values)], float(one.time[-1] - one.time[0]) / 12
+    seen = one.recorded
+    for time, values, name, colour in (
+        (one.time, one.values, "true", OTHER),
+        (seen.time, seen.values, "recorded", LEAD),
+    ):
+        there = abs(time - middle) < half
+        fig.add_trace(line(1e3 * time[there], values[there] / unit.size, name, colour))
+    title = f"{label_of(one.channel)}, {unit.text}"
+    return styled(fig, "time from the start of the cam revolution, ms", (title,))
+
+
+def write_responses(responses: Sequence[ChannelResponse], folder: Path) -> list[Path]:
+    """``seen-RUN-CHANNEL.csv``: what the gauge records, over time."""
+    files, names = [], FreeNames()
+    for one in responses:
+        heads = ("time [s]", f"{one.channel} as recorded [{one.unit}]")
+        samples = np.column_stack([one.recorded.time, one.recorded.values]).tolist()
+        name = names.free(f"seen-{run_label(one)}-{one.channel}")
+        files.append(write_text(folder / f"{name}.csv", csv_text(heads, samples)))
+    return files
+
+
+def data_of(responses: Sequence[ChannelResponse], sensor: Sensor, case: str) -> dict[str, Any]:
+    """The answer for JSON, SI."""
+    quantities: dict[str, dict[str, Any]] = {}
+    for one in responses:
+        both = (("true", one.true_peak), ("recorded", one.recorded_peak))
+        peaks = {
+            f"{kind}_peak_{one.channel}": {"value": peak, "unit": one.unit} for kind, peak in both
+        }
+        quantities.setdefault(run_label(one), {}).update(peaks)
+    gauge = {name: getattr(sensor, name) for name in Sensor.__dataclass_fields__}
+    return {
+        "command": "rig", "case": case, "completed": True, "gauge": gauge | {"resonance": sensor.resonance},
+        "quantities_by_label": quantities, "seen": [json_row(COLUMNS, one) for one in responses],
+    }  # fmt: skip

@@ -1,0 +1,215 @@
+"""Rules on a recording (T1) and on what a gauge records of a run (T15): whether it can be used, doubts first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from valvetrain.findings.engine import Fields, Hit, Rule, Subject
+from valvetrain.findings.words import Amount, digits_text, joined, speed_text
+from valvetrain.rig.gauge import ChannelResponse
+from valvetrain.rig.result import RigChannelCycles, RigResult, mean_peak, peaks_of
+from valvetrain.solution.definition import label_of
+
+#: Share of the cycles that are alike at least; relative range of their speeds; share of its swing by which a channel drifts.
+ALIKE, SPEED_RANGE, DRIFT = 0.5, 0.05, 0.02
+#: Angle between both flanks (rad of cam), and share by which the measured lift is off that of the case, above which it is said.
+FLANKS, GAIN = np.radians(0.5), 0.03
+#: Share within which a peak is recorded whole.
+WHOLE = 0.005
+
+
+@dataclass(frozen=True)
+class RigFacts(Subject):
+    """A recording as rules and figures read it; ``name``: the case on the command line; ``folder``: of its files."""
+
+    result: RigResult
+    name: str = ""
+    folder: Path = Path()
+
+    @property
+    def case(self) -> str:
+        """What a command takes for the case."""
+        return self.name or "CASE"
+
+    @property
+    def speeds(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """Cam speeds of the cycles that are retained (rad/s)."""
+        return self.result.grid.cam_speeds[list(self.result.retained)]
+
+    def drifting(self) -> list[RigChannelCycles]:
+        """Channels whose mean drifts by more than a small share of their swing."""
+        return [
+            one for one in self.result.channels if abs(one.drift) > DRIFT * np.ptp(one.cycles.mean)
+        ]
+
+
+@dataclass(frozen=True)
+class GaugeFacts(Subject):
+    """Runs of the case ``name`` as a gauge records them, as rules and figures read them."""
+
+    responses: Sequence[ChannelResponse]
+    name: str
+
+    @property
+    def case(self) -> str:
+        """What a command takes for the case."""
+        return self.name
+
+    @property
+    def worst(self) -> list[ChannelResponse]:
+        """Runs and channels, those first that lose most."""
+        return sorted(self.responses, key=lambda one: one.share[0])
+
+
+def clipped(facts: RigFacts) -> Iterator[Hit]:
+    """A channel stays at the end of its range, so that its peaks are cut."""
+    cut = [one.cycles.quantity for one in facts.result.channels if one.clipped]
+    if cut:
+        yield Hit(fields={"channels": joined([label_of(one) for one in cut])})
+
+
+def unlike(facts: RigFacts) -> Iterator[Hit]:
+    """Half of the cycles or more are outliers or have gaps."""
+    result = facts.result
+    if len(result.retained) <= ALIKE * result.grid.cycles:
+        yield Hit(fields=_count(result) | {"why": result.outliers[0][1]})
+
+
+def _count(result: RigResult) -> dict[str, str]:
+    count, every = len(result.retained), result.grid.cycles
+    return {
+        "count": f"{every} cycle{'s' * (every != 1)}"
+        if count == every
+        else f"{count} of {every} cycles"
+    }
+
+
+def drift(facts: RigFacts) -> Iterator[Hit]:
+    """The mean of a channel drifts over the recording, and no zero is taken off."""
+    for one in facts.drifting():
+        name, swing = one.cycles.quantity, float(np.ptp(one.cycles.mean))
+        share = abs(one.drift) / swing
+        fields: Fields = {
+            "channel": label_of(name),
+            "drift": Amount(name, abs(one.drift)),
+            "swing": Amount(name, swing),
+            "quantity": name,
+        }
+        yield Hit(fields=fields, severity=share)
+
+
+def uneven(facts: RigFacts) -> Iterator[Hit]:
+    """The cam speed differs between the cycles, so that their mean is none of one speed."""
+    low, high = float(facts.speeds.min()), float(facts.speeds.max())
+    if high - low > SPEED_RANGE * float(facts.speeds.mean()):
+        yield Hit(fields={"low": speed_text(low, ""), "high": speed_text(high)})
+
+
+def usable(facts: RigFacts) -> Iterator[Hit]:
+    """The cycles are alike and nothing speaks against them."""
+    channel, result = facts.result.channels[0], facts.result
+    name, peak = channel.cycles.quantity, mean_peak(channel)
+    several = " --channel 1" if len(result.channels) > 1 else ""
+    fields: Fields = {
+        "speed": speed_text(float(facts.speeds.mean())), "channel": label_of(name), "peak": Amount(name, peak.mean),
+        "scatter": Amount(name, peaks_of(channel)[0].scatter), "test": f"{facts.folder / 'cycles.nc'}{several}" if result.placed else "",
+    }  # fmt: skip
+    yield Hit(fields={**_count(result), **fields})
+
+
+def left_out(facts: RigFacts) -> Iterator[Hit]:
+    """Cycles that are outliers or have gaps."""
+    for cycle, why in facts.result.outliers[:1]:
+        more = len(facts.result.outliers) - 1
+        fate = "is retained as requested" if cycle in facts.result.retained else "is left out"
+        yield Hit(
+            fields={
+                "cycle": str(cycle + 1),
+                "why": why,
+                "fate": fate,
+                "more": f"{more} more" if more else "",
+            }
+        )
+
+
+def unplaced(facts: RigFacts) -> Iterator[Hit]:
+    """Neither a case with a lift nor an offset relates the angle of the rig to the cam."""
+    if not facts.result.placed:
+        yield Hit()
+
+
+def other_lift(facts: RigFacts) -> Iterator[Hit]:
+    """The measured lift is not that of the case: its flanks are apart from them, or it is higher or lower."""
+    fit = facts.result.alignment
+    apart, off = (0.0, 0.0) if fit is None else (abs(fit.opening - fit.closing), abs(fit.gain - 1))
+    if fit is not None and (apart > FLANKS or off > GAIN):
+        share = f"it is {100 * fit.gain:.1f} % high" if off > GAIN else ""
+        yield Hit(
+            fields={"apart": Amount("cam_angle", apart) if apart > FLANKS else "", "share": share}
+        )
+
+
+def synthetic(facts: RigFacts) -> Iterator[Hit]:
+    """The recording was computed, not measured."""
+    if facts.result.synthetic:
+        yield Hit()
+
+
+def recorded(facts: GaugeFacts) -> Iterator[Hit]:
+    """What the gauge records of the peak of which it loses most."""
+    for one in facts.worst[:1]:
+        yield Hit(fields={
+            "channel": label_of(one.channel), "true": Amount(one.channel, one.true_peak), "seen": Amount(one.channel, one.recorded_peak),
+            "share": f"{100 * (1 - sum(one.share) / 2):.2g} %", "at": speed_text(one.engine_speed), "whole": f"{100 * WHOLE:g} %",
+        })  # fmt: skip
+
+
+def lowered(facts: GaugeFacts) -> Iterator[Hit]:
+    """The gauge lowers or raises a peak."""
+    if any(abs(sum(one.share) / 2 - 1) >= WHOLE for one in facts.worst[:1]):
+        yield from recorded(facts)
+
+
+def coarse(facts: GaugeFacts) -> Iterator[Hit]:
+    """A run is computed too coarsely for a gauge, so that a spike may be between its points."""
+    found = [one for one in facts.responses if one.coarse]
+    if found:
+        step = digits_text(1e6 * max(one.spacing for one in found))
+        yield Hit(
+            fields={
+                "channels": joined(sorted({label_of(one.channel) for one in found})),
+                "step": f"{step} µs",
+            }
+        )
+
+
+GUIDE = "rig-data.md"
+RULES = (
+    Rule("T101", "decides", "not usable: {channels} is clipped", clipped, (), "it stays at the end of its range, so its peaks are cut",
+         "record it again with a wider range", guide=GUIDE),
+    Rule("T102", "decides", "not usable: only {count} are alike", unlike, (), "the first that differs {why}",
+         "cut the recording to the part that is steady: --span '2, 5 s'", guide=GUIDE),
+    Rule("T103", "decides", "usable but for the zero: {channel} drifts by {drift}", drift, (), "its swing is {swing}, and no zero is taken off",
+         "state its value with the valve shut: --zero '{quantity}=VALUE'", mark="warn", guide=GUIDE),
+    Rule("T104", "decides", "usable, but not as one speed: {low} to {high} of the cam", uneven, (), "a mean over all cycles mixes speeds",
+         "cut the recording where one speed is needed: --span '2, 5 s'", mark="warn", guide=GUIDE),
+    Rule("T105", "decides", "usable: {count} at {speed} of the cam", usable, (), "{channel} reaches {peak}[, ± {scatter:2} from cycle to cycle]",
+         "[valvetrain compare-test {case} --test {test}]", mark="ok", unless=("T10",), guide=GUIDE),
+    Rule("T110", "warns", "cycle {cycle} {fate}: it {why}[; {more}]", left_out, guide=GUIDE),
+    Rule("T111", "warns", "cam angles count from the mark of the rig, not from the cam", unplaced,
+         step="add --case CASE, whose lift places the mark, or --offset '12 deg'", remark="not related to the cam", guide=GUIDE),
+    Rule("T112", "warns", "the lift is not that of the case[: its flanks are {apart} apart][, {share}]", other_lift,
+         step="check calibration, lash and cam, or whether the valve leaves the cam"),
+    Rule("T113", "warns", "the recording is synthetic: it was computed, not measured", synthetic),
+)  # fmt: skip
+GAUGE_RULES = (
+    Rule("T151", "decides", "the gauge misses {share} of the {channel} at {at}: {seen} of {true}", lowered,
+         step="take a gauge of a higher band, or a higher sampling rate", guide=GUIDE),
+    Rule("T152", "decides", "the gauge records every peak within {whole}", recorded, (), "least of the {channel}: {seen} of {true}",
+         "record with it, then: valvetrain rig FILE --case {case}", mark="ok", unless=("T151",), guide=GUIDE),
+    Rule("T153", "warns", "{channels}: a point every {step} is coarse for this gauge; a spike may be between points", coarse),
+)  # fmt: skip
