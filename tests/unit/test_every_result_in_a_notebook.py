@@ -13,11 +13,6 @@ import pytest
 import valvetrain as vt
 from synthetic_study import at_rest, critical_speeds, own_study, published_study
 from unit import (
-<<<<<<< HEAD
-    test_every_rig_table,
-=======
-    test_every_film_table,
->>>>>>> 37a5f871d (rig by findings: whether a recording can be used, doubts first, and whether a gauge records the peaks)
     test_study_page,
     test_told_beside_a_test,
 )
@@ -97,14 +92,6 @@ DATA = {
 }  # fmt: skip
 #: Class of a result -> one, a word of its table, and what the axes of its figure show.
 RESULTS = {
-<<<<<<< HEAD
-    "RigResult": (
-        lambda: stand_in("RigResult", test_every_rig_table.result()), "95 %", "valve lift (mm)",
-    ),
-=======
-    "CoilMotion": (film, "mean peak (mm)", "displacement towards the seat (mm)"),
-    "FilmedModel": (filmed, "peak (mm)", "displacement towards the seat (mm)"),
->>>>>>> 37a5f871d (rig by findings: whether a recording can be used, doubts first, and whether a gauge records the peaks)
 }  # fmt: skip
 
 

@@ -28,7 +28,7 @@ STRAIN = 1e-6 * np.array(
     [100 + (60 + 10 * k) * np.cos(np.radians(DEGREES - 20 - 120 * k)) for k in (-1, 0, 1)]
 )
 #: Half width of the 95 % interval of the mean of three values with a standard deviation of one.
-OF_THREE = 4.303 / np.sqrt(3)
+OF_THREE = 4.302653 / np.sqrt(3)
 
 
 def channel(quantity: str, unit: str, values, spread, band: float) -> RigChannelCycles:
@@ -181,11 +181,3 @@ def test_speeds_stand_at_the_middle_of_their_cycles():
     assert drawn["mean of each cycle"].x == pytest.approx([0.5, 1.5, 3.0, 4.5])
     assert drawn["mean of each cycle"].y == pytest.approx([1000, 1010, 9999, 1020])
     assert drawn["cam speed"].y == pytest.approx(100.0 * drawn["cam speed"].x, rel=1e-5)
-
-
-def test_a_tone_stands_in_the_spectrum_with_its_amplitude():
-    """2 mm at 0.05 of 10 kHz as recorded."""
-    tone = traces("spectrum-valve_lift")["as recorded"]
-    assert tone.x[np.argmax(tone.y)] == pytest.approx(0.5) and tone.y.max() == pytest.approx(
-        2.0, rel=5e-3
-    )

@@ -17,8 +17,8 @@ from valvetrain.findings.words import Amount, Phrase, digits_text, joined, speed
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.quantities.signal import WINDOWS
 
-#: Scatters beyond which a value is off, and share of the difference that an offset must have to be named.
-OFF, NAMED = 2.0, 0.3
+#: Scatters beyond which a value is off.
+OFF = 2.0
 #: Stretches of the turn in words.
 PHASES: dict[str, str] = dict(
     zip(WINDOWS, ("before the lift", "during the lift", "after the lift"), strict=True)
@@ -157,10 +157,9 @@ def shifted(facts: AgainstTest) -> Iterator[Hit]:
             and abs(near.shift) > 2 * near.shift_reach
         ):
             late = "late" if near.shift > 0 else "early"
-            offset = facts.amount(abs(near.bias)) if abs(near.bias) > NAMED * near.rms else ""
             yield Hit(fields={
-                "model": run.label, "shift": Amount("cam_angle", abs(near.shift), near.shift_reach), "late": late, "offset": offset,
-                "high": side(near.bias), "rest": facts.amount(near.rest), "reach": facts.amount(test.refutable),
+                "model": run.label, "shift": Amount("cam_angle", abs(near.shift), near.shift_reach), "late": late,
+                "rest": facts.amount(near.rest), "reach": facts.amount(test.refutable),
             })  # fmt: skip
 
 
@@ -248,7 +247,7 @@ GUIDE = "model-against-test.md"
 NO = "{model} does not agree with the test"
 RULES = (
     Rule("T201", "decides", "nothing can be compared: no run ended", nothing, step="valvetrain run {case}", guide=GUIDE),
-    Rule("T202", "decides", f"{NO}: it comes {{shift}} {{late}}[, {{offset}} {{high}}]", shifted, (),
+    Rule("T202", "decides", f"{NO}: it comes {{shift}} {{late}}", shifted, (),
          "without that {rest} rms, the scatter allows {reach}",
          "check the mark of the cam angle, or state the gauge: --bandwidth '8 kHz'", guide=GUIDE),
     Rule("T203", "decides", f"{NO}[: {{where}}]", judged(False, "The test refutes the nearest model."), (), "{whole}", "{step}",

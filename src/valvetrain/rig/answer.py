@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
-from scipy import signal
 
 from valvetrain.findings.engine import Findings, Mark, judge
 from valvetrain.findings.words import RPM, Amount, Words, digits_text, speed_text
@@ -42,8 +41,8 @@ from valvetrain.views.table import Line, TextTable
 from valvetrain.views.tables import findings as findings_table
 
 Array = NDArray[np.float64]
-#: Samples of the longest segment of a spectrum, segments that are averaged, and cut marks that are drawn, at most.
-SEGMENT, MAX_SEGMENTS, MARKS = 2048, 512, 40
+#: Cut marks that are drawn, at most.
+MARKS = 40
 
 
 @dataclass(frozen=True)
@@ -121,25 +120,20 @@ class RigAnswer(Shown):
         return {"findings": findings_table(self), "extremes": peaks}
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """Cycles of every channel, the lift on that of the case, speed, the recording and spectra."""
-        cycles, spectra = dict[str, FigureSpec](), dict[str, FigureSpec]()
-        for one in self.result.channels:
-            key, name = one.cycles.quantity, label_of(one.cycles.quantity)
-            cycles[f"cycles-{key}"] = FigureSpec(
-                f"Cycles: {name}", "Grey: two scatters of a cycle.", partial(cycles_figure, one)
+        """Cycles of every channel, the lift on that of the case, speed, and the recording."""
+        hint = "Grey: two scatters of a cycle."
+        cycles = {
+            f"cycles-{one.cycles.quantity}": FigureSpec(
+                f"Cycles: {label_of(one.cycles.quantity)}", hint, partial(cycles_figure, one)
             )
-            hint = "Right of the dashed line all is cut off."
-            spectra[f"spectrum-{key}"] = FigureSpec(
-                f"Spectrum: {name}", hint, partial(spectrum_figure, one)
-            )
-        return {
-            **cycles,
+            for one in self.result.channels
+        }
+        return cycles | {
             "alignment": FigureSpec("Lift of the rig and of the case", "", alignment_figure),
             "speed": FigureSpec("Speed of the cam", "", speed_figure),
             "raw": FigureSpec(
                 "As recorded", "Upright lines: where cycles were cut; red: left out.", raw_figure
             ),
-            **spectra,
         }
 
     def computed(self) -> Iterator[str]:
@@ -251,22 +245,6 @@ def raw_figure(facts: RigFacts) -> go.Figure:
             float(cuts[cycle]), float(cuts[cycle + 1]), fillcolor=BAD, opacity=0.15, line_width=0
         )
     return styled(fig, "time, s", tuple(titles), 120 + 180 * len(titles))
-
-
-def spectrum_figure(one: RigChannelCycles, facts: RigFacts) -> go.Figure:
-    """Amplitudes as recorded, up to half the sampling rate, with the end of the band."""
-    title, size = _axis(one.cycles.quantity, one.cycles.mean)
-    values = one.raw.values[np.isfinite(one.raw.values)][: MAX_SEGMENTS * SEGMENT] / size
-    frequency, power = signal.welch(
-        values, 1e-3 / one.raw.step, "hann", min(SEGMENT, len(values)), 0, scaling="spectrum"
-    )
-    amplitude = np.sqrt(2 * power)
-    fig = go.Figure(line(frequency, amplitude, "as recorded", LEAD))
-    fig.add_vline(1e-3 * one.band, line={"color": BAD, "dash": "dash"})
-    top = math.log10(max(float(amplitude.max()), 1e-300))
-    return styled(fig, "frequency, kHz", (title,)).update_yaxes(
-        type="log", range=(top - 5, top + 0.3)
-    )
 
 
 def report_rig(result: RigResult, folder: Path) -> StudyFiles:

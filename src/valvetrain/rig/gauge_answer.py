@@ -25,7 +25,6 @@ from valvetrain.views.columns import RowColumn, csv_text, json_row, table_of
 from valvetrain.views.shown import Shown
 from valvetrain.views.style import LEAD, OTHER, FigureSpec, line, styled
 from valvetrain.views.table import Line, TextTable
-from valvetrain.views.tables import findings as findings_table
 
 #: Channels that are drawn and stand in the first table, those first that lose most.
 FIGURES, ROWS = 8, 12
@@ -102,10 +101,7 @@ class GaugeAnswer(Shown):
 
     def tables(self) -> Mapping[str, TextTable]:
         """Every run and channel."""
-        return {
-            "findings": findings_table(self),
-            "peaks": table_of("True and recorded peaks", COLUMNS, self.responses, self.words),
-        }
+        return {"peaks": table_of("Both peaks", COLUMNS, self.responses, self.words)}
 
     def figures(self) -> Mapping[str, FigureSpec]:
         """Traces about the true peak."""

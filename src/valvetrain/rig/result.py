@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.rig.alignment import LiftAlignment
@@ -16,17 +17,11 @@ from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.solution.saveable import Reported
 
 Array = NDArray[np.float64]
-#: 97.5 % point of Student's distribution for 1, 2, ... degrees of freedom; 1.96 beyond.
-_STUDENT = (
-    12.71, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.16, 2.145, 2.131, 2.12, 2.11, 2.101, 2.093,
-)  # fmt: skip
 
 
 def student(count: int) -> float:
     """Factor of a 95 % interval of the mean of ``count`` values."""
-    if count < 2:
-        return float("inf")
-    return _STUDENT[count - 2] if count - 2 < len(_STUDENT) else 1.96 + 2.4 / (count - 1)
+    return float(stdtrit(count - 1, 0.975)) if count > 1 else float("inf")
 
 
 def mean_spread(values: Array, step: float, angle_uncertainty: float) -> Array:

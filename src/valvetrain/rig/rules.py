@@ -125,12 +125,10 @@ def left_out(facts: RigFacts) -> Iterator[Hit]:
     """Cycles that are outliers or have gaps."""
     for cycle, why in facts.result.outliers[:1]:
         more = len(facts.result.outliers) - 1
-        fate = "is retained as requested" if cycle in facts.result.retained else "is left out"
         yield Hit(
             fields={
                 "cycle": str(cycle + 1),
                 "why": why,
-                "fate": fate,
                 "more": f"{more} more" if more else "",
             }
         )
@@ -199,7 +197,7 @@ RULES = (
          "cut the recording where one speed is needed: --span '2, 5 s'", mark="warn", guide=GUIDE),
     Rule("T105", "decides", "usable: {count} at {speed} of the cam", usable, (), "{channel} reaches {peak}[, ± {scatter:2} from cycle to cycle]",
          "[valvetrain compare-test {case} --test {test}]", mark="ok", unless=("T10",), guide=GUIDE),
-    Rule("T110", "warns", "cycle {cycle} {fate}: it {why}[; {more}]", left_out, guide=GUIDE),
+    Rule("T110", "warns", "cycle {cycle} differs: it {why}[; {more}]", left_out, guide=GUIDE),
     Rule("T111", "warns", "cam angles count from the mark of the rig, not from the cam", unplaced,
          step="add --case CASE, whose lift places the mark, or --offset '12 deg'", remark="not related to the cam", guide=GUIDE),
     Rule("T112", "warns", "the lift is not that of the case[: its flanks are {apart} apart][, {share}]", other_lift,
