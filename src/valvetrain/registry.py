@@ -82,11 +82,9 @@ BUILT_IN["springs"] = {
     "solid": "valvetrain.springs.solid.spec:SPEC",
 }
 #: Class of a result -> the page, or its blocks, whose first table and figure a notebook shows.
-BUILT_IN["results"] = {
-}
+BUILT_IN["results"] = {}
 #: Class of a result -> the function that gives its one sentence, without end of line.
-BUILT_IN["verdicts"] = {
-}
+BUILT_IN["verdicts"] = {}
 #: Class of a result -> what is shown of it, made from the result alone.
 BUILT_IN["answers"] = {
     "Study": "valvetrain.views.answer:Answer",

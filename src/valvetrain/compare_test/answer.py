@@ -70,7 +70,7 @@ class AgainstTestAnswer(Shown):
         """The case and what was measured."""
         record, test = self.result.study.record, self.result.test
         if isinstance(test, ValueTable):
-            what = f"{len(test.values)} values, {f'{test.repeats} repeats' if test.repeats > 1 else 'each with a scatter'}"
+            what = f"{len(test.values)} values"
         else:
             speed = f", {speed_text(2 * test.cam_speed)}" if test.cam_speed else ""
             what = f"{label_of(test.quantity)}, {len(test.values)} cycles{speed}"
@@ -152,13 +152,12 @@ class AgainstTestAnswer(Shown):
     def _value_lines(self) -> Iterator[Line]:
         best = self.runs[0]
         chosen = furthest(best)[:MAX_VALUES]
-        several = len({one.engine_speed for one in best.values}) > 1
         for place, row in enumerate(best.values):
             if row in chosen:
                 numbers = (row.test, *(one.values[place].model for one in self.runs))
                 name, off = tables.value_quantity(row), abs(row.in_scatters)
                 cells = (self._value(name, one) for one in numbers)
-                label = f"{tables.value_name(row)}{f', {speed_text(row.engine_speed)}' if several else ''}"
+                label = f"{tables.value_name(row)}, {speed_text(row.engine_speed)}"
                 yield Line(
                     label,
                     tuple(cells),
@@ -212,7 +211,7 @@ class AgainstTestAnswer(Shown):
                 f"refuted. {test.places} places count as {digits_text(test.independent)}, for neighbours scatter together."
             )
         yield from (f"{note[:1].upper()}{note[1:]}." for note in dict.fromkeys(self.result.notes))
-        yield f"Test: {self.result.test.source or 'without a name'}."
+        yield f"Test: {self.result.test.source}."
 
     @property
     def text(self) -> str:
@@ -267,11 +266,7 @@ def values_figure(facts: AgainstTest) -> go.Figure | None:
     runs = facts.result.runs[:MAX_RUNS]
     if not runs:
         return None
-    several = len({one.engine_speed for one in runs[0].values}) > 1
-    names = [
-        f"{tables.value_name(one)}{f', {speed_text(one.engine_speed)}' if several else ''}"
-        for one in runs[0].values
-    ]
+    names = [f"{tables.value_name(one)}, {speed_text(one.engine_speed)}" for one in runs[0].values]
     fig = go.Figure()
     for one, colour in zip(runs, SPEEDS, strict=False):
         off = [row.in_scatters for row in one.values]

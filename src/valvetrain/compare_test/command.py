@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import shlex
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -30,10 +31,11 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
-from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
+from valvetrain.cli.run_answer import SavedRequest, saved_result
 
 if TYPE_CHECKING:
     from valvetrain.compare_test.compare import ModelAgainstTest
+    from valvetrain.views.shown import Shown
 
 
 def register(app: typer.Typer) -> None:
@@ -96,9 +98,11 @@ def compare_test(
 ) -> None:
     """Whether a model agrees with a test within the scatter of the test, and where it is worst."""
     from valvetrain.cli.options import choose_case, folder_of, read_sensor
+    from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.compare_test.adequacy import LEVEL
     from valvetrain.compare_test.compare import compare_with_test
+    from valvetrain.compare_test.files import compare_test_json, write_compare_test
     from valvetrain.compare_test.reader import read_test
     from valvetrain.session import call_case
 
@@ -133,49 +137,20 @@ def compare_test(
     repeated += [part for text in spring_set or () for part in ("--spring-set", text)]
     now = datetime.now(UTC).replace(microsecond=0)
     request = SavedRequest("compare-test", chosen, output, now, folder_of(case))
-    _answer(found, request, str(test), shlex.join(repeated), open_page)
+    failed = list(found.failures)
+    data = {
+        "command": "compare-test",
+        "completed": not failed,
+        "failures": failed,
+    } | compare_test_json(found)
+    show = partial(_shown, found, shlex.join(repeated))
+    write = partial(write_compare_test, found)
+    text = found.study.record.text
+    deliver(saved_result(request, text, data, show, write, {"test": str(test)}, open_page, failed))
 
 
-def _answer(
-    found: ModelAgainstTest, request: SavedRequest, test: str, options: str, open_page: bool
-) -> None:
-    """Save the folder (page, files, run.json) and print the answer; ``options``: those of the test, to be copied."""
-    from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.cli.progress import busy
+def _shown(found: ModelAgainstTest, test: str, folder: Path) -> Shown:
+    """The answer, with the options of the test to be copied."""
     from valvetrain.compare_test.answer import AgainstTestAnswer
-    from valvetrain.compare_test.files import compare_test_json, write_compare_test
-    from valvetrain.findings.words import Words
-    from valvetrain.solution.partial_failures import PartialFailures
-    from valvetrain.views.results import write_page
-    from valvetrain.views.terminal import screen
 
-    answer = AgainstTestAnswer(found, test=options)
-    plain = AgainstTestAnswer(found, Words(case=answer.words.case), options)
-    data: dict[str, Any] = {
-        "command": "compare-test", "completed": not found.failures, "failures": list(found.failures), **compare_test_json(found),
-        "findings": [one.to_dict() for one in plain.findings],
-    }  # fmt: skip
-    gaps, pages = PartialFailures(), list[Path]()
-
-    def fill(folder: Path) -> list[Path]:
-        if not found.runs:
-            return []
-        pages.extend(filter(None, (write_page(answer, folder, gaps),)))
-        return [*write_compare_test(found, folder), *pages]
-
-    with busy("writing files"):
-        origin = found.study.solutions[0].provenance if found.study.solutions else None
-        folder, files = keep_run(
-            request, found.study.record.text, {"test": test}, data, fill, origin
-        )
-    if open_page and pages:
-        show_page(pages[0])
-    page = str(pages[0]) if pages else ""
-    data |= {"folder": str(folder), "files": files, "page": page or None}
-    deliver(
-        Outcome(
-            data,
-            lambda console: console.print(screen(answer, page, str(folder))),
-            (*found.failures, *gaps.sentences),
-        )
-    )
+    return AgainstTestAnswer(found, test=test)

@@ -65,6 +65,8 @@ def write_compare_test(found: ModelAgainstTest, folder: Path) -> list[Path]:
     for angles in cam degrees.
     """
     test = found.test
+    if not found.runs:
+        return []
     if not isinstance(test, MeasuredCycles):
         return [_write_rows(folder / "values.csv", VALUES, found, "values")]
     columns = {"cam angle [deg]": np.degrees(test.cam_angle), f"test [{test.unit}]": test.mean}

@@ -83,11 +83,6 @@ def furthest(run: RunAgainstTest) -> list[ValueRow]:
     return sorted(rows, key=lambda one: -abs(one.in_scatters))
 
 
-def side(value: float) -> str:
-    """Whether a difference of model and test is ``too high`` or ``too low``."""
-    return "too high" if value > 0 else "too low"
-
-
 def _place(facts: AgainstTest, run: RunAgainstTest) -> Fields:
     """Where a run is furthest off, and how far it is as a whole."""
     if run.agreement is not None:
@@ -99,7 +94,7 @@ def _place(facts: AgainstTest, run: RunAgainstTest) -> Fields:
         rms = facts.amount(run.agreement.rms)
         fields: Fields = {
             "off": facts.amount(abs(off.value), off.bar),
-            "side": side(off.value),
+            "side": "too high" if off.value > 0 else "too low",
             "angle": angle,
             "stage": stage,
         }
@@ -216,7 +211,7 @@ def few(facts: AgainstTest) -> Iterator[Hit]:
     test = facts.result.test
     count = len(test.values) if isinstance(test, MeasuredCycles) else test.repeats
     if 1 < count < FEW:
-        yield Hit(fields={"count": str(count), "enough": str(FEW)})
+        yield Hit(fields={"count": str(count)})
 
 
 def alike(facts: AgainstTest) -> Iterator[Hit]:
@@ -261,7 +256,7 @@ RULES = (
          when(lambda facts: facts.result.test.synthetic, "The test was computed.")),
     Rule("T212", "warns", "left out, for model and test do not both have it: {names}[ and {more}]", left_out),
     Rule("T213", "warns", "the test ran at {test}, the model at {model}: the speed is part of the difference", other_speed),
-    Rule("T214", "warns", "{count} repeats hardly show the scatter, so the test refutes too readily; {enough} or more do", few),
+    Rule("T214", "warns", "{count} repeats hardly show the scatter, so the test refutes too readily; give four or more", few),
     Rule("T215", "warns", "successive cycles are alike: {count} count as {fewer}, so the test refutes too readily", alike,
          step="give cycles further apart"),
     Rule("T220", "notes", "{near} {sure} {far} by the scatter of the test", closer, ("closer",), remark="{near} {sure} {far}"),

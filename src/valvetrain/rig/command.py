@@ -25,11 +25,10 @@ from valvetrain.cli.options import (
     read_sensor,
     take_folder,
 )
-from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
+from valvetrain.cli.run_answer import SavedRequest, saved_result
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
-    from valvetrain.findings.words import Words
     from valvetrain.measured.sensor import Sensor
     from valvetrain.rig.channels import RigAnswers
     from valvetrain.views.shown import Shown
@@ -227,7 +226,7 @@ class _Answer(NamedTuple):
 
     name: str
     text: str
-    shown: Callable[[Words, Path], Shown]
+    shown: Callable[[Path], Shown]
     data: dict[str, Any]
     write: Callable[[Path], list[Path]]
     choices: dict[str, str]
@@ -236,33 +235,13 @@ class _Answer(NamedTuple):
 
 def _deliver(answer: _Answer, output: Path | None, open_page: bool) -> None:
     """Save the folder (page, files, run.json) and print the answer."""
-    from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.findings.words import Words
-    from valvetrain.session import called_case
-    from valvetrain.solution.partial_failures import PartialFailures
-    from valvetrain.views.results import write_page
-    from valvetrain.views.terminal import screen
-
-    gaps, pages = PartialFailures(), list[Path]()
-    words = Words(case=called_case())
-    findings = answer.shown(words, output or Path()).findings
-    data = answer.data | {"findings": [one.to_dict() for one in findings]}
-
-    def fill(folder: Path) -> list[Path]:
-        pages.extend(filter(None, (write_page(answer.shown(words, folder), folder, gaps),)))
-        return [*answer.write(folder), *pages]
+    from valvetrain.cli.outcome import deliver
 
     now = datetime.now(UTC).replace(microsecond=0)
     request = SavedRequest("rig", answer, output, now, folder=answer.home)
-    folder, files = keep_run(request, answer.text, answer.choices, data, fill)
-    page = str(pages[0]) if pages else ""
-    if open_page and pages:
-        show_page(pages[0])
-    data |= {"folder": str(folder), "files": files, "page": page or None}
-    shown = answer.shown(words, folder)
     deliver(
-        Outcome(
-            data, lambda console: console.print(screen(shown, page, str(folder))), gaps.sentences
+        saved_result(
+            request, answer.text, answer.data, answer.shown, answer.write, answer.choices, open_page
         )
     )
 
@@ -312,7 +291,7 @@ def _recording_answer(
     return _Answer(
         name,
         f'name = "{name}"\n' if chosen is None else chosen.text,
-        lambda words, folder: RigAnswer(result, words, folder),
+        lambda folder: RigAnswer(result, folder=folder),
         data_of(result) | {"case": chosen.name if chosen else ""},
         write_files,
         choices,
@@ -344,7 +323,7 @@ def _case_answer(
     return _Answer(
         chosen.name,
         chosen.text,
-        lambda words, folder: GaugeAnswer(chosen.name, responses, sensor, words),
+        lambda folder: GaugeAnswer(chosen.name, responses, sensor),
         data_of(responses, sensor, chosen.name),
         lambda folder: write_responses(responses, folder),
         choices,
