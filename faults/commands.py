@@ -101,7 +101,7 @@ def replace(source, target, **more):
         if len(written) == last:
             os.kill(os.getpid(), signal.SIGKILL)
 os.replace = replace
-from valvetrain.report.files import UnfinishedRun
+from valvetrain.views.files import UnfinishedRun
 add = UnfinishedRun.add
 def added(self, place, solution):
     add(self, place, solution)

@@ -17,9 +17,9 @@ import time
 from pathlib import Path
 
 import valvetrain as vt
-from valvetrain.report.motion.project import motion_data
-from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.page import motion_script
+from valvetrain.views.motion.project import motion_data
+from valvetrain.views.motion.scene import moving_picture
+from valvetrain.views.page import motion_script
 
 #: The page is put together on the processor, WebGL is drawn there too.
 OPTIONS = ["--no-sandbox", "--enable-unsafe-swiftshader"]

@@ -29,7 +29,6 @@ FOLDERS = {
     "measured": "Measured data",
     "findings": "Findings and their rules",
     "views": "Tables, figures and pages",
-    "report": "Reports and files",
     "quantities": "Quantities of results",
     "system": "The problem that is solved",
     "cam": "Lift laws",

@@ -26,8 +26,6 @@ KINDS: dict[str, tuple[str, str]] = {
     "integrators": ("valvetrain.integrators", "integrator"),
     "sources": ("valvetrain.sources", "source study"),
     "quantities": ("valvetrain.quantities", "table of quantities"),
-    "results": ("valvetrain.results", "kind of result"),
-    "verdicts": ("valvetrain.verdicts", "verdict"),
     "displays": ("valvetrain.displays", "display"),
     "files": ("valvetrain.files", "writer of a result"),
     "commands": ("valvetrain.commands", "command"),
@@ -81,10 +79,6 @@ BUILT_IN["springs"] = {
     "finite-element": "valvetrain.springs.finite_element:SPEC",
     "solid": "valvetrain.springs.solid.spec:SPEC",
 }
-#: Class of a result -> the page, or its blocks, whose first table and figure a notebook shows.
-BUILT_IN["results"] = {}
-#: Class of a result -> the function that gives its one sentence, without end of line.
-BUILT_IN["verdicts"] = {}
 #: Class of a result -> what is shown of it, made from the result alone.
 BUILT_IN["answers"] = {
     "Study": "valvetrain.views.answer:Answer",

@@ -14,12 +14,12 @@ import pytest
 
 from architecture.layout import PACKAGE, imports_of, levels, modules, package_of, tree_of
 
-#: Tools: a folder each, around the line of physics and the kits `report` and `cli`.
+#: Tools: a folder each, around the line of physics and the kits `views` and `cli`.
 TOOLS = ("lift", "spring_card", "scan", "film", "rig", "compare_test", "explore", "workbench")
 #: Library -> packages that may import it; a tool's command, answer and figures may import those of `cli` and `views`.
 KEPT_IN = {
-    "plotly": {"report", "views"},
-    "matplotlib": {"report"},
+    "plotly": {"views"},
+    "matplotlib": set(),
     "typer": {"cli"},
     "rich": {"cli", "views"},
     "nicegui": {"workbench"},
@@ -106,10 +106,9 @@ def test_the_drawing_is_read_as_it_is_meant():
         < levels()["system"]
         < levels()["integrate"]
     )
-    assert levels()["measured"] < levels()["cam"] and levels()["quantities"] < levels()["report"]
+    assert levels()["measured"] < levels()["cam"] and levels()["quantities"] < levels()["views"]
     assert (
         levels()["findings"]
-        < levels()["report"]
         < levels()["views"]
         < levels()["cli"]
         < levels()["film"]
@@ -133,8 +132,8 @@ def test_the_drawing_is_read_as_it_is_meant():
             "from valvetrain.errors import InputError\nfrom . import section\nimport numba",
             False,
         ),
-        ("valvetrain.report.page", "import plotly\nfrom valvetrain import __version__", False),
-        ("valvetrain.report.page", "from valvetrain.film import coil_motion", True),
+        ("valvetrain.views.page", "import plotly\nfrom valvetrain import __version__", False),
+        ("valvetrain.views.page", "from valvetrain.film import coil_motion", True),
         ("valvetrain.film.page", "from valvetrain.rig.cycles import rig_cycles", True),
         ("valvetrain.film.page", "from valvetrain.rig import rig_cycles", False),
         ("valvetrain.film.page", "import typer", True),
@@ -160,8 +159,8 @@ def test_imports_run_one_way():
 
 
 def test_no_string_leads_upward():
-    assert upward_strings("valvetrain.cam.zero", ast.parse("x = 'valvetrain.report.page:SPEC'"))
-    assert not upward_strings("valvetrain.report.page", ast.parse("x = 'valvetrain.cam.zero'"))
+    assert upward_strings("valvetrain.cam.zero", ast.parse("x = 'valvetrain.views.page:SPEC'"))
+    assert not upward_strings("valvetrain.views.page", ast.parse("x = 'valvetrain.cam.zero'"))
     found = [
         sentence
         for module, path in modules().items()

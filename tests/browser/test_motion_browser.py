@@ -16,9 +16,10 @@ from synthetic_study import own_study, rod_run
 from system_parts import program
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.project import motion_data, still_svg
-from valvetrain.report.motion.scene import moving_picture
-from valvetrain.report.page import Motion, Page, Section, motion_script, render, text
+from valvetrain.views.answer import Answer
+from valvetrain.views.motion.project import motion_data
+from valvetrain.views.motion.scene import moving_picture
+from valvetrain.views.page import motion_script, page_of
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytestmark = pytest.mark.chromium
@@ -66,13 +67,6 @@ card.drawElements = function (...words) {
 """
 HANDLE = "document.querySelector('.vtm').parentElement.motion"
 TWO_FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
-
-
-def blocks(study):
-    """The moving picture as a part of a page."""
-    moving = moving_picture(study)
-    still = still_svg(moving.variants[0])
-    return (Motion("in-motion", moving.title, "", json.dumps(motion_data(moving)), still),)
 
 
 @pytest.fixture(scope="module")
@@ -266,38 +260,36 @@ def test_a_film_is_recorded_that_plays(visit, study, tmp_path):
 
 @pytest.fixture(scope="module")
 def report(study):
-    words = Section("answers", "Answers", (text("What a narrow page folds."),))
-    return render(Page("t", "", "", (), (words,), picture=blocks(study)))
+    return page_of(Answer(study))
+
+
+def opened(*given, **more) -> Visit:
+    """A visit of the report whose fold with the moving picture is open."""
+    visit = Visit(*given, **more)
+    visit.page.wait_for_selector("body[data-ready]")
+    visit.page.locator("#in-motion summary").click()
+    return visit
 
 
 @pytest.mark.parametrize("width", [1400, 390])
 def test_the_report_mounts_it_and_nothing_scrolls_sideways(browser, report, tmp_path, width):
-    visit = Visit(browser, report, tmp_path, width)
+    visit = opened(browser, report, tmp_path, width)
     visit.page.wait_for_selector(".vtm canvas")
     visit.settle()
     assert visit.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
     assert ink(visit.page) > 0.04 and visit.said == [] and len(visit.asked) == 1
-    assert not visit.page.locator(".vtm-view svg").is_visible()
-    visit.page.emulate_media(media="print")
-    assert (
-        visit.page.locator(".vtm-view svg").is_visible()
-        and not visit.page.locator(".vtm canvas").is_visible()
-    )
     visit.context.close()
 
 
-def test_without_webgl_the_still_picture_stays_and_the_forces_move(browser, report, tmp_path):
-    visit = Visit(
+def test_without_webgl_the_forces_move(browser, report, tmp_path):
+    visit = opened(
         browser,
         report,
         tmp_path,
         before="HTMLCanvasElement.prototype.getContext = function () { return null; };",
     )
     visit.page.wait_for_selector(".vtm")
-    assert (
-        visit.page.locator(".vtm-view svg").is_visible()
-        and "no WebGL" in visit.page.locator(".vtm").inner_text()
-    )
+    assert "no WebGL" in visit.page.locator(".vtm").inner_text()
     visit.handle("seek(42)")
     visit.settle()
     assert visit.said == []
@@ -310,7 +302,7 @@ def test_the_data_are_whole_json(study):
 
 def test_nothing_serious_is_wrong_for_screen_readers(browser, report, tmp_path):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
-    visit = Visit(browser, report, tmp_path, 390)
+    visit = opened(browser, report, tmp_path, 390)
     visit.page.wait_for_selector(".vtm canvas")
     found = axe.Axe().run(visit.page).response["violations"]
     assert [one["id"] for one in found if one["impact"] in ("serious", "critical")] == []

@@ -17,13 +17,13 @@ import valvetrain.quantities.evaluate as evaluate
 from synthetic_study import own_study, rod_run
 from unit.cli_parts import call
 from valvetrain.parameters.loading import load_case
-from valvetrain.report import study as write
-from valvetrain.report.files import FreeNames
 from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.views import study_files as write
 from valvetrain.views.answer import Answer
+from valvetrain.views.files import FreeNames
 from valvetrain.views.page import data_of, page_of
 from valvetrain.views.results import write_answer
 
@@ -165,7 +165,7 @@ def test_a_command_of_which_everything_fails_keeps_its_run(tmp_path, monkeypatch
     for name in parts():
         monkeypatch.setattr(evaluate, name, broken)
     places = (
-        "views.results.page_of", "report.study.quantity_table", "report.study.remove_earlier", "report.json.study_json",
+        "views.results.page_of", "views.study_files.quantity_table", "views.study_files.remove_earlier", "views.json.study_json",
         "views.terminal._rows", "runs.run.next_to_published", "runs.at_rest.closing_quantities", "runs.run.case_facts",
     )  # fmt: skip
     for place in places:

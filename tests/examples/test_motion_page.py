@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from valvetrain.report.motion import parts as outlines
-from valvetrain.report.motion import scene
+from valvetrain.views.motion import parts as outlines
+from valvetrain.views.motion import scene
 
 PAGE = (Path(__file__).parents[2] / "docs" / "motion.md").read_text(encoding="utf-8")
 

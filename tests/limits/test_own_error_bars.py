@@ -16,7 +16,6 @@ from valvetrain.errors import InputError
 from valvetrain.findings.facts import Facts
 from valvetrain.quantities.clash import next_to_largest
 from valvetrain.quantities.train_events import marginal_duration
-from valvetrain.report.json import study_json
 from valvetrain.runs.error_bars import grid_bar
 from valvetrain.runs.run import run_study
 from valvetrain.solution.provenance import CaseRecord
@@ -25,6 +24,7 @@ from valvetrain.solution.status import Event
 from valvetrain.solution.study import Study
 from valvetrain.solution.uncertainty import REASONS, Uncertainty
 from valvetrain.solution.uncertainty import ErrorBars as Bars
+from valvetrain.views.json import study_json
 
 
 def engine(**options) -> vt.Case:

@@ -16,14 +16,14 @@ from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.quantities.contact_patches import contact_patches, hertz_of
 from valvetrain.quantities.signal import fine_filtered, fine_series
-from valvetrain.report.motion.project import motion_data
-from valvetrain.report.motion.scene import moving_picture
 from valvetrain.runs.run import run_study
 from valvetrain.solution.channels import FINE, spring_channels
 from valvetrain.solution.facts import with_code
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.system.build import build
+from valvetrain.views.motion.project import motion_data
+from valvetrain.views.motion.scene import moving_picture
 
 SPRING = """
 [spring]

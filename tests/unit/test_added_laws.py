@@ -166,7 +166,6 @@ import numpy as np
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.report.theme import model_colour, model_label
 from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.runs.compare import compare_study
@@ -192,8 +191,6 @@ assert run.provenance.options["rise"] == 0.5 and run.provenance.options["reach"]
 compared = compare_study(case, spring_models=["progressive", "massless"], workers=1)
 still = compared.at_rest("progressive").curve
 assert abs(still.force_at(15e-3) - top) < 1e-3 * top
-own = registry.find("springs", "progressive")
-assert (model_label("progressive"), model_colour("progressive")) == (own.label, own.colour)
 assert len(sweep_study(case, [200.0, 300.0], spring_models=["progressive"], workers=2).solutions) == 2
 assert pickle.loads(pickle.dumps(study)).solution("progressive").identical(run)
 # a train by all three: its lift law, a contact of it, its springs

@@ -9,7 +9,6 @@ from collections.abc import Callable
 
 import pytest
 
-from valvetrain.report.json import _critical_object
 from valvetrain.runs.critical_repeats import Repeat, repeated, scattered
 from valvetrain.runs.critical_search import Limit, Search, SpeedSample
 from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed
@@ -20,6 +19,7 @@ from valvetrain.solution.critical import (
     RangeMember,
     SpeedBracket,
 )
+from valvetrain.views.json import _critical_object
 
 KIND = "contact-loss"
 Margin = Callable[[float], float]

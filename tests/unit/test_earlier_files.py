@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from valvetrain.report.files import LIST, remove_earlier
+from valvetrain.views.files import LIST, remove_earlier
 
 
 def write(folder, *names):

@@ -14,7 +14,6 @@ from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.integrate.run import joined
 from valvetrain.parameters.constructors import cylindrical
-from valvetrain.report.json import study_json
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
 from valvetrain.solution.display import frame, table
 from valvetrain.solution.quantity import Quantities, Quantity
@@ -22,6 +21,7 @@ from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import _strains
+from valvetrain.views.json import study_json
 from valvetrain.views.results import write_study
 
 RPM = math.pi / 30

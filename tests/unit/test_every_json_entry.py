@@ -21,10 +21,10 @@ from synthetic_study import (
     sweep_study,
     train_run,
 )
-from valvetrain.report.json import status_object, study_json
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.solution.status import Event, Status
+from valvetrain.views.json import status_object, study_json
 from valvetrain.views.results import write_study
 
 RPM = np.pi / 30
@@ -501,7 +501,7 @@ def test_springs_at_rest_in_their_files(written):
 
 
 def test_closed_turns_are_counted_by_their_share_of_the_wire():
-    from valvetrain.report.study import static_table
+    from valvetrain.views.study_files import static_table
 
     (rod, _) = at_rest()
     force = np.zeros_like(rod.curve.coil_contact_force)
@@ -552,7 +552,7 @@ def test_stored_runs_hold_every_wire_point_and_text_files_every_half_turn(writte
     channels = mine.channels.isel(wire_point=np.round(places).astype(int)).assign_coords(
         coil_number=("wire_point", dense)
     )
-    from valvetrain.report.study import CSV_SPACING, at_wire_points
+    from valvetrain.views.study_files import CSV_SPACING, at_wire_points
 
     few = at_wire_points(replace(mine, channels=channels), CSV_SPACING)
     assert few.channels["coil_number"].values == pytest.approx(np.arange(0, 7.25, 0.5)) and len(

@@ -17,13 +17,13 @@ import valvetrain as vt
 from valvetrain.cam.closed_form import SinePower
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.quantities.cycle import Cycle, reported_cycle
-from valvetrain.report.files import UnfinishedRun
 from valvetrain.solution.channels import Variable, spring_channels
 from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, check_masses
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import shear_stress_factor
 from valvetrain.springs.wire_from_card import wire_from_card
+from valvetrain.views.files import UnfinishedRun
 
 SPRING = vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
 CARD = SpringCard(rate=30e3, preload=250.0)

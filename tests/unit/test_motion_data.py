@@ -14,10 +14,10 @@ import valvetrain as vt
 from synthetic_study import own_study, rod_run
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.project import motion_data
-from valvetrain.report.motion.scene import choose_frames, moving_picture
-from valvetrain.report.motion.springs import largest_between, slope_stress
 from valvetrain.solution.study import Study
+from valvetrain.views.motion.project import motion_data
+from valvetrain.views.motion.scene import choose_frames, moving_picture
+from valvetrain.views.motion.springs import largest_between, slope_stress
 
 WIRE = load_case("gu2021-beehive-blind").springs[0].wire
 

@@ -16,9 +16,9 @@ import pytest
 
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.report.motion.project import motion_data
-from valvetrain.report.motion.scene import moving_picture
 from valvetrain.runs.run import run_study
+from valvetrain.views.motion.project import motion_data
+from valvetrain.views.motion.scene import moving_picture
 
 KINDS = ("direct", "finger", "pushrod", "rocker")
 Numbers = np.ndarray

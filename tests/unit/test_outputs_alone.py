@@ -11,9 +11,9 @@ import pytest
 import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore import evaluate  # noqa: F401  imported before its parts are counted
-from valvetrain.report.json import study_json
 from valvetrain.runs import statics
 from valvetrain.springs.multi_mass import MultiMassSpring
+from valvetrain.views.json import study_json
 
 #: A spring of textbook size in no library case, and its lift.
 SPRING = vt.Spring(

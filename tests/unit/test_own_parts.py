@@ -264,7 +264,7 @@ def test_a_run_and_a_page_of_a_model_in_python_are_those_of_any_model(tmp_path):
     )
     assert (
         "Linear" in str(list(how_computed(Answer(study))))
-        and "nan" not in str(vt.report.study_json(study)).lower()
+        and "nan" not in str(vt.views.study_json(study)).lower()
     )
     sweep = card(True).sweep("3000, 4000 rpm", Linear(), critical_speeds=False)
     assert np.all(sweep.series("Linear", "peak_cam_contact_force")[1] > 0)

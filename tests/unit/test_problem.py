@@ -136,7 +136,7 @@ def test_a_problem_travels_between_processes(name):
 #: figures of a case.
 MAY_SEE_A_CASE = (
     "parameters", "cli", "api", "system/build.py", "runs", "explore", "workbench", "lift", "film", "rig", "scan", "compare_test",
-    "report/motion/still.py",
+    "views/motion/still.py",
 )  # fmt: skip
 
 

@@ -130,7 +130,7 @@ def test_without_pandas_one_sentence_says_what_to_do(monkeypatch):
 
 
 def test_results_load_no_plotting_until_asked():
-    code = "import sys, valvetrain.solution.study; print([m for m in ('plotly', 'pandas', 'valvetrain.report') if m in sys.modules])"
+    code = "import sys, valvetrain.solution.study; print([m for m in ('plotly', 'pandas', 'valvetrain.views') if m in sys.modules])"
     assert (
         subprocess.run(
             [sys.executable, "-c", code], capture_output=True, text=True, check=True

@@ -17,7 +17,6 @@ from valvetrain.errors import InputError
 from valvetrain.explore import optimise, searchers
 from valvetrain.explore.space import Uniform, Values
 from valvetrain.parameters.train import ContactParameters
-from valvetrain.report.motion.springs import _shares
 from valvetrain.rig import shaft as rig_shaft
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid, grid_of, set_to_zero
@@ -25,6 +24,7 @@ from valvetrain.rig.reader import RigChannel
 from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.runs import refine_trains
 from valvetrain.runs.refine import refine_springs
+from valvetrain.views.motion.springs import _shares
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])

@@ -8,7 +8,7 @@ import pytest
 
 from valvetrain.parameters.loading import library_names, load_case, parse_case
 from valvetrain.parameters.templates import KINDS, template_text
-from valvetrain.report.motion.still import case_picture
+from valvetrain.views.motion.still import case_picture
 
 
 def size(svg: str) -> tuple[float, float]:

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from valvetrain.parameters.loading import load_case
-from valvetrain.report.json import study_json
 from valvetrain.runs import stored_error_bars
 from valvetrain.runs.error_bars import OWN, STIFFNESS_FACTORS
 from valvetrain.runs.refine import refined
@@ -19,6 +18,7 @@ from valvetrain.runs.refine_trains import refine_trains
 from valvetrain.runs.run import run_study
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.uncertainty import CONSTANTS
+from valvetrain.views.json import study_json
 
 RPM = 2 * np.pi / 60
 

@@ -11,7 +11,6 @@ from typer.testing import CliRunner
 from valvetrain.cli.main import app
 from valvetrain.errors import InputError
 from valvetrain.parameters.templates import template_text
-from valvetrain.report.text import amount
 from valvetrain.solution.definition import definition_of, shown, tables
 from valvetrain.units import dimension_of, dimension_powers
 from valvetrain.units.reader import (
@@ -23,6 +22,7 @@ from valvetrain.units.reader import (
     shown_system,
 )
 from valvetrain.views.page import data_of
+from valvetrain.views.text import amount
 
 ROWS = [one for rows in tables().values() for one in rows if "{" not in one.name]
 

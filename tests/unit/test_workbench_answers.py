@@ -15,8 +15,8 @@ import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.parameters.loading import parse_case
-from valvetrain.report.json import study_json
 from valvetrain.runs.saved_runs import Inputs, save_run
+from valvetrain.views.json import study_json
 from valvetrain.views.page import data_of, unpacked
 from valvetrain.views.results import answer_of
 from valvetrain.workbench.answers import against, compare, saved_study

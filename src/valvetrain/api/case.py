@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from valvetrain.explore.identified import Identified
     from valvetrain.explore.optimum import Optimum
     from valvetrain.explore.table import StudyTable
-    from valvetrain.report.study import StudyFiles
     from valvetrain.runs.error_bars import UncertaintyStudy
     from valvetrain.solution.critical import CriticalSpeeds
     from valvetrain.solution.result import Solution
     from valvetrain.solution.static import StaticCurve
     from valvetrain.solution.study import Study
+    from valvetrain.views.study_files import StudyFiles
 
 Source = str | os.PathLike[str] | Mapping[str, Any] | Parameters
 

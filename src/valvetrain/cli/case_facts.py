@@ -14,7 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.parameters.summary import number, value_text
-from valvetrain.report.text import amount, speed_text
+from valvetrain.views.text import amount, speed_text
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case

@@ -139,10 +139,10 @@ def check(
     from valvetrain.cli.run_answer import SavedRequest, keep_run
     from valvetrain.findings.rules_case import CaseFacts
     from valvetrain.findings.words import Words
-    from valvetrain.report.json import quantities_object
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.system.build import lift_law_of
     from valvetrain.views.case_answer import CaseAnswer
+    from valvetrain.views.json import quantities_object
     from valvetrain.views.results import write_page
     from valvetrain.views.terminal import screen
 

@@ -109,14 +109,11 @@ def manner() -> Manner:
 
 @dataclass(frozen=True)
 class Outcome:
-    """``data``: the object of ``--json``. ``show`` prints the same for people, followed by the
-    ``verdict``, one sentence. ``failures``: a sentence per run that did not complete.
-    """
+    """``data``: the object of ``--json``. ``show`` prints the same for people. ``failures``: a sentence per run that did not complete."""
 
     data: Mapping[str, Any]
     show: Callable[[Console], None]
     failures: tuple[str, ...] = ()
-    verdict: str = ""
 
 
 def deliver(outcome: Outcome) -> None:
@@ -126,7 +123,7 @@ def deliver(outcome: Outcome) -> None:
     failures = outcome.failures
     try:
         if manner().json:
-            sys.stdout.write(to_json(_with_verdict(outcome)) + "\n")
+            sys.stdout.write(to_json(outcome.data) + "\n")
         elif not manner().quiet:
             failures = (*failures, *_show(outcome))
         sys.stdout.flush()
@@ -146,13 +143,6 @@ def deliver(outcome: Outcome) -> None:
         raise typer.Exit(1)
 
 
-def _with_verdict(outcome: Outcome) -> Mapping[str, Any]:
-    # an answer that holds its verdict has it in SI, whatever the reader's units
-    if not outcome.verdict or "verdict" in outcome.data:
-        return outcome.data
-    return {**outcome.data, "verdict": outcome.verdict}
-
-
 def _show(outcome: Outcome) -> tuple[str, ...]:
     """Print for people; what could not be printed, since results are saved whatever printing does."""
     from valvetrain.units.reader import for_reader
@@ -162,12 +152,6 @@ def _show(outcome: Outcome) -> tuple[str, ...]:
         console = _Plain(file=sys.stdout, width=width, highlight=False, markup=False, emoji=False)
         with for_reader():
             outcome.show(console)
-        if outcome.verdict:
-            from valvetrain.report.page import sentences
-
-            first, *more = sentences(outcome.verdict)
-            console.print()
-            console.print(Text.assemble((first, "bold"), *(f" {one}" for one in more)))
     except (OSError, InputError, typer.Exit):
         raise
     except Exception as error:

@@ -138,11 +138,11 @@ def _saved_outcome(request: RefineRequest, study: UncertaintyStudy, stopped: boo
     failed.
     """
     from valvetrain.cli.run_answer import saved_result
-    from valvetrain.report.json import uncertainty_object
-    from valvetrain.report.text import rpm
-    from valvetrain.report.uncertainty_tables import levels_table, uncertainty_table
     from valvetrain.solution.atomic import write_text
+    from valvetrain.views.json import uncertainty_object
     from valvetrain.views.refinement import RefineAnswer
+    from valvetrain.views.text import rpm
+    from valvetrain.views.uncertainty_tables import levels_table, uncertainty_table
 
     case, engine_speeds = request.case, request.engine_speeds
     if stopped:

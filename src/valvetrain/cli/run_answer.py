@@ -58,12 +58,12 @@ if TYPE_CHECKING:
     from valvetrain.cli.outcome import Outcome
     from valvetrain.cli.progress import Report
     from valvetrain.parameters.case import Case
-    from valvetrain.report.files import UnfinishedRun
     from valvetrain.runs.cost import Limits
     from valvetrain.runs.train_runs import Finished
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import Provenance
     from valvetrain.solution.study import Study
+    from valvetrain.views.files import UnfinishedRun
     from valvetrain.views.shown import Shown
 
 
@@ -290,9 +290,9 @@ def answer_study(
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import progress_bar
-    from valvetrain.report.files import UnfinishedRun
     from valvetrain.runs.run_folders import unfinished_folder
     from valvetrain.runs.stopping import StudyStopped
+    from valvetrain.views.files import UnfinishedRun
 
     begun = ("valvetrain", *sys.argv[1:])
     unfinished = UnfinishedRun(
@@ -337,9 +337,9 @@ def _saved_outcome(
 ) -> Outcome:
     """The study written to its folder: its answer, with a sentence per part of it that failed."""
     from valvetrain.cli.outcome import Outcome
-    from valvetrain.report.text import rpm
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.views.results import answer_json
+    from valvetrain.views.text import rpm
 
     gaps = PartialFailures(unfinished.gaps.sentences)
     none: tuple[str, ...] = ()
@@ -361,7 +361,6 @@ def _saved_outcome(
         data,
         lambda console: show_study(console, study, folder, page, request.published),
         failed,
-        "",
     )
 
 
@@ -444,12 +443,12 @@ def keep_run(
     """
     from valvetrain.cli.outcome import plain
     from valvetrain.parameters.case import Case
-    from valvetrain.report.files import UnfinishedRun
     from valvetrain.runs.differences import DEFINITIONS, definitions
     from valvetrain.runs.run_folders import finish_folder, link_latest, new_folder
     from valvetrain.runs.saved_runs import Inputs, collect_inputs, save_run
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import collect_provenance
+    from valvetrain.views.files import UnfinishedRun
 
     missing = PartialFailures() if gaps is None else gaps
     choices_made = {"command": request.command, **choices}

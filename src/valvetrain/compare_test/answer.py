@@ -20,7 +20,6 @@ from valvetrain.compare_test.rules import OFF, RULES, AgainstTest, furthest, pha
 from valvetrain.findings.engine import Findings, Mark, judge
 from valvetrain.findings.words import Amount, Words, digits_text, speed_text
 from valvetrain.measured.value_table import ValueTable
-from valvetrain.report.study import StudyFiles
 from valvetrain.session import called_case
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
@@ -28,6 +27,7 @@ from valvetrain.units.reader import shown_system
 from valvetrain.views.columns import table_of
 from valvetrain.views.results import report_answer
 from valvetrain.views.shown import Shown
+from valvetrain.views.study_files import StudyFiles
 from valvetrain.views.style import (
     ANGLE,
     BAD,

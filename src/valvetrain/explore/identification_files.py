@@ -14,15 +14,15 @@ from valvetrain.explore.identification_answer import IdentificationAnswer
 from valvetrain.explore.identified import Array, Branch, Identified
 from valvetrain.explore.posterior import Datum
 from valvetrain.findings.words import Words
-from valvetrain.report.json import measured
-from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.solution.atomic import closing_line, write_bytes, write_text
 from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.definition import si_unit_text
 from valvetrain.solution.netcdf import write_arrays
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.units import dimension_of
+from valvetrain.views.json import measured
 from valvetrain.views.results import write_page
+from valvetrain.views.study_files import StudyFiles, files_of
 
 DRAWS, CASE = "draws.nc", "identified.toml"
 

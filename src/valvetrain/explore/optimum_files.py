@@ -23,11 +23,11 @@ from valvetrain.explore.optimum_answer import OptimumAnswer, answer_of_search
 from valvetrain.explore.trial import Trial
 from valvetrain.explore.valley import ALIKE
 from valvetrain.findings.words import Words
-from valvetrain.report.json import uncertainty_object
-from valvetrain.report.study import StudyFiles, files_of
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.views.json import uncertainty_object
 from valvetrain.views.results import write_page
+from valvetrain.views.study_files import StudyFiles, files_of
 
 #: Trials that the JSON answer holds whole; more are in trials.csv.
 MAX_TRIALS = 2000

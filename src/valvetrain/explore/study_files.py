@@ -13,13 +13,13 @@ import numpy as np
 from valvetrain.explore.study_answer import StudyAnswer
 from valvetrain.explore.table import StudyTable
 from valvetrain.findings.words import Words
-from valvetrain.report.json import uncertainty_object
-from valvetrain.report.study import StudyFiles
 from valvetrain.session import called_case
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.views.json import uncertainty_object
 from valvetrain.views.results import report_answer, write_page
+from valvetrain.views.study_files import StudyFiles
 
 #: Rows that the JSON answer holds whole; a larger table is in points.csv.
 MAX_ROWS = 2000

@@ -14,10 +14,10 @@ from valvetrain.film.model import FilmedModel
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.tables import LINE_COLUMNS, PEAK_COLUMNS, line_table, peak_table
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
-from valvetrain.report.study import StudyFiles
 from valvetrain.solution.atomic import write_text
 from valvetrain.views.columns import csv_row, csv_text, json_row
 from valvetrain.views.results import report_answer
+from valvetrain.views.study_files import StudyFiles
 
 
 def named_cycles(motion: CoilMotion, model: FilmedModel | None) -> tuple[MeasuredCycles, ...]:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from valvetrain.findings.engine import Findings, Mark, judge
 from valvetrain.findings.words import RPM, Amount, Words, digits_text, speed_text
-from valvetrain.report.study import StudyFiles
 from valvetrain.rig.files import COLUMNS, angle_of, deviation, rows_of, write_rig
 from valvetrain.rig.result import RigChannelCycles, RigResult, mean_peak, peaks_of
 from valvetrain.rig.rules import RULES, RigFacts
@@ -24,6 +23,7 @@ from valvetrain.units.reader import shown_system
 from valvetrain.views.columns import table_of
 from valvetrain.views.results import report_answer
 from valvetrain.views.shown import Shown
+from valvetrain.views.study_files import StudyFiles
 from valvetrain.views.style import (
     ANGLE,
     BAD,

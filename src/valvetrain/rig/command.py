@@ -259,11 +259,11 @@ def _recording_answer(
     from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.progress import busy
     from valvetrain.measured.cycles import write_cycles
-    from valvetrain.report.files import FreeNames
     from valvetrain.rig.answer import RigAnswer
     from valvetrain.rig.cycles import rig_cycles
     from valvetrain.rig.files import data_of, write_rig
     from valvetrain.solution.atomic import check_target
+    from valvetrain.views.files import FreeNames
 
     if settings and case is None:
         raise InputError("values are changed of a case; name it with --case", "--set")

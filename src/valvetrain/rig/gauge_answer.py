@@ -14,7 +14,6 @@ import plotly.graph_objects as go
 from valvetrain.findings.engine import Findings, judge
 from valvetrain.findings.words import Amount, Words, speed_text
 from valvetrain.measured.sensor import Sensor
-from valvetrain.report.files import FreeNames
 from valvetrain.rig.gauge import ChannelResponse
 from valvetrain.rig.rules import GAUGE_RULES, WHOLE, GaugeFacts
 from valvetrain.session import called_case
@@ -22,6 +21,7 @@ from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
 from valvetrain.units.reader import shown_system
 from valvetrain.views.columns import RowColumn, csv_text, json_row, table_of
+from valvetrain.views.files import FreeNames
 from valvetrain.views.shown import Shown
 from valvetrain.views.style import LEAD, OTHER, FigureSpec, line, styled
 from valvetrain.views.table import Line, TextTable

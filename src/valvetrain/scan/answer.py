@@ -14,13 +14,13 @@ from valvetrain.findings.engine import Findings, Mark, judge
 from valvetrain.findings.words import Amount, Words, speed_text
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.summary import percent
-from valvetrain.report.files import spring_text
 from valvetrain.scan import figures
 from valvetrain.scan.compare import ComparedNumber, ScanComparison
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.scan.rules import AS_DRAWN, BRIDGED, RULES, ScanFacts, degrees, length
 from valvetrain.solution.definition import label_of
 from valvetrain.units.reader import shown_system
+from valvetrain.views.files import spring_text
 from valvetrain.views.shown import Shown
 from valvetrain.views.style import FigureSpec
 from valvetrain.views.table import Line, TextTable

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from valvetrain.report.study import StudyFiles
 from valvetrain.scan.answer import ScanAnswer
 from valvetrain.scan.compare import ScanComparison
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.atomic import write_text
 from valvetrain.views.results import report_answer
+from valvetrain.views.study_files import StudyFiles
 
 #: Headings of the table of curves.
 HEADINGS = (

@@ -101,9 +101,7 @@ def frame(
 
 
 class Shown:
-    """A result that a notebook shows by the first table and figure of its page, which the registry
-    lists by the name of its class (kind ``results``).
-    """
+    """A result that a notebook shows by its answer, which the registry lists by the name of its class (kind ``answers``)."""
 
     __slots__ = ()
 

@@ -207,10 +207,10 @@ def _deliver(
 ) -> None:
     """Write the folder (page, block of the spring, run.json) and report it."""
     from valvetrain.parameters.loading import parse_case
-    from valvetrain.report.files import spring_text
     from valvetrain.solution.atomic import write_text
     from valvetrain.spring_card.answer import CardAnswer
     from valvetrain.spring_card.rules import CardFacts
+    from valvetrain.views.files import spring_text
 
     case, facts = _case_name(name, output), CardFacts(fit)
     text = spring_text(

@@ -25,7 +25,7 @@ from valvetrain.views.shown import ShownStudy
 from valvetrain.views.table import Line, TextTable
 
 if TYPE_CHECKING:
-    from valvetrain.report.motion.parts import Moving
+    from valvetrain.views.motion.parts import Moving
     from valvetrain.views.style import FigureSpec
 
 
@@ -93,7 +93,7 @@ class Answer(ShownStudy):
 
     def moving(self) -> Moving | None:
         """The runs in motion, the one that decides first."""
-        from valvetrain.views.moving import moving_of
+        from valvetrain.views.motion.moving import moving_of
 
         return moving_of(self.study, self.facts)
 

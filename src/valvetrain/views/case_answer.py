@@ -16,10 +16,10 @@ from valvetrain.findings.engine import Findings, Mark, judge
 from valvetrain.findings.rules_case import BIND, RULES, CaseFacts
 from valvetrain.findings.words import Amount, Words, digits_text, speed_text
 from valvetrain.parameters.summary import unit_text
-from valvetrain.report.motion.still import case_picture
 from valvetrain.solution.definition import is_defined, label_of, shown
 from valvetrain.solution.static import RestPoint
 from valvetrain.units.reader import shown_system
+from valvetrain.views.motion.still import case_picture
 from valvetrain.views.shown import Shown
 from valvetrain.views.style import ANGLE, LEAD, SECOND, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable

@@ -12,7 +12,6 @@ from typing import Any
 
 from valvetrain.findings.words import Amount, Words
 from valvetrain.parameters.summary import number
-from valvetrain.report.page import Cell, Grid
 from valvetrain.views.table import TextTable
 
 
@@ -90,25 +89,6 @@ def csv_text(headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
     writer.writerow(headings)
     writer.writerows([cell(value) for value in row] for row in rows)
     return memory.getvalue()
-
-
-def grid(columns: Sequence[RowColumn], rows: Iterable[Any]) -> Grid:
-    """The same table on a page."""
-    tones = [column for column in columns if column.text is not None]
-    headings, texts, _ = text_table(columns, rows)
-    return Grid(
-        headings,
-        tuple(
-            (
-                tuple(
-                    Cell(text, column.tones.get(text, "number" if column.number else ""))
-                    for column, text in zip(tones, row, strict=True)
-                ),
-                (),
-            )
-            for row in texts
-        ),
-    )
 
 
 def json_row(columns: Sequence[RowColumn], row: Any) -> dict[str, Any]:

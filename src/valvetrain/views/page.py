@@ -18,9 +18,8 @@ import jinja2
 import plotly.graph_objects as go
 
 from valvetrain.errors import InputError
-from valvetrain.report.motion.project import motion_data
-from valvetrain.report.page import motion_script
 from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.views.motion.project import motion_data
 from valvetrain.views.shown import Shown
 from valvetrain.views.style import in_reader_units
 from valvetrain.views.terminal import SIGN
@@ -129,6 +128,15 @@ def static(name: str) -> str:
     """A style, script or template of the page."""
     folder = resources.files("valvetrain.views").joinpath("static")
     return folder.joinpath(name).read_text(encoding="utf-8")
+
+
+@cache
+def motion_script() -> str:
+    """Classic script of scene.js, film.js and motion.js that sets ``valvetrainMotion.mount(element, data)``; safe inside
+    a script element.
+    """
+    parts = "\n".join(static(name) for name in ("scene.js", "film.js", "motion.js"))
+    return f'(function(){{"use strict";\n{parts}\n}})();'.replace("</script", "<\\/script")
 
 
 def packed(content: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from contextlib import suppress
@@ -11,20 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 from valvetrain import registry
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError, UnknownNameError
-from valvetrain.report import notebook
-from valvetrain.report.json import study_json
-from valvetrain.report.study import StudyFiles, files_of, write_parts
-from valvetrain.report.verdict import state_cut_off, verdict_of
 from valvetrain.solution.atomic import write_text
+from valvetrain.solution.definition import label_cut_off
 from valvetrain.solution.display import table
+from valvetrain.solution.force_peak import bandwidth_of
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, PartialFailures
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
 from valvetrain.units.reader import for_reader
 from valvetrain.views.answer import Answer
+from valvetrain.views.json import study_json
 from valvetrain.views.page import page_of
 from valvetrain.views.shown import Shown
+from valvetrain.views.study_files import StudyFiles, files_of, write_parts
 from valvetrain.views.terminal import SIGN
 
 if TYPE_CHECKING:
@@ -32,6 +33,21 @@ if TYPE_CHECKING:
 
 #: Scale of pictures of pixels, which are then sharp in print.
 SCALE = 2
+
+
+#: Key of a case whose value is the cut-off of the peaks of spring forces.
+CUT_OFF_KEY = "operation.force_bandwidth"
+
+
+def state_cut_off(result: object) -> None:
+    """Let labels state the cut-off of the runs of a result, or of the case of its plan."""
+    runs, plan = getattr(result, "solutions", ()), getattr(result, "plan", None)
+    case = getattr(plan, "case", None)
+    if runs:
+        label_cut_off(bandwidth_of(runs[0].provenance))
+    elif case is not None:
+        varies = any(one.key == CUT_OFF_KEY for one in getattr(plan, "varied", ()))
+        label_cut_off(math.nan if varies else case.operation.force_bandwidth)
 
 
 def answer_of(result: object) -> Shown | None:
@@ -58,9 +74,7 @@ def sentence_of(result: object) -> str:
     """The verdict of a result in one sentence; empty where it shows nothing."""
     try:
         answer = answer_of(result)
-        if answer is None:
-            return verdict_of(result)
-        return str(answer.verdict or "")
+        return "" if answer is None else str(answer.verdict or "")
     except Exception:  # a sentence must not cost the numbers it is about
         if os.environ.get(TRACEBACK_VARIABLE):
             raise
@@ -138,7 +152,7 @@ def write_study(
 
 def write_answer(study: Study, folder: Path, page: bool, figures: str, **more: Any) -> StudyFiles:
     """As :func:`write_study`; a part that fails is named among the ``gaps`` and costs no other. ``more`` is for
-    :func:`valvetrain.report.study.write_parts`.
+    :func:`valvetrain.views.study_files.write_parts`.
     """
     return write_parts(study, folder, _write_page, page, figures, **more)
 
@@ -207,13 +221,11 @@ def figure_for_user(result: object, name: str = "") -> go.Figure:
     Raises :class:`UnknownNameError` for a name that it has no figure of, :class:`InputError` where nothing can be drawn.
     """
     answer = answer_of(result)
-    if answer is None:
-        return notebook.figure_of(result)
-    specs = answer.figures()
+    specs = {} if answer is None else answer.figures()
     for word in (name,) if name else tuple(specs):
-        if word in specs and (made := specs[word].make(answer.facts)) is not None:
+        if answer and word in specs and (made := specs[word].make(answer.facts)) is not None:
             return made
-    if not name:
+    if answer is None or not name:
         raise InputError(f"this {type(result).__name__} holds nothing to draw")
     raise UnknownNameError(name, figures_of(answer), "figure")
 
@@ -223,7 +235,7 @@ def picture_for_notebook(result: object) -> str:
     try:
         answer = answer_of(result)
         if answer is None:
-            return notebook.picture_of(result)
+            return ""
         verdict = f"<p><strong>{escape(str(answer.verdict))}</strong></p>" if answer.verdict else ""
         rows = [(one.label, *one.cells, f"{SIGN[one.mark]} {one.remark}") for one in answer.lines]
         return verdict + (table("", ("", *answer.headings, ""), rows) if rows else "")
@@ -236,8 +248,7 @@ def html_for_notebook(result: object) -> str:
     head, first = picture_for_notebook(result), None
     with suppress(Exception):  # as there
         answer = answer_of(result)
-        if answer is None:
-            return notebook.html_of(result)
-        first = next(iter(answer.tables().values()), None) if not answer.lines else None
+        if answer is not None and not answer.lines:
+            first = next(iter(answer.tables().values()), None)
     text = repr(result).removeprefix(sentence_of(result)).strip()
     return head + table(text, first.columns if first else (), first.rows if first else ())

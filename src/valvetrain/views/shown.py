@@ -12,8 +12,8 @@ from valvetrain.views.table import Line, TextTable
 
 if TYPE_CHECKING:  # a list of files loads none of these
     from valvetrain.findings.facts import Facts
-    from valvetrain.report.motion.parts import Moving
     from valvetrain.solution.study import Study
+    from valvetrain.views.motion.parts import Moving
     from valvetrain.views.style import FigureSpec
 
 #: Topics of notes that are said in full; others stand in the table of findings alone.

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from valvetrain.findings.facts import TURN
 from valvetrain.findings.words import COARSE, Amount, digits_text, speed_text
-from valvetrain.report.text import CAUSES
 from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Event
@@ -15,6 +14,7 @@ from valvetrain.views.models import model_table
 from valvetrain.views.published import published_rows
 from valvetrain.views.shown import Shown, ShownStudy
 from valvetrain.views.table import TextTable
+from valvetrain.views.text import CAUSES
 
 #: Runs that stand side by side; more are rows. Events of a run that are listed, the largest.
 SIDE_BY_SIDE, EVENTS = 8, 12

@@ -14,8 +14,7 @@ from fastapi.responses import Response
 from nicegui import ui
 from nicegui.context import context
 
-from valvetrain.report.page import motion_script
-from valvetrain.views.page import static
+from valvetrain.views.page import motion_script, static
 from valvetrain.workbench.pages.elements import Theme, link, tag
 
 _KINDS = {"css": "text/css; charset=utf-8", "js": "text/javascript; charset=utf-8"}

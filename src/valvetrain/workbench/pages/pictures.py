@@ -96,6 +96,6 @@ def _of_case(
 
 
 def _drawn(case: Case, small: bool) -> str:
-    from valvetrain.report.motion.still import case_picture
+    from valvetrain.views.motion.still import case_picture
 
     return case_picture(case, closed_alone=small)

@@ -10,11 +10,11 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.report.motion.parts import Array, Colouring, Places, SpringDrawing, Variant
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.springs.chain_layout import local_compliance
 from valvetrain.springs.stress import bergstraesser
 from valvetrain.springs.wire_from_card import ACTIVE_COILS, wire_from_card
+from valvetrain.views.motion.parts import Array, Colouring, Places, SpringDrawing, Variant
 
 #: Colours from low to high. Nothing to see is grey, on light and dark paper alike; what is large is
 #: dark red.

@@ -18,10 +18,10 @@ from valvetrain.mechanism.parts import AssembledMechanism, Interaction
 from valvetrain.mechanism.planar import unit
 from valvetrain.parameters.train import FollowerParameters, TrainParameters
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.report.motion import parts as outlines
-from valvetrain.report.motion.parts import Array, Body, Places, Shape
-from valvetrain.report.motion.springs import wire_of
 from valvetrain.system.problem import Member
+from valvetrain.views.motion import parts as outlines
+from valvetrain.views.motion.parts import Array, Body, Places, Shape
+from valvetrain.views.motion.springs import wire_of
 
 #: Room (m, rad) beyond the travel of the contact, thickness (m) of a pad, height of a tappet over
 #: its half width.

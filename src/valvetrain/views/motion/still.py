@@ -11,15 +11,15 @@ import numpy as np
 
 from valvetrain.parameters.case import Case
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.report.motion.parts import Variant
-from valvetrain.report.motion.project import MARGIN, Flat, flat_shapes
-from valvetrain.report.motion.springs import draw_spring
-from valvetrain.report.motion.train import draw_train
 from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
 from valvetrain.system.problem import Member
+from valvetrain.views.motion.parts import Variant
+from valvetrain.views.motion.project import MARGIN, Flat, flat_shapes
+from valvetrain.views.motion.springs import draw_spring
+from valvetrain.views.motion.train import draw_train
 
 #: Cam angles (one revolution) at which the parts are drawn, and the model, which is not evaluated.
 ANGLES, MODEL = 180, "massless"

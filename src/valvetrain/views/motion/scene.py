@@ -13,8 +13,13 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
-from valvetrain.report import theme
-from valvetrain.report.motion.parts import (
+from valvetrain.solution.partial_failures import reason
+from valvetrain.solution.provenance import CaseRecord
+from valvetrain.solution.result import Solution
+from valvetrain.solution.study import Study
+from valvetrain.system.build import build
+from valvetrain.system.problem import Member, Problem
+from valvetrain.views.motion.parts import (
     Array,
     Moving,
     Places,
@@ -23,15 +28,9 @@ from valvetrain.report.motion.parts import (
     Variant,
     marks_of,
 )
-from valvetrain.report.motion.springs import draw_spring, one_range
-from valvetrain.report.motion.train import TrainDrawing, draw_train
-from valvetrain.report.text import speed_text
-from valvetrain.solution.partial_failures import reason
-from valvetrain.solution.provenance import CaseRecord
-from valvetrain.solution.result import Solution
-from valvetrain.solution.study import Study
-from valvetrain.system.build import build
-from valvetrain.system.problem import Member, Problem
+from valvetrain.views.motion.springs import draw_spring, one_range
+from valvetrain.views.motion.train import TrainDrawing, draw_train
+from valvetrain.views.text import speed_text
 
 #: Even steps (cam degrees) tried in turn until they take no more than :data:`EVEN_SHARE` of the
 #: frames;
@@ -233,7 +232,7 @@ def _variant(study: Study, run: Solution, size: int, most: int) -> Variant | Non
     known = [(label, name) for label, name in _FORCES if run.has(name)]
     return Variant(
         run.label,
-        f"{theme.model_label(run.label)}, {speed_text(run.engine_speed)}",
+        f"{run.label}, {speed_text(run.engine_speed)}",
         run.engine_speed,
         sample,
         cycle.cam_angle[sample],

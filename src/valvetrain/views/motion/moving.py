@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from valvetrain.findings.facts import Facts
-from valvetrain.report.motion.parts import Moving
-from valvetrain.report.motion.scene import moving_picture
 from valvetrain.solution.study import Study
 from valvetrain.views.figures import worst_run
+from valvetrain.views.motion.parts import Moving
+from valvetrain.views.motion.scene import moving_picture
 
 
 def moving_of(study: Study, facts: Facts) -> Moving | None:

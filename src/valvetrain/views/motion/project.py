@@ -6,15 +6,14 @@ from __future__ import annotations
 
 import base64
 from dataclasses import dataclass
-from html import escape
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from valvetrain.report.chart import thin
-from valvetrain.report.motion.parts import (
+from valvetrain.units.reader import reader_factor, reader_text, reader_unit
+from valvetrain.views.motion.parts import (
     Array,
     Body,
     Colouring,
@@ -26,8 +25,8 @@ from valvetrain.report.motion.parts import (
     Variant,
     still_frame,
 )
-from valvetrain.report.text import rpm
-from valvetrain.units.reader import reader_factor, reader_text, reader_unit
+from valvetrain.views.style import thinned
+from valvetrain.views.text import rpm
 
 MM = 1e3
 #: Colour of each part, readable on light and on dark paper.
@@ -127,7 +126,7 @@ def _body(body: Body) -> dict[str, Any]:
 
 
 def _series(series: Series) -> dict[str, Any]:
-    x, y = thin(np.degrees(series.cam_angle), series.values * reader_factor("N"))
+    x, y = thinned(np.degrees(series.cam_angle), series.values * reader_factor("N"))
     return {"words": series.label, "colour": series.colour, "angle": single(x), "values": single(y)}
 
 
@@ -362,22 +361,5 @@ def _rgb(values: Array) -> Colour:
     return red, green, blue
 
 
-#: Height (px) of the picture, and margin (m) around it.
-HEIGHT, MARGIN = 420, 1e-3
-
-
-def still_svg(variant: Variant) -> str:
-    """An SVG element of the frame of the largest force, in mm."""
-    place = still_frame(variant)
-    shapes = flat_shapes(variant, place)
-    every = np.concatenate([one.points for one in shapes])
-    (left, low), (right, high) = every.min(axis=0) - MARGIN, every.max(axis=0) + MARGIN
-    lines = []
-    for one in shapes:
-        x, y = 1e3 * (one.points[:, 0] - left), 1e3 * (high - one.points[:, 1])
-        path = "M" + "L".join(f"{a:.2f} {b:.2f}" for a, b in zip(x, y, strict=True))
-        colour = "#" + "".join(f"{part:02x}" for part in one.colour)
-        lines.append(f'<path d="{path}Z" fill="{colour}" stroke="{colour}"/>')
-    label = f"{variant.title} at cam angle {np.degrees(variant.cam_angle[place]):.1f} degrees"
-    size = f"0 0 {1e3 * (right - left):.2f} {1e3 * (high - low):.2f}"
-    return f'<svg viewBox="{size}" height="{HEIGHT}" role="img" aria-label="{escape(label)}" stroke-width=".15">{"".join(lines)}</svg>'
+#: Margin (m) around a still picture.
+MARGIN = 1e-3

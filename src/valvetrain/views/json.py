@@ -12,7 +12,6 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.quantities.limits import passed_limits
-from valvetrain.report.text import rpm
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
 from valvetrain.solution.definition import definition_of
@@ -23,6 +22,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, named
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
+from valvetrain.views.text import rpm
 
 if TYPE_CHECKING:
     from valvetrain.solution.uncertainty import Uncertainty
@@ -133,7 +133,7 @@ def study_json(study: Study) -> dict[str, Any]:
     Examples
     --------
     >>> import valvetrain as vt
-    >>> found = vt.report.study_json(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
+    >>> found = vt.views.study_json(vt.simulate("job-t", "2000 rpm", spring_models=["massless"]))
     >>> found["runs"][0]["quantities"]["peak_spring_force"]["unit"]
     'N'
     """

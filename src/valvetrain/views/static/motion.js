@@ -1,4 +1,4 @@
-// The spring in motion: mount(element, data) draws one moving picture into an element. Data come from report/motion/pack.py.
+// The spring in motion: mount(element, data) draws one moving picture into an element. Data come from views/motion/pack.py.
 // The picture is in scene.js, its film in film.js; it loads nothing, evaluates nothing and keeps to the colours of the page around it.
 const SLOWNESS = [20, 50, 100, 200, 500, 1000, 2000], USUAL_SLOWNESS = 200;
 const THUMB = 16, NARROW = 720;

@@ -12,10 +12,6 @@ from typing import Any
 import numpy as np
 
 from valvetrain.errors import InputError, RunFailedError
-from valvetrain.report.files import FreeNames, remove_earlier
-from valvetrain.report.page import Page, render
-from valvetrain.report.table import Table, comparison_table, table
-from valvetrain.report.text import rpm
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
@@ -25,6 +21,9 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, StaticCurve
 from valvetrain.solution.study import Study
 from valvetrain.solution.textfile import save_csv
+from valvetrain.views.csv_table import Table, comparison_table, table
+from valvetrain.views.files import FreeNames, remove_earlier
+from valvetrain.views.text import rpm
 
 #: Name of the size of a cam order.
 _ORDER = re.compile(r"surge_order_(\d+)_force")
@@ -55,11 +54,6 @@ def files_of(folder: Path, files: Sequence[Path], gaps: Sequence[str] = ()) -> S
         )
     page = next((path for path in files if path.name == "report.html"), None)
     return StudyFiles(folder, page, tuple(path for path in files if path != page))
-
-
-def with_page(page: Page, folder: Path, files: Sequence[Path]) -> StudyFiles:
-    """The ``files`` of a result, and its page written to ``folder``."""
-    return files_of(folder, [*files, write_text(folder / "report.html", render(page))])
 
 
 #: Study, folder, format of the pictures or nothing, and what takes failures -> page and pictures.

@@ -1,5 +1,0 @@
-"""Pages, tables and figures of results."""
-
-from valvetrain.lazy import public_names
-
-__getattr__, __dir__, __all__ = public_names(__name__, __file__)

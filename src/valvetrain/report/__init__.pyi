@@ -1,1 +1,0 @@
-from valvetrain.report.json import study_json as study_json
