@@ -294,11 +294,6 @@ OWN: dict[str, Any] = {}
 OWN_NAME = re.compile(r"(.+)-[0-9a-f]{8}")
 
 
-def is_known(kind: str, word: str) -> bool:
-    """Whether ``word`` is listed under ``kind`` or names a part given in Python."""
-    return word in places(kind) or (word in OWN and kind in MAKERS)
-
-
 def plain_name(word: str) -> str:
     """The name of a part given in Python without the digits of its content; any other as it is."""
     found = OWN_NAME.fullmatch(word) if word in OWN else None

@@ -60,8 +60,10 @@ def _left_open(facts: Facts) -> Iterator[Hit]:
             float(fact.fields["high"]),
         )
         speed = speed_text(float(fact.fields["engine_speed"]))
-        fields: Fields = {"name": label_of(name), "low": Amount(name, low), "speed": speed}
-        yield Hit(Amount(name, high), None, None, fields, (high - low) / abs(high or 1.0))
+        yield Hit(
+            Amount(name, high),
+            fields={"name": label_of(name), "low": Amount(name, low), "speed": speed},
+        )
 
 
 RULES = (

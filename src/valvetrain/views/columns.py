@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
@@ -22,8 +22,8 @@ class RowColumn:
     ``heading`` and ``text(row)``: as people read it; without text it is for files alone. ``value``:
     attribute of the row, dotted where it is one of an attribute, or a function of the row; ``key``
     names it in JSON and ``csv`` in CSV, where they are not empty; ``csv_factor``: from SI to the unit
-    of the CSV. ``number``: aligned right.
-    ``tones``: text of a cell -> its tone on the page. ``quantity``: its name, or a function of the row that gives it,
+    of the CSV.
+    ``quantity``: its name, or a function of the row that gives it,
     in whose unit :func:`table_of` writes the value; none for a plain number.
     """
 
@@ -33,25 +33,11 @@ class RowColumn:
     key: str = ""
     csv: str = ""
     csv_factor: float = 1.0
-    number: bool = True
-    tones: Mapping[str, str] = field(default_factory=dict)
     quantity: str | Callable[[Any], str] = ""
 
     def of(self, row: Any) -> Any:
         """Value of a row, SI, for JSON and CSV."""
         return attrgetter(self.value)(row) if isinstance(self.value, str) else self.value(row)
-
-
-def text_table(
-    columns: Sequence[RowColumn], rows: Iterable[Any]
-) -> tuple[tuple[str, ...], list[tuple[str, ...]], tuple[int, ...]]:
-    """Headings, rows and the places of the columns of numbers, as the terminal prints them."""
-    shown = [(column, column.text) for column in columns if column.text is not None]
-    return (
-        tuple(column.heading for column, _ in shown),
-        [tuple(text(row) for _, text in shown) for row in rows],
-        tuple(place for place, (column, _) in enumerate(shown) if column.number),
-    )
 
 
 def table_of(

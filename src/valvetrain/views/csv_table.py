@@ -46,21 +46,8 @@ class Table:
                 f"the columns {[column.name for column in self.columns]} of a table differ in length"
             )
 
-    def __len__(self) -> int:
-        return len(self.columns[0].values) if self.columns else 0
-
-    def __contains__(self, name: str) -> bool:
-        return any(column.name == name for column in self.columns)
-
     def __getitem__(self, name: str) -> NDArray[Any]:
-        return self.column(name).values
-
-    def column(self, name: str) -> Column:
-        """The column of that name; KeyError where there is none."""
-        for column in self.columns:
-            if column.name == name:
-                return column
-        raise KeyError(name)
+        return next(column.values for column in self.columns if column.name == name)
 
     def rows(self) -> Iterable[tuple[Any, ...]]:
         """Row by row, as plain Python values."""

@@ -26,6 +26,7 @@ from valvetrain.views.json import study_json
 from valvetrain.views.page import page_of
 from valvetrain.views.shown import Shown
 from valvetrain.views.study_files import StudyFiles, files_of, write_parts
+from valvetrain.views.style import in_reader_units
 from valvetrain.views.terminal import SIGN
 
 if TYPE_CHECKING:
@@ -172,7 +173,7 @@ def write_page(answer: Shown, folder: Path, gaps: PartialFailures) -> Path | Non
     """Write the page of an answer as ``report.html``; None, and a sentence among the ``gaps``, where that fails."""
     state_cut_off(getattr(answer, "study", answer))
     with for_reader():
-        text = gaps.part("report page", None, page_of, answer, gaps)
+        text = gaps.part("report page", None, page_of, answer.for_reader(), gaps)
     return None if text is None else write_text(folder / "report.html", text)
 
 
@@ -194,7 +195,8 @@ def write_figures(answer: Shown, folder: Path, ending: str = "svg") -> tuple[Pat
     try:
         for name, fig in figures_of(answer).items():
             path = place / f"{name}.{ending}"
-            fig.write_image(path, width=900, scale=SCALE)
+            with for_reader():
+                in_reader_units(fig).write_image(path, width=900, scale=SCALE)
             written.append(path)
     except (ImportError, ValueError, RuntimeError) as error:
         raise MissingExtraError(

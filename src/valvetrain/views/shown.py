@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
 
 from valvetrain.findings.engine import Finding, Findings
 from valvetrain.findings.words import Words
+from valvetrain.units.reader import shown_system
 from valvetrain.views.table import Line, TextTable
 
 if TYPE_CHECKING:  # a list of files loads none of these
@@ -18,6 +20,10 @@ if TYPE_CHECKING:  # a list of files loads none of these
 
 #: Topics of notes that are said in full; others stand in the table of findings alone.
 SAID = ("M", "H", "W", "D", "F", "N", "Q", "J")
+#: How next steps begin that take ``--units``.
+WITH_UNITS = tuple(f"valvetrain {one} " for one in (
+    "run", "run-up", "sweep", "compare", "compare-springs", "static", "modes", "check", "lift", "spring-card",
+))  # fmt: skip
 
 
 class Shown(ABC):
@@ -129,7 +135,17 @@ class Shown(ABC):
     def next_step(self) -> str:
         """What to run or do next: that of the first finding besides notes that has one, but not this command again."""
         steps = (one.step for one in self.findings if one.level != "notes")
-        return next((one for one in steps if one and one != self.again), "")
+        step = next((one for one in steps if one and one != self.again), "")
+        words: Any = getattr(self, "words", None)
+        keeps = words is not None and words.units != "si" and step.startswith(WITH_UNITS)
+        return f"{step} --units {words.units}" if keeps else step
+
+    def for_reader(self) -> Shown:
+        """The same in the units that the reader asked for, where it is in SI."""
+        words = getattr(self, "words", None)
+        if words is None or words.units != "si" or shown_system() == "si":
+            return self
+        return cast("Shown", replace(cast("Any", self), words=replace(words, units=shown_system())))
 
 
 class ShownStudy(Shown):

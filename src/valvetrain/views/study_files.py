@@ -109,7 +109,7 @@ def write_parts(
             write(f"{stem}.csv", lambda path, one=one: write_text(path, frequency_table(one.modes).csv()))  # fmt: skip
     for name, build in _tables(study, names).items():
         content = gaps.part(f"table '{name}'", None, build)
-        if content is not None and len(content):
+        if content is not None and content.columns[0].values.size:
             write(f"{name}.csv", lambda path, content=content: write_text(path, content.csv()))
     written: Path | None = None
     pictures: tuple[Path, ...] = ()

@@ -13,7 +13,7 @@ from plotly.subplots import make_subplots
 
 from valvetrain.findings.facts import Array, cam_angles, over_turn
 from valvetrain.solution.result import Solution
-from valvetrain.units.reader import reader_factor, reader_unit
+from valvetrain.units.reader import reader_factor, reader_text, reader_unit
 
 #: Colours by meaning: what decides, what stands next to it, rigid parts, the second quantity, and the marks.
 LEAD, OTHER, RIGID, SECOND, BAD, OK = (
@@ -129,17 +129,39 @@ def window(run: Solution) -> tuple[float, float]:
 
 
 def in_reader_units(fig: go.Figure) -> go.Figure:
-    """The figure with every axis in the units of the reader, by the unit at the end of its title."""
-    for axis, key in [(one, f"{xy}axis") for xy in "xy" for one in fig.select_traces()]:
-        place = (getattr(axis, key) or key[0])[1:]
-        layout = fig.layout[f"{key}{place}"]
-        unit = (layout.title.text or "").rpartition(", ")[2] or (layout.title.text or "")
-        if reader_unit(unit) != unit:
-            values = np.asarray(axis[key[0]], float) * reader_factor(unit)
-            axis.update({key[0]: values.astype(np.float32)})
-    for layout in (*fig.select_xaxes(), *fig.select_yaxes()):
-        head, comma, unit = (layout.title.text or "").rpartition(", ")
-        if layout.range and reader_unit(unit) != unit:
-            layout.range = [float(end) * reader_factor(unit) for end in layout.range]
-        layout.title.text = f"{head}{comma}{reader_unit(unit)}"
+    """The figure with every axis in the units of the reader, by the unit at the end of its title; what is drawn and
+    written at it too.
+    """
+    factors = {f"{xy}{axis.plotly_name[5:]}": reader_factor(_unit(fig, axis))
+               for xy, axes in (("x", fig.select_xaxes()), ("y", fig.select_yaxes())) for axis in axes}  # fmt: skip
+    for trace in fig.select_traces():
+        for key in "xy":
+            factor = factors.get(getattr(trace, f"{key}axis") or key, 1.0)
+            if factor != 1 and trace[key] is not None:
+                values = np.asarray(trace[key], float) * factor
+                trace.update({key: values.astype(np.float32)})
+        if isinstance(trace.text, tuple | list):
+            trace.text = [reader_text(str(one)) for one in trace.text]
+        trace.name = trace.name and reader_text(trace.name)
+    for one in (*fig.layout.shapes, *fig.layout.annotations):
+        for key in ("x", "x0", "x1", "y", "y0", "y1"):
+            factor = factors.get(one[f"{key[0]}ref"] or key[0], 1.0)
+            if factor != 1 and key in one and one[key] is not None:
+                one[key] *= factor
+    for one in fig.layout.annotations:
+        one.text = reader_text(one.text or "")
+    for axis in (*fig.select_xaxes(), *fig.select_yaxes()):
+        head, comma, unit = (axis.title.text or "").rpartition(", ")
+        factor = reader_factor(_unit(fig, axis))
+        if axis.range and factor != 1:
+            axis.range = [float(end) * factor for end in axis.range]
+        axis.title.text = f"{head}{comma}{reader_unit(unit)}"
     return fig
+
+
+def _unit(fig: go.Figure, axis: Any) -> str:
+    """The unit at the end of the title of an axis, or of the one that it goes along with."""
+    title = axis.title.text or ""
+    if not title and axis.matches:
+        title = fig.layout[f"{axis.matches[0]}axis{axis.matches[1:]}"].title.text or ""
+    return str(title.rpartition(", ")[2])
