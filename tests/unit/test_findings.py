@@ -13,6 +13,7 @@ import valvetrain as vt
 from valvetrain.errors import UnknownNameError
 from valvetrain.findings.engine import LEVELS
 from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_train import CAUSES
 from valvetrain.findings.table import explain, findings_of, rules
 from valvetrain.findings.words import RPM, Amount, Phrase, Words, digits_text
 from valvetrain.solution.definition import is_defined
@@ -61,6 +62,7 @@ RUNS = {
     "wire-short": wire("6000 rpm", "42 mm"),
     "no-coils": ("job-t", "2000 rpm", {}, {"spring_models": "massless"}),
     "lifts": ("job-t", "9000 rpm", {}, {"spring_models": ["massless", "modal-varied"]}),
+    "ls-friction": (LS, "5000 rpm", {"train.contacts.valve_tip.friction_coefficient": 0.06}, {}),
     "slow": ("job-c", "1000 rpm", {}, ROD),
     "clash": ("job-c", "8000 rpm", {}, {"spring_models": ["finite-element", "modal-varied"]}),
     "wire-strong": (LS, "5000 rpm", {**STEEL, "train.springs.wire[0].installed_height": "46 mm"}, {"spring_models": "massless"}),
@@ -95,7 +97,7 @@ def running_up(last: str) -> Study:
         ("M110", "ls-models", "ls-6600"), ("M111", "clash", "slow"), ("H101", "published", "ls-5000"),
         ("A101", "ls-5000", "calm"), ("A102", "ls-5000", "calm"), ("A103", "ls-5000", "wire"),
         ("A104", "ls-undamped", "ls-5000"), ("A105", "ls-5000", "wire"), ("A106", "ls-open", "ls-5000"),
-        ("A108", "wire", "ls-5000"),
+        ("A108", "wire", "ls-5000"), ("A113", "ls-5000", "ls-friction"),
     ],
 )  # fmt: skip
 def test_a_rule_holds_in_one_run_and_not_in_another(code, holds, holds_not):
@@ -255,3 +257,12 @@ def test_a_number_that_is_not_resolved_stays_out_of_brackets():
     assert Words().fill("clash[ of {size}]", {"size": force}) == "clash"
     assert Words(brief=True).amount(force) == "not resolved"
     assert Words().said(Phrase("{model}: {said}", {"model": "rod", "said": "floats"})) == "rod: floats"  # fmt: skip
+
+
+def test_a_loss_at_a_speed_at_which_rigid_parts_lose_contact_too_is_one_of_inertia():
+    causes = {}
+    for name in ("ls-7300", "lost"):
+        run = study(name).solutions[0]
+        beyond = run.engine_speed > Facts(study(name)).value(run, "rigid_contact_loss_engine_speed")
+        causes[beyond] = findings_of(study(name)).verdict.fields["cause"]
+    assert causes[True] == CAUSES[Cause.INERTIA] and causes[False].startswith(CAUSES[Cause.SURGE])

@@ -51,13 +51,6 @@ def codes(case, model: str) -> list[str]:
     return [one.code for one in study.facts if "damping" in one.code]
 
 
-def test_a_massless_spring_says_that_it_leaves_damping_out():
-    case = load_case("job-t")
-    assert codes(case, "massless") == ["unused-damping"] and codes(case, "multi-mass") == []
-    still = load_case("job-t", {"spring.damping.stiffness_damping": "0 s"})
-    assert codes(still, "massless") == []
-
-
 @pytest.mark.parametrize("model", ["multi-mass", "wave-rod", "modal-uniform"])
 def test_a_spring_without_any_damping_is_named_where_it_moves(model):
     """Card values give none, and its surge then never fades; one number of any kind is enough."""

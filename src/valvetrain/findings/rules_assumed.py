@@ -8,9 +8,8 @@ from collections.abc import Callable, Iterator
 from valvetrain.findings.engine import Condition, Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_train import SEAT
-from valvetrain.findings.words import Amount, digits_text, joined, speed_text
-from valvetrain.solution.definition import label_of
-from valvetrain.solution.facts import Fact, with_code
+from valvetrain.findings.words import Amount, digits_text, joined
+from valvetrain.solution.facts import Fact
 
 #: Fields of a fact that its rule names, as text or amounts.
 Reader = Callable[[Fact], Fields]
@@ -51,21 +50,6 @@ def _driver(fact: Fact) -> Fields:
     return {"driver": str(fact.fields["driver"]), "force": force}
 
 
-def _left_open(facts: Facts) -> Iterator[Hit]:
-    """What the data of a calibration leave open (5 to 95 %)."""
-    for fact in with_code(facts.study.facts, "calibration-spread"):
-        name, low, high = (
-            str(fact.fields["quantity"]),
-            float(fact.fields["low"]),
-            float(fact.fields["high"]),
-        )
-        speed = speed_text(float(fact.fields["engine_speed"]))
-        yield Hit(
-            Amount(name, high),
-            fields={"name": label_of(name), "low": Amount(name, low), "speed": speed},
-        )
-
-
 RULES = (
     Rule("A104", "warns", "no damping in the spring {spring}, so surge lives on from cycle to cycle",
          rests_on("no-damping", read=_spring), step="give the spring a damping", guide="how-to/15-damping.md"),
@@ -77,6 +61,8 @@ RULES = (
          remark="default contacts"),
     Rule("A103", "notes", "springs known by card alone: no clash, no stress", rests_on("card-alone"),
          step="valvetrain spring-card gives them a wire", remark="springs by card (no clash, no stress)"),
+    Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction"), ("mean_cam_power",),
+         step="give a contact friction: train.contacts.valve_tip.friction_coefficient = 0.06", remark="contacts without friction"),
     Rule("A105", "notes", "the total loads were split between the two springs by their wires", rests_on("split-loads"),
          remark="loads of the pair split by wire"),
     Rule("A106", "notes", "coil bind of the {spring} spring is unknown", rests_on("unknown-solid-height", read=_spring),
@@ -89,5 +75,4 @@ RULES = (
          rests_on("follows-a-train", read=_driver), remark="a train that runs with {driver}"),
     Rule("A111", "notes", "the ends of the solid are bonded to their seats: where it pulls, a real spring would lift",
          rests_on("ends-bonded"), step="valvetrain run {case} --spring finite-element", remark="bonded ends"),
-    Rule("A112", "notes", "the calibration leaves {name} at {speed} open: {low..value}", _left_open),
 )  # fmt: skip

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from valvetrain.findings.control import Loss
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_train import CAUSES, CONTACT, cause
+from valvetrain.findings.rules_train import CAUSES, CONTACT, cause, inertia
 from valvetrain.findings.words import Amount, Phrase, Said, about, joined, speed_text
 from valvetrain.solution.critical import CriticalSpeed, SpeedBracket, places_text
 from valvetrain.solution.status import Cause
@@ -32,23 +32,16 @@ def does(row: CriticalSpeed) -> Phrase:
 
 def why(facts: Facts, loss: Loss) -> str:
     """Why control is lost: by the search where it looked at that onset, else by the first run within."""
-    row = loss.row
+    row, low = loss.row, loss.ranges[0].lower_engine_speed
+    runs = [run for run in (*facts.runs, *facts.beyond) if run.label == row.label]
+    if any(inertia(facts, run, low) for run in runs):
+        return CAUSES[Cause.INERTIA]
     if row.cause and loss.at_onset:
-        found = CAUSES.get(row.cause, "")
-        return (
-            f"surge, cam order {row.surge_order}"
-            if row.cause == Cause.SURGE and row.surge_order
-            else found
-        )
-    low, high = loss.ranges[0].lower_engine_speed, loss.ranges[0].upper_engine_speed
-    for run in (*facts.runs, *facts.beyond):
-        if (
-            run.label == row.label
-            and low <= run.engine_speed <= high
-            and (events := facts.losses(run))
-        ):
-            return cause(run, events)
-    return ""
+        surge = row.cause == Cause.SURGE and row.surge_order
+        return f"surge, cam order {row.surge_order}" if surge else CAUSES.get(row.cause, "")
+    within = (run for run in runs if low <= run.engine_speed <= loss.ranges[0].upper_engine_speed)
+    lost = ((run, events) for run in within if (events := facts.losses(run)))
+    return next((cause(facts, *each) for each in lost), "")
 
 
 def range_of(row: CriticalSpeed) -> tuple[Fields, float]:

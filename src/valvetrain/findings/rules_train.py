@@ -27,8 +27,15 @@ CAUSES: dict[str, str] = {
 }
 
 
-def cause(run: Solution, events: list[Event]) -> str:
+def inertia(facts: Facts, run: Solution, engine_speed: float) -> bool:
+    """Whether rigid parts lose contact at that speed too, or within a fiftieth of it."""
+    return engine_speed >= 0.98 * facts.value(run, "rigid_contact_loss_engine_speed")
+
+
+def cause(facts: Facts, run: Solution, events: list[Event]) -> str:
     """Why contact is lost, by the largest loss; a small one that vibrates gives way to the next that says more."""
+    if inertia(facts, run, run.engine_speed):
+        return CAUSES[Cause.INERTIA]
 
     def telling(one: Event) -> bool:
         return one.size > FLIGHT or one.details.get("cause") != Cause.VIBRATION
@@ -51,7 +58,7 @@ def loss(facts: Facts, run: Solution) -> Hit | None:
     landing = first.details.get("landing_cam_angle")
     fields: Fields = {
         "gap": Amount("loft_gap", events[0].size), "place": "cam" if "cam" in places else joined(places),
-        "angle": Amount("loft_cam_angle", first.cam_angle % TURN), "cause": cause(run, events),
+        "angle": Amount("loft_cam_angle", first.cam_angle % TURN), "cause": cause(facts, run, events),
         "landing": "" if landing is None else Amount("loft_cam_angle", float(landing) % TURN),
     }  # fmt: skip
     return Hit(facts.amount(run, "loss_of_contact_duration"), run, 0.0, fields, events[0].size)

@@ -33,8 +33,11 @@ def case_facts(problem: Problem, members: Sequence[Member]) -> tuple[Fact, ...]:
         if member.model.word == "finite-element" and cards:
             found.append(Fact("assumed-wire"))
         if member.gear is not None:
-            if contacts := default_contacts(member.gear.parameters.contacts):
+            contacts_of = member.gear.parameters.contacts
+            if contacts := default_contacts(contacts_of):
                 found.append(Fact("default-contacts", contacts))
+            if not any(one.friction_coefficient for one in contacts_of.values()):
+                found.append(Fact("no-friction"))
             ramp = getattr(member.gear.mechanism.kinematics.law, "assumed_ramp", None)
             if ramp is not None:
                 found.append(Fact("assumed-ramp", {"velocity": float(ramp)}))
@@ -51,11 +54,10 @@ def case_facts(problem: Problem, members: Sequence[Member]) -> tuple[Fact, ...]:
 def _spring_facts(member: Member, spring: InstalledSpring) -> Iterator[Fact]:
     name = {"spring": spring.name}
     damping = spring.damping
-    damped = bool(damping.mass_damping or damping.stiffness_damping or damping.ratio)
-    if member.model.damped and not damped:
+    if member.model.damped and not (
+        damping.mass_damping or damping.stiffness_damping or damping.ratio
+    ):
         yield Fact("no-damping", name)
-    if damped and not member.model.damped:
-        yield Fact("unused-damping", name | {"model": member.model.word})
     if spring.card is not None and spring.card.split:
         yield Fact("split-loads", spring.card.split)
     if member.model.word == "multi-mass" and spring.wire is not None:

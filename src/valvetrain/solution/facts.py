@@ -12,11 +12,11 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "assumed-wire": (),
     "default-contacts": ("places", "restitution"),
     "no-damping": ("spring",),
+    "no-friction": (),
     "assumed-ramp": ("velocity",),
     "split-loads": (
         "rates_by", "preloads_by", "outer_rate", "inner_rate", "outer_preload", "inner_preload", "outer_free_length", "inner_free_length",
     ),
-    "unused-damping": ("spring", "model"),
     "not-the-default": ("model", "reason"),
     "chain-of-wire": ("spring", "surge_frequency", "force_error", "second_frequency_error", "better"),
     "buckles": ("spring", "compression", "open_compression"),
