@@ -15,6 +15,7 @@ from valvetrain.film import tables
 from valvetrain.film.answer import FilmAnswer
 from valvetrain.film.cycles import CoilPeak, mean_of
 from valvetrain.film.model import FilmedModel
+from valvetrain.film.rules import FilmFacts, shared_errors
 from valvetrain.film.surge import SurgeLine
 from valvetrain.findings.table import explain
 from valvetrain.findings.words import Words
@@ -108,7 +109,19 @@ def test_the_verdict_on_a_model_is_the_coil_that_is_furthest_off_and_names_its_f
     shares = model(0.5).apart / model(0.5).peaks
     coil = 1 + int(np.argmax(np.where(model(0.5).peaks > 0.05 * model(0.5).peaks.max(), shares, 0)))
     assert found.fields["coil"] == str(coil) and found.value == model(0.5).apart[coil - 1]
-    assert found.step.endswith(f"displacement-coil-{coil}.csv --spring multi-mass")
+    assert f"displacement-coil-{coil}.csv --spring multi-mass --shared " in found.step
+
+
+def test_the_next_step_states_the_error_of_the_film():
+    """The place of a coil, the scale as it was picked, and in full what fewer than 2.5 frames show a cycle of."""
+    motion = made.turning_motion()
+    place = 1e3 * float(np.nanmedian(motion.spread)) * motion.metres_per_pixel
+    scale = 100 * motion.scale_spread / motion.metres_per_pixel
+    assert shared_errors(FilmFacts(motion, model(0.01))).startswith(
+        f"{place:.2g} mm, {scale:.2g} %"
+    )
+    fast = with_lines((900.0, 1e-3), (400.0, 1e-4))
+    assert shared_errors(FilmFacts(fast)).startswith("1 mm")
 
 
 def test_peaks_have_the_digits_of_a_length_and_a_share_where_it_is_more_than_scatter():

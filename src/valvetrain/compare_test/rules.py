@@ -26,7 +26,7 @@ PHASES: dict[str, str] = dict(
 #: Models that no other refines.
 FINEST = {"finite-element", "solid"}
 FINER = "valvetrain compare-test {case} {test} --spring finite-element"
-FIT = "fit what was not measured to another test: valvetrain identify (docs/identification.md)"
+FIT = "fit what was not measured to another test (docs/identification.md)"
 
 
 @dataclass(frozen=True)

@@ -113,6 +113,8 @@ class FilmAnswer(Shown):
     def computed(self) -> Iterator[str]:
         """What was found and done."""
         yield "Coils are followed by the glare line on each of them and counted from the seat. Displacements are along the picture, towards the seat."
+        if self.motion.phase is None:
+            yield "The next step gives this damping to the spring of a library case: name your case in its place."
         for one in (*self.motion.notes, *(() if self.model is None else self.model.notes)):
             yield f"{one[:1].upper()}{one[1:]}."
 

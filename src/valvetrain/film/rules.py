@@ -42,6 +42,24 @@ class FilmFacts(Subject):
         return () if self.motion.surge is None else self.motion.surge.lines
 
 
+def shared_errors(facts: FilmFacts) -> str:
+    """Measuring error that all turns of a film share, as compare-test takes it: an offset by the place of a coil and by
+    surge lines of which frames are too few, the scale, and the shift of a zero that the lift alone gives.
+    """
+    motion, model = facts.motion, facts.model
+    rate, place = (
+        motion.seen.frame_rate,
+        float(np.nanmedian(motion.spread)) * motion.metres_per_pixel,
+    )
+    lost = [one.amplitude for one in facts.lines if one.natural_frequency * FEW > rate]
+    free = motion.phase is not None and motion.phase.zero_by != "told"
+    amounts = {
+        "mm": 1e3 * math.hypot(place, *lost), "%": 100 * motion.scale_spread / motion.metres_per_pixel,
+        "deg": math.degrees(abs(model.shift)) if model and free else 0.0,
+    }  # fmt: skip
+    return ", ".join(f"{value:.2g} {unit}" for unit, value in amounts.items() if value > 0)
+
+
 def displacement(value: float, bar: float = 0.0) -> Amount:
     """A displacement (m) of a coil, in the units that a lift is read in."""
     return Amount("maximum_lift", value, bar)
@@ -98,6 +116,7 @@ def apart(facts: FilmFacts) -> Iterator[Hit]:
             yield Hit(displacement(model.apart[coil]), fields={
                 "coil": f"{coil + 1}", "peak": displacement(model.peaks[coil]), "model": model.model, "filmed": frequency(first),
                 "modelled": frequency(nearest(model, first)), "file": f"{facts.folder or '.'}/displacement-coil-{coil + 1}.csv",
+                "shared": shared_errors(facts),
             }, severity=float(model.apart[coil] / model.peaks[coil]))  # fmt: skip
 
 
@@ -152,7 +171,7 @@ def no_zero(facts: FilmFacts) -> Iterator[Hit]:
         yield Hit()
 
 
-AGAINST = "valvetrain compare-test {case} --test {file} --spring {model}"
+AGAINST = "valvetrain compare-test {case} --test {file} --spring {model}[ --shared '{shared}']"
 RULES = (
     Rule("Y201", "decides", "coil {coil} is lost in {share} of the frames", lost, (), "its highlight leaves the line or runs into another",
          "set --line and --coils, or light one glare line on each coil", mark="warn", guide="film.md"),
@@ -165,7 +184,7 @@ RULES = (
     Rule("Y231", "decides", "coil {coil} of {count} moves most, {value:4}, at {speed} of the cam", moves, (),
          "[surge at {surge:4}, damping ratio {ratio}]", "add `--case CASE` to lay a model over the film", mark="ok", unless=("Y22",)),
     Rule("Y232", "decides", "surge at {value:5}, damping ratio {ratio}", rings, (), "",
-         'write ratio = {ratio} and ratio_frequency = "{value:5}" into the damping of the spring in a case', mark="ok"),
+         "valvetrain run job-t --set springs.0.damping.ratio={ratio} --set 'springs.0.damping.ratio_frequency={value:5}'", mark="ok"),
     Rule("Y233", "decides", "no surge is found in the decay or with the valve closed", no_surge, (), "too few frames, or nothing rings",
          "film longer", mark="warn"),
     Rule("Y211", "warns", "the {by} shows {speed} of the cam, {given} was given: check the frame rate", disagrees),

@@ -136,6 +136,8 @@ class LiftAnswer(Shown):
         """How the law was made."""
         yield "The law is the likeliest spline whose jerk is white noise; bands are 1.96 standard deviations."
         yield "A case runs with the mean law and with laws drawn from those that the stations allow."
+        if self.facts.carried is None:
+            yield "Copy the lift_law table of the file into your case, or repeat this command with --case CASE."
         yield from self.facts.failures
 
 

@@ -15,11 +15,13 @@ from valvetrain.findings.words import Amount
 from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import BAND, DEGREE, SmoothedLift
 from valvetrain.units import unit_factor
+from valvetrain.units.reader import shown_system
 
 Array = NDArray[np.float64]
-#: Lifts (m) at which durations are reported: 0.050 in of cam cards and 1 mm of makers' books; the first
-#: gives the lobe centre.
-HEIGHTS = (0.050 * 25.4e-3, 1e-3)
+#: Lifts (m) at which durations are reported: 1 mm of makers' books and 0.050 in of cam cards, which gives the lobe
+#: centre and comes first in imperial units.
+CARD = 0.050 * 25.4e-3
+HEIGHTS = (1e-3, CARD)
 #: Lift (m) at which ramp velocities are reported where no lash is given: 0.006 in, the advertised
 #: height of cam cards.
 RAMP_HEIGHT = 0.006 * 25.4e-3
@@ -95,7 +97,7 @@ def lift_figures(
     every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, seed)])
     curves = [_curves(smoothed, every, grid, derivative) for derivative in range(4)]
     peak = float(curves[0][0].max())
-    levels = {_height_text(height): height for height in (*HEIGHTS, *heights)}
+    levels = {_height_text(height): height for height in _every(heights)}
     for label, height in levels.items():
         if not 0 < height < peak:
             if height in HEIGHTS:
@@ -111,7 +113,7 @@ def lift_figures(
     for label, height in levels.items():
         if height < peak:
             opening, closing = crossings(grid, curves[0], height)
-            if height == HEIGHTS[0]:
+            if height == CARD:
                 words = "lobe centre, midway between its flanks at 0.050 in"
                 found.append(_figure("lobe_centre", words, (opening + closing) / 2, "deg"))
             ends = {"duration": closing - opening, "opening": opening, "closing": closing}
@@ -164,14 +166,14 @@ def pair_figures(
         curves = _curves(lift, np.vstack([lift.coefficients, lift.draws(DRAWS, own_seed)]), grid, 0)
         ends[name] = {
             height: crossings(grid, curves, height)
-            for height in (*HEIGHTS, *heights)
+            for height in _every(heights)
             if height < curves[0].max()
         }
-        if HEIGHTS[0] not in ends[name]:
+        if CARD not in ends[name]:
             raise InputError(
                 f"the {name} lobe rises {1e3 * float(curves[0].max()):.3f} mm, so it has no lobe centre at 0.050 in; check its unit"
             )
-    centre = {name: np.asarray(found[HEIGHTS[0]]).mean(axis=0) for name, found in ends.items()}
+    centre = {name: np.asarray(found[CARD]).mean(axis=0) for name, found in ends.items()}
     turn = 2 * np.pi
     ahead = np.round((centre["intake"] - centre["exhaust"])[0] / turn) * turn
     figures = [
@@ -182,12 +184,17 @@ def pair_figures(
             "deg",
         )
     ]
-    for height in (*HEIGHTS, *heights):
+    for height in _every(heights):
         if all(height in found for found in ends.values()):
             label = _height_text(height)
             lap = 2 * (ends["exhaust"][height][1] + ahead - ends["intake"][height][0])
             figures.append(_figure(f"overlap_at_{_key(label)}", f"overlap at {label}", lap, "deg"))
     return tuple(figures)
+
+
+def _every(heights: Sequence[float]) -> tuple[float, ...]:
+    """Lifts (m) of durations: those of the reader's units first, further ``heights`` last."""
+    return (*(HEIGHTS if shown_system() == "si" else HEIGHTS[::-1]), *heights)
 
 
 def crossings(grid: Array, curves: Array, height: float) -> tuple[Array, Array]:
@@ -271,7 +278,7 @@ def figure_text(figure: LiftFigure, units: str = "si") -> str:
     return f"{text} {unit}".strip().replace("-", "−")
 
 
-_NAMED: Mapping[float, str] = {HEIGHTS[0]: "0.050 in", RAMP_HEIGHT: "0.006 in"}
+_NAMED: Mapping[float, str] = {CARD: "0.050 in", RAMP_HEIGHT: "0.006 in"}
 
 
 def _height_text(height: float) -> str:

@@ -172,7 +172,7 @@ RULES = (
     Rule("L210", "decides", "{name} is {value:4} in the case", carried, IN_CASE, "[the noise of the lift moves it by ± {spread:2}]",
          "[valvetrain run {case}]", mark=""),
     Rule("L211", "decides", "good enough to simulate, {first} {value:4}[, {second} {more:3}]", good, (),
-         "its acceleration is known within {share}", "[copy the lift_law table of {case} into your case, or repeat this command with --case CASE]",
+         "its acceleration is known within {share}", "[valvetrain check {case}]",
          mark="ok", unless=("L20", "L210")),
     Rule("L220", "warns", "the requested band is tighter than the noise", widened, (),
          "the lift follows the stations more closely than they deserve"),

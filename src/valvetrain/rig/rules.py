@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.findings.engine import Fields, Hit, Rule, Subject
-from valvetrain.findings.words import Amount, digits_text, joined, speed_text
+from valvetrain.findings.words import Amount, Phrase, digits_text, joined, speed_text
 from valvetrain.rig.gauge import ChannelResponse
 from valvetrain.rig.result import RigChannelCycles, RigResult, mean_peak, peaks_of
 from valvetrain.solution.definition import label_of
@@ -39,6 +39,20 @@ class RigFacts(Subject):
     def speeds(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         """Cam speeds of the cycles that are retained (rad/s)."""
         return self.result.grid.cam_speeds[list(self.result.retained)]
+
+    @property
+    def test(self) -> str:
+        """The cycles as compare-test takes them, of the first channel that does not drift; empty without a case."""
+        result, drifting = self.result, self.drifting()
+        if not (self.name and result.placed):
+            return ""
+        place = next((at for at, one in enumerate(result.channels, 1) if one not in drifting), 1)
+        return f"{self.folder / 'cycles.nc'}{f' --channel {place}' * (len(result.channels) > 1)}"
+
+    def step(self, advice: str, quantity: str = "") -> Phrase:
+        """Comparing a model with the cycles; the ``advice`` without a case."""
+        said = {"case": self.case, "test": self.test, "quantity": quantity}
+        return Phrase(AGAINST if self.test else advice, said)
 
     def drifting(self) -> list[RigChannelCycles]:
         """Channels whose mean drifts by more than a small share of their swing."""
@@ -98,6 +112,7 @@ def drift(facts: RigFacts) -> Iterator[Hit]:
             "drift": Amount(name, abs(one.drift)),
             "swing": Amount(name, swing),
             "quantity": name,
+            "step": facts.step(ZERO, name),
         }
         yield Hit(fields=fields, severity=share)
 
@@ -106,17 +121,18 @@ def uneven(facts: RigFacts) -> Iterator[Hit]:
     """The cam speed differs between the cycles, so that their mean is none of one speed."""
     low, high = float(facts.speeds.min()), float(facts.speeds.max())
     if high - low > SPEED_RANGE * float(facts.speeds.mean()):
-        yield Hit(fields={"low": speed_text(low, ""), "high": speed_text(high)})
+        yield Hit(
+            fields={"low": speed_text(low, ""), "high": speed_text(high), "step": facts.step(SPAN)}
+        )
 
 
 def usable(facts: RigFacts) -> Iterator[Hit]:
     """The cycles are alike and nothing speaks against them."""
     channel, result = facts.result.channels[0], facts.result
     name, peak = channel.cycles.quantity, mean_peak(channel)
-    several = " --channel 1" if len(result.channels) > 1 else ""
     fields: Fields = {
         "speed": speed_text(float(facts.speeds.mean())), "channel": label_of(name), "peak": Amount(name, peak.mean),
-        "scatter": Amount(name, peaks_of(channel)[0].scatter), "test": f"{facts.folder / 'cycles.nc'}{several}" if result.placed else "",
+        "scatter": Amount(name, peaks_of(channel)[0].scatter), "test": facts.test, "step": facts.step(COMPARE),
     }  # fmt: skip
     yield Hit(fields={**_count(result), **fields})
 
@@ -185,18 +201,24 @@ def coarse(facts: GaugeFacts) -> Iterator[Hit]:
         )
 
 
+AGAINST = "valvetrain compare-test {case} --test {test}"
+SPAN = "cut the recording to the part that is steady: --span '2, 5 s'"
+COMPARE = "add --case CASE, then compare a model with the cycles"
+ZERO = "state its value with the valve shut: --zero '{quantity}=VALUE'"
 GUIDE = "rig-data.md"
 RULES = (
     Rule("T101", "decides", "not usable: {channels} is clipped", clipped, (), "it stays at the end of its range, so its peaks are cut",
          "record it again with a wider range", guide=GUIDE),
     Rule("T102", "decides", "not usable: only {count} are alike", unlike, (), "the first that differs {why}",
-         "cut the recording to the part that is steady: --span '2, 5 s'", guide=GUIDE),
-    Rule("T103", "decides", "usable but for the zero: {channel} drifts by {drift}", drift, (), "its swing is {swing}, and no zero is taken off",
-         "state its value with the valve shut: --zero '{quantity}=VALUE'", mark="warn", guide=GUIDE),
-    Rule("T104", "decides", "usable, but not as one speed: {low} to {high} of the cam", uneven, (), "a mean over all cycles mixes speeds",
-         "cut the recording where one speed is needed: --span '2, 5 s'", mark="warn", guide=GUIDE),
+         SPAN, guide=GUIDE),
+    Rule("T103", "decides", "usable but for the zero: {channel} drifts by {drift}", drift, (),
+         "its swing is {swing}; --zero '{quantity}=VALUE' takes its zero off",
+         "{step}", mark="warn", guide=GUIDE),
+    Rule("T104", "decides", "usable, but not as one speed: {low} to {high} of the cam", uneven, (),
+         "a mean over all cycles mixes speeds; --span '2, 5 s' cuts the recording",
+         "{step}", mark="warn", guide=GUIDE),
     Rule("T105", "decides", "usable: {count} at {speed} of the cam", usable, (), "{channel} reaches {peak}[, ± {scatter:2} from cycle to cycle]",
-         "[valvetrain compare-test {case} --test {test}]", mark="ok", unless=("T10",), guide=GUIDE),
+         "{step}", mark="ok", unless=("T10",), guide=GUIDE),
     Rule("T110", "warns", "cycle {cycle} differs: it {why}[; {more}]", left_out, guide=GUIDE),
     Rule("T111", "warns", "cam angles count from the mark of the rig, not from the cam", unplaced,
          step="add --case CASE, whose lift places the mark, or --offset '12 deg'", remark="not related to the cam", guide=GUIDE),

@@ -111,6 +111,7 @@ class CardAnswer(Shown):
     def computed(self) -> Iterator[str]:
         """How the spring was found."""
         yield "Active turns and free length, or a pitch law, are changed until the finite-element rod has the given forces."
+        yield "Copy the spring of spring.toml into your case, or compare it there by compare-springs."
         yield "Heights are between the seats. Stress is nominal shear by EN 13906-1 (Bergsträsser)."
 
 

@@ -127,7 +127,7 @@ def left(code: str, text: str, remark: str, *words: str) -> Rule:
     return Rule(code, "notes", text, hits, remark=remark)
 
 
-INTO_CASE = "[copy the spring of {case} into your case, or compare it there by compare-springs]"
+CHECK = "[valvetrain check {case}]"
 GUIDE = "springs-from-cards.md"
 RULES = (
     Rule("Z101", "decides", "hardly the card of one spring: its loads make {value:2} active turns of {turns:2}", doubted, ("active_coil_count",),
@@ -137,9 +137,9 @@ RULES = (
     Rule("Z103", "decides", "the wire is up to {off:2} off the table", off_table, (), "{share} of its largest force",
          "check wire, diameters, material and units, or give --total-coils", guide=GUIDE, mark="warn"),
     Rule("Z110", "decides", "card and wire agree, rate {value:3}, {force:3} installed[, coil bind at {bind:3}]", of_card, (),
-         "all {count} numbers of the card are met within {share}", INTO_CASE, mark="ok", unless=("Z10",)),
+         "all {count} numbers of the card are met within {share}", CHECK, mark="ok", unless=("Z10",)),
     Rule("Z111", "decides", "table and wire agree, rate {value:3}, {force:3} installed[, coil bind from {bind:3}]", of_table, (),
-         "the wire meets the table within {off:2}, {share} of its largest force", INTO_CASE, mark="ok", unless=("Z10",)),
+         "the wire meets the table within {off:2}, {share} of its largest force", CHECK, mark="ok", unless=("Z10",)),
     Rule("Z120", "notes", "in an engine the wire moves {value:2} of end turns too and surges at {surge:3}; "
          "the card alone moves {mass:3} and surges at {alone:3}", in_engine),
     Rule("Z121", "notes", "{said}", noted),

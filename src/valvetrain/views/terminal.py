@@ -61,7 +61,9 @@ def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
     if answer.rests_on:
         yield Text(f"  rests on: {', '.join(answer.rests_on)}", style="dim")
     if answer.next_step:
-        yield Text.assemble(("  next: ", "dim"), answer.next_step)
+        yield Text.assemble(
+            ("  next: " if answer.runs_next else "  to do: ", "dim"), answer.next_step
+        )
     if folder and not page:
         yield Text.assemble(("  files: ", "dim"), folder, overflow="fold")
     if page:
