@@ -179,7 +179,7 @@ class AgainstTestAnswer(Shown):
         name, runs = self.result.quantity, self.result.runs
         kinds = (
             ("events", "Peaks and spikes", tables.event_columns(name)), ("stages", "Stretches of the turn", tables.stage_columns(name)),
-            ("values", "Values", tables.VALUES),
+            ("values", "Values", tables.VALUES)
         )  # fmt: skip
         near, tested = [one for one in runs if one.agreement], [one for one in runs if one.adequacy]
         made = {

@@ -131,7 +131,7 @@ def compare_test(
         )
     options = {
         "--test": str(test), "--quantity": quantity, "--channel": channel or "", "--engine-speed": engine_speed, "--bandwidth": bandwidth,
-        "--sensor": sensor, "--shared": shared, "--fitted": fitted or "", "--level": level if level != LEVEL else "",
+        "--sensor": sensor, "--shared": shared, "--fitted": fitted or "", "--level": level if level != LEVEL else ""
     }  # fmt: skip
     repeated = [part for key, value in options.items() if value for part in (key, str(value))]
     repeated += [part for text in spring_set or () for part in ("--spring-set", text)]

@@ -72,7 +72,7 @@ class SharedErrors:
         """The errors as text, the offset in ``unit``, which is ``factor`` of the SI unit."""
         parts = [
             f"offset {self.offset * factor:.3g} {unit}" if self.offset else "", f"gain {100 * self.gain:.3g} %" if self.gain else "",
-            f"angle {math.degrees(self.cam_angle):.3g} cam deg" if self.cam_angle else "",
+            f"angle {math.degrees(self.cam_angle):.3g} cam deg" if self.cam_angle else ""
         ]  # fmt: skip
         return ", ".join(filter(None, parts))
 

@@ -154,7 +154,7 @@ def shifted(facts: AgainstTest) -> Iterator[Hit]:
             late = "late" if near.shift > 0 else "early"
             yield Hit(fields={
                 "model": run.label, "shift": Amount("cam_angle", abs(near.shift), near.shift_reach), "late": late,
-                "rest": facts.amount(near.rest), "reach": facts.amount(test.refutable),
+                "rest": facts.amount(near.rest), "reach": facts.amount(test.refutable)
             })  # fmt: skip
 
 
@@ -263,5 +263,5 @@ RULES = (
     Rule("T290", "notes", "curves are compared at the cam angles of the file; no shift is taken away",
          when(lambda facts: facts.cycles is not None, "Cycles are compared."), remark="cam angles as in the file"),
     Rule("T291", "notes", "no error is stated that all share, of zero, calibration or angle", when(no_common_error, no_common_error.__doc__ or ""),
-         step="--shared '2 N, 0.5 %, 0.1 deg' states it", remark="no error of calibration", guide=GUIDE),
+         step="--shared '2 N, 0.5 %, 0.1 deg' states it", remark="no error of calibration", guide=GUIDE)
 )  # fmt: skip

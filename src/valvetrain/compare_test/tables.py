@@ -16,7 +16,7 @@ CLOSER: Columns = tuple(
     RowColumn(value=value, key=key)
     for value, key in (
         ("first", "first"), ("second", "second"), ("first_square", "first_mean_square"), ("second_square", "second_mean_square"),
-        ("student", "student"), ("p_value", "p_value"),
+        ("student", "student"), ("p_value", "p_value")
     )
 )  # fmt: skip
 
@@ -63,9 +63,9 @@ ADEQUACY: Columns = (
             ("adequacy", "variance of adequacy, SI", "adequacy_variance"), ("reproducibility", "of reproducibility", "reproducibility_variance"),
             ("adequate", "agrees", ""), ("places", "places", ""), ("independent", "independent", "independent_places"), ("repeats", "repeats", ""),
             ("fitted", "fitted", ""), ("level", "level", ""), ("counted_p_value", "p if every place counted", "p_value_if_every_place_counted"),
-            ("refutable", "", "refutable_rms"),
+            ("refutable", "", "refutable_rms")
         )
-    ),
+    )
 )  # fmt: skip
 
 

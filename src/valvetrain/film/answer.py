@@ -70,7 +70,7 @@ class FilmAnswer(Shown):
         within = words.amount(displacement(place * motion.metres_per_pixel), 2)
         rows = [
             *self._coils(), *self._surge(), ("frames", f"{len(motion.places)} at {motion.seen.frame_rate:g} a second"),
-            ("place of a coil", f"{place:.2g} px, {within}"),
+            ("place of a coil", f"{place:.2g} px, {within}")
         ]  # fmt: skip
         if motion.phase is not None:
             rows.insert(
@@ -83,7 +83,7 @@ class FilmAnswer(Shown):
         for one in sorted(self.motion.peaks, key=lambda one: -one.mean)[:COILS]:
             peak, bar, *more = (self.words.amount(displacement(float(value)), digits) for value, digits in (
                 (one.mean, 4), (BAND * one.spread, 2),
-                *(() if self.model is None else ((self.model.peaks[one.coil - 1], 4), (self.model.apart[one.coil - 1], 2))),
+                *(() if self.model is None else ((self.model.peaks[one.coil - 1], 4), (self.model.apart[one.coil - 1], 2)))
             ))  # fmt: skip
             yield f"coil {one.coil}", f"{peak} ± {bar}", *more
 
@@ -97,7 +97,7 @@ class FilmAnswer(Shown):
         peaks = peak_table(self.motion, self.model)
         return {
             "peaks": table_of("Peaks along the spring", peak_columns(self.model), peaks, self.words),
-            "surge": table_of("Surge lines", LINE_COLUMNS, line_table(self.motion), self.words),
+            "surge": table_of("Surge lines", LINE_COLUMNS, line_table(self.motion), self.words)
         }  # fmt: skip
 
     def figures(self) -> Mapping[str, FigureSpec]:
@@ -107,14 +107,13 @@ class FilmAnswer(Shown):
             "coils": FigureSpec("Motion of the coils", shaded, figures.coils),
             "decay": FigureSpec("Free decay", "the coil that rings most", figures.decay),
             "space-time": FigureSpec("Space-time picture with the tracks", "", figures.space_time),
-            "spectrum": FigureSpec("Spectrum of the whole film", "dotted: surge lines found in the decay", figures.spectrum),
+            "spectrum": FigureSpec("Spectrum of the whole film", "dotted: surge lines found in the decay", figures.spectrum)
         }  # fmt: skip
 
     def computed(self) -> Iterator[str]:
         """What was found and done."""
         yield "Coils are followed by the glare line on each of them and counted from the seat. Displacements are along the picture, towards the seat."
-        if self.motion.phase is None:
-            yield "The next step gives this damping to the spring of a library case: name your case in its place."
+        yield "The damping of a free decay goes into your case: name it in place of job-t."
         for one in (*self.motion.notes, *(() if self.model is None else self.model.notes)):
             yield f"{one[:1].upper()}{one[1:]}."
 

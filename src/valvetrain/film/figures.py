@@ -40,7 +40,7 @@ def decay(facts: FilmFacts) -> go.Figure | None:
         return None
     fig = go.Figure([
         line(1e3 * surge.curve_time, 1e3 * surge.curve, "damped sines fitted", LEAD),
-        dots(1e3 * surge.time, 1e3 * surge.measured, f"coil {surge.coil}", SECOND),
+        dots(1e3 * surge.time, 1e3 * surge.measured, f"coil {surge.coil}", SECOND)
     ])  # fmt: skip
     return styled(fig, "time from the beginning of the decay, ms", ("displacement, mm",))
 

@@ -85,7 +85,7 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
         "dwell": None if motion.dwell is None else list(motion.dwell),
         "peaks": [json_row(PEAK_COLUMNS, row) for row in peak_table(motion, None)],
         "surge_lines": [json_row(LINE_COLUMNS, row) for row in line_table(motion)],
-        "notes": list(motion.notes),
+        "notes": list(motion.notes)
     }  # fmt: skip
     if model is not None:
         data["model"] = {
@@ -93,7 +93,7 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
             "peaks": model.peaks, "root_mean_square_apart": model.apart,
             "surge_frequency": model.surge_frequency, "cam_angle_shift": model.shift, "notes": list(model.notes),
             "surge_lines": [{"frequency": one.natural_frequency, "damping_ratio": one.damping_ratio}
-                            for one in (() if model.surge is None else model.surge.lines)],
+                            for one in (() if model.surge is None else model.surge.lines)]
         }  # fmt: skip
     return data
 

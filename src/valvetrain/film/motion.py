@@ -219,10 +219,7 @@ def _phase(seen: SpaceTime, moved: Array, setup: FilmSetup, lift: Lift | None) -
     if setup.marker is not None:
         phase = by_marker(seen.time, seen.marker, setup.marker_angle or 0.0, setup.cam_speed)
         if setup.marker_angle is None and lift is None:
-            phase = replace(
-                phase,
-                zero_by="nobody",
-            )
+            phase = replace(phase, zero_by="nobody")
         return (
             phase
             if setup.marker_angle is not None or lift is None
@@ -235,14 +232,7 @@ def _phase(seen: SpaceTime, moved: Array, setup: FilmSetup, lift: Lift | None) -
             "an angle of the first frame needs the cam speed too; give it", "cam_speed"
         )
     phase = by_speed(seen.time, setup.cam_speed, setup.first_angle or 0.0)
-    return (
-        phase
-        if setup.first_angle is not None
-        else replace(
-            phase,
-            zero_by="nobody",
-        )
-    )
+    return phase if setup.first_angle is not None else replace(phase, zero_by="nobody")
 
 
 def _zero_by_lift(phase: CamPhase, time: Array, moved: Array, lift: Lift) -> CamPhase:

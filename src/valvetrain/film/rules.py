@@ -47,15 +47,13 @@ def shared_errors(facts: FilmFacts) -> str:
     surge lines of which frames are too few, the scale, and the shift of a zero that the lift alone gives.
     """
     motion, model = facts.motion, facts.model
-    rate, place = (
-        motion.seen.frame_rate,
-        float(np.nanmedian(motion.spread)) * motion.metres_per_pixel,
+    place = float(np.nanmedian(motion.spread)) * motion.metres_per_pixel
+    lost = (
+        one.amplitude for one in facts.lines if one.natural_frequency * FEW > motion.seen.frame_rate
     )
-    lost = [one.amplitude for one in facts.lines if one.natural_frequency * FEW > rate]
-    free = motion.phase is not None and motion.phase.zero_by != "told"
     amounts = {
         "mm": 1e3 * math.hypot(place, *lost), "%": 100 * motion.scale_spread / motion.metres_per_pixel,
-        "deg": math.degrees(abs(model.shift)) if model and free else 0.0,
+        "deg": math.degrees(abs(model.shift)) if model else 0.0,
     }  # fmt: skip
     return ", ".join(f"{value:.2g} {unit}" for unit, value in amounts.items() if value > 0)
 
@@ -116,7 +114,7 @@ def apart(facts: FilmFacts) -> Iterator[Hit]:
             yield Hit(displacement(model.apart[coil]), fields={
                 "coil": f"{coil + 1}", "peak": displacement(model.peaks[coil]), "model": model.model, "filmed": frequency(first),
                 "modelled": frequency(nearest(model, first)), "file": f"{facts.folder or '.'}/displacement-coil-{coil + 1}.csv",
-                "shared": shared_errors(facts),
+                "shared": shared_errors(facts)
             }, severity=float(model.apart[coil] / model.peaks[coil]))  # fmt: skip
 
 
@@ -131,7 +129,7 @@ def moves(facts: FilmFacts) -> Iterator[Hit]:
     for one in motion.peaks:
         yield Hit(displacement(one.mean, BAND * one.spread), fields={
             "coil": f"{one.coil}", "count": f"{motion.coils}", "speed": rpm(motion.cycles[0].cam_speed), "surge": frequency(first),
-            "ratio": ratio(first),
+            "ratio": ratio(first)
         })  # fmt: skip
 
 
@@ -190,5 +188,5 @@ RULES = (
     Rule("Y211", "warns", "the {by} shows {speed} of the cam, {given} was given: check the frame rate", disagrees),
     Rule("Y212", "warns", "the film shows {turns} cam revolutions, so peaks have no scatter[; {unseen}]", few_turns),
     Rule("Y214", "warns", "the weaker surge line at {value:4} may be one of {other:4}: too few frames show a cycle of it", also_mirrored),
-    Rule("Y213", "warns", "the zero of the cam angle is not known: give --marker-angle, --first-angle or a lift", no_zero),
+    Rule("Y213", "warns", "the zero of the cam angle is not known: give --marker-angle, --first-angle or a lift", no_zero)
 )  # fmt: skip

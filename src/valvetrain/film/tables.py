@@ -61,7 +61,7 @@ PEAK_COLUMNS: list[RowColumn] = [
     RowColumn("95 %, ±", None, lambda row: BAND * row.peak.spread, quantity=LENGTH),
     RowColumn("", None, "peak.spread", "standard_deviation", "standard deviation of the mean [mm]", 1e3),
     RowColumn("scatter of a turn", None, "peak.scatter", "scatter", "scatter of a turn [mm]", 1e3, quantity=LENGTH),
-    RowColumn(value="peak.cycles", key="turns", csv="turns"),
+    RowColumn(value="peak.cycles", key="turns", csv="turns")
 ]  # fmt: skip
 #: Shown beyond these where a run is compared with the film; the files have them in ``model``.
 MODEL_COLUMNS: list[RowColumn] = [
@@ -72,17 +72,17 @@ LINE_COLUMNS: list[RowColumn] = [
     RowColumn("line", lambda row: str(row.position)),
     RowColumn(
         "frequency", lambda row: f"{digits_text(row.line.natural_frequency, row.line.frequency_spread, 7)} Hz",
-        lambda row: {"value": row.line.natural_frequency, "standard_deviation": row.line.frequency_spread}, "frequency",
+        lambda row: {"value": row.line.natural_frequency, "standard_deviation": row.line.frequency_spread}, "frequency"
     ),
     RowColumn("95 %, ±", lambda row: f"{digits_text(BAND * row.line.frequency_spread, 0, 2)} Hz"),
     RowColumn(
         "damping ratio", lambda row: digits_text(row.line.damping_ratio, row.line.damping_spread, 7),
-        lambda row: {"value": row.line.damping_ratio, "standard_deviation": row.line.damping_spread}, "damping_ratio",
+        lambda row: {"value": row.line.damping_ratio, "standard_deviation": row.line.damping_spread}, "damping_ratio"
     ),
     RowColumn("95 %, ±", lambda row: digits_text(BAND * row.line.damping_spread, 0, 2)),
     RowColumn("decay rate", lambda row: f"{digits_text(row.line.decay_rate)} 1/s", "line.decay_rate", "decay_rate"),
     RowColumn("log. decrement", None, "line.logarithmic_decrement", "logarithmic_decrement"),
-    RowColumn("amplitude", None, "line.amplitude", "amplitude", quantity=LENGTH),
+    RowColumn("amplitude", None, "line.amplitude", "amplitude", quantity=LENGTH)
 ]  # fmt: skip
 
 

@@ -25,7 +25,7 @@ from valvetrain.views.table import Line, TextTable
 #: Derivative -> title of its axis and factor from SI.
 AXES = (
     ("lift, mm", 1e3), ("velocity, mm/deg", 1e3 * np.pi / 180), ("acceleration, µm/deg²", 1e6 * (np.pi / 180) ** 2),
-    ("jerk, mm/deg³", 1e3 * (np.pi / 180) ** 3),
+    ("jerk, mm/deg³", 1e3 * (np.pi / 180) ** 3)
 )  # fmt: skip
 #: Beginnings of the figures that are rows.
 ROWS = ("peak_lift", "duration", "lift_area", "largest_acceleration", "nose_acceleration", "lobe_separation", "overlap")  # fmt: skip
@@ -74,7 +74,7 @@ class LiftAnswer(Shown):
             *(Line(label, tuple(cells)) for name, label, *cells in self._figures() if name.startswith(ROWS)),
             self._line("noise of a station", "station_noise_lift", *noise),
             self._line("stations off", "station_lift", *off),
-            *(Line(label, (value, "")[: len(self.headings)], "", run) for label, run, value in worst),
+            *(Line(label, (value, "")[: len(self.headings)], "", run) for label, run, value in worst)
         ]  # fmt: skip
         return [one for one in rows if any(one.cells)]
 
@@ -121,7 +121,7 @@ class LiftAnswer(Shown):
             "figures": TextTable("Figures with 95 % intervals", ("figure", *values), figures),
             "off": TextTable("Stations off the law", ("at", "off by"), off),
             "case": TextTable("The case, with 95 % intervals", ("quantity", "run", "value"), case),
-            "meaning": TextTable("What the table means", ("question", "answer", "by"), said + notes),
+            "meaning": TextTable("What the table means", ("question", "answer", "by"), said + notes)
         }  # fmt: skip
 
     def figures(self) -> Mapping[str, FigureSpec]:
@@ -129,7 +129,7 @@ class LiftAnswer(Shown):
         return {
             "lift": FigureSpec("Lift and acceleration", BAND_HINT, lambda facts: _curves(facts, 0, 2)),
             "derivatives": FigureSpec("Lift, velocity, acceleration and jerk", BAND_HINT, lambda facts: _curves(facts, 0, 1, 2, 3)),
-            "stations": FigureSpec("Stations less the law", OFF_HINT, _stations),
+            "stations": FigureSpec("Stations less the law", OFF_HINT, _stations)
         }  # fmt: skip
 
     def computed(self) -> Iterator[str]:

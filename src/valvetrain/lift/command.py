@@ -174,14 +174,14 @@ def lift(
         angle_of=angle_of, lift_of=lift_of, lift_unit=lift_unit, angle_unit=angle_unit, zero=zero, direction=direction,
         columns=tuple(word.strip() for word in columns.split(",") if word.strip()),
         peak_lift=_si(peak_lift, "length", "--peak-lift"), duration=_si(duration, "angle", "--duration"),
-        opening=_si(opening, "angle", "--opening"),
+        opening=_si(opening, "angle", "--opening")
     )  # fmt: skip
     stated = _si(noise, "length", "--noise"), _si(band, "length", "--band")
     limits, heights = read_limits(limit), read_amounts(at, "length", "--at")
     options = {
         "engine_speeds": read_engine_speeds(engine_speed), "search": read_engine_speeds(search, "--search"), "draws": draws,
         "spring_models": read_models(spring), "spring_set": read_names(spring_set), "workers": read_workers(workers),
-        "limit": ", ".join(limit or ()),
+        "limit": ", ".join(limit or ())
     }  # fmt: skip
     lobes, pair = _lobes(
         file, exhaust, answers, stated, (heights, _si(lash, "length", "--lash") or 0.0)
@@ -202,7 +202,7 @@ def lift(
     data = _data(facts)
     outcome = saved_result(
         SavedRequest("lift", own, output, datetime.now(UTC).replace(microsecond=0)), own.text, data,
-        lambda folder: LiftAnswer(replace(facts, file=str(folder / f"{name}.toml")), title), fill, choices, open_page, facts.failures,
+        lambda folder: LiftAnswer(replace(facts, file=str(folder / f"{name}.toml")), title), fill, choices, open_page, facts.failures
     )  # fmt: skip
     if write is not None:
         data["files"].append(str(write_table(lobes, write, write_form)))
@@ -281,13 +281,13 @@ def _data(facts: LiftFacts) -> dict[str, Any]:
         return {one.name: {"value": one.value, "standard_deviation": one.spread} for one in found}
 
     data: dict[str, Any] = {
-        "command": "lift", "case": "", "completed": not facts.failures,
+        "command": "lift", "case": "", "completed": not facts.failures
     }  # fmt: skip
     data["lobes"] = [
         {
             "name": one.measured.name, "form": one.measured.form, "lift_of": one.measured.lift_of, "zero": one.measured.zero,
             "answers": {answer.question: {"answer": answer.answer, "by": answer.by} for answer in one.measured.answers},
-            "notes": list(one.measured.notes), "noise": one.smoothed.noise, "figures": figures(one.figures),
+            "notes": list(one.measured.notes), "noise": one.smoothed.noise, "figures": figures(one.figures)
         }
         for one in facts.lobes
     ]  # fmt: skip
@@ -297,7 +297,7 @@ def _data(facts: LiftFacts) -> dict[str, Any]:
         data["carried"] = [
             {
                 "quantity": one.quantity, "label": one.label, "engine_speed": one.engine_speed, "value": one.value,
-                "standard_deviation": one.spread, "laws": one.draws,
+                "standard_deviation": one.spread, "laws": one.draws
             }
             for one in carried.spreads
         ]  # fmt: skip

@@ -141,12 +141,7 @@ def lift_figures(
         _figure("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg"),
         _figure("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg"),
         _figure("largest_acceleration", "acceleration, flanks", curves[2].max(axis=1), "um/deg2"),
-        _figure(
-            "nose_acceleration",
-            "acceleration, nose",
-            curves[2].min(axis=1),
-            "um/deg2",
-        ),
+        _figure("nose_acceleration", "acceleration, nose", curves[2].min(axis=1), "um/deg2"),
         _figure(
             "largest_jerk", "largest jerk, either way", np.abs(curves[3]).max(axis=1), "mm/deg3"
         ),
@@ -243,7 +238,7 @@ def _figure(name: str, label: str, values: Array, unit: str) -> LiftFigure:
 UNIT_TEXTS = {"deg": "cam deg", "um/deg2": "µm/deg²", "mm/deg3": "mm/deg³"}
 INCH_TEXTS = {
     "mm": ("in", 25.4), "mm deg": ("in deg", 25.4), "mm/deg": ("thou/deg", 0.0254), "um/deg2": ("thou/deg²", 25.4),
-    "mm/deg3": ("thou/deg³", 0.0254),
+    "mm/deg3": ("thou/deg³", 0.0254)
 }  # fmt: skip
 
 

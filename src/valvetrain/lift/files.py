@@ -30,7 +30,7 @@ def lift_parameters(
     """The measured law of a lobe as a case says it."""
     values = {
         "cam_angles": tuple(map(float, lobe.measured.cam_angles)), "lifts": tuple(map(float, lobe.measured.lifts)), "noise": noise or 0.0,
-        "band": band or 0.0, "draw": 0,
+        "band": band or 0.0, "draw": 0
     }  # fmt: skip
     return LiftLawParameters("measured", values, lobe.measured.lift_of, lobe.measured.zero)  # type: ignore[arg-type]
 
@@ -50,10 +50,7 @@ def case_with(case: Case, law: LiftLawParameters) -> Case:
 
 
 def write_lift(
-    lobes: Sequence[LobeResult],
-    folder: Path,
-    noise: float | None = None,
-    band: float | None = None,
+    lobes: Sequence[LobeResult], folder: Path, noise: float | None = None, band: float | None = None
 ) -> list[Path]:
     """``lift.csv`` (or ``intake.csv``, ``exhaust.csv``): lift to jerk and standard deviations; and
     the lift as part of a case file, with the stated ``noise`` and ``band`` (m).

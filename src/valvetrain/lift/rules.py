@@ -18,11 +18,11 @@ from valvetrain.solution.definition import label_of
 LOOSE, AGREES = 0.2, 0.05
 #: Question of a table -> what is assumed where it gives no answer.
 ASSUMED = {
-    "angle_unit": "angles in degrees", "zero": "zero of the angle as in the file", "direction": "a cam that turns with rising angle",
+    "angle_unit": "angles in degrees", "zero": "zero of the angle as in the file", "direction": "a cam that turns with rising angle"
 }  # fmt: skip
 #: What a case with the lift is about, the first that it has.
 IN_CASE = (
-    "float_engine_speed", "minimum_open_cam_contact_force", "peak_cam_contact_force", "peak_spring_force",
+    "float_engine_speed", "minimum_open_cam_contact_force", "peak_cam_contact_force", "peak_spring_force"
 )  # fmt: skip
 
 
@@ -178,5 +178,5 @@ RULES = (
          "the lift follows the stations more closely than they deserve"),
     Rule("L230", "notes", "the base circle was at {value:2} and is now zero[; it scatters by {scatter:2}]", base),
     Rule("L231", "notes", "columns that are not used: {said}", unused, unless=("L203",)),
-    Rule("L232", "notes", "assumed: {said}", assumed, remark="{said}"),
+    Rule("L232", "notes", "assumed: {said}", assumed, remark="{said}")
 )  # fmt: skip

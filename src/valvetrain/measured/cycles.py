@@ -115,7 +115,7 @@ def netcdf_image(cycles: Sequence[MeasuredCycles]) -> bytes:
         label = f"{name}_{count + 1}" if count else name
         attributes = {
             "units": one.unit, "long_name": name.replace("_", " "), "quantity": name, "cam_speed": float(one.cam_speed),
-            "cam_speed_units": "rad/s", "source": one.source, "synthetic": "yes" if one.synthetic else "no", "notes": "\n".join(one.notes),
+            "cam_speed_units": "rad/s", "source": one.source, "synthetic": "yes" if one.synthetic else "no", "notes": "\n".join(one.notes)
         }  # fmt: skip
         dims = f"cycle_of_{label}", f"{_GRID}{label}"
         variables[label] = Variable(dims, np.asarray(one.values, dtype=float), attributes)
@@ -280,7 +280,7 @@ def _text(one: MeasuredCycles) -> str:
     head = [
         f"quantity: {one.quantity}", f"unit: {one.unit}", f"cam speed: {float(one.cam_speed)!r} rad/s",
         f"synthetic: {'yes' if one.synthetic else 'no'}",
-        *([f"source: {one.source}"] if one.source else []), *(f"note: {note}" for note in one.notes),
+        *([f"source: {one.source}"] if one.source else []), *(f"note: {note}" for note in one.notes)
     ]  # fmt: skip
     lines = [f"# {' '.join(line.split())}" for line in head]
     names = [f"cycle {place} [{one.unit}]" for place in range(1, len(one.values) + 1)]

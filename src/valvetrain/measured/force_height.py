@@ -20,7 +20,7 @@ MAX_BYTES, MAX_LINES = 20_000_000, 200_000
 #: Pattern of a heading -> what the column is; the first that fits.
 _MEANINGS = (
     (r"force|load|kraft|last\b|\bf\b", "force"), (r"height|length|höhe|hoehe|länge|laenge|\bh\b|\bl\b", "height"),
-    (r"compression|deflection|travel|weg|stroke|displacement|position", "compression"),
+    (r"compression|deflection|travel|weg|stroke|displacement|position", "compression")
 )  # fmt: skip
 #: What a column may be.
 COLUMNS = ("height", "compression", "force", "ignore")

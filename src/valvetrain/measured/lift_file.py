@@ -72,7 +72,7 @@ class MeasuredLift(Shown):
 #: Question -> its possible answers; angles and lengths are specified by ``lift_unit`` and the like.
 CHOICES = {
     "angle_of": ("cam", "crank"), "lift_of": ("valve", "tappet"), "angle_unit": ("deg", "rad"), "zero": ("file", "nose"),
-    "direction": ("forward", "reversed"),
+    "direction": ("forward", "reversed")
 }  # fmt: skip
 #: Assumed where the question is open, and reported as such.
 ASSUMED = {"angle_unit": "deg", "zero": "file", "direction": "forward"}
@@ -80,7 +80,7 @@ ASSUMED = {"angle_unit": "deg", "zero": "file", "direction": "forward"}
 QUESTIONS = {
     "angle_of": "whether its angles are of the cam or the crank", "lift_of": "lift measured at the valve or the tappet",
     "lift_unit": "the unit of its lifts, such as mm or inch", "peak_lift": "the largest lift that its fractions mean",
-    "duration": "the angle from the first to the last of its fractions", "opening": "the angle at which it begins",
+    "duration": "the angle from the first to the last of its fractions", "opening": "the angle at which it begins"
 }  # fmt: skip
 
 

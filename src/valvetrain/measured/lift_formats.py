@@ -66,7 +66,7 @@ _MEANINGS = (
     (r"acc|beschl|mm/deg2|mm/deg\^2", "acceleration"), (r"vel|geschw|speed|mm/deg|in/deg", "velocity"),
     (r"intake|inlet|einlass", "intake"),
     (r"exhaust|auslass|outlet", "exhaust"), (r"lift|hub|displacement|rise", "lift"),
-    (r"angle|deg|winkel|theta|crank|cam|°|rotation", "angle"),
+    (r"angle|deg|winkel|theta|crank|cam|°|rotation", "angle")
 )  # fmt: skip
 
 
@@ -112,7 +112,7 @@ _FITTING = (("deg", "rad"), ("mm", "inch", "thou", "m", "cm", "um"))
 _CHOICES = {
     "crank": r"\bcrank\b|°\s*kw\b|\bkw\b|degca\b|\bca\b|crankshaft",
     "cam": r"\bcam(shaft)?\s*(angle|deg|rotation|°)|°\s*nw\b|\bnw\b|°\s*cam\b|deg\s*cam",
-    "valve": r"\bvalve\s*lift", "tappet": r"\b(tappet|lobe|cam|follower|lifter)\s*lift",
+    "valve": r"\bvalve\s*lift", "tappet": r"\b(tappet|lobe|cam|follower|lifter)\s*lift"
 }  # fmt: skip
 
 

@@ -23,7 +23,7 @@ Filter = Literal["butterworth", "bessel"]
 MAX_ORDER, STEPS, PHASES, MAX_STEPS = 8, 40, 32, 20_000_000
 _DIMENSIONS = {
     "bandwidth": "frequency", "sampling_rate": "frequency", "natural_frequency": "frequency", "mounting_stiffness": "stiffness",
-    "moved_mass": "mass",
+    "moved_mass": "mass"
 }  # fmt: skip
 
 
@@ -166,8 +166,7 @@ class Sensor:
         lines. Raises :class:`InputError` for times that do not rise and values that are not finite.
         """
         grid, filtered = self._filtered(time, values, periodic)
-        response: Array = np.interp(time, grid, filtered)
-        return response
+        return np.interp(time, grid, filtered)
 
     def record(
         self, time: Array, values: Array, phase: float = 0.0, periodic: bool = False

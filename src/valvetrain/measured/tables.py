@@ -194,14 +194,14 @@ UNIT_NAMES = {
     "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg", "grad": "deg", "degca": "deg", "deg ca": "deg", "°ca": "deg",
     "°cam": "deg", "degcam": "deg", "deg cam": "deg", "°crank": "deg", "deg crank": "deg", "°kw": "deg", "°nw": "deg", "rad": "rad",
     "mm": "mm", "in": "inch", "inch": "inch", "inches": "inch", '"': "inch", "thou": "thou", "mil": "thou", "m": "m", "cm": "cm",
-    "um": "um", "µm": "um", "micron": "um", "mm/deg": "mm/deg", "in/deg": "inch/deg",
+    "um": "um", "µm": "um", "micron": "um", "mm/deg": "mm/deg", "in/deg": "inch/deg"
 }  # fmt: skip
 #: Further units of recordings.
 _OTHER_UNITS = {
     "s", "sec", "ms", "us", "µs", "Hz", "rpm", "1/min", "N", "kN", "lbf", "kgf", "V", "mV", "mV/V", "A", "um/m", "µm/m", "ustrain", "1",
     "m/s", "mm/s", "m/s2", "m/s^2", "g", "Pa", "kPa", "MPa", "bar", "psi", "-", "°C", "degC", "ft", "in/s", "ft/s", "mm/s2", "mm/s^2",
     "lb", "lbs", "kg", "Nm", "N m", "N*m", "N·m", "ft-lb", "lbf ft", "N/mm", "lbf/in", "min", "ns", "kHz", "rad/s", "deg/s", "mA", "mbar",
-    "K", "C", "F", "°F", "degF", "%",
+    "K", "C", "F", "°F", "degF", "%"
 }  # fmt: skip
 
 

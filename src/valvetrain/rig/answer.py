@@ -94,7 +94,7 @@ class RigAnswer(Shown):
             Line("cycles", (f"{count} of {every}", "", "", ""), "ok" if count == every else "warn", "outliers are left out" * (count < every)),
             Line("cam speed", (speed_text(speeds.mean()), "", "", ""), "warn" if self.findings.by("T104") else "ok", span),
             Line("angle readings", (f"{result.shaft.readings:.0f} a turn", _within(jitter), "", ""), "", f"{len(result.grid.cam_angle)} a turn"),
-            Line("mark of the rig", ("", _within(error), place[0], ""), *place[1:]),
+            Line("mark of the rig", ("", _within(error), place[0], ""), *place[1:])
         ]  # fmt: skip
 
     def _channel(self, one: RigChannelCycles) -> Line:

@@ -40,7 +40,7 @@ _MAX_EXPANSION = 1100
 #: Units of times -> seconds; files of arrays may count them since a date, which is ignored here.
 SECONDS = {
     "s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
-    "microseconds": 1e-6, "ns": 1e-9, "nanoseconds": 1e-9, "min": 60.0, "minutes": 60.0,
+    "microseconds": 1e-6, "ns": 1e-9, "nanoseconds": 1e-9, "min": 60.0, "minutes": 60.0
 }  # fmt: skip
 _TIME = re.compile(r"(?:.*[/_. ])?(time|times|t|zeit|timestamps?)", re.I)
 
@@ -104,7 +104,7 @@ def channels_of(
 # MAT files of version 5 to 7
 
 _NUMBERS = (
-    "double", "single", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64",
+    "double", "single", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"
 )  # fmt: skip
 #: Characters of a text that may be a unit or a description, at most.
 _MAX_TEXT = 500
@@ -329,7 +329,7 @@ _RATE = re.compile(
 )
 #: Pattern that separates columns -> the delimiter that numpy reads by, where it can.
 _DELIMITERS = {
-    ";": ";", "\\|": "|", "\t": "\t", "\\\t": "\t", r"\s+": None, ",": ",", r",\s+": ",",
+    ";": ";", "\\|": "|", "\t": "\t", "\\\t": "\t", r"\s+": None, ",": ",", r",\s+": ","
 }  # fmt: skip
 
 

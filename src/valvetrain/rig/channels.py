@@ -30,7 +30,7 @@ QUESTIONS = {
     "sampling_rate": "the sampling rate (sampling_rate)",
     "unit": "the unit of {}",
     "calibration": "the calibration of {}",
-    "dwell": "the dwell in which the zero is taken, such as '-30, 30 deg'",
+    "dwell": "the dwell in which the zero is taken, such as '-30, 30 deg'"
 }  # fmt: skip
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 #: Bounds of whole numbers.
@@ -147,19 +147,19 @@ class RigAnswers:
 _MEANINGS = (
     (r"retainer.?force", "retainer_force"), (r"seat.?force", "seat_force"), (r"force|kraft|load", "spring_force"),
     (r"lift|hub\b|displacement", "valve_lift"), (r"accel|beschl", "valve_acceleration"), (r"veloc|geschw", "valve_velocity"),
-    (r"strain|dehnung|\bdms\b", "strain"), (r"stress|spannung", "stress"),
+    (r"strain|dehnung|\bdms\b", "strain"), (r"stress|spannung", "stress")
 )  # fmt: skip
 #: Pattern of a channel's name -> how it gives the angle of the shaft.
 _SHAFT = (
     (r"once|trigger|cam.?pulse|tdc|\bot\b|index", "once"), (r"wheel|teeth|tooth|pulses|encoder.?track", "pulses"),
-    (r"angle|encoder|winkel|°", "encoder"),
+    (r"angle|encoder|winkel|°", "encoder")
 )  # fmt: skip
 #: Units as rigs write them -> SI value and dimension, in addition to those of the package.
 _UNITS = {
     "um/m": (1e-6, "ratio"), "µm/m": (1e-6, "ratio"), "μm/m": (1e-6, "ratio"), "ustrain": (1e-6, "ratio"), "µε": (1e-6, "ratio"),
     "uε": (1e-6, "ratio"), "microstrain": (1e-6, "ratio"), "m/m": (1.0, "ratio"), "1": (1.0, "ratio"), "mm/m": (1e-3, "ratio"),
     "m/s2": (1.0, "acceleration"), "°": (np.pi / 180, "angle"), "degrees": (np.pi / 180, "angle"), "grad": (np.pi / 180, "angle"),
-    "°CA": (np.pi / 180, "angle"), "degCA": (np.pi / 180, "angle"), "Deg": (np.pi / 180, "angle"),
+    "°CA": (np.pi / 180, "angle"), "degCA": (np.pi / 180, "angle"), "Deg": (np.pi / 180, "angle")
 }  # fmt: skip
 _STANDARD_GRAVITY = 9.80665
 #: Times that differ from even ones by less than this (steps) are even ones, rounded; a gap is

@@ -35,7 +35,7 @@ COLUMNS = (
     *(RowColumn(heading, value=key, key=key, quantity=quantity_of) for heading, key in (
         ("mean", "mean"), ("± (95 %)", "interval"), ("scatter", "scatter"))),
     RowColumn("at", value=angle_of, quantity="cam_angle"),
-    *(RowColumn(value=key, key=key) for key in ("cam_angle", "scatter_of_angle")),
+    *(RowColumn(value=key, key=key) for key in ("cam_angle", "scatter_of_angle"))
 )  # fmt: skip
 
 
@@ -55,11 +55,11 @@ def data_of(result: RigResult) -> dict[str, Any]:
         "angles": len(result.grid.cam_angle),
         "offset": {"value": result.offset, "standard_uncertainty": result.offset_uncertainty, "unit": "rad"},
         "alignment": fit and {
-            "opening": fit.opening, "closing": fit.closing, "gain": fit.gain, "residual": float(np.sqrt(np.mean(fit.residual**2))),
+            "opening": fit.opening, "closing": fit.closing, "gain": fit.gain, "residual": float(np.sqrt(np.mean(fit.residual**2)))
         },
         "angle_scatter": result.shaft.scatter,
         "channels": [_channel(*one) for one in zip(result.channels, peaks, strict=True)],
-        "notes": list(result.notes),
+        "notes": list(result.notes)
     }  # fmt: skip
 
 
@@ -68,7 +68,7 @@ def _channel(one: RigChannelCycles, peaks: list[Peak]) -> dict[str, Any]:
     return {
         "quantity": one.cycles.quantity, "unit": one.cycles.unit, "channel": one.raw.channel, "band": one.band,
         "clipped": one.clipped, "drift": one.drift, "notes": list(one.cycles.notes),
-        "figures": [json_row(COLUMNS, peak) for peak in peaks], "spread_of_mean": float(np.median(one.spread)) if known else None,
+        "figures": [json_row(COLUMNS, peak) for peak in peaks], "spread_of_mean": float(np.median(one.spread)) if known else None
     }  # fmt: skip
 
 

@@ -11,13 +11,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor, SensorResponse
 from valvetrain.parameters.loading import AnyCase
-from valvetrain.runs.prepared import (
-    Plan,
-    PreparedRun,
-    integrate_point,
-    prepare,
-    provenance_of,
-)
+from valvetrain.runs.prepared import Plan, PreparedRun, integrate_point, prepare, provenance_of
 from valvetrain.runs.train_runs import member_statics, prepare_trains
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
@@ -27,7 +21,7 @@ from valvetrain.system.contract import TRAIN
 Array = NDArray[np.float64]
 #: Channels that a gauge may measure, in this order.
 CHANNELS = (
-    "retainer_force", "seat_force", "cam_contact_force", "seat_contact_force", "valve_tip_contact_force", "valve_acceleration",
+    "retainer_force", "seat_force", "cam_contact_force", "seat_contact_force", "valve_tip_contact_force", "valve_acceleration"
 )  # fmt: skip
 #: Points of a trace in the shortest period of the gauge; bounds of the samples per cam revolution;
 #: points that a run stores per sample.

@@ -42,7 +42,7 @@ COLUMNS = (
     RowColumn("channel", lambda one: label_of(one.channel), "channel", "channel"),
     *(RowColumn(key.replace("_", " "), value=key, key=key, quantity=lambda one: str(one.channel)) for key in ("true_peak", "recorded_peak")),
     RowColumn(value=lambda one: list(one.recorded.peaks), key="recorded_peaks"),
-    *(RowColumn(value=value, key=key) for value, key in (("unit", "unit"), ("spacing", "step"), ("coarse", "coarse"))),
+    *(RowColumn(value=value, key=key) for value, key in (("unit", "unit"), ("spacing", "step"), ("coarse", "coarse")))
 )  # fmt: skip
 
 
@@ -176,5 +176,5 @@ def data_of(responses: Sequence[ChannelResponse], sensor: Sensor, case: str) -> 
     gauge = {name: getattr(sensor, name) for name in Sensor.__dataclass_fields__}
     return {
         "command": "rig", "case": case, "completed": True, "gauge": gauge | {"resonance": sensor.resonance},
-        "quantities_by_label": quantities, "seen": [json_row(COLUMNS, one) for one in responses],
+        "quantities_by_label": quantities, "seen": [json_row(COLUMNS, one) for one in responses]
     }  # fmt: skip

@@ -51,8 +51,8 @@ class RigFacts(Subject):
 
     def step(self, advice: str, quantity: str = "") -> Phrase:
         """Comparing a model with the cycles; the ``advice`` without a case."""
-        said = {"case": self.case, "test": self.test, "quantity": quantity}
-        return Phrase(AGAINST if self.test else advice, said)
+        said = {"case": self.name, "test": self.test, "quantity": quantity}
+        return Phrase(AGAINST if said["test"] else advice, said)
 
     def drifting(self) -> list[RigChannelCycles]:
         """Channels whose mean drifts by more than a small share of their swing."""
@@ -132,7 +132,7 @@ def usable(facts: RigFacts) -> Iterator[Hit]:
     name, peak = channel.cycles.quantity, mean_peak(channel)
     fields: Fields = {
         "speed": speed_text(float(facts.speeds.mean())), "channel": label_of(name), "peak": Amount(name, peak.mean),
-        "scatter": Amount(name, peaks_of(channel)[0].scatter), "test": facts.test, "step": facts.step(COMPARE),
+        "scatter": Amount(name, peaks_of(channel)[0].scatter), "step": facts.step(COMPARE)
     }  # fmt: skip
     yield Hit(fields={**_count(result), **fields})
 
@@ -142,11 +142,7 @@ def left_out(facts: RigFacts) -> Iterator[Hit]:
     for cycle, why in facts.result.outliers[:1]:
         more = len(facts.result.outliers) - 1
         yield Hit(
-            fields={
-                "cycle": str(cycle + 1),
-                "why": why,
-                "more": f"{more} more" if more else "",
-            }
+            fields={"cycle": str(cycle + 1), "why": why, "more": f"{more} more" if more else ""}
         )
 
 
@@ -178,7 +174,7 @@ def recorded(facts: GaugeFacts) -> Iterator[Hit]:
     for one in facts.worst[:1]:
         yield Hit(fields={
             "channel": label_of(one.channel), "true": Amount(one.channel, one.true_peak), "seen": Amount(one.channel, one.recorded_peak),
-            "share": f"{100 * (1 - sum(one.share) / 2):.2g} %", "at": speed_text(one.engine_speed), "whole": f"{100 * WHOLE:g} %",
+            "share": f"{100 * (1 - sum(one.share) / 2):.2g} %", "at": speed_text(one.engine_speed), "whole": f"{100 * WHOLE:g} %"
         })  # fmt: skip
 
 
@@ -224,12 +220,12 @@ RULES = (
          step="add --case CASE, whose lift places the mark, or --offset '12 deg'", remark="not related to the cam", guide=GUIDE),
     Rule("T112", "warns", "the lift is not that of the case[: its flanks are {apart} apart][, {share}]", other_lift,
          step="check calibration, lash and cam, or whether the valve leaves the cam"),
-    Rule("T113", "warns", "the recording is synthetic: it was computed, not measured", synthetic),
+    Rule("T113", "warns", "the recording is synthetic: it was computed, not measured", synthetic)
 )  # fmt: skip
 GAUGE_RULES = (
     Rule("T151", "decides", "the gauge misses {share} of the {channel} at {at}: {seen} of {true}", lowered,
          step="take a gauge of a higher band, or a higher sampling rate", guide=GUIDE),
     Rule("T152", "decides", "the gauge records every peak within {whole}", recorded, (), "least of the {channel}: {seen} of {true}",
          "record with it, then: valvetrain rig FILE --case {case}", mark="ok", unless=("T151",), guide=GUIDE),
-    Rule("T153", "warns", "{channels}: a point every {step} is coarse for this gauge; a spike may be between points", coarse),
+    Rule("T153", "warns", "{channels}: a point every {step} is coarse for this gauge; a spike may be between points", coarse)
 )  # fmt: skip

@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import groupby
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from valvetrain.findings.engine import Findings, Mark, judge
 from valvetrain.findings.words import Amount, Words, speed_text
@@ -16,7 +17,7 @@ from valvetrain.parameters.summary import percent
 from valvetrain.scan import figures
 from valvetrain.scan.compare import ComparedNumber, ScanComparison
 from valvetrain.scan.result import ScannedSpring
-from valvetrain.scan.rules import AS_DRAWN, BRIDGED, RULES, ScanFacts, Size, degrees, length
+from valvetrain.scan.rules import AS_DRAWN, BRIDGED, RULES, ScanFacts, degrees, length
 from valvetrain.solution.definition import label_of
 from valvetrain.units.reader import shown_system
 from valvetrain.views.files import spring_text
@@ -24,8 +25,8 @@ from valvetrain.views.shown import Shown
 from valvetrain.views.style import FigureSpec
 from valvetrain.views.table import Line, TextTable
 
-#: Quantities at rest in the first table.
-FIRST = ("installed_rate", "preload", "coil_bind_lift", "mode_1_frequency")
+#: Quantities at rest in the first table, and standard deviations of a 95 % interval.
+FIRST, BAND = ("installed_rate", "preload", "coil_bind_lift", "mode_1_frequency"), 2.0
 GREY = "grey: 95 % of what the scatter of the points leaves"
 
 
@@ -37,7 +38,7 @@ class ScanAnswer(Shown):
     compared: ScanComparison | None = None
     words: Words = field(default_factory=lambda: Words(shown_system()))
 
-    @cached_property
+    @property
     def facts(self) -> ScanFacts:
         """The scan as rules read it."""
         return ScanFacts(self.scan, self.compared)
@@ -69,11 +70,22 @@ class ScanAnswer(Shown):
         return [*self._sizes(), *(self._seen() if self.compared is None else self._loads())]
 
     def _sizes(self) -> Iterator[Line]:
-        scan = self.scan
+        scan, curves = self.scan, self.scan.curves
         design = None if self.compared is None else self.compared.cases[0].springs[0].wire
-        for one in self.facts.sizes:
-            mark: Mark = "warn" if one in self.facts.off else ""
-            yield Line(one.label, self._cells(one), mark)
+        known = curves.mean_diameter_spread < 3 * np.median(curves.mean_diameter_spread)
+        coil, spread = curves.coil[known], curves.mean_diameter_spread[known]
+        drawn: tuple[ArrayLike | None, ...] = (None,) * 5 if design is None else (
+            design.free_length, np.mean(design.wire_diameter.value(coil)), design.mean_diameter.value(coil), design.total_coils,
+            design.pitch.value(coil),
+        )  # fmt: skip
+        made: tuple[tuple[str, ArrayLike, ArrayLike], ...] = (
+            ("free length", *scan.free_length), ("wire diameter", *scan.section.diameter),
+            ("mean diameter", curves.mean_diameter[known], spread), ("turns", *scan.total_coils),
+            ("pitch", curves.pitch[known], curves.pitch_spread[known]),
+        )  # fmt: skip
+        for (label, values, scatter), other in zip(made, drawn, strict=True):
+            name = "total_coil_count" if label == "turns" else "free_length"
+            yield Line(label, self._cells(name, values, scatter, other))
         for place in ("lower_end", "upper_end"):
             ends = [getattr(one, place) for one in (design, scan.definition) if one is not None]
             ground = f"{ends[-1].ground_coils:.2f} turns ground"
@@ -84,16 +96,17 @@ class ScanAnswer(Shown):
                 ground,
             )
 
-    def _cells(self, one: Size) -> tuple[str, ...]:
+    def _cells(self, name: str, values: ArrayLike, spread: ArrayLike, drawn: ArrayLike | None) -> tuple[str, ...]:  # fmt: skip
         """A size from its least to its largest value, with its interval or next to the design's."""
-        name, words = one.quantity, replace(self.words, brief=True)
+        bar, words = BAND * float(np.max(spread)), replace(self.words, brief=True)
         design, made = (
-            words.span(Amount(name, np.min(values), bar), Amount(name, np.max(values), bar), 4)
-            for values, bar in ((one.made if one.drawn is None else one.drawn, 0.0), (one.made, one.bar))
-        )  # fmt: skip
-        if one.drawn is None:
-            return (f"{made} ± {words.amount(Amount(name, one.bar), 2)}",)
-        return design, made, words.amount(one.off, 2)
+            words.span(Amount(name, np.min(one), width), Amount(name, np.max(one), width), 4)
+            for one, width in ((values if drawn is None else drawn, 0.0), (values, bar))
+        )
+        if drawn is None:
+            return (f"{made} ± {words.amount(Amount(name, bar), 2)}",)
+        off = np.atleast_1d(np.subtract(values, drawn))
+        return design, made, words.amount(Amount(name, off[np.argmax(np.abs(off))], bar), 2)
 
     def _seen(self) -> Iterator[Line]:
         scan, seen = self.scan, self.scan.coverage
@@ -121,16 +134,13 @@ class ScanAnswer(Shown):
         return {"numbers": TextTable("Design and scan", ("quantity", *self.headings), tuple(rows))}
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """The points about the axis and the curves; of a comparison what decides first: the forces, or a size."""
+        """The points about the axis and the curves; the curves less the design's first where there is one."""
         hint = "unrolled about the axis of the spring; a white band from bottom to top was not seen"
         cloud = FigureSpec("Points and wire axis", hint, figures.cloud)
         if self.compared is None:
             return {"cloud": cloud, "curves": FigureSpec("Curves over the coil", GREY, figures.curves)}  # fmt: skip
         curves = FigureSpec("Scan less design", GREY, figures.curves)
-        force = FigureSpec("Force and rate", "", figures.force)
-        if self.findings.codes[0] in ("Y111", "Y112"):
-            return {"force": force, "curves": curves, "cloud": cloud}
-        return {"curves": curves, "force": force, "cloud": cloud}
+        return {"curves": curves, "force": FigureSpec("Force and rate", "", figures.force), "cloud": cloud}  # fmt: skip
 
     def computed(self) -> Iterator[str]:
         """What was fitted, and what its intervals leave out."""

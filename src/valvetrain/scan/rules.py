@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import Amount, digits_text, speed_text
@@ -22,41 +20,12 @@ from valvetrain.solution.definition import label_of
 BRIDGED, EXPLAINED = 0.04 * math.tau, 0.8
 #: Share up to which a quantity is as drawn, and the quantities that decide it.
 AS_DRAWN, DECIDING = 0.02, ("installed_rate", "preload")
-#: Standard deviations of a 95 % interval, and share up to which a size is as drawn.
-BAND, SIZE = 2.0, 0.01
 #: Quantities of a run that are compared where both have them.
 IN_MOTION = {
     "peak_spring_force", "minimum_spring_force", "stage_2_peak_force", "stage_3_peak_force", "main_clash_peak_force",
     "main_clash_below_5_khz_peak_force", "peak_clash_force", "clash_count", "clash_energy", "surge_amplitude_force", "peak_shear_stress",
     "open_nominal_shear_stress", "coil_bind_clearance",
 }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Size:
-    """A size of the scanned spring (SI), along the wire where it varies, with the half width ``bar`` of its 95 % interval, and
-    the design's where there is one.
-    """
-
-    label: str
-    quantity: str
-    made: ArrayLike
-    bar: float
-    drawn: ArrayLike | None = None
-
-    @property
-    def off(self) -> Amount:
-        """The largest difference from the design."""
-        off = np.atleast_1d(np.subtract(self.made, 0.0 if self.drawn is None else self.drawn))
-        return Amount(self.quantity, float(off[np.argmax(np.abs(off))]), self.bar)
-
-    @property
-    def share(self) -> float:
-        """What of that difference the interval leaves, as a share of the design's size."""
-        scale = (
-            math.inf if self.drawn is None else float(np.mean(np.asarray(self.drawn, dtype=float)))
-        )
-        return (abs(self.off.value) - self.bar) / scale
 
 
 @dataclass(frozen=True)
@@ -76,32 +45,6 @@ class ScanFacts(Subject):
         """What is compared: at rest, and in motion what :data:`IN_MOTION` names."""
         every = () if self.compared is None else self.compared.numbers
         return [one for one in every if one.engine_speed is None or one.quantity in IN_MOTION]
-
-    @cached_property
-    def sizes(self) -> list[Size]:
-        """Sizes of the scan next to the design's, the pitch last; of those that vary where they are well known."""
-        scan, curves = self.scan, self.scan.curves
-        design = None if self.compared is None else self.compared.cases[0].springs[0].wire
-        known = curves.mean_diameter_spread < 3 * np.median(curves.mean_diameter_spread)
-        coil = curves.coil[known]
-        drawn: tuple[ArrayLike | None, ...] = (None,) * 5 if design is None else (
-            design.free_length, np.mean(design.wire_diameter.value(coil)), design.mean_diameter.value(coil), design.total_coils,
-            design.pitch.value(coil),
-        )  # fmt: skip
-        made: tuple[tuple[str, ArrayLike, ArrayLike], ...] = (
-            ("free length", *scan.free_length), ("wire diameter", *scan.section.diameter),
-            ("mean diameter", curves.mean_diameter[known], curves.mean_diameter_spread[known]), ("turns", *scan.total_coils),
-            ("pitch", curves.pitch[known], curves.pitch_spread[known]),
-        )  # fmt: skip
-        return [
-            Size(label, "total_coil_count" if label == "turns" else "free_length", values, BAND * float(np.max(spread)), other)
-            for (label, values, spread), other in zip(made, drawn, strict=True)
-        ]  # fmt: skip
-
-    @property
-    def off(self) -> list[Size]:
-        """Sizes that differ from the design by more than their interval and 1 %, the pitch aside."""
-        return [one for one in self.sizes[:-1] if one.share > SIZE]
 
     @property
     def deciding(self) -> list[ComparedNumber]:
@@ -186,14 +129,6 @@ def as_drawn(facts: ScanFacts) -> Iterator[Hit]:
     yield from map(apart, facts.deciding)
 
 
-def other_size(facts: ScanFacts) -> Iterator[Hit]:
-    """Rate and preload are as drawn, but a size (the pitch aside) is off by more than its interval and 1 %."""
-    for one in facts.off:
-        off = Amount(one.quantity, abs(one.off.value), one.bar)
-        side = "above" if one.off.value > 0 else "below"
-        yield Hit(off, fields={"name": one.label, "side": side}, severity=one.share)
-
-
 def others(facts: ScanFacts) -> Iterator[Hit]:
     """Other quantities differ from the design by more than 2 %."""
     rows = [one for one in facts.numbers if abs(one.difference) > AS_DRAWN and one not in facts.deciding]  # fmt: skip
@@ -223,10 +158,8 @@ RULES = (
     Rule("Y110", "decides", "not all runs completed: {first}", failed),
     Rule("Y111", "decides", "not as drawn: the {name} is {share} the design's {design:4}", not_as_drawn, DECIDING,
          "the {cause} alone moves it by {part}", STATIC, mark="warn"),
-    Rule("Y114", "decides", "rate and preload are as drawn, but not the {name}: {value:2} {side} the design's", other_size, DECIDING,
-         "", STATIC, mark="warn", unless=("Y111",)),
     Rule("Y112", "decides", "as drawn: the {name} is {share} the design's {design:4}", as_drawn, DECIDING, "", STATIC,
-         mark="ok", unless=("Y111", "Y114")),
+         mark="ok", unless=("Y111",)),
     Rule("Y113", "decides", "the scan covers the spring: points scatter by {value:2} about the wire", covered, (),
          "{turns} turns of {wire:4} wire, {length:4} long", STATIC, mark="ok", unless=("Y101", "Y102")),
     Rule("Y120", "warns", "the {name}[ at {speed}] is {share} the design[; {more} are off by more than 2 %]", others),

@@ -147,11 +147,6 @@ class Shown(ABC):
             return self
         return cast("Shown", replace(cast("Any", self), words=replace(words, units=shown_system())))
 
-    @property
-    def runs_next(self) -> bool:
-        """Whether the next step is a command, which is copied; advice is read."""
-        return self.next_step.startswith("valvetrain ")
-
 
 class ShownStudy(Shown):
     """What tables read of the answer of a study."""

@@ -62,7 +62,8 @@ def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
         yield Text(f"  rests on: {', '.join(answer.rests_on)}", style="dim")
     if answer.next_step:
         yield Text.assemble(
-            ("  next: " if answer.runs_next else "  to do: ", "dim"), answer.next_step
+            ("  next: " if answer.next_step.startswith("valvetrain ") else "  to do: ", "dim"),
+            answer.next_step,
         )
     if folder and not page:
         yield Text.assemble(("  files: ", "dim"), folder, overflow="fold")
