@@ -111,7 +111,7 @@ def test_an_answer_is_short_has_rows_figures_and_a_next_step(name):
     assert len(str(answer.verdict).split()) <= 30 and 4 <= len(answer.lines) <= 12
     assert all(len(line.cells) == len(answer.headings) for line in answer.lines)
     names = list(figures_of(answer))
-    assert names[0] == ("cloud" if answer.compared is None else "curves") and len(names) > 1
+    assert names[0] == ("cloud" if answer.compared is None else "force") and len(names) > 1
     assert answer.verdict.code == "Y110" or answer.next_step
     assert "<table>" in answer.scan._repr_html_() and answer.scan.plot().data
 

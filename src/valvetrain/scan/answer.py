@@ -134,13 +134,13 @@ class ScanAnswer(Shown):
         return {"numbers": TextTable("Design and scan", ("quantity", *self.headings), tuple(rows))}
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """The points about the axis and the curves; the curves less the design's first where there is one."""
+        """The points about the axis and the curves; design and scan by force first where there is a design."""
         hint = "unrolled about the axis of the spring; a white band from bottom to top was not seen"
         cloud = FigureSpec("Points and wire axis", hint, figures.cloud)
         if self.compared is None:
             return {"cloud": cloud, "curves": FigureSpec("Curves over the coil", GREY, figures.curves)}  # fmt: skip
         curves = FigureSpec("Scan less design", GREY, figures.curves)
-        return {"curves": curves, "force": FigureSpec("Force and rate", "", figures.force), "cloud": cloud}  # fmt: skip
+        return {"force": FigureSpec("Force and rate", "", figures.force), "curves": curves, "cloud": cloud}  # fmt: skip
 
     def computed(self) -> Iterator[str]:
         """What was fitted, and what its intervals leave out."""
