@@ -20,7 +20,7 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, wait_until
-from unit.test_identification_conflicts import CARD, FILE
+from unit.test_identification_answer import CARD, FILE
 from valvetrain.errors import RunFailedError
 from valvetrain.explore.study import StudyText, estimate_study, read_plan
 from valvetrain.runs.cluster import Cluster
