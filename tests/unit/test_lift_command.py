@@ -65,7 +65,7 @@ def test_json_holds_figures_with_their_spread_and_the_folder_its_files(table):
         9.0025e-3, rel=1e-5
     )
     assert np.degrees(verdict["fields"]["more"]["value"]["value"]) == pytest.approx(
-        83.105, abs=1e-3
+        86.495, abs=1e-3
     )
     found = data["lobes"][0]["figures"]
     half = np.radians(60) * np.sqrt(1 - (5 / 9) ** (1 / 3))
