@@ -9,12 +9,33 @@ import numpy as np
 from validation.row import Row, book_case
 from validation.wires import Array, Helix, mesh_wire, section, state_on, tube
 from valvetrain.cosserat.mesh import RodMesh
-from valvetrain.cosserat.static import Equilibrium, NewtonOptions, RodStatics, TipLoads, bend_tip
+from valvetrain.cosserat.state import free_state
+from valvetrain.cosserat.static import Equilibrium, NewtonOptions, RodStatics, TipLoads
 
 #: The wires of this file have lengths of 1 to 100 and loads of 1 to 1000 in units of their own.
 TIGHT = NewtonOptions(tolerance=1e-7, iterations=60)
 #: Turns of the helix that is squeezed.
 TURNS = 5
+
+
+def bend_tip(
+    mesh: RodMesh, loads: TipLoads, steps: int = 10, options: NewtonOptions | None = None
+) -> Equilibrium:
+    """Equilibrium of a wire clamped at its first end under dead loads on its free last end, raised
+    in even ``steps``.
+
+    The last equilibrium reached is returned; ``converged`` is False when the path ended early.
+    """
+    state = free_state(mesh)
+    for share in np.linspace(0.0, 1.0, steps + 1)[1:]:
+        force, torque = (
+            tuple(float(share * part) for part in vector) for vector in (loads.force, loads.torque)
+        )
+        result = RodStatics(mesh, 0.0, options, TipLoads(force, torque)).solve(state, 0.0)  # type: ignore[arg-type]
+        if not result.converged:
+            return result
+        state = result.state
+    return result
 
 
 def _shoot(load: float) -> Array:

@@ -35,7 +35,7 @@ def test_the_command_runs_and_writes_its_page(tmp_path, monkeypatch) -> None:
     assert result.exit_code == 0, result.output
     assert "wire diameter" in result.output and "closed coils" in result.output
     (page,) = tmp_path.glob("runs/catalogue-spring/2*/report.html")
-    assert "valvetrain findings I106" in page.read_text(encoding="utf-8")
+    assert "valvetrain findings I112" in page.read_text(encoding="utf-8")
     (case,) = tmp_path.glob("runs/catalogue-spring/2*/identified.toml")
     assert CliRunner().invoke(app, ["static", str(case), "--json"]).exit_code == 0
 

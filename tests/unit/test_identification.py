@@ -17,7 +17,7 @@ from valvetrain.explore.least_squares import ends_of, least_squares, linear_draw
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
 from valvetrain.explore.solve import solve
 from valvetrain.explore.space import Prior
-from valvetrain.explore.store import FILE, Store, read_points
+from valvetrain.explore.store import Store
 from valvetrain.runs.stopping import Stopped
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05
@@ -46,26 +46,6 @@ def data_of(rate: float, mass: float, scatter: float = 1.0) -> tuple[Datum, ...]
     return Datum("force", rate * 7e-3, scatter), Datum(
         "surge", 0.5 * math.sqrt(rate / mass), scatter
     )
-
-
-def test_points_of_a_finished_search_are_read_up_to_what_a_kill_cut_short(tmp_path) -> None:
-    asked = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
-    with Store(tmp_path, "any") as journal:
-        journal.through(lambda points: [None if x > 4 else {"sum": x + y} for x, y in points])(
-            asked
-        )
-        journal.through(lambda points: [{"other": 1.0}] * len(points), b"compared")(asked)
-    found = read_points(tmp_path / FILE, 2)
-    assert [values.tolist() for values, _ in found] == asked.tolist() and [
-        told for _, told in found
-    ] == [{"sum": 3.0}, {"sum": 7.0}, None]
-    whole = (tmp_path / FILE).read_bytes().splitlines(keepends=True)
-    (tmp_path / FILE).write_bytes(b"".join(whole[:3]) + whole[3][:-5])
-    assert len(read_points(tmp_path / FILE, 2)) == 2
-    with pytest.raises(InputError, match="holds no points of 3 quantities"):
-        read_points(tmp_path / FILE, 3)
-    with pytest.raises(InputError, match="cannot be read"):
-        read_points(tmp_path / "gone", 2)
 
 
 def test_an_evolution_strategy_ends_no_worse_than_where_it_began() -> None:

@@ -101,10 +101,15 @@ def test_a_rule_holds_where_it_must_and_nowhere_else(code: str) -> None:
 
 
 def test_the_verdict_of_each() -> None:
-    verdicts = {name: answer(name).verdict.code for name in ("both", "one", "open", "tied", "bound", "refused", "two")}  # fmt: skip
+    names = ("both", "one", "as many", "like", "open", "tied", "bound", "refused", "two")
+    verdicts = {name: answer(name).verdict.code for name in names}
     assert verdicts == {
-        "both": "I106", "one": "I106", "open": "I103", "tied": "I103", "bound": "I104", "refused": "I102", "two": "I105",
+        "both": "I106", "one": "I106", "as many": "I112", "like": "I106",
+        "open": "I103", "tied": "I103", "bound": "I104", "refused": "I102", "two": "I105",
     }  # fmt: skip
+    assert (
+        answer("as many").verdict.mark == "warn" and "I106" not in answer("as many").findings.codes
+    )
     assert stopped().verdict.code == "I101" and "I106" not in stopped().findings.codes
 
 

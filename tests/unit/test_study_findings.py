@@ -161,6 +161,26 @@ def test_a_rule_holds_where_it_should_and_nowhere_else(code):
     assert all(one.text and one.code.startswith("J") for one in answer(holds).findings)
 
 
+def test_points_within_the_error_bar_have_no_best():
+    """Of a verdict that claims none, no point is marked, in the rows and in the figure."""
+    no_best, best = answer("narrow"), answer("wide")
+    assert no_best.verdict.code == "J134" and no_best.verdict.mark == "warn"
+    assert not {"J111", "J112", "J113"} & {*no_best.findings.codes}
+    marks = [{one.mark for one in shown.lines} for shown in (no_best, best)]
+    assert marks == [{""}, {"", "ok"}]
+    stars = [
+        [one.name for one in next(iter(figures_of(shown).values())).data]
+        for shown in (no_best, best)
+    ]
+    assert "best" in stars[1] and "best" not in stars[0]
+
+
+def test_a_best_point_at_the_end_is_said_to_be_one_and_its_quantity_is_named_once():
+    assert answer("wide").verdict.fields["end"] and not answer("valley").verdict.fields["end"]
+    name = table("wide").plan.varied[0].shown_name
+    assert [name in row.label for row in answer("wide").lines] == [True, False, False]
+
+
 def test_points_that_differ_in_engine_speed_alone_have_no_best():
     text = """
     case = "job-c"

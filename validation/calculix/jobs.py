@@ -22,6 +22,7 @@ from validation.calculix.deck import (
 )
 from validation.calculix.results import Printed, read_printed
 from validation.calculix.solver import SolverOutput, run_deck
+from valvetrain.continuum import mesh as hexahedra
 from valvetrain.continuum.mesh import MeshOptions, SolidMesh, sweep_spring
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
@@ -35,6 +36,13 @@ Array = NDArray[np.float64]
 #: Modes that transmit less than this (1 for a mode of a straight elastic rod) are never called
 #: axial.
 MIN_TRANSMISSION = 0.12
+
+
+def jacobian_quality(mesh: SolidMesh) -> float:
+    """Smallest Jacobian determinant over its element's largest, at the corners and 3 x 3 x 3 Gauss points; > 0 is usable."""
+    points = np.vstack([hexahedra.gauss_points(3)[0], hexahedra.NODE_COORDINATES[:8]])
+    determinants = hexahedra.jacobian_determinants(mesh.coordinates, mesh.elements, points)
+    return float(np.min(determinants.min(axis=1) / np.abs(determinants).max(axis=1)))
 
 
 @dataclass(frozen=True)
@@ -61,7 +69,7 @@ class SolidSpring:
     def mesh(self) -> SolidMesh:
         """The mesh, with the node set ``axis`` of the wire axis added."""
         mesh = sweep_spring(self.spring, self.options)
-        if not mesh.jacobian_quality() > 0:
+        if not jacobian_quality(mesh) > 0:
             remedy = (
                 "take fewer cells over the section, grind less or hold the end turns"
                 if self.options.ends == "ground"

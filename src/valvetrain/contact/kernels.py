@@ -131,11 +131,3 @@ def damped_force(code, parameters, impact_rate, penetration, penetration_rate, e
         else:
             factor = 1.6 * (1.0 - restitution) / (restitution * rate)
     return max(0.0, elastic * (1.0 + factor * penetration_rate))
-
-
-@njit(**OPTIONS)
-def coulomb_friction(coefficient, slip_rate, normal_force, sliding_velocity):
-    """Friction force (N) against ``sliding_velocity`` (m/s): mu N tanh(v / slip_rate), within 0.1 %
-    of mu N at v = 4 slip_rate.
-    """
-    return -coefficient * normal_force * math.tanh(sliding_velocity / slip_rate)

@@ -9,7 +9,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.continuum import mesh as hexahedra
 from valvetrain.continuum.section import SectionMesh, disc_section, ground_section
 from valvetrain.errors import InputError
 from valvetrain.parameters.spring import SpringDefinition
@@ -63,19 +62,6 @@ class SolidMesh:
         """Displacement components of nodes that are not bonded."""
         bonded = set(self.node_sets["seat"]) | set(self.node_sets["retainer"])
         return 3 * (len(self.coordinates) - len(bonded))
-
-    @property
-    def volume(self) -> float:
-        """Volume of the mesh (m3)."""
-        return hexahedra.volume(self.coordinates, self.elements)
-
-    def jacobian_quality(self) -> float:
-        """Smallest Jacobian determinant over its element's largest, at the corners and 3 x 3 x 3
-        Gauss points; > 0 is usable.
-        """
-        points = np.vstack([hexahedra.gauss_points(3)[0], hexahedra.NODE_COORDINATES[:8]])
-        determinants = hexahedra.jacobian_determinants(self.coordinates, self.elements, points)
-        return float(np.min(determinants.min(axis=1) / np.abs(determinants).max(axis=1)))
 
     def fibre(self, x: float, y: float) -> Integers:
         """Nodes along the wire nearest to section place (x, y), ordered by coil number; (-1, 0) is

@@ -346,26 +346,6 @@ class RodStatics:
         return float(max(np.abs(steps[:, :3]).max(), np.abs(steps[:, 3:]).max() / self._radius))
 
 
-def bend_tip(
-    mesh: RodMesh, loads: TipLoads, steps: int = 10, options: NewtonOptions | None = None
-) -> Equilibrium:
-    """Equilibrium of a wire clamped at its first end under dead loads on its free last end, raised
-    in even ``steps``.
-
-    The last equilibrium reached is returned; ``converged`` is False when the path ended early.
-    """
-    state = free_state(mesh)
-    for share in np.linspace(0.0, 1.0, steps + 1)[1:]:
-        force, torque = (
-            tuple(float(share * part) for part in vector) for vector in (loads.force, loads.torque)
-        )
-        result = RodStatics(mesh, 0.0, options, TipLoads(force, torque)).solve(state, 0.0)  # type: ignore[arg-type]
-        if not result.converged:
-            return result
-        state = result.state
-    return result
-
-
 def sparse_of(band: Array) -> csc_matrix:
     """A banded tangent as a sparse matrix."""
     half, size = kern.HALF_BAND, band.shape[1]

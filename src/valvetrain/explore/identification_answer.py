@@ -81,7 +81,7 @@ class IdentificationAnswer(Shown):
         start = self.result.start.get(one.name, np.nan)
         value = "not determined" if state in ("tied", "open") else facts.value(one)
         doubt = others or state != "determined" or {"I101", "I102"} & set(self.findings.codes)
-        sure: Mark = "warn" if doubt else "ok"
+        sure: Mark = "warn" if doubt else "" if "I112" in self.findings.codes else "ok"
         return Line(plain_name(one.name), (value_text(one.unit, start), value, facts.interval(one)), sure, remark)  # fmt: skip
 
     def _data(self, used: bool) -> Line:

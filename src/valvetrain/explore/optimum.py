@@ -348,7 +348,7 @@ def case_text(found: Optimum, design: Design) -> str:
 
 
 def _as_searched(tree: dict[str, Any], plan: OptimumPlan) -> None:
-    """Engine speeds and, of a train, the one spring set and model that every number of a search had."""
+    """Engine speeds and, of a train, the one spring set and model that every number of a search had, without its variants."""
     runs = [run for measure in plan.measures for run in measure.runs]
     speeds = sorted({speed for speed, _, _ in runs if speed is not None})
     if speeds:
@@ -358,8 +358,11 @@ def _as_searched(tree: dict[str, Any], plan: OptimumPlan) -> None:
         )
     for place, key in enumerate(("spring_model", "spring_set"), start=1):
         chosen = {run[place] for run in runs}
-        if "train" in tree and len(chosen) == 1 and "" not in chosen:
-            tree["train"][key] = chosen.pop()
+        if "train" in tree and len(chosen) == 1:
+            if key == "spring_set":  # variants would run other springs too
+                tree["train"].pop("variants", None)
+            if "" not in chosen:
+                tree["train"][key] = chosen.pop()
 
 
 def write_optuna(found: Optimum, path: Path) -> Path:

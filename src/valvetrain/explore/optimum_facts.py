@@ -15,6 +15,9 @@ from valvetrain.findings.engine import Subject
 from valvetrain.findings.words import Amount, Phrase, Said, digits_text
 from valvetrain.parameters.summary import unit_text
 
+#: Share of the case's own value below which a gain is slight.
+SLIGHT = 0.02
+
 
 @dataclass(frozen=True)
 class SearchFacts(Subject):
@@ -62,6 +65,18 @@ class SearchFacts(Subject):
     def gain(self, trial: Trial | Step, case: Trial) -> float:
         """By how much (SI) the first objective of a design is better than that of a case."""
         return self.found.plan.objectives[0].sign * float(case.objectives[0] - trial.objectives[0])
+
+    @property
+    def slight(self) -> float:
+        """By what share the best design is better than a case that meets every bound, where that is less than 2 %; else 0."""
+        best, case = self.best, self.found.case
+        before = abs(float(case.objectives[0]))
+        share = (
+            self.gain(best.trial, case) / before
+            if best is not None and case.feasible and before
+            else 1.0
+        )
+        return share if share < SLIGHT else 0.0
 
     def objective(self, trial: Trial, place: int = 0) -> Said:
         """An objective of a design."""

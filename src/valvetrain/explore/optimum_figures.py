@@ -36,9 +36,12 @@ def figures(facts: SearchFacts) -> Mapping[str, FigureSpec]:
     """The figures by name; the one that shows the verdict first."""
     speed = next((one.engine_speed for one in facts.found.curves if one.engine_speed), 0.0)
     hint = f"at {speed_text(speed)}" if speed else ""
-    compared = FigureSpec(f"The case and the {facts.name} design", hint, _compared)
-    over = FigureSpec("Designs that were computed", "", _designs)
-    first = {"designs": over, "compared": compared} if facts.several else {"compared": compared, "designs": over}  # fmt: skip
+    first = {
+        "compared": FigureSpec(f"The case and the {facts.name} design", hint, _compared),
+        "designs": FigureSpec("Designs that were computed", "", _designs),
+    }  # fmt: skip
+    if facts.several or facts.slight:
+        first = dict(reversed(first.items()))
     return first | {"progress": FigureSpec("Best value after each trial", "", _progress)}
 
 

@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from valvetrain.explore.measure import LimitFound, Measure
+from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import (
-    Confirmed,
     Design,
     Optimum,
     bound_label,
@@ -86,13 +85,11 @@ def _trial(one: Trial) -> dict[str, Any]:
         "state": one.state,
         "failure": one.failure,
         "limits": [
-            _bracket(bracket) for brackets in one.measured.limits.values() for bracket in brackets
+            {"kind": bracket.kind, "low": bracket.low, "high": bracket.high}
+            for brackets in one.measured.limits.values()
+            for bracket in brackets
         ],
     }
-
-
-def _bracket(one: LimitFound) -> dict[str, Any]:
-    return {"kind": one.kind, "low": one.low, "high": one.high}
 
 
 def _design(found: Optimum, one: Design) -> dict[str, Any]:
@@ -108,14 +105,22 @@ def _design(found: Optimum, one: Design) -> dict[str, Any]:
             {
                 "quantity": found.plan.varied[step.index].name,
                 "step": step.size,
-                "objectives": step.objectives,
-                "feasible": step.feasible,
-                "improves": step.improves,
-                "failure": step.failure,
+                **{
+                    name: getattr(step, name)
+                    for name in ("objectives", "feasible", "improves", "failure")
+                },
             }
             for step in one.steps
         ],
-        "confirmed": [_confirmed_optimum_files(other) for other in one.confirmed],
+        "confirmed": [
+            {
+                "by": other.label,
+                "of_case": _trial(other.case),
+                "design": _trial(other.design),
+                "keeps_every_bound": other.design.feasible,
+            }
+            for other in one.confirmed
+        ],
         "valley": _valley(found, one),
     }
 
@@ -136,28 +141,14 @@ def _valley(found: Optimum, one: Design) -> dict[str, Any] | None:
     }
 
 
-def _confirmed_optimum_files(one: Confirmed) -> dict[str, Any]:
-    return {
-        "by": one.label,
-        "of_case": _trial(one.case),
-        "design": _trial(one.design),
-        "keeps_every_bound": one.design.feasible,
-    }
-
-
 def trials_csv(found: Optimum) -> str:
     """Every trial with all digits, SI; the head gives the units."""
     plan, stream = found.plan, io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     heads = [f"{one.name} [{one.si_unit or '1'}]" for one in plan.varied]
-    heads += [
-        f"objective {index + 1}: {one.measure.label} [{one.measure.si_unit}]"
-        for index, one in enumerate(plan.objectives)
-    ]
-    heads += [
-        f"constraint {index + 1}: {one.measure.label} [{one.measure.si_unit}]"
-        for index, one in enumerate(plan.constraints)
-    ]
+    for word, every in (("objective", plan.objectives), ("constraint", plan.constraints)):
+        measures = [one.measure for one in every]
+        heads += [f"{word} {k + 1}: {one.label} [{one.si_unit}]" for k, one in enumerate(measures)]
     heads += [f"missed {index + 1} [1]" for index in range(len(plan.constraints))]
     writer.writerow(["trial", "seed", *heads, "state", "sentence"])
     for one in found.trials:

@@ -118,7 +118,7 @@ def better(condition: Callable[[SearchFacts], object]) -> Callable[[SearchFacts]
         fields |= {
             "name": facts.goal.label, "before": facts.objective(found.case), "after": facts.objective(best.trial), "limits": limits,
             "hold": "limit" if len(active) > 1 else "limits", "worse": found.case.failure or worse[:1],
-            "most": "most" if found.plan.objectives[0].maximise else "least", "file": facts.file,
+            "most": "most" if found.plan.objectives[0].maximise else "least", "file": facts.file, "share": f"{100 * facts.slight:.2g} %",
         }  # fmt: skip
         yield Hit(fields=fields)
 
@@ -213,8 +213,10 @@ RULES = (
          RUN, mark="warn", unless=("O106",)),
     Rule("O108", "decides", "{name} {after:4} is the {most} that meets every bound", better(lambda facts: not facts.found.case.feasible), (),
          "the case misses {worse}", RUN, mark="ok"),
-    Rule("O109", "decides", "{name} goes from {before:4} to {after:4}", better(bool), (), "[{limits} {hold} it]", RUN, mark="ok",
-         unless=("O106", "O107", "O108")),
+    Rule("O109", "decides", "{name} goes from {before:4} to {after:4}", better(lambda facts: not facts.slight), (), "[{limits} {hold} it]",
+         RUN, mark="ok", unless=("O106", "O107", "O108")),
+    Rule("O110", "decides", "the case is within {share} of the best", better(lambda facts: facts.slight), (),
+         "{name} {before:4}, at best {after:4}[; {limits} {hold} it]", RUN, mark="ok", unless=("O106", "O107", "O108")),
     Rule("O120", "warns", "the search was stopped after {count} trials", cut, step="start the command again to continue"),
     Rule("O121", "warns", "by {by} the best design misses {bound}[: {why}]", other_model),
     Rule("O122", "warns", "the best design is doubtful: {doubt}", doubtful),

@@ -185,32 +185,6 @@ def key_of(point: Array) -> bytes:
     return np.ascontiguousarray(point, dtype=float).tobytes()
 
 
-def read_points(path: Path, quantities: int) -> list[tuple[Array, Numbers]]:
-    """Values (SI, of ``quantities`` many) and numbers of every point of an identification's
-    file, without those of a part. Raises :class:`InputError` where it cannot be read or has none.
-    """
-    try:
-        lines = path.read_bytes().splitlines(keepends=True)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", str(path)) from None
-    found: list[tuple[Array, Numbers]] = []
-    for number, line in enumerate(lines):
-        record = _content(line)
-        if record is None:
-            break
-        if number and len(record[0]) == 16 * quantities:
-            key, outcome = _point(record)
-            found.append(
-                (
-                    np.frombuffer(key, dtype=float),
-                    dict(outcome.values) if outcome.status.completed else None,
-                )
-            )
-    if not found:
-        raise InputError(f"holds no points of {quantities} quantities", str(path))
-    return found
-
-
 def _outcome(numbers: Mapping[str, float]) -> Outcome:
     return Outcome(values={name: float(value) for name, value in numbers.items()})
 
@@ -261,18 +235,7 @@ def _other(there: str, identity: str) -> str:
 
 #: Folders that compute no point: a change there makes no stored point stale.
 _NOT_COMPUTING = (
-    "cli",
-    "findings",
-    "report",
-    "views",
-    "validation",
-    "workbench",
-    "lift",
-    "spring_card",
-    "scan",
-    "film",
-    "rig",
-    "compare_test",
+    "cli findings views validation workbench lift spring_card scan film rig compare_test".split()
 )
 _NOT_COMPUTING_FILES = re.compile(
     r"_(page|charts|command|summary|facts|rules|answer|figures|files)\.py$"

@@ -102,6 +102,8 @@ class StudyAnswer(Shown):
         """A row for each point and a column for each output, or the other way round for few points with many outputs."""
         facts, best = self.facts, self.facts.ends.get("best", -1)
         points = [facts.label(k) for k in range(designs)]
+        for one in () if facts.listed else facts.table.plan.varied:  # a name is said once
+            points[1:] = [text.replace(f"{one.shown_name} ", "") for text in points[1:]]
         cells = {name: [self._cell(name, one) for one in facts.worst(name)] for name in facts.outputs}  # fmt: skip
         if designs < COLUMNS and designs < len(cells):
             rows = [Line(label_of(name), tuple(cells[name])) for name in facts.outputs[:ROWS]]

@@ -100,6 +100,11 @@ class StudyFacts:
         return sorted(groups, key=lambda one: int(one[0]))
 
     @property
+    def order(self) -> NDArray[np.intp]:
+        """Designs by the value of the first quantity that is a choice."""
+        return np.argsort([self.draws[one[0], self.along[0]] for one in self.designs])
+
+    @property
     def over_speed(self) -> bool:
         """Whether designs differ in engine speed, so that none can be preferred to another."""
         return len(self.along) < len(self.changing) and len(self.designs) == len(self.draws)
@@ -194,6 +199,15 @@ class StudyFacts:
         bars = vars(self.table).get("error_bars", {})  # nothing is computed here
         rows = [one[name] for one in bars.values() if name in one and one[name].value]
         return max((abs(one.numerical / one.value) for one in rows), default=0.0)
+
+    @cached_property
+    def within_bar(self) -> float:
+        """The error bar (SI) of the first output where it is as large as the change between the chosen points; else 0."""
+        if not self.ends:
+            return 0.0
+        values = self.judged(self.outputs[0])
+        bar = self.bar(self.outputs[0]) * float(np.nanmax(np.abs(values)))
+        return bar if 0 < np.nanmax(values) - np.nanmin(values) <= bar else 0.0
 
     def amount(self, name: str, value: float) -> Amount:
         """A value, with its error bar where that leaves it unresolved: points of one mesh are compared beyond their bars."""

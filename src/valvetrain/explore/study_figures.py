@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -14,7 +15,7 @@ from valvetrain.explore.surrogate import Surrogate
 from valvetrain.explore.table import run_label
 from valvetrain.findings.words import digits_text, speed_text
 from valvetrain.solution.definition import definition_of, label_of, shown
-from valvetrain.views.style import BAD, LEAD, OTHER, SPEEDS, FigureSpec, styled
+from valvetrain.views.style import BAD, LEAD, OK, OTHER, SPEEDS, FigureSpec, styled
 
 Array = NDArray[np.float64]
 #: Dots of a cloud, lines of a figure, bars of a histogram, points of a list and letters of a name.
@@ -78,7 +79,25 @@ def _over(facts: StudyFacts, name: str) -> go.Figure | None:
             x=x[rows].astype(np.float32), y=y[rows].astype(np.float32), name=label, mode="lines+markers" if lines else "markers",
             marker={"color": SPEEDS[place % len(SPEEDS)], "size": 7 if lines else 4}, showlegend=bool(label), hovertemplate="%{y:.4~g}",
         ))  # fmt: skip
+    _mark(fig, facts, name, x, y)
     return styled(fig, _varied_axis(varied), (_axis(name),), 400)
+
+
+def _mark(fig: go.Figure, facts: StudyFacts, name: str, x: NDArray[Any], y: NDArray[Any]) -> None:
+    """A star at the best point, at its worst run, by its row in x and y; none of other outputs and without a best point."""
+    if (
+        name == facts.outputs[0]
+        and "best" in facts.ends
+        and not (facts.within_bar or facts.over_speed)
+    ):
+        rows = (
+            np.arange(len(facts.table))
+            .reshape(len(facts.draws), -1)[facts.designs[facts.ends["best"]]]
+            .ravel()
+        )
+        k = rows[np.argmin(facts.sign(name) * facts.column(name)[rows])]
+        star = {"color": OK, "size": 14, "symbol": "star"}
+        fig.add_scatter(x=[x[k]], y=[y[k]], mode="markers", name="best", marker=star, showlegend=True)  # fmt: skip
 
 
 def _series(facts: StudyFacts) -> dict[str, NDArray[np.intp]]:
@@ -101,6 +120,7 @@ def _points(facts: StudyFacts, name: str) -> go.Figure | None:
                    marker={"color": SPEEDS[place % len(SPEEDS)], "size": 11}, hovertemplate="%{x:.4~g}")
         for place, run in enumerate(table.plan.runs)
     ])  # fmt: skip
+    _mark(fig, facts, name, values, np.repeat(names, len(table.plan.runs)))
     if np.isfinite(values[0]):
         fig.add_vline(float(values[0]), line={"color": OTHER, "width": 1, "dash": "dash"})
     return _named_rows(fig, _axis(name), count)
@@ -120,10 +140,12 @@ def _named_rows(fig: go.Figure, x: str, count: int) -> go.Figure:
 def _map(facts: StudyFacts, name: str) -> go.Figure:
     """An output over the two varied quantities of a grid as colour, by the run that decides."""
     varied, rows = [facts.table.plan.varied[k] for k in facts.changing], facts.table.rows_of(facts.run)  # fmt: skip
-    x, y = (facts.table.column(one.name)[rows] * one.shown(1.0) for one in varied)
+    x, y = (facts.table.column(one.name) * one.shown(1.0) for one in varied)
     bar = {"title": {"text": _axis(name), "side": "right"}}
-    heat = go.Heatmap(x=x, y=y, z=_values(facts, name)[rows], colorscale="Viridis", colorbar=bar, hovertemplate="%{z:.4~g}")  # fmt: skip
-    return styled(go.Figure(heat), _varied_axis(varied[0]), (_varied_axis(varied[1]),), 420)
+    z = _values(facts, name)[rows]
+    fig = go.Figure(go.Heatmap(x=x[rows], y=y[rows], z=z, colorscale="Viridis", colorbar=bar, hovertemplate="%{z:.4~g}"))  # fmt: skip
+    _mark(fig, facts, name, x, y)
+    return styled(fig, _varied_axis(varied[0]), (_varied_axis(varied[1]),), 420)
 
 
 def _effects(facts: StudyFacts, name: str) -> go.Figure | None:

@@ -77,10 +77,8 @@ def points_json(table: StudyTable) -> dict[str, Any]:
 def _percentiles(table: StudyTable, name: str) -> list[dict[str, float | None]]:
     found = []
     for run in table.plan.runs:
-        rows = table.rows_of(run)
-        values = table.column(name)[rows][
-            table.completed[rows] & np.isfinite(table.column(name)[rows])
-        ]
+        values = np.where(table.completed, table.column(name), np.nan)[table.rows_of(run)]
+        values = values[np.isfinite(values)]
         ends = np.percentile(values, (5, 50, 95)).tolist() if len(values) else [None] * 3
         found.append(dict(zip(("5", "50", "95"), ends, strict=True)))
     return found

@@ -94,10 +94,11 @@ def flat(facts: StudyFacts) -> Iterator[Hit]:
     if not facts.ends or facts.table.plan.sampler.word != "grid" or len(facts.along) != 1:
         return
     name, varied = facts.outputs[0], facts.table.plan.varied[facts.along[0]]
-    places = np.array([facts.draws[one[0], facts.along[0]] for one in facts.designs])
-    order = np.argsort(places)
-    order = order[np.isfinite(facts.judged(name)[order])]
-    places, good = places[order], facts.sign(name) * facts.judged(name)[order]
+    order = facts.order[np.isfinite(facts.judged(name)[facts.order])]
+    places, good = (
+        facts.draws[[facts.designs[k][0] for k in order], facts.along[0]],
+        facts.sign(name) * facts.judged(name)[order],
+    )
     if len(order) < FEWEST or not np.ptp(good) > 0:
         return
     near = good.max() - good <= FLAT * np.ptp(good)
@@ -124,8 +125,23 @@ def best_point(facts: StudyFacts) -> Iterator[Hit]:
         near = np.flatnonzero(np.abs(values - values[best]) <= ALIKE * abs(values[best]))
         yield Hit(facts.amount(name, values[best]), fields={
             **_chosen(facts, name, best, other),
+            "end": at_end_of_range(facts, best),
             "near": next((facts.label(k) for k in near.tolist() if k not in (best, other)), "") if facts.listed or len(facts.along) == 1 else "",
         })  # fmt: skip
+
+
+def at_end_of_range(facts: StudyFacts, best: int) -> str:
+    """``still falling at the lowest value tried``: of a best point at an end of one quantity, next to a worse point."""
+    values = facts.judged(facts.outputs[0])
+    for side, step in (("lowest", 1), ("highest", -1)) if len(facts.along) == 1 else ():
+        first, *rest = [k for k in facts.order[::step] if np.isfinite(values[k])]
+        if (
+            first == best
+            and rest
+            and abs(values[rest[0]] - values[best]) > ALIKE * abs(values[best])
+        ):
+            return f"still {'rising' if values[best] > values[rest[0]] else 'falling'} at the {side} value tried"
+    return ""
 
 
 def price(facts: StudyFacts) -> Iterator[Hit]:
@@ -140,11 +156,9 @@ def price(facts: StudyFacts) -> Iterator[Hit]:
 
 def wide_bar(facts: StudyFacts) -> Iterator[Hit]:
     """The error bar of the output is as large as its change between the points."""
-    for name in facts.outputs[:1] if facts.ends else ():
-        values = facts.judged(name)[np.isfinite(facts.judged(name))]
-        size = float(np.max(np.abs(values)))
-        if 0 < np.ptp(values) <= facts.bar(name) * size:
-            yield Hit(Amount(name, facts.bar(name) * size), fields={"name": label_of(name)})
+    if facts.within_bar:
+        name = facts.outputs[0]
+        yield Hit(Amount(name, facts.within_bar), fields={"name": label_of(name)})
 
 
 # -- draws -----------------------------------------------------------------------------------------
@@ -200,11 +214,14 @@ def good_surrogate(facts: StudyFacts) -> Iterator[Hit]:
 GUIDE, AGAIN = "studies.md", "set count = {count} in the study file and run it again"
 RULES = (
     Rule("J101", "decides", "nothing came out", nothing, (), "[{told}]", "correct the study file and run it again", guide=GUIDE),
-    Rule("J111", "decides", "{name} is {reference..value:4}", from_to, (), "least with {other}, largest with {point}", "[{step}]", mark=""),
+    Rule("J134", "decides", "no point is best by {name}", wide_bar, (), "the differences are within its error bar of {value:2}",
+         "vary over wider ranges, or use a finer mesh", mark="warn", guide="uncertainty.md"),
+    Rule("J111", "decides", "{name} is {reference..value:4}", from_to, (), "least with {other}, largest with {point}", "[{step}]", mark="",
+         unless=("J134",)),
     Rule("J112", "decides", "{name} stays near its best {side} {point}", flat, (), "[{value:4}][, but {reference:4} at {next}][; {worst_of}]",
-         "[{step}]", mark="ok", unless=("J11",)),
+         "[{step}]", mark="ok", unless=("J11", "J134")),
     Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
-         "[{value:4}][, {reference:4} with {other}][; {near} within 1 %][; {worst_of}]", "[{step}]", mark="ok", unless=("J11",)),
+         "[{value:4}][, {end}][, {reference:4} with {other}][; {near} within 1 %][; {worst_of}]", "[{step}]", mark="ok", unless=("J11", "J134")),
     Rule("J120", "decides", "no varied quantity moves {name}", still, (), "[{value:4} at every point]", "vary something else", mark="warn"),
     Rule("J121", "decides", "too few draws to say what moves {name} most", too_few, (), "[{rivals}; ]{low..value:4} {among}[, {place}]", AGAIN,
          mark="warn"),
@@ -215,8 +232,7 @@ RULES = (
     Rule("J132", "warns", "{share} are doubtful", doubtful, (), "{told}"),
     Rule("J133", "warns", "{name} of {share} is {side} the speeds searched", at_an_end, (), "it is given as {value:4}",
          "search over more engine speeds"),
-    Rule("J134", "warns", "the error bar of {name} is as large as its change", wide_bar, (), "± {value:2}", guide="uncertainty.md"),
     Rule("J135", "warns", "the surrogate of {name} cannot replace a run", poor_surrogate, (), "it errs by {share} of the scatter", guide=GUIDE),
-    Rule("J136", "warns", "{name} is worse there: {value:4}, {reference:4} with {other}", price, unless=("J111",)),
+    Rule("J136", "warns", "{name} is worse there: {value:4}, {reference:4} with {other}", price, unless=("J111", "J134")),
     Rule("J140", "notes", "the surrogate of {name} errs by {share} of its scatter", good_surrogate),
 )  # fmt: skip
