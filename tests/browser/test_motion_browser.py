@@ -231,7 +231,7 @@ def test_a_film_is_recorded_that_plays(visit, study, tmp_path):
     file = tmp_path / download.value.suggested_filename
     download.value.save_as(file)
     kind = file.suffix.lstrip(".")
-    assert kind in ("mp4", "webm") and file.stem == "finite-element-rod-5600-rpm"
+    assert kind in ("mp4", "webm") and file.stem == "finite-element-5600-rpm"
     assert visit.handle("playing()") is False and file.name in page.locator(".vtm").inner_text()
     watch = visit.context.new_page()
     address = f"data:video/{kind};base64,{base64.b64encode(file.read_bytes()).decode()}"

@@ -268,7 +268,7 @@ class Identified(Reported):
     >>> found = vt.identify({"rate": vt.explore.Prior("uniform", 20e3, 60e3)}, [vt.explore.Datum("force", 280.0, 2.0)],
     ...                     lambda points: [{"force": 7e-3 * rate} for (rate,) in points])
     >>> found
-    the data determine rate: 40000 (95 %: 39440 to 40560)
+    fitted, not checked: measured 1, unknown 1, so almost any model meets the data
       Identified by least-squares: rate
     >>> round(found.percentile("force"))
     50
