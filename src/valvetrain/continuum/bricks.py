@@ -228,7 +228,7 @@ class Bricks:
                     moved[unknown] += step
                     kern.brick_forces(
                         moved.ravel(), side, constants, none, scratch, apart, kern.SIGNS, shape,
-                        self.lame, np.zeros(4)
+                        self.lame, np.zeros(4),
                     )  # fmt: skip
                 change = (sides[1] - sides[0]).reshape(24, self.spans) / (2 * TANGENT_STEP)
                 found[quad, :, :, unknown] = change.T

@@ -51,7 +51,7 @@ def section_loads(wire: SolidWire, position: Array) -> SectionLoads:
         found = np.zeros(own.size)
         kern.brick_forces(
             own.ravel(), found, bricks.constants[quad * block : (quad + 1) * block], none, scratch,
-            apart, kern.SIGNS, shape, bricks.lame, np.zeros(4)
+            apart, kern.SIGNS, shape, bricks.lame, np.zeros(4),
         )  # fmt: skip
         corner = own.reshape(8, 3, spans)[slice(*sides)].transpose(0, 2, 1)
         push = found.reshape(8, 3, spans)[slice(*sides)].transpose(0, 2, 1)

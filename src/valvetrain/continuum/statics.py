@@ -88,7 +88,7 @@ class SolidStatics:
         contact_kernels.follow_feet(centre, stations, points, 1.0, FOOT_SWEEPS)
         contact_kernels.coil_forces(
             centre, np.zeros(3 * stations), push, stations, points, law_address(law),
-            row.ctypes.data, 0.0, totals
+            row.ctypes.data, 0.0, totals,
         )  # fmt: skip
         planes = contact_kernels.plane_forces(
             centre, push, stations, wire.seat_planes, travel, law_address(law), row.ctypes.data, totals

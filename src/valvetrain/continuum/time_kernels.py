@@ -207,7 +207,7 @@ def integrate_solid(begin, end, travel, motion, parts, points, planes, clock, re
         force[:] = 0.0
         brick_forces(
             x, force, parts.constants, parts.branch, parts.scratch, parts.corners, SIGNS, parts.shape,
-            motion.lame, motion.damper
+            motion.lame, motion.damper,
         )  # fmt: skip
         section_centres(x, weights, stations, centre)
         section_centres(v, weights, stations, rate)
@@ -278,7 +278,7 @@ def integrate_solid(begin, end, travel, motion, parts, points, planes, clock, re
         if n % sample_steps == 0 or n - carried[LAST_ENERGY] >= clock.energy_steps:
             brick_energies(
                 x, parts.constants, parts.branch, parts.scratch, parts.corners, parts.shape,
-                motion.lame, motion.damper, energy
+                motion.lame, motion.damper, energy,
             )  # fmt: skip
             kinetic, added = kinetic_energy(
                 x, v, force, parts.momentum, mass, parts.section, nodes, stations, first + 1, last, motion

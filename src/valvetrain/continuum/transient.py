@@ -204,7 +204,7 @@ def stable_time_step(
         moved = force.copy()
         time_kernels.accelerate(
             x, moved, wire.bricks.mass.ravel(), scratch, shape[0], shape[2], first + 1, last,
-            dynamics.mass_scaling
+            dynamics.mass_scaling,
         )  # fmt: skip
         square = float(force @ moved) / float(force @ vector)
         vector = moved / np.abs(moved).max()
@@ -262,7 +262,7 @@ def simulate_solid(
         constants=bricks.constants, branch=bricks.branch_states(), scratch=np.zeros(brick_kernels.SCRATCH),
         corners=bricks.corners, shape=bricks.shape,
         section=np.zeros(time_kernels.SECTION_ROWS * time_kernels.STRIDE),
-        stations=stations, first=first, last=last
+        stations=stations, first=first, last=last,
     )  # fmt: skip
     if dynamics.branch_stiffness > 0:
         brick_kernels.settle_branch(
@@ -271,7 +271,7 @@ def simulate_solid(
     numbers = SolidMotionNumbers(
         step, dynamics.mass_damping, dynamics.mass_scaling, dynamics.branch_time, bricks.lame, damper,
         law_address(law), law_numbers(law), wire.contact.damping_time,
-        wire.contact.coil_friction, wire.contact.seat_friction
+        wire.contact.coil_friction, wire.contact.seat_friction,
     )  # fmt: skip
     recorded = (samples - discard) * dense * substeps
     spacing = contact_spacing(pair_interval, step, recorded, 2 * pairs)
@@ -284,7 +284,7 @@ def simulate_solid(
         contact=np.zeros((samples + 1, 2, pairs)), pairs=np.zeros((recorded // spacing + 1, 2, pairs)),
         position=np.zeros((stored, x.size)), centre_rate=np.zeros((stored, 3 * stations)),
         impulse=np.zeros(pairs), peak=np.zeros(pairs), carried=np.zeros(6),
-        point_peak=np.zeros((stored, len(points.peak))), plane_peak=np.zeros((stored, len(planes.peak)))
+        point_peak=np.zeros((stored, len(points.peak))), plane_peak=np.zeros((stored, len(planes.peak))),
     )  # fmt: skip
     done, stopped = 0, False
     for begin in range(0, steps + 1, BLOCK):
