@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +18,10 @@ from valvetrain.mechanism.parts import AssembledMechanism, Interaction
 from valvetrain.mechanism.planar import unit
 from valvetrain.parameters.train import FollowerParameters, TrainParameters
 from valvetrain.quantities.cycle import Cycle
+from valvetrain.springs.spec import spring_model
 from valvetrain.system.problem import Member
+from valvetrain.system.rigid_pose import rigid_poses
+from valvetrain.system.train_system import TrainSystem
 from valvetrain.views.motion import parts as outlines
 from valvetrain.views.motion.parts import Array, Body, Places, Shape
 from valvetrain.views.motion.springs import wire_of
@@ -268,7 +271,7 @@ def draw_train(member: Member, cycle: Cycle, sample: Places) -> TrainDrawing:
     assert member.gear is not None
     train = member.gear.parameters
     mechanism = member.gear.mechanism if train.model == "planar" else _planar(train, member)
-    q, notes = coordinates(mechanism, cycle, sample)
+    q, notes = coordinates(member, mechanism, cycle, sample)
     if train.model != "planar":
         notes += (
             f"a {train.model} train knows no geometry: its parts are drawn as those of the planar train at the same coordinates",
@@ -297,33 +300,39 @@ def draw_train(member: Member, cycle: Cycle, sample: Places) -> TrainDrawing:
 
 
 def coordinates(
-    mechanism: AssembledMechanism, cycle: Cycle, sample: Places
+    member: Member, mechanism: AssembledMechanism, cycle: Cycle, sample: Places
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
     """Every coordinate (m or rad) of a planar mechanism over the frames by name, and a note where
     rigid kinematics replace it.
     """
-    found: dict[str, Array] = {}
-    missing: list[str] = []
-    drive = mechanism.kinematics.drive(cycle.cam_angle[sample])
+    found = {
+        part.name: cycle.channel(name)[sample]
+        for part in mechanism.coordinates
+        if cycle.solution.has(name := position_name(part, mechanism.valve))
+    }
+    missing = [part.name for part in mechanism.coordinates if part.name not in found]
+    if not missing:
+        return found, ()
+    rigid = rigid_positions(member, mechanism, cycle.cam_angle[sample])
     lift = cycle.channel("valve_lift")[sample]
-    for part in mechanism.coordinates:
-        name = position_name(part, mechanism.valve)
-        if cycle.solution.has(name):
-            found[part.name] = cycle.channel(name)[sample]
-        else:
-            missing.append(part.name)
-            rigid = (
-                lift
-                if part.name.startswith("valve")
-                else np.zeros_like(lift)
-                if part.name == "support"
-                else drive
-            )
-            found[part.name] = (
-                rigid if part.name != "pushrod" and part.name != "pushrod top" else drive
-            )
-    label = f"the run does not hold the motion of {', '.join(missing)}, drawn as rigid parts move"
-    return found, ((label,) if missing else ())
+    for name in missing:
+        moves = rigid[:, mechanism.index(name)]
+        found[name] = lift if name.startswith("valve") else moves
+    return found, (
+        f"the run does not hold the motion of {', '.join(missing)}, drawn as rigid parts move",
+    )
+
+
+def rigid_positions(member: Member, mechanism: AssembledMechanism, cam_angle: Array) -> Array:
+    """Coordinates (frame, coordinate) of a train whose rigid parts the cam drives, the lash taken up."""
+    assert member.gear is not None
+    massless = replace(
+        member, model=spring_model("massless"), gear=replace(member.gear, mechanism=mechanism)
+    )
+    system = massless.system()
+    assert isinstance(system, TrainSystem)
+    driven = mechanism.kinematics.ratio.splines[0](mechanism.kinematics.drive(cam_angle))
+    return rigid_poses(system).positions(driven)
 
 
 def stem_end(
