@@ -1,50 +1,44 @@
-"""The printed validation book, docs/validation.md, read back row by row."""
+"""The printed validation book, the tables of docs/data/validation, read back row by row."""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
+from validation.__main__ import table_of
 from validation.row import Row
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
+DOCS = Path(__file__).resolve().parents[1] / "docs"
 #: Share of a row's tolerance, or of its band, by which the printed number may stand off the one
 #: computed now.
 STALE = 0.25
 
 
 @cache
-def printed() -> Mapping[tuple[str, str], tuple[str, ...]]:
-    """(chapter, name of the row) -> its cells."""
-    found, chapter = {}, ""
-    for line in PAGE.read_text(encoding="utf-8").splitlines():
-        if line.startswith("## "):
-            chapter = line[3:].lower()
-        elif chapter and line.startswith("| ") and not line.startswith("| what "):
-            cells = tuple(cell.strip() for cell in line.strip("| ").split(" | "))
-            found[chapter, cells[0]] = cells
-    return found
+def printed(topic: str) -> Mapping[str, Mapping[str, str]]:
+    """The printed rows of a topic by name."""
+    with (DOCS / table_of(topic)).open(encoding="utf-8", newline="") as stream:
+        return {row["what"]: row for row in csv.DictReader(stream)}
 
 
 def assert_page_holds(rows: Iterable[Row]) -> None:
-    """Every row stands on the page, with its input, unit and the number that is computed now; else
-    run ``make validate``.
+    """Every row stands in its table, with its input, unit and the number that is computed now; else
+    run ``make validate-all``.
     """
     stale = [words for row in rows if (words := _difference(row))]
-    assert not stale, "docs/validation.md is stale, run make validate:\n" + "\n".join(stale)
+    assert not stale, "docs/data/validation is stale:\n" + "\n".join(stale)
 
 
 def _difference(row: Row) -> str:
-    cells = printed().get((row.topic, row.name.replace("|", "/")))
+    cells = printed(row.topic).get(row.name)
     if cells is None:
         return f"{row.topic}: {row.name} is missing"
-    expected, computed = (float(cell.split()[0]) for cell in cells[3:5])
-    units = {cell.partition(" ")[2] for cell in cells[3:5]}
-    if units != {"" if row.unit in ("-", "1") else row.unit} or cells[1] != row.inputs.replace(
-        "|", "/"
-    ):
-        return f"{row.topic}: {row.name}: printed in {units} of {cells[1]}, now in {row.unit} of {row.inputs}"
+    unit = "" if row.unit in ("-", "1") else row.unit
+    if (cells["unit"], cells["input"]) != (unit, row.inputs):
+        return f"{row.topic}: {row.name}: printed in {cells['unit']} of {cells['input']}, now in {row.unit} of {row.inputs}"
+    expected, computed = float(cells["expected"]), float(cells["computed"])
     allowed = STALE * (
         row.tolerance if row.within or row.band is None else row.band[1] - row.band[0]
     )
@@ -52,7 +46,7 @@ def _difference(row: Row) -> str:
     if (
         abs(expected - row.expected) > allowed
         or abs(computed - row.computed) > allowed
-        or cells[-1] != row.status
+        or cells["status"] != row.status
     ):
         return f"{row.topic}: {row.name}: printed {computed:g} of {expected:g}, now {row.computed:g} of {row.expected:g}, {row.status}"
     return ""
