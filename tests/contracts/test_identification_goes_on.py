@@ -35,7 +35,6 @@ case = "card.toml"
 method = "{method}"
 live_points = 25
 lanes = 4
-evaluations = 100
 starts = 6
 keep = 2
 [quantities.rate]
@@ -81,7 +80,7 @@ def bits(found: vt.explore.Identified) -> tuple[object, ...]:
 
 @pytest.mark.parametrize(
     "method",
-    ["least-squares", "cma-es", pytest.param("nested", marks=pytest.mark.long)],
+    ["least-squares", pytest.param("nested", marks=pytest.mark.long)],
 )
 def test_same_bits_for_any_number_of_workers(folder: Path, method: str) -> None:
     request = parse_request(FILE.format(method=method), "card", folder)

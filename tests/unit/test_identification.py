@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError, MissingExtraError
-from valvetrain.explore.evolution import evolution
 from valvetrain.explore.identification_file import METHODS, Search
 from valvetrain.explore.least_squares import ends_of, least_squares, linear_draws, profile
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
@@ -22,7 +21,6 @@ from valvetrain.runs.stopping import Stopped
 
 TRUE_RATE, TRUE_MASS = 42e3, 0.05
 LIBRARIES = [
-    ("cma-es", "cmaes"),
     ("nested", "nautilus"),
     ("nested", "sklearn.cluster"),
 ]
@@ -48,17 +46,6 @@ def data_of(rate: float, mass: float, scatter: float = 1.0) -> tuple[Datum, ...]
     )
 
 
-def test_an_evolution_strategy_ends_no_worse_than_where_it_began() -> None:
-    posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS, 1e-6), spring_numbers)
-    begin = posterior.work_of(np.array([[TRUE_RATE, TRUE_MASS]]))[0]
-    best, whole = evolution(posterior, begin, evaluations=6)
-    assert whole and np.array_equal(best, begin)
-    lost, _ = evolution(
-        posterior, posterior.work_of(np.array([[59.5e3, 0.05]]))[0], evaluations=60
-    )  # begins at an impossible spring
-    assert np.isfinite(posterior.at(lost[None, :]).log_posterior[0])
-
-
 def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:
     found = least_squares(
         Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers), np.array([50e3, 0.04])
@@ -71,7 +58,7 @@ def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_each_method_finds_the_closed_form(method: str) -> None:
     """Rate from the force, mass from both; the spread of the rate is that of the force."""
-    search = Search(method, live_points=200, evaluations=300, starts=4)
+    search = Search(method, live_points=200, starts=4)
     with Store(None, "") as journal:
         found = solve(
             Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
@@ -195,7 +182,7 @@ def test_a_library_that_is_not_installed_is_named_with_its_remedy(
     method: str, library: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, library, None)
-    search = Search(method, live_points=20, evaluations=20)
+    search = Search(method, live_points=20)
     with (
         Store(None, "") as journal,
         pytest.raises(MissingExtraError, match=r"pip install 'valvetrain\[studies\]'"),

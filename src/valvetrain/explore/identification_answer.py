@@ -107,8 +107,11 @@ class IdentificationAnswer(Shown):
         heads = ("unknown", "start", "identified", "95 % interval", "prior", "source", "learned from data, %")  # fmt: skip
         unknowns: list[tuple[str, ...]] = []
         for number, branch in enumerate(result.branches if len(result.branches) > 1 else ()):
-            share = f"probability {branch.share:.2f}, " if result.weighed else ""
-            unknowns += [(f"solution {number + 1}: {share}misfit {branch.misfit:.3g}",)]
+            unknowns += [
+                (
+                    f"solution {number + 1}: probability {branch.share:.2f}, misfit {branch.misfit:.3g}",
+                )
+            ]
             unknowns += self._unknowns(number)
         measured = ("measured", "value", "scatter", "start", "identified", "95 % interval", "scatters off", "percentile", "use")  # fmt: skip
         missed = ("missed", "scatters off", "values missed", "points that meet it", "misfit more by", "missed instead")  # fmt: skip

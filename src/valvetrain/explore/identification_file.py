@@ -13,7 +13,6 @@ from pydantic import ValidationError
 
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluator import PointEvaluator
-from valvetrain.explore.evolution import EVALUATIONS
 from valvetrain.explore.files import DISTRIBUTIONS, VaryModel, correlation_of, varied_of_table
 from valvetrain.explore.least_squares import SIDE
 from valvetrain.explore.measurements import Target, read_measurement, read_station
@@ -29,10 +28,10 @@ from valvetrain.registry import find
 from valvetrain.solution.atomic import digest
 from valvetrain.solution.definition import definition_of, no_quantity
 
-Method = Literal["least-squares", "cma-es", "nested"]
+Method = Literal["least-squares", "nested"]
 METHODS: tuple[str, ...] = get_args(Method)
 #: Options that take a number of zero or more; all other numbers are positive.
-_FROM_ZERO = {"seed", "draws", "population", "difference_step", "keep"}
+_FROM_ZERO = {"seed", "draws", "difference_step", "keep"}
 #: Most of anything that is counted.
 _MOST = 10_000_000
 
@@ -41,15 +40,11 @@ _MOST = 10_000_000
 class Search:
     """Method and its options; those of other methods have no effect.
 
-    ``seed`` of all random numbers. Searches for a point (``least-squares``, ``cma-es``): ``starts``
-    tried, of which the ``keep`` likeliest
-    are searched from (0: none but those that are given) for at most ``iterations`` (least squares)
-    or ``evaluations`` each in generations
-    of ``population`` (cma-es; 0: by the number of quantities); ``difference_step`` in standard
-    deviations of the priors (0: follows what
-    the data leave open); ``draws`` of the linearised posterior. ``nested``: ``live_points``,
-    ``lanes`` requested at once, ``precision``:
-    share of the evidence that may be left. Raises :class:`InputError` for an unknown method or a
+    ``seed`` of all random numbers. ``least-squares``: ``starts`` tried, of which the ``keep``
+    likeliest are searched from (0: none but those that are given) for at most ``iterations``;
+    ``difference_step`` in standard deviations of the priors (0: follows what the data leave open);
+    ``draws`` of the linearised posterior. ``nested``: ``live_points``, ``lanes`` requested at once,
+    ``precision``: share of the evidence that may be left. Raises :class:`InputError` for an unknown method or a
     number out of range.
 
     >>> Search("nested", live_points=200).evaluations_of(2) > 1000
@@ -63,8 +58,6 @@ class Search:
     iterations: int = 30
     difference_step: float = 0.0
     draws: int = 200
-    evaluations: int = EVALUATIONS
-    population: int = 0
     live_points: int = LIVE_POINTS
     lanes: int = LANES
     precision: float = PRECISION
@@ -97,11 +90,7 @@ class Search:
         after = slopes + profiles * 2 * SIDE * 4 * (slopes + 4)
         if self.method == "nested":
             return evaluations_of(self.live_points, quantities) + after
-        each = (
-            min(self.iterations, 8) * (slopes + 4)
-            if self.method == "least-squares"
-            else self.evaluations + 4 * (slopes + 4)
-        )
+        each = min(self.iterations, 8) * (slopes + 4)
         return (self.starts if self.keep else 0) + retained * each + self.draws + after
 
 
@@ -432,7 +421,7 @@ def _search(part: Part, names: tuple[str, ...]) -> tuple[Search, tuple[str, ...]
     if (
         given.get("keep") == 0
         and not from_case
-        and given.get("method", "least-squares") in ("least-squares", "cma-es")
+        and given.get("method", "least-squares") == "least-squares"
     ):
         raise InputError(
             "is 0, so that nothing is searched from; set from_case = true, or keep 1 or more",

@@ -82,7 +82,7 @@ def _branch(found: Identified, branch: Branch) -> dict[str, Any]:
     }
     met = {} if fit is None else {key: getattr(fit, name) for key, name in FIT.items()}
     return {
-        "share": branch.share if found.weighed else None, "misfit": branch.misfit, "fit": met | {"met": not fit.missed} if fit else None,
+        "share": branch.share, "misfit": branch.misfit, "fit": met | {"met": not fit.missed} if fit else None,
         "quantities": {one.name: _each(branch.quantities[one.name], INTERVAL, one.unit) for one in found.unknowns},
         "correlation": branch.correlation, "told": by_name(told.determined), **shares,
     }  # fmt: skip

@@ -179,8 +179,6 @@ def _instead(
 
 #: Ends of the intervals (percent).
 LOW, HIGH = 2.5, 97.5
-#: Methods whose shares of branches are probabilities.
-WEIGHING = ("nested", "least-squares")
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,8 +196,7 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """A separate part of the posterior with its probability ``share`` (where the method weighs
-    branches, see :attr:`Identified.weighed`); ``misfit``: least sum of squared scaled misses, priors
+    """A separate part of the posterior with its probability ``share``; ``misfit``: least sum of squared scaled misses, priors
     included; ``fit``: how well it meets the data, None of a search that was stopped. Intervals are
     widened where it does not.
     """
@@ -305,13 +302,6 @@ class Identified(Reported):
     def fit(self) -> Fit | None:
         """How well the most probable branch meets the data; None of a search that was stopped."""
         return self.branches[0].fit
-
-    @property
-    def weighed(self) -> bool:
-        """Whether the shares of the branches are probabilities: of nested sampling, and of linearised
-        posteriors. Walkers do not pass between branches, and an evolution strategy ends in one.
-        """
-        return self.method in WEIGHING
 
     @property
     def names(self) -> tuple[str, ...]:

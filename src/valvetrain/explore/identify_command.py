@@ -46,7 +46,7 @@ def identify(
     ],
     method: Annotated[
         str,
-        asks("--method", "METHOD", "least-squares, cma-es or nested instead of the file's."),
+        asks("--method", "METHOD", "least-squares or nested instead of the file's."),
     ] = "",
     seed: Annotated[int | None, asks("--seed", "N", "Seed of all random numbers.")] = None,
     profile: Annotated[

@@ -21,7 +21,6 @@ from valvetrain.explore.draws import (
     information_of,
     silent,
 )
-from valvetrain.explore.evolution import evolution
 from valvetrain.explore.fit import fit_of, predictive, widenings
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identified import (
@@ -254,18 +253,6 @@ def _ends(
             report(number / len(begins), f"start {number + 1} of {len(begins)}, {text}")
 
         try:
-            if search.method == "cma-es":
-                point, whole = evolution(
-                    posterior,
-                    begin,
-                    seed=search.seed + number,
-                    evaluations=search.evaluations,
-                    population=search.population,
-                    report=lambda share, text: reported(text),
-                )
-                if not whole:
-                    raise Stopped("stopped")
-                begin = point
             peaks.append(
                 least_squares(
                     posterior,
