@@ -1,4 +1,4 @@
-"""Unit: names and units of the columns of a text, however its headings write them."""
+"""Unit: numbers, names and units of the columns of a text, however it writes them."""
 
 from __future__ import annotations
 
@@ -47,3 +47,24 @@ def test_names_and_units_in_one_line_or_in_two(headings, names, units):
         [1, 2.5, 81],
         [2, 3.5, 82],
     ] and table.first_line == 1 + len(headings)
+
+
+@pytest.mark.parametrize(
+    ("lines", "rows"),
+    [
+        (['"0.5","828.0"', '"1.5","1,012.0"'], [[0.5, 828], [1.5, 1012]]),
+        (["0.5;828", "1.5;1,012"], [[0.5, 828], [1.5, 1012]]),
+        (["0,5;828,0", "1,5;1.012,5"], [[0.5, 828], [1.5, 1012.5]]),
+        (["0,5;828", "1,5;1.012"], [[0.5, 828], [1.5, 1012]]),
+        (["1;828", "2;920", "3;1,012"], [[1, 828], [2, 920], [3, 1012]]),
+        (["0,302;0,816", "1,302;3,118"], [[0.302, 0.816], [1.302, 3.118]]),
+        (["1\t1 012,5", "2\t2 024,5"], [[1, 1012.5], [2, 2024.5]]),
+        (["1;1'012.5", "2;2'024.5"], [[1, 1012.5], [2, 2024.5]]),
+        (["\u22121;\u22123.5", "\u22122;\u22124.5"], [[-1, -3.5], [-2, -4.5]]),
+        (["1.5 2.5e2", "2.5 3.5D2"], [[1.5, 250], [2.5, 350]]),
+    ],
+)
+def test_a_number_is_read_however_its_marks_are_written(lines, rows):
+    """Quotes, decimal commas, thousands parted by comma, point, blank or apostrophe, a typographic minus."""
+    quoted = '"place","force"' if '"' in lines[0] else "place;force"
+    assert read_text_table("\n".join([quoted, *lines]), "tester.csv").rows.tolist() == rows

@@ -1,5 +1,5 @@
-"""Columns of numbers in a text of any form: separators, decimal commas, headings, units in
-headings.
+"""Columns of numbers in a text of any form: separators, quotes, decimal commas, thousands marks,
+headings and their units.
 """
 
 from __future__ import annotations
@@ -18,16 +18,23 @@ from valvetrain.parameters.bounded_file import bounded_bytes
 
 Array = NDArray[np.float64]
 #: A number as tables write it, once its line is parted at every mark that may be between or
-#: within numbers; a comma may be decimal.
+#: within numbers; a comma may be decimal or part thousands.
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
 _STRONG = re.compile(r"[;\t|,]")
-_MARKS = re.compile(r"[;\t|,\s]+")
+_MARKS = re.compile(r"[;\t|,\s\x01]+")
+#: A cell in quotes, and what stands for a comma within it; a whole number parted in thousands.
+_QUOTED, _INNER = re.compile(r'"([^"]*)"'), "\x01"
+_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,])\d{3}(?:\1\d{3})*")
+#: Blanks and apostrophes that part thousands; signs that look like a minus.
+_THIN = re.compile(r"(?<=\d)[\u00a0\u202f\u2009'\u2019](?=\d{3}(?!\d))")
+_GAP = re.compile(r"(?<=\d) (?=\d{3}(?!\d))")
+_MINUS = str.maketrans("\u2212\u2013", "--")
 #: Blanks in a row beyond these have no meaning; a heading longer than this names no columns.
 _BLANKS, MAX_HEADING_LENGTH = re.compile(r"(\s{8})\s+"), 1000
 #: Lines above the numbers among which the names of the columns are looked for.
 HEADINGS = 100
 #: Marks that begin a line of text.
-COMMENTS = ("#", "%", "!", "//", "*", "'", '"')
+COMMENTS = ("#", "%", "!", "//", "*", "'")
 #: Most columns of a table of lifts; more is another kind of file.
 MAX_COLUMNS = 12
 #: Most lines of such a table; longer texts are refused before any line is read.
@@ -68,11 +75,11 @@ def read_text_table(
             f"{name} has {len(every)} lines, more than {max_lines}; thin it out, or cut it to one cycle"
         )
     for number, line in enumerate(every, start=1):
-        content = _BLANKS.sub(r"\1", line.strip())
+        content = _plain(line)
         if not content:
             continue
-        if content.startswith(COMMENTS) or not _is_row(content):
-            if lines and not content.startswith(COMMENTS):
+        if not _is_row(content) or content.startswith(COMMENTS):
+            if lines and not line.strip().startswith(COMMENTS):
                 raise InputError(
                     f"line {number} of {name} is no row of numbers: '{content[:40]}'; correct it or mark it with #"
                 )
@@ -84,7 +91,7 @@ def read_text_table(
             f"{name} holds no row of numbers; export the table as text with one station a line"
         )
     separator = column_separator([content for _, content in lines])
-    rows = [_row(separator, content, number, name) for number, content in lines]
+    rows = [re.split(separator, content.strip(",;| \t")) for _, content in lines]
     width = len(rows[0])
     for (number, _), row in zip(lines, rows, strict=True):
         if len(row) != width:
@@ -94,13 +101,21 @@ def read_text_table(
     if width > max_columns:
         what = "a table of lifts" if max_columns == MAX_COLUMNS else "a table of channels"
         raise InputError(f"{name} has {width} columns; {what} has at most {max_columns}")
-    values = np.array(rows, dtype=float)
+    values = _values(rows, [number for number, _ in lines], name)
     if not np.all(np.isfinite(values)):
         raise InputError(
             f"{name} holds a number beyond all bounds in line {lines[int(np.argmin(np.isfinite(values).all(axis=1)))][0]}"
         )
     names, units = _columns(headings, width)
     return TextTable(values, tuple(headings), names, units, lines[0][0])
+
+
+def _plain(line: str) -> str:
+    """The line without quotes; a comma within a quoted cell is no separator."""
+    content = line.strip().translate(_MINUS)
+    if '"' in content:
+        content = _QUOTED.sub(lambda cell: cell[1].strip().replace(",", _INNER), content)
+    return _BLANKS.sub(r"\1", _THIN.sub("", content))
 
 
 def _is_row(line: str) -> bool:
@@ -133,16 +148,50 @@ def column_separator(lines: list[str]) -> str:
     return r"[;\t|]"
 
 
-def _row(separator: str, line: str, number: int, name: str) -> list[float]:
-    try:
-        return [
-            float(part.strip().replace(",", ".").replace("D", "e").replace("d", "e"))
-            for part in re.split(separator, line.strip(",;| \t"))
-        ]
-    except ValueError as error:
-        raise InputError(
-            f"line {number} of {name} is not separated as the others are: '{line[:40]}'; make the rows alike"
-        ) from error
+def _values(rows: list[list[str]], numbers: list[int], name: str) -> Array:
+    """The numbers in cells, once it is clear which mark is decimal and which parts thousands."""
+    cells = [[_GAP.sub("", cell.strip()).replace(_INNER, ",") for cell in row] for row in rows]
+    every = [cell for row in cells for cell in row]
+    thousands = ""
+    for mark, other in (",.", ".,"):
+        marked = [cell for cell in every if mark in cell]
+        both = [cell for cell in marked if other in cell]
+        if not all(cell in both or _GROUPED.fullmatch(cell) for cell in marked):
+            continue
+        if both and all(cell.rindex(mark) < cell.index(other) for cell in both):
+            thousands = mark
+        elif marked and not both:
+            apart = any(other in cell for cell in every) or _smoother(cells, mark)
+            thousands = mark if apart else thousands
+    values = []
+    for number, row in zip(numbers, cells, strict=True):
+        try:
+            values.append([_number(cell.replace(thousands, "")) for cell in row])
+        except ValueError as error:
+            raise InputError(
+                f"line {number} of {name} is not separated as the others are: '{' '.join(row)[:40]}'; make the rows alike"
+            ) from error
+    return np.array(values)
+
+
+def _number(cell: str) -> float:
+    return float(cell.replace(",", ".").replace("D", "e").replace("d", "e"))
+
+
+def _smoother(cells: list[list[str]], mark: str) -> bool:
+    """Whether the columns change more evenly with ``mark`` parting thousands than as a decimal."""
+
+    def jump(column: list[str]) -> float:
+        values = np.array(list(map(_number, column)))
+        return float(np.max(np.abs(np.diff(values)), initial=0.0) / (np.ptp(values) or 1.0))
+
+    columns = [
+        [*column] for column in zip(*cells, strict=True) if any(mark in cell for cell in column)
+    ]
+    return all(
+        jump([cell.replace(mark, "") for cell in column]) < 0.75 * jump(column)
+        for column in columns
+    )
 
 
 def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -169,7 +218,7 @@ def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[st
 
 def _parts(heading: str, width: int) -> list[str] | None:
     for pattern in (r"[;\t|]", r",", r"\s{2,}", r"\s+"):
-        parts = [part.strip().strip('"') for part in re.split(pattern, heading.strip())]
+        parts = [part.strip().replace(_INNER, ",") for part in re.split(pattern, heading.strip())]
         if len(parts) == width and all(parts):
             return parts
     return None
