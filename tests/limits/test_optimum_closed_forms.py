@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.measure import BELOW, BEYOND, FOUND, find_limit
+from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND, find_limit
 from valvetrain.explore.outputs import LimitSearch
 
 LIGHTEST = """
@@ -91,14 +91,10 @@ def answered(limit: LimitSearch, law) -> tuple[object, int]:
     """A search for a limit speed with a closed form in place of runs; its bracket and the points it
     took.
     """
-    scan, count = find_limit(limit), 0
-    asked = next(scan)
-    try:
-        while True:
-            count += len(asked)
-            asked = scan.send([law(one) for one in asked])
-    except StopIteration as end:
-        return end.value, count
+    speeds: list[float] = []
+    found = find_limit(limit, lambda speed: speeds.append(speed) or law(speed))
+    assert len(set(speeds)) == len(speeds)
+    return found, len(speeds)
 
 
 @pytest.mark.parametrize("step", [12.5, 25.0, 50.0])

@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.measure import FOUND
+from valvetrain.explore.limit_speed import FOUND
 from valvetrain.parameters.templates import template_text
 from valvetrain.views.results import answer_of
 

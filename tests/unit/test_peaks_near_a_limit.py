@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.explore.measure import CAUTION, _nearing, _rise
+from valvetrain.explore.limit_speed import CAUTION, _nearing, _rise
 
 
 @pytest.mark.parametrize(

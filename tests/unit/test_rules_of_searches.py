@@ -16,21 +16,8 @@ from valvetrain.explore import solve
 from valvetrain.explore.draws import silent
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.least_squares import Peak, _inside
-from valvetrain.explore.measure import (
-    BELOW,
-    BEYOND,
-    FOUND,
-    LIMIT,
-    REST,
-    RUNS,
-    Measure,
-    _limit,
-    measuring,
-)
-from valvetrain.explore.outputs import LimitSearch, Outcome, limit_search
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
 from valvetrain.explore.space import Prior
-from valvetrain.solution.status import COMPLETED, Status
 
 BEGIN = np.array([0.25, 3.0])
 
@@ -104,47 +91,6 @@ def test_a_peak_that_no_draw_stays_at_gives_none():
     assert not list(_inside(line([]), peak, 2, np.random.default_rng(2)))
 
 
-AT_REST, RUNNING = (
-    ((None, "massless", "only"),),
-    tuple((speed, "massless", "only") for speed in (400.0, 500.0)),
-)
-
-
-@pytest.mark.parametrize(
-    ("sources", "batches"),
-    [
-        ((REST,), [[(REST, AT_REST[0])]]),
-        ((RUNS,), [[(RUNS, one) for one in RUNNING]]),
-        ((RUNS, REST), [[(REST, AT_REST[0])], [(RUNS, one) for one in RUNNING]]),
-        ((RUNS, RUNS, REST), [[(REST, AT_REST[0])], [(RUNS, one) for one in RUNNING]]),
-        ((), []),
-    ],
-)
-def test_a_design_asks_once_for_what_its_measures_need_and_at_rest_first(sources, batches):
-    """No batch is empty: each costs a round of all designs that go on together."""
-    measures = [
-        Measure(source, f"number_{place}", AT_REST if source == REST else RUNNING, "a number")
-        for place, source in enumerate(sources)
-    ]
-    going, asked = measuring(measures), []
-    try:
-        asks = next(going)
-        while True:
-            asked.append(asks)
-            values = [
-                {f"number_{place}": 10.0 * place + (run[0] or 0.0) for place in range(3)}
-                for _, run in asks
-            ]
-            asks = going.send([Outcome(values=one) for one in values])
-    except StopIteration as end:
-        found = end.value
-    assert asked == batches and found.code == "completed" and not found.failure
-    due = [
-        10.0 * place + (0.0 if source == REST else 500.0) for place, source in enumerate(sources)
-    ]
-    assert [found.values[one] for one in measures] == due
-
-
 class Capturing:
     """Least squares that leave what is free where it began, and fail at values above 2."""
 
@@ -207,44 +153,3 @@ def test_a_profile_of_one_quantity_is_the_misfit_itself():
     assert found.values == pytest.approx(2.0 + 0.5 * np.arange(-4, 5))
     due = [((4 - a) ** 2 + (2 - a) ** 2) / 0.01 if a <= 3 else np.nan for a in found.values]
     assert found.misfit == pytest.approx(due, nan_ok=True)
-
-
-@pytest.mark.parametrize(
-    ("fails", "due"),
-    [
-        ((), (BEYOND, 300.0, np.inf, None)),
-        (
-            (100.0,),
-            (BELOW, 0.0, 100.0, "did not end"),
-        ),  # the lowest speed: the design has no number
-        ((200.0, 150.0, 175.0), (FOUND, 125.0, 150.0, None)),
-        ((300.0,), (FOUND, 275.0, 300.0, None)),
-    ],
-)
-def test_a_run_that_fails_counts_as_beyond_the_bound_but_at_the_lowest_speed(fails, due):
-    """Speeds 100, 200 and 300 rad/s, then halves to 25 rad/s."""
-    search = LimitSearch("number", True, 5.0, (100.0, 200.0, 300.0), 25.0)
-    going = _limit(Measure(LIMIT, "number", AT_REST, "a number", limit=search), 0)
-    asks = next(going)
-    try:
-        while True:
-            assert {(source, run[1:]) for source, run in asks} == {(LIMIT, AT_REST[0][1:])}
-            ended = [
-                Status("diverged", "did not end") if run[0] in fails else COMPLETED
-                for _, run in asks
-            ]
-            asks = going.send([Outcome(one, {"number": 1.0}) for one in ended])
-    except StopIteration as end:
-        found, failed = end.value
-    assert (found.kind, found.low, found.high) == due[:3]
-    assert (failed is None) == (due[3] is None) and (
-        failed is None or failed.status.message == due[3]
-    )
-
-
-def test_speeds_of_a_limit_rise_however_they_are_told():
-    told = {"quantity": "clash_energy", "at_most": "5 mJ", "engine_speeds": "9000, 5000, 7000 rpm"}
-    found = limit_search(**told)
-    assert np.asarray(found.engine_speeds) == pytest.approx(
-        np.array([5000, 7000, 9000]) * np.pi / 30
-    )

@@ -4,117 +4,17 @@ constraints on them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from valvetrain.explore.engine import Engine, Evaluation, PointJob
+from valvetrain.explore.limit_speed import LimitFound, limit_of
 from valvetrain.explore.outputs import LimitSearch, Outcome, Run, has_pair
 from valvetrain.explore.space import Varied
+from valvetrain.solution.critical import RPM
 from valvetrain.solution.definition import definition_of, not_given, of_pair, shown
-from valvetrain.solution.status import Status
-
-#: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
-#: met up to the highest one.
-FOUND, BELOW, BEYOND = "found", "below", "beyond"
-#: A rise over its neighbours this many times what a parabola through the three gives is regarded
-#: possible between them.
-CAUTION = 2.0
-#: Runs of the search for a limit speed beyond those of its grid, about as many as there are.
-CLOSER = 10
-Scan = Generator[list[float], list[float], "LimitFound"]
-
-
-@dataclass(frozen=True, slots=True)
-class LimitFound:
-    """The bracket: the bound is met up to ``low`` and exceeded at ``high`` (rad/s); ``kind`` says
-    whether there is one.
-
-    ``missed``: where the bound is left at the lowest speed already, by which share of it.
-    """
-
-    kind: str
-    low: float
-    high: float
-    missed: float = 0.0
-
-    @property
-    def value(self) -> float:
-        """The limit speed (rad/s): the highest one at which the bound was met; the lowest
-        searched where there is none.
-        """
-        return self.high if self.kind == BELOW else self.low
-
-
-def find_limit(limit: LimitSearch) -> Scan:
-    """Request values at engine speeds (rad/s), batch by batch; a value that is not there (nan)
-    counts as beyond the bound.
-    """
-    sign = 1.0 if limit.upper else -1.0
-    known: dict[float, float] = {}
-
-    def excess(engine_speed: float) -> float:
-        value = known[engine_speed]
-        return sign * (value - limit.bound) if np.isfinite(value) else np.inf
-
-    for engine_speed in limit.engine_speeds:
-        known[engine_speed] = (yield [engine_speed])[0]
-        if excess(engine_speed) > 0:
-            break
-    while True:
-        order = sorted(known)
-        beyond = next((place for place, one in enumerate(order) if excess(one) > 0), None)
-        if beyond == 0:
-            return LimitFound(BELOW, 0.0, order[0], excess(order[0]) / (abs(limit.bound) or 1.0))
-        near = _nearing(order[:beyond], [excess(one) for one in order[:beyond]], limit.resolution)
-        if near:  # a peak between the points of the grid that may leave the bound
-            known |= dict(zip(near, (yield near), strict=True))
-            continue
-        if beyond is None:
-            return LimitFound(BEYOND, order[-1], np.inf)
-        low, high = order[beyond - 1], order[beyond]
-        if high - low <= limit.resolution * (1 + 1e-9):
-            return LimitFound(FOUND, low, high)
-        middle = 0.5 * (low + high)
-        known[middle] = (yield [middle])[0]
-
-
-def _nearing(engine_speeds: list[float], excess: list[float], resolution: float) -> list[float]:
-    """Speeds about the lowest peak inside the bound whose top, as a parabola with some caution
-    gives it, may be beyond the bound.
-    """
-    for place in range(1, len(engine_speeds) - 1):
-        before, top, after = excess[place - 1 : place + 2]
-        if not (top >= before and top >= after and (top > before or top > after)):
-            continue
-        left, here, right = engine_speeds[place - 1 : place + 2]
-        if (
-            top + CAUTION * _rise(np.array([left, here, right]), np.array([before, top, after]))
-            <= 0
-        ):
-            continue
-        middles = [
-            0.5 * (one + two)
-            for one, two in ((left, here), (here, right))
-            if two - one > 2 * resolution
-        ]
-        if middles:
-            return middles
-    return []
-
-
-def _rise(
-    x: np.ndarray[tuple[int], np.dtype[np.float64]], y: np.ndarray[tuple[int], np.dtype[np.float64]]
-) -> float:
-    """How far the top of the parabola through three points is above the middle one."""
-    first, second = np.diff(y) / np.diff(x)
-    curvature = (second - first) / (x[2] - x[0])
-    if curvature >= 0:
-        return 0.0
-    slope = first + curvature * (x[1] - x[0])
-    return float(-(slope**2) / (4 * curvature))
-
 
 #: Where a number comes from: springs at rest, runs at the speeds of the file, runs of a search for
 #: a limit speed.
@@ -123,11 +23,6 @@ REST, RUNS, LIMIT = "rest", "runs", "limit"
 VARIED = "varied"
 #: Status of a design whose points lack a number that was requested.
 INCOMPLETE = "incomplete"
-#: A requested point: its source, and the run.
-Ask = tuple[str, Run]
-Answers = Generator[list[Ask], list[Outcome], "Measured"]
-#: Dimension and shown unit of a limit speed.
-_RPM = np.pi / 30
 
 
 @dataclass(frozen=True)
@@ -135,10 +30,8 @@ class Measure:
     """One number of a design: ``quantity`` over ``runs``, the ``over`` (worst, mean) of several, or
     a limit speed where ``limit`` is given, or the value of what is ``varied``.
 
-    ``largest_is_worst`` gives which of several is the worst. ``label``: plain words. ``bounds``: of
-    the limit speed of each run, where they
-    are shares of what the case has; else that of ``limit`` holds for all. ``optional``: a run need not
-    give it.
+    ``largest_is_worst`` gives which of several is the worst. ``label``: plain words. ``optional``: a
+    run need not give it.
     """
 
     source: str
@@ -148,14 +41,13 @@ class Measure:
     largest_is_worst: bool = True
     over: str = "worst"
     limit: LimitSearch | None = None
-    bounds: tuple[float, ...] = ()
     varied: Varied | None = None
     optional: bool = False
 
-    def limit_of(self, place: int) -> LimitSearch:
-        """The search for the limit speed of the run at ``place``."""
-        assert self.limit is not None
-        return replace(self.limit, bound=self.bounds[place]) if self.bounds else self.limit
+    @property
+    def output(self) -> str:
+        """Name of the number in the outcome of a run."""
+        return self.quantity if self.limit is None else self.limit.name
 
     @property
     def is_contact_force(self) -> bool:
@@ -183,7 +75,7 @@ class Measure:
         """A value (SI) in the unit of tables."""
         if self.varied is not None:
             return self.varied.shown(value)
-        return value / _RPM if self.limit is not None else float(shown(self.quantity, value)[0])
+        return value / RPM if self.limit is not None else float(shown(self.quantity, value)[0])
 
     def of(self, values: Sequence[float]) -> float:
         """The number of several runs; nan where one is missing."""
@@ -236,90 +128,10 @@ class Measured:
     code: str = "completed"
 
 
-def measuring(measures: Sequence[Measure], stop: object = None, pair: bool = False) -> Answers:
-    """Request the points of ``measures`` batch by batch and give their numbers; what a design
-    cannot be is found first, at rest.
-
-    ``stop(values)`` may say, before the search for limit speeds, that these are not needed. ``pair``: a
-    run has two springs, whose quantities have the name of each in front.
-    """
-    values: dict[Measure, float] = {}
-    for source in (REST, RUNS, LIMIT):
-        here = [one for one in measures if one.source == source and one.limit is None]
-        asks = list(dict.fromkeys((source, run) for one in here for run in one.runs))
-        if not asks:
-            continue
-        found = dict(zip(asks, (yield asks), strict=True))
-        values |= {
-            one: one.of([found[source, run].values.get(one.quantity, np.nan) for run in one.runs])
-            for one in here
-        }
-        for (_, run), outcome in found.items():
-            if not outcome.status.completed:
-                return Measured(
-                    values, {}, _at(run, outcome.status.sentence()), outcome.status.code
-                )
-        lacking = [one for one in here if not np.isfinite(values[one]) and not one.optional]
-        if lacking:
-            name = lacking[0].quantity
-            return Measured(values, {}, not_given(name, of_pair(name) if pair else ()), INCOMPLETE)
-    if callable(stop) and stop(values):
-        return Measured(values, {})
-    limits: dict[Measure, tuple[LimitFound, ...]] = {}
-    for one in (one for one in measures if one.limit is not None):
-        brackets: list[LimitFound] = []
-        for place, run in enumerate(one.runs):
-            found_limit, failed = yield from _limit(one, place)
-            if failed is not None:
-                return Measured(
-                    values, limits, _at(run, failed.status.sentence()), failed.status.code
-                )
-            brackets.append(found_limit)
-        limits[one] = tuple(brackets)
-        values[one] = one.of([bracket.value for bracket in brackets])
-    return Measured(values, limits)
-
-
-def _limit(
-    one: Measure, place: int
-) -> Generator[list[Ask], list[Outcome], tuple[LimitFound, Outcome | None]]:
-    """The bracket of one limit speed; a run that fails at the lowest speed is returned, a higher
-    one counts as beyond the bound.
-    """
-    run, search = one.runs[place], find_limit(one.limit_of(place))
-    requested = next(search)
-    first = True
-    while True:
-        found = yield [(LIMIT, (engine_speed, run[1], run[2])) for engine_speed in requested]
-        if first and not found[0].status.completed:
-            return LimitFound(BELOW, 0.0, requested[0]), found[0]
-        if first and one.quantity not in found[0].values:
-            missing = Status(INCOMPLETE, not_given(one.quantity, found[0].values))
-            return LimitFound(BELOW, 0.0, requested[0]), Outcome(missing)
-        first = False
-        reported = [
-            outcome.values.get(one.quantity, np.nan) if outcome.status.completed else np.nan
-            for outcome in found
-        ]
-        try:
-            requested = search.send(reported)
-        except StopIteration as end:
-            return end.value, None
-
-
-def _at(run: Run, sentence: str) -> str:
-    speed = "" if run[0] is None else f"at {run[0] / _RPM:.6g} rpm: "
-    return f"{speed}{sentence}"
-
-
-#: A design to be measured: its experiments by source, with or without what is varied, and its
-#: values (SI).
-Subject = tuple[Mapping[str, Evaluation], tuple[float, ...]]
+#: A design to be measured: its evaluations by source or limit, and its values (SI).
+Evaluations = Mapping[str | LimitSearch, Evaluation]
+Subject = tuple[Evaluations, tuple[float, ...]]
 Stop = Callable[[Mapping[Measure, float]], bool]
-
-
-def _has_pair(one: Evaluation) -> bool:
-    return one.case is not None and has_pair(one.case, one.runs)
 
 
 def measure_designs(
@@ -328,29 +140,55 @@ def measure_designs(
     measures: Sequence[Measure],
     stop: Stop | None = None,
 ) -> list[Measured]:
-    """The numbers of every design, in order, measured side by side batch by batch;
-    ``stop(values)`` may spare a design the search for limit speeds.
+    """The numbers of every design, in order: at rest first, then of the runs, then limit speeds.
+
+    A design that fails is not computed any further. ``stop(values)`` may spare it the search for
+    limit speeds.
     """
-    if not measures:
-        return [Measured({}, {}) for _ in subjects]
-    running = {
-        index: measuring(measures, stop, any(map(_has_pair, subject[0].values())))
-        for index, subject in enumerate(subjects)
-    }
-    requested = {index: next(one, None) for index, one in running.items()}
-    done: dict[int, Measured] = {}
-    while running:
-        batch: list[PointJob] = [
-            (subjects[index][0][source], subjects[index][1], run)
-            for index in running
-            for source, run in requested[index] or ()
+    results = [Measured({}, {}) for _ in subjects]
+    for stage in (REST, RUNS, LIMIT):
+        here = [one for one in measures if one.source == stage]
+        going = [
+            place
+            for place, one in enumerate(results)
+            if not one.failure and not (stage == LIMIT and stop is not None and stop(one.values))
         ]
-        outcomes = iter(engine.outcomes(batch))
-        for index in tuple(running):
-            answer = [next(outcomes) for _ in requested[index] or ()]
-            try:
-                requested[index] = running[index].send(answer)
-            except StopIteration as end:
-                done[index] = end.value
-                del running[index], requested[index]
-    return [done[index] for index in range(len(subjects))]
+        asks = list(dict.fromkeys((one.limit or stage, run) for one in here for run in one.runs))
+        jobs: list[PointJob] = [
+            (subjects[place][0][key], subjects[place][1], run)
+            for place in going
+            for key, run in asks
+        ]
+        outcomes = iter(engine.outcomes(jobs))
+        for place in going:
+            answers = {ask: next(outcomes) for ask in asks}
+            results[place] = _with_answers(results[place], here, answers, subjects[place])
+    return results
+
+
+def _with_answers(
+    before: Measured,
+    measures: Sequence[Measure],
+    answers: Mapping[tuple[str | LimitSearch, Run], Outcome],
+    subject: Subject,
+) -> Measured:
+    """What was measured so far and the numbers of one stage, or why one is missing."""
+    values, limits = dict(before.values), dict(before.limits)
+    for one in measures:
+        outcomes = [answers[one.limit or one.source, run] for run in one.runs]
+        values[one] = one.of([outcome.values.get(one.output, np.nan) for outcome in outcomes])
+        if one.limit is not None and np.isfinite(values[one]):
+            limits[one] = tuple(map(limit_of, outcomes))
+    for (_, run), outcome in answers.items():
+        if not outcome.status.completed:
+            at = "" if run[0] is None else f"at {run[0] / RPM:.6g} rpm: "
+            return Measured(values, limits, at + outcome.status.sentence(), outcome.status.code)
+    lacking = [one for one in measures if not np.isfinite(values[one]) and not one.optional]
+    if lacking:
+        name, pair = lacking[0].quantity, any(map(_has_pair, subject[0].values()))
+        return Measured(values, limits, not_given(name, of_pair(name) if pair else ()), INCOMPLETE)
+    return Measured(values, limits)
+
+
+def _has_pair(one: Evaluation) -> bool:
+    return one.case is not None and has_pair(one.case, one.runs)

@@ -12,12 +12,14 @@ from typing import Any
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.files import case_of_file, space_of_file
+from valvetrain.explore.limit_speed import LimitEvaluation
 from valvetrain.explore.measure import (
     LIMIT,
     REST,
     RUNS,
     VARIED,
     Constraint,
+    Evaluations,
     Measure,
     Objective,
 )
@@ -72,7 +74,7 @@ class OptimumPlan:
     objectives: tuple[Objective, ...]
     constraints: tuple[Constraint, ...]
     search: SearchModel
-    plans: Mapping[str, Evaluation]
+    plans: Evaluations
     confirmations: tuple[Confirmation, ...] = ()
 
     @property
@@ -101,38 +103,6 @@ class OptimumPlan:
             Measure(RUNS, name, runs, name, more, optional=True)
             for name, more in (LOSSES if runs and self.case is not None else {}).items()
         )
-
-    @property
-    def begins(self) -> dict[Measure, tuple[Measure, ...]]:
-        """Measures of limit speeds whose bound is a share of the case -> what the case has at the
-        lowest speed, for each of their runs.
-        """
-        found = {}
-        for one in self.measures:
-            if one.limit is not None and one.limit.share is not None:
-                lowest, label = one.limit.engine_speeds[0], definition_of(one.quantity).label
-                found[one] = tuple(
-                    Measure(LIMIT, one.quantity, ((lowest, *run[1:]),), label) for run in one.runs
-                )
-        return found
-
-    def with_limits(self, values: Mapping[Measure, float]) -> OptimumPlan:
-        """The plan with the bounds of such limit speeds, from ``values`` of what :attr:`begins`
-        requests.
-        """
-        made: dict[Measure, Measure] = {}
-        for one, begins in self.begins.items():
-            assert one.limit is not None and one.limit.share is not None
-            bounds = tuple(one.limit.share * values[begin] for begin in begins)
-            made[one] = replace(one, limit=replace(one.limit, bound=bounds[0]), bounds=bounds)
-        objectives = tuple(
-            replace(goal, measure=made.get(goal.measure, goal.measure)) for goal in self.objectives
-        )
-        constraints = tuple(
-            replace(bound, measure=made.get(bound.measure, bound.measure))
-            for bound in self.constraints
-        )
-        return replace(self, objectives=objectives, constraints=constraints)
 
     def of_case(self, values: Mapping[Measure, float]) -> OptimumPlan:
         """The plan with bounds that are shares of what the case has. Raises :class:`InputError`
@@ -226,18 +196,23 @@ def _refuse_method(text: OptimumText, objectives: int) -> None:
 
 def _plans(
     plan: OptimumPlan, rest_model: str, function: Callable[..., Any] | None = None
-) -> dict[str, Evaluation]:
+) -> dict[str | LimitSearch, Evaluation]:
     """An experiment for each source of numbers, with outputs of its own, so that none costs more
     than it needs.
     """
-    found: dict[str, Evaluation] = {}
-    for source in (REST, RUNS, LIMIT):
+    found: dict[str | LimitSearch, Evaluation] = {}
+    for source in (REST, RUNS):
         here = [one for one in plan.measures if one.source == source]
         if here:
             names = dict.fromkeys(one.quantity for one in here)
             outputs = Outputs(tuple(names), rest_model=rest_model, function=function)
             runs = tuple(dict.fromkeys(run for one in here for run in one.runs))
             found[source] = Evaluation(plan.case, plan.varied, outputs, runs)
+    for one in plan.measures:
+        if one.limit is not None:
+            outputs = Outputs(one.quantity)
+            of_runs = Evaluation(plan.case, plan.varied, outputs, one.runs)
+            found[one.limit] = LimitEvaluation(of_runs, one.limit)
     return found
 
 

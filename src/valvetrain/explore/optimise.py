@@ -17,11 +17,10 @@ from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.doubts import doubts
 from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.executors import LocalExecutor
+from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation, LimitFound
 from valvetrain.explore.measure import (
-    CLOSER,
     INCOMPLETE,
     LIMIT,
-    LimitFound,
     Measure,
     Measured,
     Stop,
@@ -32,7 +31,7 @@ from valvetrain.explore.objective import OptimumPlan, read_optimum
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, chosen_designs, steps_of
 from valvetrain.explore.optimum_curves import Compared, compare
 from valvetrain.explore.optimum_file import OptimumText, read_optimum_file
-from valvetrain.explore.outputs import Outputs, limit_search
+from valvetrain.explore.outputs import LimitSearch, Outputs, limit_search
 from valvetrain.explore.samplers import latin_hypercube
 from valvetrain.explore.searchers import local_search, searcher_of, shares_of, values_of
 from valvetrain.explore.space import Space
@@ -100,12 +99,12 @@ def _seconds(plan: OptimumPlan) -> float:
     total = sum(
         seconds_of(study, run)
         for source, study in plan.plans.items()
-        if source != LIMIT
+        if not isinstance(source, LimitSearch)
         for run in study.runs
     )
     for one in plan.measures:
         if one.limit is not None:
-            study, speeds = plan.plans[LIMIT], one.limit.engine_speeds
+            study, speeds = plan.plans[one.limit], one.limit.engine_speeds
             of_grid = sum(
                 seconds_of(study, (speed, *run[1:])) for run in one.runs for speed in speeds
             )
@@ -148,10 +147,10 @@ def case_of_plan(plan: OptimumPlan) -> Subject:
     """The case itself, in which nothing is varied; of a function the middle of the space."""
     if plan.case is None:
         return plan.plans, tuple(one.distribution.middle for one in plan.varied)
-    still = {
-        source: Evaluation(one.case, Space(()), one.outputs, one.runs)
-        for source, one in plan.plans.items()
-    }
+    still = dict[str | LimitSearch, Evaluation]()
+    for source, one in plan.plans.items():
+        fixed = Evaluation(one.case, Space(()), one.outputs, one.runs)
+        still[source] = LimitEvaluation(fixed, source) if isinstance(source, LimitSearch) else fixed
     return still, ()
 
 
@@ -212,19 +211,10 @@ class _Search:
 
     def _case(self, points: Engine, plan: OptimumPlan, own: Subject) -> Trial:
         """The case as given, trial 0, with the bounds that are shares of its numbers."""
-        if plan.begins:
-            (begin,) = measure_designs(
-                points,
-                [own],
-                [one for several in plan.begins.values() for one in several],
-            )
-            if begin.failure:
-                raise InputError(
-                    f"the case itself cannot be computed, and a limit speed is a share of its numbers: {begin.failure}"
-                )
-            plan = plan.with_limits(begin.values)
         (measured,) = measure_designs(points, [own], plan.measures)
-        if measured.failure and any(one.share is not None for one in plan.constraints):
+        shares = [one.share for one in plan.constraints]
+        shares += [one.limit.share for one in plan.measures if one.limit is not None]
+        if measured.failure and any(share is not None for share in shares):
             raise InputError(
                 f"the case itself cannot be computed, and a bound is a share of its numbers: {measured.failure}"
             )
@@ -408,10 +398,11 @@ class _Search:
         one = Measure(LIMIT, limit.quantity, ((None, *run[1:]),), "", limit=limit)
         own = self.case is trial
         space = Space(()) if own else plan.varied
-        study = Evaluation(plan.case, space, Outputs((limit.quantity,)), one.runs)
+        bare = Evaluation(plan.case, space, Outputs((limit.quantity,)), one.runs)
+        study = LimitEvaluation(bare, limit)
         points.include(study)
         values = () if own else tuple(trial.values.tolist())
-        (found,) = measure_designs(points, [({LIMIT: study}, values)], [one])
+        (found,) = measure_designs(points, [({limit: study}, values)], [one])
         return found.limits[one][0] if one in found.limits else None
 
     def _confirm(

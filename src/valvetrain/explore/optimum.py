@@ -15,7 +15,8 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.measure import LimitFound, Measured
+from valvetrain.explore.limit_speed import LimitFound
+from valvetrain.explore.measure import Measure, Measured
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.optimum_curves import Curve
 from valvetrain.explore.searchers import quiet_optuna, shares_of
@@ -207,6 +208,11 @@ class Optimum(Reported):
     def nearest(self) -> Trial | None:
         """The design that misses its bounds by least; None where none could be computed."""
         return min((one for one in self.trials if not one.failure), key=lambda one: one.rank, default=None)  # fmt: skip
+
+    def bound_of_limit(self, one: Measure) -> float:
+        """The bound (SI) of a limit speed, nan of a share of a case that has no such number."""
+        brackets = self.case.measured.limits.get(one, ())
+        return brackets[0].bound if brackets else np.nan if one.limit is None else one.limit.bound
 
     def __repr__(self) -> str:
         cut = "" if self.finished else ", stopped before its end"

@@ -146,7 +146,7 @@ class OptimumAnswer(Shown):
         for one in found.plan.measures:
             speeds = list(dict.fromkeys(run[0] for run in one.runs if run[0] is not None))
             if one.limit is not None:
-                yield f"The limit is {self.words.said(Amount(one.quantity, one.limit.bound), 4)} of {one.quantity}."
+                yield f"The limit is {self.words.said(Amount(one.quantity, found.bound_of_limit(one)), 4)} of {one.quantity}."
             elif speeds and not one.optional:
                 yield f"{one.label}: the {one.over} at {speeds_text(speeds)}."
         failures = [one.failure for one in found.trials if one.failure]

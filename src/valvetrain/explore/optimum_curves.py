@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from valvetrain.explore.engine import Engine
-from valvetrain.explore.measure import LIMIT, REST, RUNS, Measure, Subject, measure_designs
+from valvetrain.explore.measure import REST, RUNS, Measure, Subject
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.trial import Array
 from valvetrain.findings.facts import cam_angles, over_turn
@@ -82,13 +82,12 @@ def compare(
 def _over_speed(points: Engine, one: Measure, subjects: Mapping[str, Subject]) -> list[Curve]:
     """The quantity of a limit speed over the engine speeds that were searched."""
     assert one.limit is not None
-    speeds, found = one.limit.engine_speeds, []
-    for speed in speeds:
-        at = Measure(LIMIT, one.quantity, ((speed, *one.runs[0][1:]),), one.label)
-        measured = measure_designs(points, list(subjects.values()), [at])
-        found.append([each.values.get(at, np.nan) for each in measured])
-    columns = zip(subjects, np.array(found).T, strict=True)
-    return [Curve(name, "engine_speed", one.quantity, np.array(speeds), y) for name, y in columns]
+    speeds, curves = np.array(one.limit.engine_speeds), []
+    for name, (sources, values) in subjects.items():
+        jobs = [(sources[one.limit], values, (speed, *one.runs[0][1:])) for speed in one.limit.engine_speeds]  # fmt: skip
+        y = [each.values.get(one.quantity, np.nan) for each in points.outcomes(jobs)]
+        curves.append(Curve(name, "engine_speed", one.quantity, speeds, np.array(y)))
+    return curves
 
 
 def _at_rest(plan: OptimumPlan, cases: Mapping[str, Case]) -> list[Curve]:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvetrain.explore.measure import BELOW, BEYOND, FOUND, Measure
+from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND
+from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Design, Optimum
 from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.trial import Trial

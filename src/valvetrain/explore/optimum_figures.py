@@ -57,7 +57,7 @@ def _compared(facts: SearchFacts) -> go.Figure | None:
         colour, dash = (OTHER, "dash") if one.design == "case" else (LEAD, "solid")
         row, y = names.index(one.quantity), shown(one.quantity, one.y)[0]
         fig.add_trace(line(one.x / size, y, one.design, colour, dash, legendgroup=one.design, showlegend=not row), row + 1, 1)  # fmt: skip
-    bounds = [one.limit.bound for one in plan.measures if one.limit is not None]
+    bounds = [facts.found.bound_of_limit(one) for one in plan.measures if one.limit is not None]
     bounds += [one.bound for one in plan.constraints if one.measure.quantity.endswith(f"_{names[0]}")]  # fmt: skip
     for bound in filter(np.isfinite, bounds[:2]):
         fig.add_hline(float(shown(names[0], bound)[0]), line={"color": BAD, "width": 1, "dash": "dash"}, row=1)  # fmt: skip

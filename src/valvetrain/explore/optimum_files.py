@@ -42,9 +42,9 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
         "varied": [
             {"name": one.name, "key": one.key, "as": one.operation, "unit": one.si_unit or "1", "label": one.shown_name} for one in plan.varied
         ],
-        "objectives": [{**_of(one.measure), "direction": "maximise" if one.maximise else "minimise"} for one in plan.objectives],
+        "objectives": [{**_of(found, one.measure), "direction": "maximise" if one.maximise else "minimise"} for one in plan.objectives],
         "constraints": [
-            {**_of(one.measure), "sense": "at_most" if one.upper else "at_least", "bound": one.bound, "share_of_case": one.share,
+            {**_of(found, one.measure), "sense": "at_most" if one.upper else "at_least", "bound": one.bound, "share_of_case": one.share,
              "words": bound_label(plan, index)} for index, one in enumerate(plan.constraints)
         ],
         "of_case": _trial(found.case), "designs": [_design(found, one) for one in found.designs],
@@ -59,13 +59,13 @@ def optimum_json(found: Optimum) -> dict[str, Any]:
     return data
 
 
-def _of(one: Measure) -> dict[str, Any]:
+def _of(found: Optimum, one: Measure) -> dict[str, Any]:
     speeds = [run[0] for run in one.runs if run[0] is not None]
     reported: dict[str, Any] = {"quantity": one.quantity, "unit": one.si_unit, "label": one.label}
     if one.limit is not None:
         sense = "at_most" if one.limit.upper else "at_least"
         reported["limit_speed"] = {
-            sense: one.limit.bound,
+            sense: found.bound_of_limit(one),
             "engine_speeds": list(one.limit.engine_speeds),
             "resolution": one.limit.resolution,
         }

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from valvetrain.explore.measure import BELOW
+from valvetrain.explore.limit_speed import BELOW
 from valvetrain.explore.optimum import Confirmed
 from valvetrain.explore.optimum_facts import SearchFacts, range_text
 from valvetrain.explore.valley import ALIKE

@@ -24,7 +24,7 @@ from valvetrain.explore.files import (
     space_of_file,
     text_of_file,
 )
-from valvetrain.explore.measure import CLOSER
+from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.optimum_file import LimitSpeedModel
 from valvetrain.explore.outputs import LimitSearch, Outputs, Run, limit_search, refuse_limit_name
 from valvetrain.explore.samplers import SamplerSpec, sampler

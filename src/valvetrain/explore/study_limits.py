@@ -9,15 +9,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Engine, Evaluation
-from valvetrain.explore.measure import (
-    BELOW,
-    BEYOND,
-    CLOSER,
-    LIMIT,
-    Measure,
-    Measured,
-    measure_designs,
-)
+from valvetrain.explore.limit_speed import BELOW, BEYOND, CLOSER, LimitEvaluation, limit_of
 from valvetrain.explore.outputs import LimitSearch
 from valvetrain.explore.space import ENGINE_SPEED
 from valvetrain.explore.table import LimitEnd
@@ -74,12 +66,11 @@ class LimitColumnsSearch:
 
     def __init__(self, engine: Engine, experiment: Evaluation) -> None:
         self.engine, self.experiment = engine, experiment
-        self.searches: list[tuple[LimitSearch, Evaluation]] = []
-        for limit in experiment.outputs.limit_speeds:
-            outputs = experiment.outputs.of(limit.quantity)
-            own = Evaluation(experiment.case, experiment.space, outputs, experiment.runs)
-            engine.include(own)
-            self.searches.append((limit, own))
+        self.searches = [
+            LimitEvaluation(experiment, limit) for limit in experiment.outputs.limit_speeds
+        ]
+        for search in self.searches:
+            engine.include(search)
 
     def probe(self) -> None:
         """Raise :class:`InputError` where the middle of the space runs at the lowest speed and has not
@@ -87,8 +78,9 @@ class LimitColumnsSearch:
         """
         middle = tuple(one.distribution.middle for one in self.experiment.space)
         kinds = dict.fromkeys(run[1:] for run in self.experiment.runs)
-        for limit, own in self.searches:
-            jobs = [(own, middle, (limit.engine_speeds[0], *kind)) for kind in kinds]
+        for search in self.searches:
+            limit = search.limit
+            jobs = [(search, middle, (limit.engine_speeds[0], *kind)) for kind in kinds]
             for kind, one in zip(kinds, self.engine.outcomes(jobs), strict=True):
                 if one.status.completed and limit.quantity not in one.values:
                     by = f" by {kind[0]}" if kind[0] else ""
@@ -101,33 +93,30 @@ class LimitColumnsSearch:
         values = np.full((len(draws), len(runs), len(self.searches)), np.nan)
         failures: dict[tuple[int, int], Status] = {}
         met: list[LimitEnd] = []
-        for column, (limit, own) in enumerate(self.searches):
+        for column, search in enumerate(self.searches):
             ends: list[str] = []
             for kind in kinds:
-                measure = Measure(LIMIT, limit.quantity, ((None, *kind),), "", True, "worst", limit)
-                subjects = [({LIMIT: own}, tuple(row)) for row in draws.tolist()]
-                found = measure_designs(self.engine, subjects, [measure])
+                jobs = [(search, tuple(row), (None, *kind)) for row in draws.tolist()]
+                outcomes = self.engine.outcomes(jobs)
                 for place in (k for k, run in enumerate(runs) if run[1:] == kind):
-                    values[:, place, column] = [one.values.get(measure, np.nan) for one in found]
+                    values[:, place, column] = [
+                        one.values.get(search.limit.name, np.nan) for one in outcomes
+                    ]
                     failures |= {
-                        (draw, place): Status(one.code, one.failure)
-                        for draw, one in enumerate(found)
-                        if one.failure
+                        (draw, place): one.status
+                        for draw, one in enumerate(outcomes)
+                        if not one.status.completed
                     }
-                ends += [_end(one, measure) for one in found]
-            met += _ends(limit, ends)
+                ends += [limit_of(one).kind for one in outcomes if one.values]
+            met += _ends(search.limit, ends, len(draws) * len(kinds))
         return LimitColumns(values, failures, tuple(met))
 
 
-def _end(one: Measured, measure: Measure) -> str:
-    return one.limits[measure][0].kind if measure in one.limits else ""
-
-
-def _ends(limit: LimitSearch, kinds: list[str]) -> list[LimitEnd]:
+def _ends(limit: LimitSearch, kinds: list[str], searches: int) -> list[LimitEnd]:
     """How many searches end at an end of the speeds, which then replaces the limit."""
     ends = ((BEYOND, limit.engine_speeds[-1]), (BELOW, limit.engine_speeds[0]))
     return [
-        LimitEnd(limit.name, word == BEYOND, kinds.count(word), len(kinds), speed)
+        LimitEnd(limit.name, word == BEYOND, kinds.count(word), searches, speed)
         for word, speed in ends
         if word in kinds
     ]

@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.explore.measure import BELOW, Measure, Measured
+from valvetrain.explore.limit_speed import BELOW
+from valvetrain.explore.measure import Measure, Measured
 from valvetrain.explore.objective import OptimumPlan
 
 Array = NDArray[np.float64]

@@ -1,0 +1,183 @@
+"""A limit speed: the highest engine speed up to which a quantity stays within a bound, searched by one job."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.evaluate import Point, evaluate
+from valvetrain.explore.outputs import LimitSearch, Outcome, Run
+from valvetrain.solution.critical import RPM
+
+#: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
+#: met up to the highest one.
+FOUND, BELOW, BEYOND = "found", "below", "beyond"
+#: A peak is looked into where this many times the rise of a parabola through its three points
+#: reaches the bound.
+CAUTION = 2.0
+#: Runs of a search beyond those of its grid, about as many as there are.
+CLOSER = 10
+
+
+@dataclass(frozen=True, slots=True)
+class LimitFound:
+    """The bracket: the ``bound`` (SI) is met up to ``low`` and exceeded at ``high`` (rad/s).
+
+    ``low`` is 0 where the bound is left at the lowest speed already, ``missed`` by which share of it;
+    ``high`` is infinite where it is met up to the highest one.
+    """
+
+    low: float
+    high: float
+    missed: float = 0.0
+    bound: float = np.nan
+
+    @property
+    def kind(self) -> str:
+        """:data:`FOUND`, :data:`BELOW` or :data:`BEYOND`."""
+        return BELOW if self.low == 0 else FOUND if np.isfinite(self.high) else BEYOND
+
+    @property
+    def value(self) -> float:
+        """The limit speed (rad/s): the highest one at which the bound was met; the lowest
+        searched where there is none.
+        """
+        return self.low or self.high
+
+
+def find_limit(limit: LimitSearch, value_at: Callable[[float], float]) -> LimitFound:
+    """The bracket of a limit speed, from the lowest speed of the grid upwards.
+
+    Parameters
+    ----------
+    limit : bound, grid and resolution
+    value_at : the quantity (SI) at an engine speed (rad/s); nan counts as beyond the bound
+
+    Examples
+    --------
+    >>> found = find_limit(LimitSearch("q", True, 9.0, (1.0, 2.0, 4.0), 0.25), lambda speed: speed**2)
+    >>> found.low, found.high
+    (3.0, 3.25)
+    """
+    sign = 1.0 if limit.upper else -1.0
+
+    @cache
+    def excess(engine_speed: float) -> float:
+        value = value_at(engine_speed)
+        return sign * (value - limit.bound) if np.isfinite(value) else np.inf
+
+    speeds = list[float]()
+    for engine_speed in limit.engine_speeds:
+        speeds.append(engine_speed)
+        if excess(engine_speed) > 0:
+            break
+    while True:
+        speeds.sort()
+        beyond = next((place for place, one in enumerate(speeds) if excess(one) > 0), None)
+        if beyond == 0:
+            missed = excess(speeds[0]) / (abs(limit.bound) or 1.0)
+            return LimitFound(0.0, speeds[0], missed, limit.bound)
+        within = speeds[:beyond]
+        # a peak between the points of the grid may leave the bound
+        if near := _nearing(within, [excess(one) for one in within], limit.resolution):
+            speeds += near
+        elif beyond is None:
+            return LimitFound(speeds[-1], np.inf, bound=limit.bound)
+        elif (high := speeds[beyond]) - within[-1] <= limit.resolution * (1 + 1e-9):
+            return LimitFound(within[-1], high, bound=limit.bound)
+        else:
+            speeds.append(0.5 * (within[-1] + high))
+
+
+def _nearing(engine_speeds: list[float], excess: list[float], resolution: float) -> list[float]:
+    """Speeds about the lowest peak inside the bound whose top, as a parabola with some caution
+    gives it, may be beyond the bound.
+    """
+    for place in range(1, len(engine_speeds) - 1):
+        before, top, after = excess[place - 1 : place + 2]
+        left, here, right = engine_speeds[place - 1 : place + 2]
+        is_peak = top >= before and top >= after and (top > before or top > after)
+        if is_peak and top + CAUTION * _rise((left, here, right), (before, top, after)) > 0:
+            pairs = ((left, here), (here, right))
+            middles = [0.5 * (one + two) for one, two in pairs if two - one > 2 * resolution]
+            if middles:
+                return middles
+    return []
+
+
+def _rise(x: Sequence[float], y: Sequence[float]) -> float:
+    """How far the top of the parabola through three points is above the middle one."""
+    first, second = np.diff(y) / np.diff(x)
+    curvature = (second - first) / (x[2] - x[0])
+    if curvature >= 0:
+        return 0.0
+    slope = first + curvature * (x[1] - x[0])
+    return float(-(slope**2) / (4 * curvature))
+
+
+class LimitEvaluation(Evaluation):
+    """A limit speed of every point of a space: the search of a point is one job of one worker.
+
+    A run with an engine speed gives the quantity there; one without it the limit speed by its name,
+    and the fields of :class:`LimitFound`. A bound that is a share of the case is that of the case by the
+    same model.
+    """
+
+    limit: LimitSearch
+
+    def __init__(self, evaluation: Evaluation, limit: LimitSearch) -> None:
+        outputs = evaluation.outputs.of(limit.quantity)
+        super().__init__(evaluation.case, evaluation.space, outputs, evaluation.runs)
+        object.__setattr__(self, "limit", limit)
+
+    def evaluate(self, values: Iterable[float], run: Run) -> Outcome:
+        """The limit speed of a point; a run that fails above the lowest speed leaves the bound."""
+        if run[0] is not None:
+            return super().evaluate(values, run)
+        point, limit, (lowest, *_) = tuple(values), self.limit, self.limit.engine_speeds
+        if limit.share is not None:
+            assert self.case is not None
+            of_case = evaluate(Point(self.case, (), lowest, *run[1:], self.outputs.request))
+            if limit.quantity not in of_case.values:
+                return _at_lowest(of_case, lowest)
+            limit = replace(limit, bound=limit.share * of_case.values[limit.quantity])
+        first = super().evaluate(point, (lowest, *run[1:]))
+        if not first.status.completed or limit.quantity not in first.values:
+            return _at_lowest(first, lowest)
+
+        def value_at(engine_speed: float) -> float:
+            if engine_speed == lowest:
+                return first.values[limit.quantity]
+            there = super(LimitEvaluation, self).evaluate(point, (engine_speed, *run[1:]))
+            return there.values.get(limit.quantity, np.nan) if there.status.completed else np.nan
+
+        found = find_limit(limit, value_at)
+        fields = {name: getattr(found, name) for name in LimitFound.__slots__}
+        return Outcome(values={limit.name: found.value, **fields})
+
+    def digest(self, values: Iterable[float], run: Run) -> bytes:
+        """As that of an evaluation, and of the limit."""
+        base = super().digest(values, run)
+        if run[0] is not None:
+            return base
+        return hashlib.blake2b(base + repr(self.limit).encode(), digest_size=16).digest()
+
+
+def limit_of(outcome: Outcome) -> LimitFound:
+    """The bracket in the outcome of a search that completed."""
+    return LimitFound(*(outcome.values[name] for name in LimitFound.__slots__))
+
+
+def _at_lowest(outcome: Outcome, engine_speed: float) -> Outcome:
+    """The status of a run at the lowest speed, without numbers."""
+    if outcome.status.completed:
+        return Outcome()
+    message = (
+        f"at {engine_speed / RPM:.6g} rpm, the lowest speed searched: {outcome.status.message}"
+    )
+    return Outcome(replace(outcome.status, message=message))
