@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from valvetrain.explore.engine import Engine
-from valvetrain.explore.executors import LocalExecutor
 from valvetrain.explore.measure import measure_designs
 from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimise import case_of_plan, estimate_search
@@ -41,7 +40,7 @@ def case_is_measured(text: OptimumText) -> None:
     plan = read_optimum(text)
     assert estimate_search(plan, 2).cost.seconds < 600  # within the usual bound
     case = case_of_plan(plan)
-    with Engine(list(case[0].values()), LocalExecutor(1), None) as engine:
+    with Engine(list(case[0].values()), 1, None) as engine:
         (measured,) = measure_designs(engine, [case], plan.measures)
     assert (
         not measured.failure

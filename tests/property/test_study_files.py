@@ -126,7 +126,7 @@ def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(vary,
         ('key = "spring.wire_diameter"', 'key = "spring.wire_diametre"', "spring.wire_diametre"),
         ('key = "spring.precompression"', 'key = "spring.wire_diameter"', "varied twice"),
         ("count = 640", "cuont = 640", "did you mean count"),
-        ('as = "factor"', 'as = "times"', "value, factor or offset"),
+        ('as = "factor"', 'as = "times"', "vary.2.as"),
         ('engine_speeds = "8000 rpm"', 'engine_speeds = "8000 mm"', "engine_speeds"),
         (
             'spring_models = ["multi-mass"]',

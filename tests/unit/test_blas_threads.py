@@ -10,7 +10,6 @@ import pytest
 import scipy.linalg  # noqa: F401  its library counts too
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from valvetrain.explore.executors import LocalExecutor
 from valvetrain.runs.workers import StandingPool, map_points, one_thread
 
 
@@ -25,10 +24,6 @@ def many():
         assert set(counts()) == {3}
         yield
         assert set(counts()) == {3}, "as it was"
-
-
-def in_crew(workers: int) -> list[list[int]]:
-    return [found for _, found in LocalExecutor(workers).run(counts, None, range(3))]
 
 
 def in_pool(workers: int) -> list[list[int]]:
@@ -46,7 +41,7 @@ def in_threads(workers: int) -> list[list[int]]:
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 @pytest.mark.parametrize("workers", [1, 2])
-@pytest.mark.parametrize("asked", [in_crew, in_pool, in_processes, in_threads])
+@pytest.mark.parametrize("asked", [in_pool, in_processes, in_threads])
 def test_runs_are_computed_with_one_thread_each(asked, workers, method, monkeypatch):
     if method not in multiprocessing.get_all_start_methods():
         pytest.skip("this system starts processes in one way alone")

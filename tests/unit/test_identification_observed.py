@@ -15,7 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.identification_file import Search, parse_request
 from valvetrain.explore.identify import identify_request
 from valvetrain.explore.measurements import Station, Target
-from valvetrain.explore.observe import Observed, groups_of, numbers_at, numbers_of
+from valvetrain.explore.observe import Observed, groups_of, numbers_of
 from valvetrain.explore.posterior import Datum
 from valvetrain.explore.space import Prior
 from valvetrain.parameters.toml_text import toml_text
@@ -46,7 +46,7 @@ def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
         tmp_path, case="vaz-ohc", quantities={"speed": {"key": "train.lash", "prior": "uniform", "low": "0 mm", "high": "0.2 mm"}},
     )  # fmt: skip
     case = Observed(request.case, request.varied, request.targets).case_at((0.0,))
-    found = numbers_at(case, request.targets[0].station, request.targets)
+    found = numbers_of(case, (request.targets[0].station,), request.targets)
     (run,) = vt.simulate(case, "4136 rpm", spring_models=["modal-uniform"]).solutions
     assert found is not None
     named = {key.partition(": ")[2]: value for key, value in found.items()}
@@ -61,9 +61,9 @@ def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
         near = lift[np.argsort(np.abs((angle - asked + 180) % 360 - 180))[:2]]
         assert near.min() - 1e-9 <= named[f"valve_lift at {asked:g} deg"] <= near.max() + 1e-9
     assert np.isnan(
-        numbers_at(
+        numbers_of(
             case,
-            request.targets[0].station,
+            (request.targets[0].station,),
             [Target(request.targets[0].station, "event", "seating", 99)],
         ).popitem()[1]
     )
@@ -81,14 +81,14 @@ def test_curves_and_loads_are_those_of_the_static_curve(tmp_path) -> None:
         },
         tmp_path,
     )
-    found = numbers_at(request.case, request.targets[0].station, request.targets)
+    found = numbers_of(request.case, (request.targets[0].station,), request.targets)
     curve = vt.static_curve("job-t", "10 mm", spring_model="multi-mass", steps=5)
     assert list(found.values()) == pytest.approx(
         [curve.force_at("4 mm"), curve.force_at("8 mm")], rel=1e-9
     )
     height = request.case.springs[0].wire.free_length - 8e-3
     load = Target(Station(None, "multi-mass"), "load", "", height)
-    assert numbers_at(request.case, load.station, [load])[load.key] == pytest.approx(
+    assert numbers_of(request.case, (load.station,), [load])[load.key] == pytest.approx(
         curve.force_at("8 mm"), rel=1e-9
     )
 
@@ -111,7 +111,7 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
         InputError,
         match="4 springs of the case could be meant; give spring, one of 'outer', 'inner'",
     ):
-        numbers_at(request.case, request.targets[0].station, request.targets)
+        numbers_of(request.case, (request.targets[0].station,), request.targets)
     forces = []
     for name in ("outer", "inner"):
         named = request_of(
@@ -120,7 +120,7 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
             case="vaz-ohc",
             quantities=quantities,
         )
-        (value,) = numbers_at(named.case, named.targets[0].station, named.targets).values()
+        (value,) = numbers_of(named.case, (named.targets[0].station,), named.targets).values()
         forces.append(value)
     assert forces[0] > forces[1] > 0, "the outer spring is the stronger one"
 
@@ -313,7 +313,7 @@ def test_conditions_that_one_study_tells_are_computed_together_with_the_same_bit
     case = observed.case_at((4e-3,))
     for group in groups:
         stations = [observed.stations[place] for place in group]
-        alone = [numbers_at(case, station, request.targets) for station in stations]
+        alone = [numbers_of(case, (station,), request.targets) for station in stations]
         assert numbers_of(case, stations, request.targets) == {
             key: value for one in alone for key, value in one.items()
         }
@@ -364,7 +364,7 @@ def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
     apart = {
         key: value
         for one in observed.stations
-        for key, value in (numbers_at(request.case, one, request.targets) or {}).items()
+        for key, value in (numbers_of(request.case, (one,), request.targets) or {}).items()
     }
     rests = []
     monkeypatch.setattr(

@@ -41,43 +41,61 @@ def plan_of(levels: int, model: str = "massless"):
 
 
 class Instant:
-    """An executor whose points take no time: their outputs are their inputs."""
-
-    workers = 2
+    """Workers whose points take no time: their outputs are their inputs."""
 
     def __init__(self, lose=(), stop_after=None) -> None:
         self.jobs, self.lose, self.stop_after, self.points = 0, lose, stop_after, 0
 
-    def run(self, function, shared, jobs):
+    def __call__(self, function, shared, count):
+        self.shared = shared
+        return self
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def stream(self, jobs):
         for place, job in enumerate(jobs):
             self.jobs += 1
             if self.stop_after is not None and self.jobs > self.stop_after:
                 raise KeyboardInterrupt
             self.points += len(job)
             found = [
-                Outcome(values=dict(zip(shared[index].outputs.quantities, values, strict=True)))
+                Outcome(
+                    values=dict(zip(self.shared[index].outputs.quantities, values, strict=True))
+                )
                 for index, values, _ in job
             ]
             yield place, Lost() if self.jobs in self.lose else found
 
-    def close(self) -> None:
-        pass
+
+@pytest.fixture
+def computed(monkeypatch):
+    """The table of a plan by instant workers."""
+
+    def run(plan, workers: Instant, *rest, **options):
+        monkeypatch.setattr("valvetrain.explore.engine.StandingPool", workers)
+        return run_points(plan, 2, *rest, **options)
+
+    return run
 
 
-def test_a_point_costs_the_engine_less_than_a_millisecond(tmp_path):
+def test_a_point_costs_the_engine_less_than_a_millisecond(computed, tmp_path):
     """Processor time of this process, digest, store and table included, on disk."""
     plan, folders = plan_of(60), iter("abc")
     tables = []
 
     def anew():
-        tables.append(run_points(plan, Instant(), tmp_path / next(folders), Limits(1e9, 1e12)))
+        tables.append(computed(plan, Instant(), tmp_path / next(folders), Limits(1e9, 1e12)))
 
     taken, table = quickest(anew), tables[0]
     assert taken / len(table) < 1e-3
     assert np.array_equal(table.values, table.inputs)
 
 
-def test_memory_of_a_point_is_bounded(tmp_path):
+def test_memory_of_a_point_is_bounded(computed, tmp_path):
     """At most 600 bytes a point, the table of 2 inputs and 2 outputs included: 10 000 points take 6
     MB.
     """
@@ -85,27 +103,29 @@ def test_memory_of_a_point_is_bounded(tmp_path):
     for levels in (3, 12, 36):
         plan = plan_of(levels)
         tracemalloc.start()
-        table = run_points(plan, Instant(), tmp_path / str(levels), Limits(1e9, 1e12))
+        table = computed(plan, Instant(), tmp_path / str(levels), Limits(1e9, 1e12))
         peaks[len(table)] = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
     assert (peaks[36**2] - peaks[12**2]) / (36**2 - 12**2) < 600
     assert peaks[36**2] < estimate_study(plan, 2).cost.bytes
 
 
-def test_a_study_goes_on_where_it_stopped_and_hands_out_nothing_twice(tmp_path):
+def test_a_study_goes_on_where_it_stopped_and_hands_out_nothing_twice(computed, tmp_path):
     plan = plan_of(10)
     with pytest.raises(PointsInterrupted) as cut:
-        run_points(plan, Instant(stop_after=4), tmp_path / "points")
+        computed(plan, Instant(stop_after=4), tmp_path / "points")
     codes = [one.code for one in cut.value.table.statuses]
     assert codes.count("completed") == 32 and codes.count("interrupted") == 68
     rest = Instant()
-    table = run_points(plan, rest, tmp_path / "points")
+    table = computed(plan, rest, tmp_path / "points")
     assert rest.points == table.computed == 68 and np.array_equal(table.values, table.inputs)
 
 
-def test_points_of_a_lost_worker_keep_their_status_and_are_tried_by_the_next_start(tmp_path):
+def test_points_of_a_lost_worker_keep_their_status_and_are_tried_by_the_next_start(
+    computed, tmp_path
+):
     plan = plan_of(6)
-    table = run_points(plan, Instant(lose=(2,)), tmp_path / "points")
+    table = computed(plan, Instant(lose=(2,)), tmp_path / "points")
     codes = [one.code for one in table.statuses]
     assert (
         codes.count("worker-lost") == 8
@@ -120,10 +140,10 @@ def test_points_of_a_lost_worker_keep_their_status_and_are_tried_by_the_next_sta
         )
     }
     again = Instant()
-    assert run_points(plan, again, tmp_path / "points").completed.all() and again.points == 8
+    assert computed(plan, again, tmp_path / "points").completed.all() and again.points == 8
 
 
-def test_points_that_a_list_names_twice_are_computed_once():
+def test_points_that_a_list_names_twice_are_computed_once(computed):
     text = TEXT.format(levels=2, model="massless").replace(
         'sampler = "grid", levels = 2', 'sampler = "list"'
     )
@@ -131,13 +151,13 @@ def test_points_that_a_list_names_twice_are_computed_once():
         "low = 6.5, high = 7.5", "values = [7, 7, 7]"
     )
     executor = Instant()
-    table = run_points(read_plan(StudyText(text, "study", Path())), executor)
+    table = computed(read_plan(StudyText(text, "study", Path())), executor)
     assert len(table) == 3 and executor.points == 2 and np.array_equal(table.values, table.inputs)
 
 
-def test_progress_ends_at_one_and_counts_what_was_there(tmp_path):
+def test_progress_ends_at_one_and_counts_what_was_there(computed, tmp_path):
     told: list[tuple[float, str]] = []
-    run_points(
+    computed(
         plan_of(5),
         Instant(),
         tmp_path / "points",
@@ -159,6 +179,6 @@ def test_the_estimate_grows_with_points_and_models_and_shrinks_with_workers():
     assert estimate_study(plan_of(50), 4).cost.seconds == pytest.approx(many.cost.seconds / 2)
 
 
-def test_a_request_beyond_its_bound_is_refused_with_its_numbers():
+def test_a_request_beyond_its_bound_is_refused_with_its_numbers(computed):
     with pytest.raises(InputError, match=r"beyond the bound of 1 s"):
-        run_points(plan_of(50), Instant(), limits=Limits(1.0, 1e12))
+        computed(plan_of(50), Instant(), limits=Limits(1.0, 1e12))

@@ -134,7 +134,7 @@ def test_refinement_in_two_quantities_gathers_along_the_front():
     [
         ("sobol", {"count": 0}, "points.count"),
         ("sobol", {"cuont": 5}, "did you mean count"),
-        ("grid", {"count": 5}, "no option 'count'"),
+        ("grid", {"count": 5}, "names are levels"),
         ("grid", {"levels": 1000}, "fewer levels"),
         ("sobol", {"count": "many"}, "points.count"),
         ("soble", {}, "did you mean sobol"),

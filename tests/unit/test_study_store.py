@@ -82,26 +82,21 @@ def test_a_damaged_byte_costs_the_points_from_there_on_and_changes_none(tmp_path
     filled(tmp_path, range(9))
     path = tmp_path / FILE
     content = path.read_bytes()
-    head = content.index(b"\n") + 1
-    for index in np.linspace(head, len(content) - 1, 60).astype(int):
+    for index in np.linspace(0, len(content) - 1, 60).astype(int):
         path.write_bytes(content[:index] + bytes([content[index] ^ 0x20]) + content[index + 1 :])
-        held(tmp_path, content[head:index].count(b"\n"))
+        held(tmp_path, content[:index].count(b"\n"))
 
 
-def test_an_earlier_folder_of_chunks_is_computed_again(tmp_path):
-    """Their keys hold the version that computed them, so no point of them could serve."""
-    (tmp_path / "journal.jsonl").write_bytes(b"")
-    (tmp_path / "chunk-0.nc").write_bytes(b"of an earlier version")
-    held(tmp_path, 0)
-    filled(tmp_path, range(3))
-    held(tmp_path, 3)
-
-
-def test_points_of_an_identification_and_of_a_study_are_not_mixed(tmp_path):
-    with Store(tmp_path, "identification 1.0"):
-        pass
-    with pytest.raises(InputError, match="give another folder"):
-        Store(tmp_path)
+def test_points_of_several_subjects_share_a_file_and_are_not_mixed(tmp_path):
+    points = np.array([[1.0], [2.0]])
+    for subject, factor in (("force", 1.0), ("stress", 3.0)):
+        answers = [{"number": factor}, {"number": 2 * factor}]
+        with Store(tmp_path, subject) as store:
+            assert (
+                len(store) == 0 and store.through(lambda _, found=answers: found)(points) == answers
+            )
+    with Store(tmp_path, "force") as store:
+        assert store.before == 2 and store.through(lambda _: [])(points)[1] == {"number": 2.0}
 
 
 def test_two_processes_do_not_work_on_one_store(tmp_path):
@@ -114,7 +109,7 @@ def test_two_processes_do_not_work_on_one_store(tmp_path):
 
 def test_a_line_is_text_that_people_can_read(tmp_path):
     filled(tmp_path, [5])
-    line = (tmp_path / FILE).read_text().splitlines()[1].partition(" ")[2]
+    line = (tmp_path / FILE).read_text().splitlines()[0].partition(" ")[2]
     assert json.loads(line)[1] == {
         "peak_spring_force": 5 * math.pi, "clash_count": math.sqrt(5)
     }  # fmt: skip

@@ -1,5 +1,5 @@
 """The engine of experiments: the evaluation of a case or a function at points of a space, each
-computed once by an executor and stored as it comes.
+computed once by processes of this machine or the cluster in use, and stored as it comes.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import unit_in_case
 from valvetrain.explore.evaluate import Point, evaluate
-from valvetrain.explore.executors import Executor
 from valvetrain.explore.outputs import Outcome, Outputs, Run
 from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
 from valvetrain.explore.store import Store, versions_digest
@@ -27,7 +26,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.identity import content, function_text
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost
+from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool
 from valvetrain.solution.status import Status
 from valvetrain.units import format_quantity
 
@@ -173,8 +172,8 @@ def _case_text(case: Case) -> str:
 
 
 class Engine:
-    """Computes points of some evaluations, each once: stored ones are read, the others submitted to
-    the executor. Use it as a context; it closes the executor.
+    """Computes points of some evaluations, each once: stored ones are read, the others computed by
+    ``workers`` at a time. Use it as a context.
 
     ``together``: points of a job; ``finished`` is called after each. ``read``: points that the
     store had.
@@ -183,15 +182,16 @@ class Engine:
     def __init__(
         self,
         evaluations: Sequence[Evaluation],
-        executor: Executor,
+        workers: int,
         folder: Path | None,
         together: int = 1,
         finished: Callable[[], None] | None = None,
     ) -> None:
-        self.evaluations = tuple(evaluations)
+        self.evaluations, self.workers = tuple(evaluations), workers
         self._indices = {id(one): index for index, one in enumerate(self.evaluations)}
-        self.executor, self.together, self.finished = executor, together, finished
+        self.together, self.finished = together, finished
         self.store, self.read = Store(folder), 0
+        self._pool: StandingPool | None = None
 
     def __enter__(self) -> Engine:
         return self
@@ -200,12 +200,18 @@ class Engine:
         try:
             self.store.close()
         finally:
-            self.executor.close()
+            self._end_pool()
 
     def include(self, evaluation: Evaluation) -> None:
         """Add an evaluation."""
         self._indices[id(evaluation)] = len(self.evaluations)
         self.evaluations = (*self.evaluations, evaluation)
+        self._end_pool()  # its processes do not have the new one
+
+    def _end_pool(self) -> None:
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            pool.__exit__()
 
     @property
     def computed(self) -> int:
@@ -232,16 +238,19 @@ class Engine:
         return [self.store.outcome(one.digest(values, run)) for one, values, run in jobs]
 
     def _submit(self, waiting: Mapping[bytes, Job]) -> None:
-        keys, points = list(waiting), list(waiting.values())
-        share = math.ceil(len(points) / max(1, self.executor.workers))
-        size = max(1, min(self.together, share))
-        starts = range(0, len(points), size)
-        jobs = [points[first : first + size] for first in starts]
-        for index, result in self.executor.run(evaluate_jobs, self.evaluations, jobs):
-            group = keys[starts[index] : starts[index] + size]
-            lost = Outcome(Status("worker-lost", LOST, remedy=LOST_REMEDY))
-            outcomes = [lost] * len(group) if isinstance(result, Lost) else result
-            for key, outcome in zip(group, outcomes, strict=True):
+        if not waiting:
+            return
+        if self._pool is None:
+            pool = StandingPool(evaluate_jobs, self.evaluations, self.workers)
+            self._pool = pool.__enter__()
+        size = max(1, min(self.together, math.ceil(len(waiting) / self.workers)))
+        every = list(waiting.items())
+        groups = [every[first : first + size] for first in range(0, len(every), size)]
+        points = [[job for _, job in group] for group in groups]
+        lost = Outcome(Status("worker-lost", LOST, remedy=LOST_REMEDY))
+        for index, result in self._pool.stream(points):
+            outcomes = [lost] * len(groups[index]) if isinstance(result, Lost) else result
+            for (key, _), outcome in zip(groups[index], outcomes, strict=True):
                 self.store.add(key, outcome)
             if self.finished is not None:
                 self.finished()

@@ -104,7 +104,9 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
     )
     problem = build(case, spring_models=models, spring_set=sets)
     if problem.kind != TRAIN and case.lift_law is not None:
-        problem = _with_remembered_lift(problem, case.lift_law)
+        lift = _remembered(case.lift_law)
+        members = tuple(replace(member, valve_lift=lift) for member in problem.members)
+        problem = replace(problem, valve_lift=lift, members=members)
     if point.speed is not None and point.request.motion:
         by_case = problem.members[0].instead
         problem = problem.settled()
@@ -134,17 +136,8 @@ def evaluate_case(case: Case, point: Point) -> Outcome:
 
 @lru_cache(maxsize=4)
 def _remembered(law: LiftLawParameters) -> RememberedLift:
+    """The cached lift that other points of the same law have made."""
     return RememberedLift(build_lift_law(law))
-
-
-def _with_remembered_lift(problem: Problem, law: LiftLawParameters) -> Problem:
-    """The problem with the cached lift of other points of the same law."""
-    known = _remembered(law)
-    return replace(
-        problem,
-        valve_lift=known,
-        members=tuple(replace(member, valve_lift=known) for member in problem.members),
-    )
 
 
 def _spring(
@@ -182,30 +175,23 @@ def _still(
     problem: Problem, member: Member, rest: Rest, lift: float, request: PointRequest
 ) -> dict[str, float]:
     """Numbers of the springs at rest, those of a nested pair with the name of each in front."""
-    found: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     names = ("",) if len(member.springs) == 1 else ("outer_", "inner_")
     published = [value.quantity for value in problem.record.published]
     for name, spring in zip(names, member.springs, strict=True):
-        own = size_quantities(spring) if not request.outputs else design_quantities(spring)
-        if not request.sizes_alone:
-            at_rest = (
-                _by_model(problem, spring, request.rest_model, lift)
-                if request.rest_model
-                else rest.get(spring)
-            )
-            reported = (
-                {}
-                if at_rest is None
-                else rest_quantities(at_rest, published)
-                | buckling_quantities(spring, at_rest, lift)
-            )
-            own |= reported
-        found |= {name + key: value for key, value in own.items()}
-    outer, inner = ([f"{one}_{key}" for key in ADDED] for one in NESTED)
-    return found | {
-        f"{PAIR}_{key}": found[one] + found[other]
-        for key, one, other in zip(ADDED, outer, inner, strict=True)
-        if one in found and other in found
+        of_spring = size_quantities(spring) if not request.outputs else design_quantities(spring)
+        at_rest = rest.get(spring)
+        if request.rest_model and not request.sizes_alone:
+            at_rest = _by_model(problem, spring, request.rest_model, lift)
+        if at_rest is not None and not request.sizes_alone:
+            of_spring |= rest_quantities(at_rest, published)
+            of_spring |= buckling_quantities(spring, at_rest, lift)
+        numbers |= {name + key: value for key, value in of_spring.items()}
+    both = [(key, [f"{spring}_{key}" for spring in NESTED]) for key in ADDED]
+    return numbers | {
+        f"{PAIR}_{key}": sum(numbers[name] for name in pair)
+        for key, pair in both
+        if all(name in numbers for name in pair)
     }
 
 
@@ -241,20 +227,12 @@ def _train(
             values[DRIVE_FORCE] = min(forces)
     if request.rigid or (request.rest and engine_speed is not None):
         values |= rigid_numbers(ready, speeds).get(member.spring_set, {})
-    if request.rest and (request.rest_model or request.sizes_alone):
-        values |= _still(problem, member, {}, _train_lift(problem, member), request)
-    elif request.rest and request.outputs and not all(name in values for name in request.outputs):
-        lift = _train_lift(problem, member)
-        values |= _still(
-            problem,
-            member,
-            {spring: spring_statics(problem, spring, lift) for spring in member.springs},
-            lift,
-            request,
-        )
+    by_rod = not (request.rest_model or request.sizes_alone)
+    lacks = bool(request.outputs) and not all(name in values for name in request.outputs)
+    if request.rest and (lacks or not by_rod):
+        assert member.gear is not None
+        lift = float(member.gear.mechanism.kinematics.maximum_lift)
+        springs = member.springs if by_rod else ()
+        rest = {spring: spring_statics(problem, spring, lift) for spring in springs}
+        values |= _still(problem, member, rest, lift, request)
     return status, values
-
-
-def _train_lift(problem: Problem, member: Member) -> float:
-    assert member.gear is not None
-    return float(member.gear.mechanism.kinematics.maximum_lift)

@@ -45,10 +45,19 @@ from valvetrain.units import dimension_of, parse_quantities, parse_quantity
 
 #: Most quantities that a study varies.
 MAX_VARIED = 64
-#: Earlier or other name of a key -> the standard one, in all three kinds of file.
+#: Other name of a key -> the standard one, in all three kinds of file.
 ALIASES = {"set": "changes", "prior": "distribution", "quantities": "vary"}
 #: Names of distributions in files: those of :class:`Prior`, and a normal one that has bounds.
 DISTRIBUTIONS = (*KINDS, "truncated-normal")
+#: Key that says in which way values are given -> the key that it needs with it, and the names of the
+#: distributions that this makes.
+WAYS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "values": ("values", ("values",)),
+    "tolerance": ("tolerance", ("tolerance",)),
+    "mean": ("standard_deviation", ("normal", "truncated-normal")),
+    "median": ("factor", ("lognormal",)),
+    "low": ("high", ("uniform", "log-uniform")),
+}
 
 
 def _amount(raw: Any) -> Any:
@@ -105,52 +114,29 @@ class VaryModel(StrictModel):
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, raw: Any) -> Any:
-        if isinstance(raw, dict) and "varied" in raw:
-            raise problem("key 'varied' is unknown; did you mean as?", ("varied",))
         if isinstance(raw, dict):
             raw = {ALIASES.get(key, key): value for key, value in raw.items()}
-        if isinstance(raw, dict) and "as" in raw:
-            raw = {**raw, "varied": raw["as"]}
-            raw.pop("as")
-            if raw["varied"] not in ("value", "factor", "offset"):
-                raise problem(
-                    "is no way to vary a quantity; choose value, factor or offset", ("as",)
-                )
-        checked = StrictModel._known_keys.__func__(cls, raw)
-        return {"as": checked.pop("varied"), **checked} if "varied" in checked else checked
+        return StrictModel._known_keys.__func__(cls, raw)
 
     @property
     def way(self) -> str:
-        """The way the values are given. Raises a located problem for none, or several."""
-        present = {
-            "values": self.values is not None, "tolerance": self.tolerance is not None, "normal": self.mean is not None,
-            "lognormal": self.median is not None,
-        }  # fmt: skip
-        ways = [word for word, given in present.items() if given]
-        if not ways and self.low is not None and self.high is not None:
-            ways = ["uniform"]
-        names = {"uniform": ("uniform", "log-uniform"), "normal": ("normal", "truncated-normal")}
-        if self.distribution and self.distribution not in DISTRIBUTIONS:
-            raise problem(
-                f"is no distribution; choose {', '.join(DISTRIBUTIONS)}", ("distribution",)
-            )
-        if len(ways) == 1 and self.distribution not in ("", *names.get(ways[0], ways)):
-            raise problem(
-                f"does not fit the other keys, which give a {ways[0]} one", ("distribution",)
-            )
+        """The key of :data:`WAYS` by which values are given. Raises a located problem for none, or
+        several.
+        """
+        given = [key for key in WAYS if getattr(self, key) is not None]
+        ways = [key for key in given if key != "low"] or given  # others may have bounds
         if len(ways) != 1:
             raise problem(
-                "gives its values in "
-                + ("several ways" if ways else "no way")
-                + "; give one of values, low and high, "
-                "mean and standard_deviation, median and factor, tolerance"
+                f"gives its values in {'several ways' if ways else 'no way'}; give one of values, "
+                "low and high, mean and standard_deviation, median and factor, tolerance"
             )
-        for word, partner, given in (
-            ("normal", "standard_deviation", self.standard_deviation),
-            ("lognormal", "factor", self.factor),
-        ):
-            if ways[0] == word and given is None:
-                raise problem(f"'{partner}' is missing; add it", (partner,))
+        partner, names = WAYS[ways[0]]
+        if getattr(self, partner) is None:
+            raise problem(f"'{partner}' is missing; add it", (partner,))
+        if self.distribution not in ("", *names):
+            raise problem(
+                f"does not fit the other keys, which give {' or '.join(names)}", ("distribution",)
+            )
         return ways[0]
 
 
@@ -179,19 +165,16 @@ def correlation_of(
     names: Sequence[str], pairs: Sequence[tuple[Sequence[str], float]]
 ) -> NDArray[np.float64] | None:
     """The correlation matrix of ``[[correlation]]`` tables, None without any."""
-    if not pairs:
-        return None
     matrix = np.eye(len(names))
     for between, coefficient in pairs:
-        unknown = next((name for name in between if name not in names), None)
-        if unknown is not None or len(set(between)) != 2:
+        if len(set(between)) != 2 or not set(between) <= set(names):
             raise InputError(
                 f"between names two of the varied quantities: {', '.join(names)[:200]}",
                 "correlation",
             )
-        first, second = (names.index(name) for name in between)
+        first, second = map(names.index, between)
         matrix[first, second] = matrix[second, first] = coefficient
-    return matrix
+    return matrix if pairs else None
 
 
 FileModel = TypeVar("FileModel", bound=StrictModel)
@@ -207,6 +190,8 @@ class FileText(Generic[FileModel]):
         self._read(parse_toml(text, where, what), kind)
 
     def _read(self, tree: Mapping[str, Any], kind: type[FileModel]) -> None:
+        named = tree.get("quantities")
+        self.names = list(named) if isinstance(named, dict) else []
         self.tree = standard_names(tree)
         try:
             self.model = kind.model_validate(self.tree)
@@ -217,10 +202,11 @@ class FileText(Generic[FileModel]):
 
     def located(self, path: tuple[str | int, ...], reason: str) -> InputError:
         """The refusal of the value at ``path``, with its line."""
-        shown = tuple("as" if part == "varied" else part for part in path)
-        line = find_line(self.text, shown)
+        if self.names and path[:1] == ("vary",) and len(path) > 1:
+            path = ("quantities", self.names[int(path[1])], *path[2:])
+        line = find_line(self.text, path)
         place = self.where if line is None else f"{self.where}, line {line}"
-        key = ".".join(str(part) for part in shown)
+        key = ".".join(map(str, path))
         return InputError(reason, f"{place}, {key}" if key else place)
 
     def guarded(self, path: tuple[str | int, ...], compute: Any) -> Any:
@@ -289,33 +275,46 @@ def space_of_file(
     case: Case,
     correlation: Sequence[CorrelationModel] = (),
 ) -> Space:
-    """What a file varies, each quantity once."""
+    """What a file varies, each quantity once; correlations name quantities by key or by label."""
     varied = [
         text.guarded(("vary", index), lambda one=one: varied_of_table(one, case))
         for index, one in enumerate(models)
     ]
-    space = text.guarded(("vary",), lambda: Space(varied))
+    space: Space = text.guarded(("vary",), lambda: Space(varied))
+    if not correlation:
+        return space
     pairs = [(one.between, one.coefficient) for one in correlation]
-    names = [one.label or one.name for one in varied]
-    by_key = [one.name for one in varied]
-    known = by_key if all(name in by_key for between, _ in pairs for name in between) else names
-    matrix = text.guarded(("correlation",), lambda: correlation_of(known, pairs))
-    return text.guarded(("correlation",), lambda: Space(space.varied, matrix))  # type: ignore[no-any-return]
+    by_key = all(name in space.names for between, _ in pairs for name in between)
+    names = space.names if by_key else [one.label or one.name for one in varied]
+    correlated: Space = text.guarded(
+        ("correlation",), lambda: Space(varied, correlation_of(names, pairs))
+    )
+    return correlated
 
 
-def varied_of_table(one: VaryModel, case: Case) -> Varied:
+def varied_of_table(one: VaryModel, case: Case | None) -> Varied:
     """A varied quantity with its distribution; units of its numbers must agree with each other and
-    with the case.
+    with the case. Without a case nothing is read from it.
     """
-    texts = [
-        str(raw)
-        for raw in (one.low, one.high, one.mean, one.standard_deviation, one.median, one.tolerance)
-        if raw is not None
-    ]
-    texts += [one.values] if isinstance(one.values, str) else [str(raw) for raw in one.values or ()]
-    unit = one.unit or next((found for text in texts if (found := unit_of(text))), "")
-    share = one.way == "tolerance" and unit_of(str(one.tolerance)) == "%"  # of the case's own value
-    unit = unit_in_case(case, one.key) if share and one.varied == "value" else "" if share else unit
+    way = one.way
+    if case is None and way == "tolerance":
+        raise InputError("is about a value of a case, and there is none; give the distribution")
+    listed = [one.values] if isinstance(one.values, str) else one.values or []
+    given = (
+        one.low,
+        one.high,
+        one.mean,
+        one.standard_deviation,
+        one.median,
+        one.tolerance,
+        *listed,
+    )
+    unit = one.unit or next(
+        filter(None, (unit_of(str(raw)) for raw in given if raw is not None)), ""
+    )
+    share = way == "tolerance" and unit_of(str(one.tolerance)) == "%"  # of the case's own value
+    if share:
+        unit = unit_in_case(case, one.key) if case and one.varied == "value" else ""
     bare = Varied(one.key, unit, one.varied, label=one.label)
     dimension = dimension_of(unit) if unit else "ratio"
     if one.key == ENGINE_SPEED and (dimension != "angular speed" or one.varied != "value"):
@@ -324,45 +323,37 @@ def varied_of_table(one: VaryModel, case: Case) -> Varied:
             one.key,
         )
 
-    def number(raw: Any) -> float:
-        return parse_quantity(raw, dimension, one.key)
+    def number(raw: Any, otherwise: float = math.nan) -> float:
+        return otherwise if raw is None else parse_quantity(raw, dimension, one.key)
 
     distribution: Distribution
-    if one.way == "values":
+    low, high = number(one.low, -math.inf), number(one.high, math.inf)
+    if way == "values":
         distribution = Values(parse_quantities(one.values, dimension, one.key))
         if len(distribution.values) > MAX_POINTS:
             raise InputError("has too many values; give fewer", one.key)
-    elif one.way == "uniform":
-        kind = "log-uniform" if one.distribution == "log-uniform" else "uniform"
-        distribution = Prior(kind, number(one.low), number(one.high))  # type: ignore[arg-type]
-    elif one.way == "normal":
-        low, high = (
-            -math.inf if one.low is None else number(one.low),
-            math.inf if one.high is None else number(one.high),
+    elif way == "low":
+        distribution = Prior(
+            "log-uniform" if one.distribution == "log-uniform" else "uniform", low, high
         )
+    elif way == "mean":
         distribution = Normal(number(one.mean), number(one.standard_deviation), low, high)
-    elif one.way == "lognormal":
-        assert one.factor is not None
-        distribution = LogNormal(number(one.median), float(one.factor))
-        if one.low is not None or one.high is not None:
-            low = -math.inf if one.low is None else number(one.low)
-            high = math.inf if one.high is None else number(one.high)
-            distribution = replace(distribution, low=low, high=high)
+    elif way == "median":
+        distribution = LogNormal(number(one.median), float(one.factor or 0.0))
+        distribution = replace(distribution, low=low, high=high)
     else:
+        assert case is not None
         middle = nominal(case, bare)
         reach = (
             abs(middle) * parse_quantity(one.tolerance, "ratio", one.key)
             if share
             else number(one.tolerance)
         )
-        if share and not middle:
-            raise InputError(
-                "is zero in the case, and so is any share of it; give the tolerance with its unit",
-                one.key,
-            )
         if not reach > 0:
             raise InputError(
-                "has a tolerance of zero or less; give how far it goes either way", one.key
+                "has a tolerance of zero or less, or a share of a value that is zero in the case; give "
+                "how far it goes either way, with its unit",
+                one.key,
             )
         low, high = middle - reach, middle + reach
         distribution = (
@@ -371,10 +362,11 @@ def varied_of_table(one: VaryModel, case: Case) -> Varied:
             else Normal(middle, reach / SIGMAS, low, high)
         )
     distribution = replace(distribution, dimension=bare.dimension)
-    if one.source and isinstance(distribution, Prior):
+    if isinstance(distribution, Prior):
         distribution = replace(distribution, source=one.source)
     varied = Varied(one.key, unit, one.varied, distribution, one.label)
-    _refuse_impossible(case, varied)
+    if case is not None:
+        _refuse_impossible(case, varied)
     return varied
 
 

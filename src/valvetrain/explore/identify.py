@@ -20,10 +20,9 @@ from valvetrain.explore.damping_found import damping_meanings
 from valvetrain.explore.draws import Report, silent
 from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.evaluator import PointEvaluator
-from valvetrain.explore.executors import LocalExecutor
 from valvetrain.explore.identification_file import Request, Search, read_request
 from valvetrain.explore.identified import Identified
-from valvetrain.explore.observe import CaseEvaluator, Observed, numbers_at, observe
+from valvetrain.explore.observe import CaseEvaluator, Observed, numbers_of, observe
 from valvetrain.explore.outputs import Outcome as PointOutcome
 from valvetrain.explore.posterior import Datum, Evaluate, Outcome, Posterior, Unknown
 from valvetrain.explore.solve import solve
@@ -162,7 +161,7 @@ def calibrate(
         cost = Cost(seconds / count, points * (POINT_BYTES + NUMBER_BYTES * len(known)))
         refuse_cost(cost, limits_of(limit), "limit=")
         folder = None if output is None else Path(output)
-        with Engine((experiment,), LocalExecutor(count), folder) as engine, Store(None) as seen:
+        with Engine((experiment,), count, folder) as engine, Store(None) as seen:
 
             def evaluate(points: Array) -> list[Outcome]:
                 request = [
@@ -429,7 +428,7 @@ def _why(request: Request, posterior: Posterior) -> str:
     try:
         case = observed.case_at(posterior.values(posterior.centre[None, :])[0])
         for station in observed.stations:
-            numbers_at(case, station, observed.targets)
+            numbers_of(case, (station,), observed.targets)
     except Exception as error:
         return f", at their middle because: {error}"
     return "; narrow the priors to what is possible"

@@ -130,11 +130,7 @@ def _answer(
     except InputError:
         with suppress(OSError):  # nothing was computed, so nothing is stored
             journal = points / FILE
-            if (
-                not retained.output
-                and is_abandoned(journal)
-                and sum(1 for _ in journal.open("rb")) <= 1
-            ):
+            if not retained.output and is_abandoned(journal) and not journal.stat().st_size:
                 shutil.rmtree(points)
         raise
     data = {"command": "identify", "case": request.case.name, **identification_json(found), "completed": found.whole}  # fmt: skip

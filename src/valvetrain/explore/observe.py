@@ -5,7 +5,7 @@ compression, events, channels.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -33,6 +33,8 @@ from valvetrain.system.problem import Problem
 Array = NDArray[np.float64]
 #: What computes a spring at rest where no model is named: of a wire, of a card.
 WIRE, CARD = "finite-element", "massless"
+#: Kinds of targets that are read from a solution in motion.
+IN_RUN = ("event", "channel")
 _MODE = re.compile(r"mode_(\d+)_frequency")
 
 
@@ -84,16 +86,16 @@ def groups_of(observed: Observed) -> tuple[tuple[int, ...], ...]:
     """Places of conditions parted into those that one study of a case gives together: speeds by one
     model, the static rod with them.
     """
-    found: dict[object, list[int]] = {}
-    places = range(len(observed.stations))
-    whole = [place for place in places if _needs_run(observed.stations[place], observed.targets)]
-    for place in whole:
-        station = observed.stations[place]
-        found.setdefault((station.spring_model, station.spring_set), []).append(place)
-    for place in (one for one in places if one not in whole):
-        rod = observed.stations[place] == Station() and (WIRE, "") in found
-        found.setdefault((WIRE, "") if rod else place, []).append(place)
-    return tuple(map(tuple, found.values()))
+    groups: dict[object, list[int]] = {}
+    for place, station in enumerate(observed.stations):
+        alone = not _needs_run(station, observed.targets)
+        groups.setdefault(
+            place if alone else (station.spring_model, station.spring_set), []
+        ).append(place)
+    still = next((k for k, one in enumerate(observed.stations) if one == Station()), None)
+    if still is not None and (WIRE, "") in groups:
+        groups[WIRE, ""] += groups.pop(still)
+    return tuple(map(tuple, groups.values()))
 
 
 def _needs_run(station: Station, targets: Sequence[Target]) -> bool:
@@ -101,7 +103,7 @@ def _needs_run(station: Station, targets: Sequence[Target]) -> bool:
     here = [one for one in targets if one.station == station]
     names = tuple(one.name for one in here if one.kind == "quantity")
     return station.engine_speed is not None and (
-        any(one.kind in ("event", "channel") for one in here) or not PointRequest(names).light
+        any(one.kind in IN_RUN for one in here) or not PointRequest(names).light
     )
 
 
@@ -110,88 +112,70 @@ def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target
     Raises as building and running do.
     """
     moving = [station for station in stations if _needs_run(station, targets)]
-    runs, still = (
-        _runs(case, moving) if len(moving) > 1 or (moving and Station() in stations) else ({}, {})
-    )
-    found: dict[str, float] = {}
+    here = [one for one in targets if one.station in stations]
+    runs, still = dict[Station, Solution](), dict[str, float]()
+    if (
+        len(moving) > 1
+        or (moving and Station() in stations)
+        or any(one.kind in IN_RUN for one in here)
+    ):
+        runs, still = _runs(case, moving)
+    if not all(run.status.completed for run in runs.values()):
+        return None
+    numbers: dict[str, float] = {}
     for station in stations:
-        here = [one for one in targets if one.station == station]
+        asked = [one for one in here if one.station == station]
         if station in runs:
-            reported: Outcome = _of_run(runs[station], still, here)
-        elif (
-            runs
-            and station == Station()
-            and all(one.kind == "quantity" and one.name in still for one in here)
-        ):
-            reported = {one.key: still[one.name] for one in here}
+            named: Outcome = {**still, **runs[station].quantities}
         else:
-            reported = numbers_at(case, station, targets)
-        if reported is None:
+            names = [one.name for one in asked if one.kind == "quantity"]
+            rests = station == Station() and set(names) <= still.keys()
+            named = still if rests or not names else _named(case, station, names)
+        if named is None:
             return None
-        found |= reported
-    return found
+        for one in asked:
+            if one.kind == "quantity":
+                numbers[one.key] = named.get(one.name, np.nan)
+            elif one.kind in IN_RUN:
+                numbers[one.key] = _in_run(runs[station], one)
+        if forces := [one for one in asked if one.kind in ("force", "load")]:
+            problem = _built(case, station)
+            numbers |= {one.key: _force(problem, station, one) for one in forces}
+    return numbers
 
 
-def numbers_at(case: Case, station: Station, targets: Sequence[Target]) -> Outcome:
-    """Values of the ``targets`` of a case under one condition, by key; None where it does not run. Raises
-    what building and running raises.
+def _built(case: Case, station: Station) -> Problem:
+    return build(case, spring_set=tuple(filter(None, (station.spring_set,))))
+
+
+def _named(case: Case, station: Station, names: Sequence[str]) -> Outcome:
+    """Quantities of a case under a condition, None where it does not run. Preload and frequencies of
+    the only spring come from a model alone, in a hundredth of the time that all its numbers take.
     """
-    here = [one for one in targets if one.station == station]
-    quantities = [one for one in here if one.kind == "quantity"]
-    moving = [one for one in here if one.kind in ("event", "channel")]
-    found: dict[str, float] = {}
-    if moving:
-        runs, still = _runs(case, (station,))
-        reported = _of_run(runs[station], still, [*moving, *quantities])
-        if reported is None:
-            return None
-        found |= reported
-    elif quantities and station.engine_speed is None and all(_is_quick(one) for one in quantities):
-        found |= _quick(case, station, quantities)
-    elif quantities:
-        rest = station.spring_model if station.engine_speed is None else ""
-        request = PointRequest(tuple(dict.fromkeys(one.name for one in quantities)), rest)
-        point = Point(
-            case, (), station.engine_speed, station.spring_model, station.spring_set, request
+    modes = {name: _MODE.fullmatch(name) for name in names}
+    word = station.spring_model
+    quick = all(name == "preload" or mode for name, mode in modes.items())
+    if station.engine_speed is not None or word in ("", WIRE) or not quick:
+        rest = word if station.engine_speed is None else ""
+        request = PointRequest(tuple(modes), rest)
+        outcome = evaluate_case(
+            case, Point(case, (), station.engine_speed, word, station.spring_set, request)
         )
-        outcome = evaluate_case(case, point)
-        if not outcome.status.completed:
-            return None
-        found |= {one.key: outcome.values.get(one.name, np.nan) for one in quantities}
-    forces = [one for one in here if one.kind in ("force", "load")]
-    if forces:
-        problem = build(case, spring_set=tuple(filter(None, (station.spring_set,))))
-        found |= {one.key: _force(problem, station, one) for one in forces}
-    return found
-
-
-def _is_quick(one: Target) -> bool:
-    """Whether a number at rest needs neither the whole static curve nor, by a spring model, the
-    rod.
-    """
-    return one.station.spring_model not in ("", WIRE) and (
-        one.name == "preload" or _MODE.fullmatch(one.name) is not None
-    )
-
-
-def _quick(case: Case, station: Station, quantities: Sequence[Target]) -> dict[str, float]:
-    """Preload and frequencies of the only spring by its model alone, a hundredth of the time that
-    all its numbers take.
-    """
-    spring = _spring(
-        problem := build(case, spring_set=tuple(filter(None, (station.spring_set,)))), ""
-    )
-    if reason := spring_model(station.spring_model).why_not(spring):
+        return outcome.values if outcome.status.completed else None
+    problem = _built(case, station)
+    spring = _spring(problem, "")
+    if reason := spring_model(word).why_not(spring):
         raise InputError(reason, "spring_model")
-    model = problem.model_of(station.spring_model, spring)
-    frequencies = axial_frequencies(model, MODES)
-    found = {}
-    for one in quantities:
-        mode = _MODE.fullmatch(one.name)
-        number = int(mode[1]) - 1 if mode else 0
-        reported = float(frequencies[number]) if 0 <= number < len(frequencies) else np.nan
-        found[one.key] = reported if mode else float(force_of(spring, model, spring.precompression))
-    return found
+    model = problem.model_of(word, spring)
+    frequencies = dict(enumerate(axial_frequencies(model, MODES), 1))
+    return {
+        name: float(
+            frequencies.get(int(mode[1]), np.nan)
+            if mode
+            else force_of(spring, model, spring.precompression)
+        )
+        for name, mode in modes.items()
+    }
 
 
 def _runs(
@@ -208,18 +192,6 @@ def _runs(
     still = {name: value for values in study.still.values() for name, value in values.items()}
     label = study.labels[0]
     return {one: study.solution(label, one.engine_speed) for one in stations}, still
-
-
-def _of_run(
-    run: Solution, still: Mapping[str, float], targets: Sequence[Target]
-) -> dict[str, float] | None:
-    if not run.status.completed:
-        return None
-    named = {**still, **run.quantities}
-    return {
-        one.key: named.get(one.name, np.nan) if one.kind == "quantity" else _in_run(run, one)
-        for one in targets
-    }
 
 
 def _in_run(run: Solution, one: Target) -> float:

@@ -16,7 +16,6 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
 from valvetrain.explore.doubts import doubts
 from valvetrain.explore.engine import Engine, Evaluation
-from valvetrain.explore.executors import LocalExecutor
 from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation, LimitFound
 from valvetrain.explore.measure import (
     INCOMPLETE,
@@ -170,7 +169,7 @@ class _Search:
         every = [own[0], self.plan.plans]
         every += [part for varied, still in others for part in (still[0], varied.plans)]
         experiments = [one for part in every for one in part.values()]
-        with Engine(experiments, LocalExecutor(workers), folder) as points:
+        with Engine(experiments, workers, folder) as points:
             try:
                 self.case = self._case(points, self.plan, own)
                 self.plan = self.case.plan

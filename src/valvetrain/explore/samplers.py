@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field, ValidationError
 
 from valvetrain.errors import InputError
 from valvetrain.explore.space import Space, Values, Varied
+from valvetrain.parameters.schema_types import StrictModel, first_problem
 from valvetrain.registry import find
 
 Array = NDArray[np.float64]
@@ -22,10 +23,8 @@ MAX_POINTS = 1_000_000
 COUNT, LEVELS = 128, 5
 
 
-class SamplerOptions(BaseModel):
+class SamplerOptions(StrictModel):
     """Options that a sampler takes; each declares its own."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
 class CountedOptions(SamplerOptions):
@@ -44,13 +43,6 @@ First = Callable[[Sequence[Varied], SamplerOptions], Array]
 More = Callable[[Sequence[Varied], SamplerOptions, Array, Array], Array]
 
 
-def no_more(
-    varied: Sequence[Varied], options: SamplerOptions, points: Array, values: Array
-) -> Array:
-    """No further points."""
-    return np.zeros((0, len(varied)))
-
-
 @dataclass(frozen=True, slots=True)
 class SamplerSpec:
     """A sampler: ``first`` gives points (n, d) in SI; ``more`` those that follow, from all points
@@ -62,37 +54,22 @@ class SamplerSpec:
     shown_name: str
     options: type[SamplerOptions]
     first: First
-    more: More = no_more
+    more: More | None = None
     independent: bool = False
 
-    def read_options(self, given: dict[str, object]) -> SamplerOptions:
+    def read_options(self, given: Mapping[str, object]) -> SamplerOptions:
         """Checked options. Raises :class:`InputError` for those that the sampler does not have."""
-        from pydantic import ValidationError
-
-        from valvetrain.parameters.changes import nearest
-
-        known = tuple(self.options.model_fields)
-        for key in given:
-            if key not in known:
-                raise InputError(
-                    f"sampler {self.word} has no option '{key[:40]}'; {nearest(key, known)}",
-                    f"points.{key[:40]}",
-                )
         try:
-            return self.options.model_validate(given)
+            return self.options.model_validate(dict(given))
         except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            index = ".".join(str(part) for part in first["loc"])
-            raise InputError(
-                f"{str(first['input'])[:40]!r} does not fit: {first['msg'][:1].lower()}{first['msg'][1:]}; correct it",
-                f"points.{index}",
-            ) from None
+            path, reason = first_problem(error)
+            raise InputError(reason, ".".join(map(str, ("points", *path)))) from None
 
 
 def sampler(word: str, where: str = "points.sampler") -> SamplerSpec:
     """The sampler of a name in the registry. Raises :class:`InputError` for an unknown one."""
-    found: SamplerSpec = find("samplers", word, where)
-    return found
+    spec: SamplerSpec = find("samplers", word, where)
+    return spec
 
 
 def spread(varied: Sequence[Varied], shares: Array) -> Array:
@@ -100,6 +77,16 @@ def spread(varied: Sequence[Varied], shares: Array) -> Array:
     correlated where the space is.
     """
     return (varied if isinstance(varied, Space) else Space(varied)).points(shares)
+
+
+def _drawn(cube: Callable[[int, int, int], Array]) -> First:
+    """The points of a design ``cube(quantities, count, seed)`` in the unit cube."""
+
+    def first(varied: Sequence[Varied], options: SamplerOptions) -> Array:
+        assert isinstance(options, CountedOptions)
+        return spread(varied, cube(len(varied), options.count, options.seed))
+
+    return first
 
 
 class GridOptions(SamplerOptions):
@@ -113,19 +100,18 @@ class GridOptions(SamplerOptions):
     )
 
 
-def _first(varied: Sequence[Varied], options: SamplerOptions) -> Array:
+def _grid(varied: Sequence[Varied], options: SamplerOptions) -> Array:
     assert isinstance(options, GridOptions)
     levels = [one.distribution.levels(options.levels) for one in varied]
     count = math.prod(map(len, levels))
     if count > MAX_POINTS:
         raise InputError(
-            f"a grid of {' x '.join(str(len(one)) for one in levels)} has {count:.3g} points; take fewer levels",
-            "points.levels",
+            f"a grid of {count:.3g} points is too large; take fewer levels", "points.levels"
         )
-    return np.stack([axis.ravel() for axis in np.meshgrid(*levels, indexing="ij")], axis=1)
+    return np.array(list(itertools.product(*levels)))
 
 
-GRID_SPEC = SamplerSpec("grid", "every combination of levels", GridOptions, _first)
+GRID_SPEC = SamplerSpec("grid", "every combination of levels", GridOptions, _grid)
 
 
 class ListOptions(SamplerOptions):
@@ -136,7 +122,8 @@ class ListOptions(SamplerOptions):
     )
 
 
-def _first_listed(varied: Sequence[Varied], options: SamplerOptions) -> Array:
+def _list(varied: Sequence[Varied], options: SamplerOptions) -> Array:
+    assert isinstance(options, ListOptions)
     columns = []
     for one in varied:
         if not isinstance(one.distribution, Values):
@@ -145,23 +132,20 @@ def _first_listed(varied: Sequence[Varied], options: SamplerOptions) -> Array:
                 one.name,
             )
         columns.append(one.distribution.values)
-    if len({len(column) for column in columns}) > 1:
-        lengths = ", ".join(
-            f"{one.name} {len(column)}" for one, column in zip(varied, columns, strict=True)
-        )
+    lengths = [len(column) for column in columns]
+    if len(set(lengths)) > 1:
         raise InputError(
             f"in a list of points every quantity has as many values; here are {lengths}", "points"
         )
-    names = getattr(options, "names", [])
-    if names and (len(names) != len(columns[0]) or len(set(names)) < len(names)):
+    if options.names and not len(set(options.names)) == len(options.names) == lengths[0]:
         raise InputError(
-            f"a name for each of the {len(columns[0])} points is needed, no two alike; here are {len(names)}",
+            f"a name for each of the {lengths[0]} points is needed, no two alike; here are {len(options.names)}",
             "points.names",
         )
     return np.array(columns, dtype=float).T
 
 
-LISTED_SPEC = SamplerSpec("list", "your list", ListOptions, _first_listed)
+LISTED_SPEC = SamplerSpec("list", "your list", ListOptions, _list)
 
 
 def listed(points: Array) -> SamplerSpec:
@@ -173,49 +157,32 @@ def latin_hypercube(count: int, dimensions: int, seed: int | Sequence[int]) -> A
     """``count`` points (n, d) of the unit cube, one in each of ``count`` strata of every axis."""
     from scipy.stats import qmc
 
-    sampler = qmc.LatinHypercube(dimensions, seed=np.random.default_rng(seed))
-    return np.asarray(sampler.random(count))
-
-
-def _first_latin_hypercube(varied: Sequence[Varied], options: SamplerOptions) -> Array:
-    assert isinstance(options, CountedOptions)
-    return spread(varied, latin_hypercube(options.count, len(varied), options.seed))
-
-
-LATIN_HYPERCUBE_SPEC = SamplerSpec(
-    "latin-hypercube", "Latin hypercube", CountedOptions, _first_latin_hypercube, independent=True
-)
+    return np.asarray(
+        qmc.LatinHypercube(dimensions, seed=np.random.default_rng(seed)).random(count)
+    )
 
 
 def sequence(dimensions: int, count: int, seed: int) -> Array:
-    """``count`` points (n, d) of the scrambled sequence in the unit cube."""
+    """``count`` points (n, d) of Sobol's scrambled sequence in the unit cube."""
     from scipy.stats import qmc
 
-    power = max(0, int(np.ceil(np.log2(count))))
-    drawn = qmc.Sobol(dimensions, scramble=True, seed=np.random.default_rng(seed)).random_base2(
-        power
-    )
-    return np.asarray(drawn[:count])
+    points = qmc.Sobol(dimensions, scramble=True, seed=np.random.default_rng(seed))
+    return np.asarray(points.random_base2(max(0, math.ceil(math.log2(count)))))[:count]
 
 
-def _first_sobol(varied: Sequence[Varied], options: SamplerOptions) -> Array:
-    assert isinstance(options, CountedOptions)
-    return spread(varied, sequence(len(varied), options.count, options.seed))
+def base_rows(count: int, dimensions: int) -> int:
+    """Base rows of a design of ``count`` points at most: a power of two, for then the sequence is
+    balanced; at least 2.
+    """
+    return 1 << max(1, int(math.log2(max(2, count // (dimensions + 2)))))
 
 
-SOBOL_SPEC = SamplerSpec(
-    "sobol", "Sobol's sequence", CountedOptions, _first_sobol, independent=True
-)
-
-
-def _first_monte_carlo(varied: Sequence[Varied], options: SamplerOptions) -> Array:
-    assert isinstance(options, CountedOptions)
-    return spread(varied, np.random.default_rng(options.seed).random((options.count, len(varied))))
-
-
-MONTE_CARLO_SPEC = SamplerSpec(
-    "monte-carlo", "random draws", CountedOptions, _first_monte_carlo, independent=True
-)
+def saltelli(dimensions: int, count: int, seed: int) -> Array:
+    """Points of the unit cube in rows: A, B, then for every quantity A with its column of B."""
+    both = sequence(2 * dimensions, base_rows(count, dimensions), seed)
+    a, b = both[:, :dimensions], both[:, dimensions:]
+    mixed = [np.where(np.arange(dimensions) == index, b, a) for index in range(dimensions)]
+    return np.concatenate([a, b, *mixed])
 
 
 class SaltelliOptions(CountedOptions):
@@ -231,28 +198,28 @@ class SaltelliOptions(CountedOptions):
     )
 
 
-def base_rows(count: int, dimensions: int) -> int:
-    """Base rows of a design of ``count`` points at most: a power of two, for then the sequence is
-    balanced; at least 2.
-    """
-    return int(max(2, 2 ** int(np.floor(np.log2(max(2, count // (dimensions + 2)))))))
-
-
-def _first_saltelli(varied: Sequence[Varied], options: SamplerOptions) -> Array:
-    """Rows: A, B, then for every quantity A with its column of B."""
-    assert isinstance(options, SaltelliOptions)
-    size, rows = len(varied), base_rows(options.count, len(varied))
-    both = sequence(2 * size, rows, options.seed)
-    a, b = both[:, :size], both[:, size:]
-    mixed = [np.where(np.arange(size) == index, b, a) for index in range(size)]
-    return spread(varied, np.concatenate([a, b, *mixed]))
-
-
+LATIN_HYPERCUBE_SPEC = SamplerSpec(
+    "latin-hypercube",
+    "Latin hypercube",
+    CountedOptions,
+    _drawn(lambda size, count, seed: latin_hypercube(count, size, seed)),
+    independent=True,
+)
+SOBOL_SPEC = SamplerSpec(
+    "sobol", "Sobol's sequence", CountedOptions, _drawn(sequence), independent=True
+)
+MONTE_CARLO_SPEC = SamplerSpec(
+    "monte-carlo",
+    "random draws",
+    CountedOptions,
+    _drawn(lambda size, count, seed: np.random.default_rng(seed).random((count, size))),
+    independent=True,
+)
 SALTELLI_SPEC = SamplerSpec(
     "saltelli",
     "Saltelli's design for Sobol indices",
     SaltelliOptions,
-    _first_saltelli,
+    _drawn(saltelli),
     independent=True,
 )
 
@@ -265,6 +232,7 @@ class AdaptiveOptions(CountedOptions):
 
 
 def _first_adaptive(varied: Sequence[Varied], options: SamplerOptions) -> Array:
+    """Corners, so that every location is between points, and Sobol's sequence inside."""
     assert isinstance(options, AdaptiveOptions)
     for one in varied:
         if one.distribution.kind != "uniform":
@@ -272,16 +240,12 @@ def _first_adaptive(varied: Sequence[Varied], options: SamplerOptions) -> Array:
                 "is refined where an output changes, so it needs a range; give low and high",
                 one.name,
             )
-    if len(varied) == 1:  # ends included, so that every location is between two points
-        return spread(varied, np.linspace(0.0, 1.0, min(options.first, options.count))[:, None])
     size = len(varied)
-    corners = (
-        np.array(np.meshgrid(*([[0.0, 1.0]] * size), indexing="ij")).reshape(size, -1).T
-        if size <= 4
-        else np.zeros((0, size))
-    )
+    if size == 1:
+        return spread(varied, np.linspace(0.0, 1.0, min(options.first, options.count))[:, None])
+    corners = list(itertools.product((0.0, 1.0), repeat=size)) if size <= 4 else []
     inner = sequence(size, max(1, options.first - len(corners)), options.seed)
-    return spread(varied, np.concatenate([corners, inner])[: options.count])
+    return spread(varied, np.array([*corners, *inner])[: options.count])
 
 
 def _more(varied: Sequence[Varied], options: SamplerOptions, points: Array, values: Array) -> Array:
@@ -292,36 +256,31 @@ def _more(varied: Sequence[Varied], options: SamplerOptions, points: Array, valu
     from scipy.spatial import cKDTree
 
     left = min(options.per_round, options.count - len(points))
-    known = np.isfinite(values)
-    if left < 1 or np.count_nonzero(known) < 2:
+    computed = np.isfinite(values)
+    if left < 1 or np.count_nonzero(computed) < 2:
         return np.zeros((0, len(varied)))
-    low, span = (
-        np.array([getattr(one.distribution, name) for one in varied]) for name in ("low", "high")
+    low, high = (
+        np.array([getattr(one.distribution, end) for one in varied]) for end in ("low", "high")
     )
-    span = span - low
-    cube, found = ((points - low) / span)[known], values[known]
-    near = min(2 * len(varied), len(cube) - 1)
-    distances, neighbours = cKDTree(cube).query(cube, k=near + 1)
-    pairs = {
-        (min(i, int(j)), max(i, int(j))): float(d)
-        for i, row in enumerate(neighbours)
-        for j, d in zip(row[1:], distances[i, 1:], strict=True)
-    }
+    cube, outputs = ((points - low) / (high - low))[computed], values[computed]
     if len(varied) == 1:  # the neighbours on either side, however far
-        order = np.argsort(cube[:, 0], kind="stable").tolist()
-        pairs = {(a, b): float(abs(cube[b, 0] - cube[a, 0])) for a, b in itertools.pairwise(order)}
-    scored = sorted(
-        ((-abs(found[b] - found[a]) * d, a, b) for (a, b), d in pairs.items() if d > 1e-6),
-        key=lambda one: one,
-    )
+        pairs = {*itertools.pairwise(np.argsort(cube[:, 0], kind="stable").tolist())}
+    else:
+        near = min(2 * len(varied), len(cube) - 1)
+        rows = cKDTree(cube).query(cube, k=near + 1)[1].tolist()
+        pairs = {(min(i, j), max(i, j)) for i, row in enumerate(rows) for j in row[1:]}
+    changes = [
+        (float(abs(outputs[b] - outputs[a]) * np.linalg.norm(cube[b] - cube[a])), a, b)
+        for a, b in pairs
+    ]
     chosen: list[Array] = []
-    for score, a, b in scored:
+    for change, a, b in sorted(changes, key=lambda one: (-one[0], *one[1:])):
         middle = 0.5 * (cube[a] + cube[b])
-        if score < 0 and all(np.max(np.abs(middle - other)) > 1e-9 for other in (*chosen, *cube)):
-            chosen.append(middle)
-        if len(chosen) == left:
+        if len(chosen) == left or not change:
             break
-    return low + span * np.array(chosen) if chosen else np.zeros((0, len(varied)))
+        if all(np.max(np.abs(middle - other)) > 5e-7 for other in (*chosen, *cube)):
+            chosen.append(middle)
+    return np.asarray(low + (high - low) * np.reshape(chosen, (-1, len(varied))))
 
 
 ADAPTIVE_SPEC = SamplerSpec(

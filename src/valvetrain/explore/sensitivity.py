@@ -10,11 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.errors import MissingExtraError
 from valvetrain.explore.outputs import Run
 
 Array = NDArray[np.float64]
 #: Resamples behind an interval, and its ends in per cent.
 RESAMPLES, ENDS = 1000, (2.5, 97.5)
+#: Rows of all resamples together, which bound the memory.
+MOST_DRAWN = 10**7
+HINT = "Sobol indices need SALib, which is not installed; install the extra: pip install 'valvetrain[studies]'"
 #: Base rows below which there is no index; a spread (over the size of the mean) below which there is
 #: nothing to explain.
 MIN_ROWS, NO_SPREAD = 8, 1e-9
@@ -54,49 +58,41 @@ class Sensitivity:
 
 
 def sensitivity_of(
-    output: str, run: Run, names: Sequence[str], values: Array, seed: int = 1
+    output: str, run: Run, names: Sequence[str], values: Array
 ) -> Sensitivity | None:
     """Indices from ``values`` of the rows of Saltelli's design (A, B, then A with each column of
     B); nan where a point failed.
 
     First order by Saltelli et al. (2010), total by Jansen (1999), intervals by bootstrap over the
-    base rows. None with fewer than
-    :data:`MIN_ROWS` whole base rows.
+    base rows, by SALib. None with fewer than :data:`MIN_ROWS` whole base rows. Raises
+    :class:`MissingExtraError` without SALib.
     """
     size = len(names)
     parts = values.reshape(size + 2, -1)
     whole = np.all(np.isfinite(parts), axis=0)
-    retained = parts[:, whole]
-    if retained.shape[1] < MIN_ROWS:
+    rows = int(np.count_nonzero(whole))
+    if rows < MIN_ROWS:
         return None
-    first, total = indices(retained)
-    generator, drawn = np.random.default_rng(seed), np.empty((RESAMPLES, 2, size))
-    for index in range(RESAMPLES):
-        drawn[index] = indices(
-            retained[:, generator.integers(0, retained.shape[1], retained.shape[1])]
+    indices = {order: np.zeros((size, 3)) for order in ("S1", "ST")}
+    by_row = parts[[0, *range(2, size + 2), 1]][:, whole].T  # SALib's order: A, its mixtures, B
+    if np.std(by_row) > NO_SPREAD * abs(np.mean(by_row)):
+        try:
+            from SALib.analyze import sobol
+        except ImportError as error:
+            raise MissingExtraError(HINT) from error
+        problem = {"num_vars": size, "names": list(names), "bounds": [[0.0, 1.0]] * size}
+        made = sobol.analyze(
+            problem,
+            by_row.ravel(),
+            calc_second_order=False,
+            num_resamples=min(RESAMPLES, max(100, MOST_DRAWN // rows)),
+            keep_resamples=True,
+            seed=1,
         )
-    low, high = (np.nanpercentile(drawn, end, axis=0) for end in ENDS)
-    intervals = [np.stack([low[kind], high[kind]], axis=1) for kind in (0, 1)]
+        for order, columns in indices.items():
+            ends = np.nanpercentile(made[f"{order}_conf_all"], ENDS, axis=0)
+            columns[:] = np.column_stack([made[order], *ends])
+    first, total = indices.values()
     return Sensitivity(
-        output,
-        run,
-        tuple(names),
-        first,
-        total,
-        intervals[0],
-        intervals[1],
-        retained.shape[1],
-        int(np.count_nonzero(~whole)),
-    )
-
-
-def indices(parts: Array) -> tuple[Array, Array]:
-    """First-order and total indices (d) of outputs ``parts`` (d + 2, n)."""
-    centred = parts - np.mean(parts[:2])
-    a, b, mixed = centred[0], centred[1], centred[2:]
-    variance = np.var(centred[:2])
-    if not np.sqrt(variance) > NO_SPREAD * max(abs(float(np.mean(parts[:2]))), 1e-300):
-        return np.zeros(len(mixed)), np.zeros(len(mixed))
-    return np.mean(b * (mixed - a), axis=1) / variance, 0.5 * np.mean(
-        (a - mixed) ** 2, axis=1
-    ) / variance
+        output, run, tuple(names), first[:, 0], total[:, 0], first[:, 1:], total[:, 1:], rows, len(whole) - rows,
+    )  # fmt: skip

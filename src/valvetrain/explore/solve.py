@@ -228,7 +228,7 @@ def _conflicts(posterior: Posterior, peak: Peak, journal: Store) -> tuple[Confli
     return conflicts_of(
         posterior,
         (posterior.values(peak.work[None, :])[0], peak.outcome),
-        journal.points(len(posterior.unknowns)),
+        journal.points(),
     )
 
 

@@ -63,26 +63,18 @@ class Prior:
             raise InputError(
                 f"low ({self.low:g}) is not below high ({self.high:g}); correct the bounds"
             )
-        if self.flat and not (math.isfinite(self.low) and math.isfinite(self.high)):
-            raise InputError(
-                f"a {self.kind} distribution needs two finite bounds; give low and high"
-            )
-        if not self.flat and not (
-            math.isfinite(self.centre) and math.isfinite(self.spread) and self.spread > 0
-        ):
-            raise InputError(
-                f"a {self.kind} distribution needs a finite middle and a positive spread; give both"
-            )
-        if self.logarithmic and (self.low <= 0 if self.flat else self.centre <= 0):
+        needed = (self.low, self.high) if self.flat else (self.centre, self.spread)
+        if not all(map(math.isfinite, needed)) or self.spread <= 0:
+            words = "two finite bounds" if self.flat else "a finite middle and a positive spread"
+            raise InputError(f"a {self.kind} distribution needs {words}; give both")
+        if self.logarithmic and needed[0] <= 0:
             raise InputError(
                 f"a {self.kind} distribution is of positive values; give positive numbers"
             )
-        if not self.flat and not self.low <= self.centre <= self.high:
+        if not self.flat and not (self.low <= self.centre <= self.high and self.inside > 0):
             raise InputError(
                 f"the middle {self.centre:g} is outside the bounds {self.low:g} to {self.high:g}; widen them"
             )
-        if not self.flat and self.inside <= 0:
-            raise InputError("no value of the distribution is between its bounds; widen them")
 
     @property
     def flat(self) -> bool:
@@ -128,18 +120,14 @@ class Prior:
         """Lowest and highest working coordinate; where a normal one has no bound, :data:`FAR`
         deviations away.
         """
-        if self.flat:
-            return float(self.work(self.low)), float(self.work(self.high))
-        middle = float(self.work(self.centre))
-        low = (
-            -math.inf
-            if self.logarithmic and self.low <= 0
-            else float(self.work(self.low))
-            if math.isfinite(self.low)
-            else -math.inf
+        low, high = (
+            -math.inf if self.logarithmic and bound <= 0 else float(self.work(bound))
+            for bound in (self.low, self.high)
         )
-        high = float(self.work(self.high)) if math.isfinite(self.high) else math.inf
-        return max(low, middle - FAR * self.spread), min(high, middle + FAR * self.spread)
+        if self.flat:
+            return low, high
+        middle, reach = float(self.work(self.centre)), FAR * self.spread
+        return max(low, middle - reach), min(high, middle + reach)
 
     @cached_property
     def inside(self) -> float:
@@ -175,8 +163,8 @@ class Prior:
         if self.flat:
             return np.asarray(low + np.asarray(share) * (high - low))
         begin = ndtr((low - self.work_centre) / self.spread)
-        found = self.work_centre + self.spread * ndtri(begin + np.asarray(share) * self.inside)
-        return np.asarray(np.clip(found, low, high))
+        scores = ndtri(begin + np.asarray(share) * self.inside)
+        return np.asarray(np.clip(self.work_centre + self.spread * scores, low, high))
 
     def share(self, work: Array | float) -> Array:
         """Probability of the prior below a working coordinate."""
@@ -205,11 +193,8 @@ class Prior:
         """What least squares add for the prior: distance from its middle in standard deviations,
         zero of a flat one.
         """
-        return (
-            np.zeros(np.shape(work))
-            if self.flat
-            else (np.asarray(work, dtype=float) - self.work_centre) / self.spread
-        )
+        off = np.asarray(work, dtype=float) - self.work_centre
+        return np.zeros(off.shape) if self.flat else off / self.spread
 
 
 def Uniform(low: Given, high: Given) -> Prior:
@@ -363,25 +348,21 @@ class Varied:
     label: str = ""
 
     def __post_init__(self) -> None:
-        if not self.key or not all(part.strip() for part in self.key.split(".")):
-            raise InputError(
+        reason = ""
+        if not all(part.strip() for part in self.key.split(".")):
+            reason = (
                 f"'{self.key[:60]}' is no key of a case; write one such as 'spring.wire_diameter'"
             )
-        if self.operation not in _SUFFIXES:
-            raise InputError(
-                f"'{str(self.operation)[:40]}' is no way to vary a quantity; choose value, factor or offset",
-                self.key,
+        elif self.operation not in _SUFFIXES:
+            reason = "is varied in no way that there is; choose value, factor or offset"
+        elif self.operation == "factor" and self.unit:
+            reason = (
+                f"a factor is a plain number, it has no unit '{self.unit[:20]}'; leave the unit out"
             )
-        if self.operation == "factor" and self.unit:
-            raise InputError(
-                f"a factor is a plain number, it has no unit '{self.unit[:20]}'; leave the unit out",
-                self.key,
-            )
-        if self.unit and self.dimension is None:
-            raise InputError(
-                f"unit '{self.unit[:20]}' measures nothing known here; write such as mm, N/mm or rpm",
-                self.key,
-            )
+        elif self.dimension is None:
+            reason = f"unit '{self.unit[:20]}' measures nothing known here; write such as mm, N/mm or rpm"
+        if reason:
+            raise InputError(reason, self.key)
 
     @property
     def name(self) -> str:
@@ -469,11 +450,9 @@ class Space(Sequence[Varied]):
         names = self.names
         if twice := next((name for name in names if names.count(name) > 1), None):
             raise InputError(f"'{twice[:60]}' is varied twice; give it once")
-        rows = None
         if correlation is not None:
             matrix = np.asarray(correlation, dtype=float)
-            size = (len(names), len(names))
-            if matrix.shape != size or not (
+            if matrix.shape != (len(names), len(names)) or not (
                 np.allclose(matrix, matrix.T)
                 and np.allclose(np.diag(matrix), 1.0)
                 and np.all(np.linalg.eigvalsh(matrix) > 1e-12)
@@ -483,8 +462,8 @@ class Space(Sequence[Varied]):
                     "definite; correct it",
                     "correlation",
                 )
-            rows = tuple(map(tuple, matrix.tolist()))
-        object.__setattr__(self, "correlation", rows)
+            correlation = tuple(map(tuple, matrix.tolist()))
+        object.__setattr__(self, "correlation", correlation)
 
     @overload
     def __getitem__(self, index: int) -> Varied: ...

@@ -12,6 +12,7 @@ import os
 import platform
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -30,38 +31,41 @@ Array = NDArray[np.float64]
 Numbers = Mapping[str, float] | None
 #: Name of the file in the folder of the points.
 FILE = "points.jsonl"
-#: First line of a file whose keys are digests of all that a point depends on.
-BY_DIGEST = "valvetrain points by digest"
 #: Ends of a point that a second trial may change: they are not written.
 NOT_WRITTEN = ("worker-lost", "interrupted")
 IMPOSSIBLE = Status("refused", "the point cannot be computed")
-_CHECKSUM = 16
+#: Characters of the checksum in front of a line, bytes of a digest.
+_CHECKSUM, _DIGEST = 16, 16
+#: Status, names and values of a point: as small as the many points of a study need it.
+_Point = tuple[Status, tuple[str, ...], tuple[float, ...]]
 
 
 class Store:
-    """Finished points by their keys, in a file of ``folder`` (None: in memory only). Use it as a
-    context.
+    """Finished points by their keys, digests of all that a point depends on, in a file of ``folder``
+    (None: in memory only). Use it as a context.
 
-    ``identity``: what the outcomes depend on where the keys do not say it; a file of another one is
-    refused, and so is one that another process writes. ``before``: points that were in the file;
-    ``computed``: those that came since. ``at_a_time``: most points that :meth:`through` computes
-    before it writes them, 0 for all of a batch.
+    ``subject``: what the points of :meth:`through` depend on besides their values. ``before``: points
+    of it that were in the file; ``computed``: those that came since. ``at_a_time``: most points that
+    :meth:`through` computes before it writes them, 0 for all of a batch. Raises :class:`InputError`
+    for a folder in which another process works.
 
     >>> with Store(None) as store:
-    ...     store.add(b"one", Outcome(values={"peak_spring_force": 510.0}))
-    ...     store.outcome(b"one")["peak_spring_force"]
+    ...     store.add(b"first", Outcome(values={"peak_spring_force": 510.0}))
+    ...     store.outcome(b"first")["peak_spring_force"]
     510.0
     """
 
-    def __init__(self, folder: Path | None, identity: str = BY_DIGEST) -> None:
-        self.folder = folder
-        self.computed = self.before = self.at_a_time = 0
+    def __init__(self, folder: Path | None, subject: str = "") -> None:
+        self.computed = self.at_a_time = 0
+        self._prefix = _digest(subject.encode())[: _DIGEST // 2] if subject else b""
         self._names: dict[tuple[str, ...], tuple[str, ...]] = {}
-        #: (names, a value each), with the status in front where it is not completed: compact
-        self._points: dict[bytes, tuple[Any, ...]] = {}
+        self._points: dict[bytes, _Point] = {}
+        #: values of the points that were requested of :meth:`through` without a part, by their keys
+        self._requested: dict[bytes, Array] = {}
         self._handle = -1
         if folder is not None:
-            self._open(folder, identity)
+            self._open(folder)
+        self.before = sum(key.startswith(self._prefix) for key in self._points)
 
     def __enter__(self) -> Store:
         return self
@@ -70,27 +74,28 @@ class Store:
         self.close()
 
     def __len__(self) -> int:
-        return len(self._points)
+        return self.before + self.computed
 
     def __contains__(self, key: bytes) -> bool:
         return key in self._points
 
     def outcome(self, key: bytes) -> Outcome:
         """The outcome of a stored point."""
-        status, names, values = self._parts(key)
+        status, names, values = self._points[key]
         return Outcome(status, dict(zip(names, values, strict=True)))
 
     def numbers(self, key: bytes) -> Numbers:
         """The numbers of a stored point; None where it did not complete."""
-        status, names, values = self._parts(key)
-        return dict(zip(names, values, strict=True)) if status.completed else None
+        outcome = self.outcome(key)
+        return outcome.values if outcome.status.completed else None
 
     def add(self, key: bytes, outcome: Outcome) -> None:
         """Store a finished point; it survives a kill of this process after the return."""
-        self._remember(key, outcome)
+        status, names, values = self._remember(key, outcome)
         self.computed += 1
-        if self._handle >= 0 and outcome.status.code not in NOT_WRITTEN:
-            append_whole(self._handle, _line(_record(key, outcome)))
+        if self._handle >= 0 and status.code not in NOT_WRITTEN:
+            record = [key.hex(), dict(zip(names, values, strict=True)), astuple(status)]
+            append_whole(self._handle, _line(json.dumps(record, separators=(",", ":")).encode()))
 
     def close(self) -> None:
         """Bring the file to the disk and give it free for the next process."""
@@ -105,46 +110,43 @@ class Store:
         self, evaluate: Callable[[Array], Sequence[Numbers]], part: bytes = b""
     ) -> Callable[[Array], list[Numbers]]:
         """``evaluate`` with every point computed once; ``part`` separates several computations of
-        the same points. The key of a point is the bytes of its values.
+        the same points.
         """
 
         def stored(points: Array) -> list[Numbers]:
-            keys = [part + key_of(point) for point in points]
-            missing = {key: row for row, key in enumerate(keys) if key not in self._points}
-            new = list(missing.items())
+            values = [np.array(point, dtype=float) for point in points]
+            keys = [
+                self._prefix + _digest(part + one.tobytes())[len(self._prefix) :] for one in values
+            ]
+            if not part:
+                self._requested |= dict(zip(keys, values, strict=True))
+            new = list(
+                {key: row for row, key in enumerate(keys) if key not in self._points}.items()
+            )
             size = self.at_a_time or max(len(new), 1)
             for first in range(0, len(new), size):
                 batch = new[first : first + size]
-                found = evaluate(points[[row for _, row in batch]])
-                for (key, _), numbers in zip(batch, found, strict=True):
-                    self.add(key, Outcome(IMPOSSIBLE) if numbers is None else _outcome(numbers))
+                answers = evaluate(points[[row for _, row in batch]])
+                for (key, _), numbers in zip(batch, answers, strict=True):
+                    self.add(
+                        key, Outcome(IMPOSSIBLE) if numbers is None else Outcome(values=numbers)
+                    )
             return [self.numbers(key) for key in keys]
 
         return stored
 
-    def points(self, quantities: int) -> list[tuple[Array, Numbers]]:
-        """Values of ``quantities`` and numbers of every point of :meth:`through` without a
-        part.
-        """
-        return [
-            (np.frombuffer(key, dtype=float), self.numbers(key))
-            for key in self._points
-            if len(key) == 8 * quantities
-        ]
+    def points(self) -> list[tuple[Array, Numbers]]:
+        """Values and numbers of every point that was requested of :meth:`through` without a part."""
+        return [(values, self.numbers(key)) for key, values in self._requested.items()]
 
-    def _parts(self, key: bytes) -> tuple[Status, tuple[str, ...], tuple[float, ...]]:
-        first, *rest = self._points[key]
-        if isinstance(first, Status):
-            return first, rest[0], tuple(rest[1:])
-        return COMPLETED, first, tuple(rest)
-
-    def _remember(self, key: bytes, outcome: Outcome) -> None:
+    def _remember(self, key: bytes, outcome: Outcome) -> _Point:
         names = tuple(outcome.values)
-        names = self._names.setdefault(names, names)
-        compact = (names, *map(float, outcome.values.values()))
-        self._points[key] = compact if outcome.status == COMPLETED else (outcome.status, *compact)
+        status = COMPLETED if outcome.status == COMPLETED else outcome.status
+        values = tuple(map(float, outcome.values.values()))
+        self._points[key] = status, self._names.setdefault(names, names), values
+        return self._points[key]
 
-    def _open(self, folder: Path, identity: str) -> None:
+    def _open(self, folder: Path) -> None:
         path = folder / FILE
         check_target(path, "output")
         folder.mkdir(parents=True, exist_ok=True)
@@ -156,81 +158,39 @@ class Store:
                     "another process works on the points there; wait for it, or choose another folder",
                     str(folder)[:120],
                 )
-            self._read(path, identity)
+            end = 0
+            with path.open("rb") as file:
+                for line in file:
+                    record = _content(line)
+                    if record is None:
+                        break
+                    key, values, status = record
+                    self._remember(bytes.fromhex(key), Outcome(Status(*status), values))
+                    end += len(line)
+            os.ftruncate(self._handle, end)
         except BaseException:
             os.close(self._handle)
             self._handle = -1
             raise
 
-    def _read(self, path: Path, identity: str) -> None:
-        end = 0
-        with path.open("rb") as file:
-            for number, line in enumerate(file):
-                record = _content(line)
-                if record is None:
-                    break
-                if number:
-                    self._remember(*_point(record))
-                elif record != identity:
-                    raise InputError(_other(str(record), identity), str(path))
-                end += len(line)
-        self.before = len(self._points)
-        os.ftruncate(self._handle, end)
-        if end == 0:
-            append_whole(self._handle, _line(identity))
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.blake2b(content, digest_size=_DIGEST).digest()
 
 
-def key_of(point: Array) -> bytes:
-    """The bytes of a point's values."""
-    return np.ascontiguousarray(point, dtype=float).tobytes()
-
-
-def _outcome(numbers: Mapping[str, float]) -> Outcome:
-    return Outcome(values={name: float(value) for name, value in numbers.items()})
-
-
-def _record(key: bytes, outcome: Outcome) -> list[Any]:
-    status = outcome.status
-    if status == IMPOSSIBLE:
-        return [key.hex(), None]
-    reported: list[Any] = [key.hex(), dict(outcome.values)]
-    if status != COMPLETED:
-        reported.append([status.code, status.message, status.time, status.where, status.remedy])
-    return reported
-
-
-def _point(record: Sequence[Any]) -> tuple[bytes, Outcome]:
-    key, values, *status = record
-    if values is None:
-        return bytes.fromhex(key), Outcome(IMPOSSIBLE)
-    return bytes.fromhex(key), Outcome(Status(*status[0]) if status else COMPLETED, values)
-
-
-def _line(record: object) -> bytes:
-    body = json.dumps(record, separators=(",", ":")).encode()
+def _line(body: bytes) -> bytes:
     return digest(body)[:_CHECKSUM].encode() + b" " + body + b"\n"
 
 
 def _content(line: bytes) -> Any:
-    """The record of a line; None where its bytes are not those that were written."""
+    """The record of a line; None where its bytes are not those that were written, or another version
+    wrote it in another form.
+    """
     body = line[_CHECKSUM + 1 : -1]
-    if (
-        not line.endswith(b"\n")
-        or line[: _CHECKSUM + 1] != digest(body)[:_CHECKSUM].encode() + b" "
-    ):
+    if line != _line(body):
         return None
-    return json.loads(body)
-
-
-def _other(there: str, identity: str) -> str:
-    """Why a file with another first line is refused."""
-    request, _, version = identity.partition(" ")
-    if version and there.partition(" ")[0] == request and there != BY_DIGEST:
-        return (
-            "holds points that another version of valvetrain or of its libraries computed; continue with that version, or "
-            "remove the file to start again"
-        )
-    return "holds points of another identification or of a study; give another folder"
+    record = json.loads(body)
+    return record if isinstance(record, list) and len(record) == 3 else None
 
 
 #: Folders that compute no point: a change there makes no stored point stale.

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -12,8 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from valvetrain.explore.engine import Array, Engine, Evaluation
-from valvetrain.explore.executors import Executor, LocalExecutor
+from valvetrain.explore.engine import Array, Engine, Evaluation, PointJob
 from valvetrain.explore.files import (
     MAX_VARIED,
     CorrelationModel,
@@ -24,18 +24,13 @@ from valvetrain.explore.files import (
     space_of_file,
     text_of_file,
 )
-from valvetrain.explore.limit_speed import CLOSER
+from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation, limit_of
 from valvetrain.explore.optimum_file import LimitSpeedModel
-from valvetrain.explore.outputs import LimitSearch, Outputs, Run, limit_search, refuse_limit_name
+from valvetrain.explore.outputs import Outcome, Outputs, Run, limit_search
 from valvetrain.explore.samplers import SamplerSpec, sampler
 from valvetrain.explore.sensitivity import sensitivity_of
-from valvetrain.explore.space import Space, Values
-from valvetrain.explore.study_limits import (
-    LimitColumns,
-    LimitColumnsSearch,
-    limit_runs,
-    refuse_limits,
-)
+from valvetrain.explore.space import ENGINE_SPEED, Space, Values
+from valvetrain.explore.study_limits import ends_of, refuse_limits, refuse_missing, searches_of
 from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.explore.unavailable import refuse_outputs
@@ -47,7 +42,6 @@ from valvetrain.runs.request_cost import REST, RunRequest, request_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
-from valvetrain.solution.definition import is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.units import known_arguments, si_speeds
 
@@ -76,11 +70,12 @@ class PointsInterrupted(Stopped):
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Estimated cost of a study: runs, time and memory of all, seconds of one; ``searches`` for limit
-    speeds among them, whose runs are counted at most.
+    """Estimated cost of a study: runs, the jobs that they are computed in, time and memory of all, seconds
+    of a job; ``searches`` for limit speeds among the jobs, whose runs are counted at most.
     """
 
     points: int
+    jobs: int
     cost: Cost
     seconds_each: float
     searches: int = 0
@@ -181,187 +176,158 @@ def run_plan(
     """The table of a plan with what its kind adds: Sobol indices, surrogates."""
     place = None if folder is None else Path(folder)
     with on_cluster(dask, workers) as count:
-        return analysed(run_points(plan, LocalExecutor(count), place, limits, progress))
+        return analysed(run_points(plan, count, place, limits, progress))
 
 
 def run_points(
     plan: StudyPlan,
-    executor: Executor,
+    workers: int,
     folder: Path | None = None,
     limits: Limits = Limits(),
     progress: Progress | None = None,
 ) -> StudyTable:
-    """The table of a plan; points that the store in ``folder`` holds are not computed again. The
-    executor is closed at the end.
+    """The table of a plan; points that the store in ``folder`` holds are not computed again.
 
     Raises :class:`InputError` for a request beyond ``limits``, :class:`PointsInterrupted` with the
     table when it is stopped.
     """
     begun = time.perf_counter()
-    try:
-        estimate = estimate_study(plan, executor.workers)
-        refuse_cost(estimate.cost, limits)
-        draws = plan.draws()
-    except BaseException:
-        executor.close()
-        raise
-    experiment, total = plan.experiment, max(estimate.points, 1)
+    estimate = estimate_study(plan, workers)
+    refuse_cost(estimate.cost, limits)
+    draws, searches = plan.draws(), searches_of(plan.experiment)
 
     def finished() -> None:
         if progress is not None:
-            reached = engine.computed + engine.read
+            total, reached = max(estimate.jobs, 1), engine.computed + engine.read
             progress(min(1.0, reached / total), f"{reached} of {total} points")
 
     together = 1 if estimate.seconds_each > SHORT else TOGETHER
-    with Engine((experiment,), executor, folder, together, finished) as engine:
-        stopped, limits_found = False, None
+    evaluations = (plan.experiment, *searches)
+    with Engine(evaluations, workers, folder, together, finished) as engine:
+        stopped = False
         try:
-            search = LimitColumnsSearch(engine, experiment)
-            search.probe()
-            new = draws if experiment.outputs.quantities else draws[:0]
+            refuse_missing(engine, searches)
+            new = draws
             while len(new):
                 engine.compute(
-                    (experiment, tuple(row.tolist()), run) for row, run in experiment.rows(new)
+                    job
+                    for row, run in plan.experiment.rows(new)
+                    for job in _jobs(plan, searches, row, run)
                 )
-                first = _column(engine, experiment, draws)
-                new = plan.sampler.more(plan.varied, plan.options, draws, first)
-                draws = np.concatenate([draws, new])
-            limits_found = search.columns(draws)
+                new = new[:0]
+                if plan.sampler.more is not None:
+                    first = _table(plan, engine, searches, draws).values[:: len(plan.runs), 0]
+                    new = plan.sampler.more(plan.varied, plan.options, draws, first)
+                    draws = np.concatenate([draws, new])
         except KeyboardInterrupt:
             stopped = True
-        table = _table(plan, engine, draws, limits_found)
+        table = _table(plan, engine, searches, draws)
         table = replace(table, seconds=time.perf_counter() - begun)
     if stopped:
         raise PointsInterrupted(table)
     return table
 
 
-def _column(engine: Engine, experiment: Evaluation, draws: Array) -> Array:
-    """The first output of every draw by the first run, nan where there is none."""
-    run, names = experiment.runs[0], experiment.outputs.quantities
-    if not names:
-        return np.full(len(draws), np.nan)
-    outcomes = (engine.store.outcome(experiment.digest(row, run)) for row in draws)
-    return np.array([one.values.get(names[0], np.nan) for one in outcomes])
+def _jobs(
+    plan: StudyPlan, searches: Sequence[LimitEvaluation], row: Array, run: Run
+) -> list[PointJob]:
+    """What a row of the table is computed by: its run, and the search for each limit speed."""
+    values, experiment = tuple(row.tolist()), plan.experiment
+    own = [(experiment, values, run)] if experiment.outputs.quantities else []
+    return [*own, *((search, values, (None, *run[1:])) for search in searches)]
 
 
 def _table(
-    plan: StudyPlan, engine: Engine, draws: Array, limits: LimitColumns | None
+    plan: StudyPlan, engine: Engine, searches: Sequence[LimitEvaluation], draws: Array
 ) -> StudyTable:
-    experiment, count = plan.experiment, len(plan.runs)
-    names = experiment.outputs.quantities
-    values = np.full((len(draws) * count, len(plan.outputs)), np.nan)
+    values = np.full((len(draws) * len(plan.runs), len(plan.outputs)), np.nan)
     statuses: list[Status] = []
-    if limits is not None:
-        values[:, len(names) :] = limits.values.reshape(len(values), -1)
-    for row, (draw, run) in enumerate(experiment.rows(draws)):
-        failure = None if limits is None else limits.failures.get(divmod(row, count))
-        if not names:
-            statuses.append(INTERRUPTED if limits is None else failure or COMPLETED)
-            continue
-        key = experiment.digest(draw, run)
-        if key not in engine.store:
-            statuses.append(INTERRUPTED)
-            continue
-        outcome = engine.store.outcome(key)
-        values[row, : len(names)] = [outcome.values.get(name, np.nan) for name in names]
-        statuses.append(failure if failure and outcome.status.completed else outcome.status)
+    ends: dict[tuple[LimitEvaluation, bytes], str] = {}
+    for place, (row, run) in enumerate(plan.experiment.rows(draws)):
+        status = COMPLETED
+        for evaluation, point, at in _jobs(plan, searches, row, run):
+            key = evaluation.digest(point, at)
+            outcome = engine.store.outcome(key) if key in engine.store else Outcome(INTERRUPTED)
+            status = outcome.status if status.completed else status
+            for name in outcome.values.keys() & set(plan.outputs):
+                values[place, plan.outputs.index(name)] = outcome.values[name]
+            if isinstance(evaluation, LimitEvaluation):
+                ends[evaluation, key] = limit_of(outcome).kind if outcome.values else ""
+        statuses.append(status)
     inputs = np.repeat(draws, len(plan.runs), axis=0)
-    runs = plan.runs * len(draws)
-    ends = () if limits is None else limits.ends
     return StudyTable(
-        plan, inputs, runs, values, tuple(statuses), computed=engine.computed, limit_ends=ends
-    )
+        plan, inputs, plan.runs * len(draws), values, tuple(statuses), computed=engine.computed,
+        limit_ends=ends_of(ends),
+    )  # fmt: skip
 
 
 def analysed(table: StudyTable) -> StudyTable:
     """The table with what its kind adds: Sobol indices, surrogates."""
     plan = table.plan
-    pairs = [(run, table.rows_of(run), name) for run in plan.runs for name in table.outputs]
     names = [one.shown_name for one in plan.varied]
-    if plan.kind == "tolerance":
-        indices = [
-            sensitivity_of(name, run, names, _completed(table, name)[rows])
-            for run, rows, name in pairs
-        ]
-        return replace(table, sensitivities=tuple(one for one in indices if one is not None))
-    if plan.kind == "surrogate":
-        fits = [
-            surrogate_of(name, run, names, table.inputs[rows], _completed(table, name)[rows])
-            for run, rows, name in pairs
-        ]
-        return replace(table, surrogates=tuple(one for one in fits if one is not None))
-    return table
-
-
-def _completed(table: StudyTable, name: str) -> Array:
-    """An output with nan where the point did not complete."""
-    return np.where(table.completed, table.column(name), np.nan)
+    indices, surrogates = [], []
+    for run, name in itertools.product(plan.runs, table.outputs):
+        rows = table.rows_of(run)
+        values = np.where(table.completed, table.column(name), np.nan)[rows]
+        if plan.kind == "tolerance":
+            indices.append(sensitivity_of(name, run, names, values))
+        elif plan.kind == "surrogate":
+            surrogates.append(surrogate_of(name, run, names, table.inputs[rows], values))
+    return replace(
+        table,
+        sensitivities=tuple(filter(None, indices)),
+        surrogates=tuple(filter(None, surrogates)),
+    )
 
 
 def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
-    """Estimated cost of a plan, from its request alone; of an adaptive one at its bound."""
-    draws = len(plan.draws())
-    if plan.sampler.more.__name__ != "no_more":
+    """Estimated cost of a plan, from its request alone; of an adaptive one at its bound, of a limit
+    speed with its whole grid and the speeds between.
+    """
+    draws, experiment = len(plan.draws()), plan.experiment
+    if plan.sampler.more is not None:
         draws = max(draws, int(getattr(plan.options, "count", draws)))
-    experiment = plan.experiment
     refuse_outputs(experiment)
     refuse_limits(experiment)
-    runs = plan.runs if experiment.outputs.quantities else ()
-    seconds = [seconds_of(experiment, run) for run in runs]
+    quantities, limits = experiment.outputs.quantities, experiment.outputs.limit_speeds
+    seconds = [seconds_of(experiment, run) for run in plan.runs if quantities]
+    runs = len(seconds)
+    for search, kind in itertools.product(
+        searches_of(experiment), dict.fromkeys(run[1:] for run in plan.runs)
+    ):
+        speeds = search.limit.engine_speeds
+        grid = sum(seconds_of(search, (speed, *kind)) for speed in speeds)
+        seconds.append(grid * (1 + CLOSER / len(speeds)))
+        runs += len(speeds) + CLOSER
     numbers = len(plan.varied) + len(plan.outputs)
-    searched = limit_runs(experiment)
-    seconds += [_seconds_of_limit(experiment, one) for one in experiment.outputs.limit_speeds]
-    points = draws * (len(runs) + searched)
-    memory = points * (STORED + 8.0 * numbers) + 3e7 * workers_here(workers)
-    time_needed = draws * sum(seconds) / max(1, workers)
-    each = sum(seconds) / (len(runs) + searched)
-    searches = draws * len(experiment.outputs.limit_speeds)
-    return Estimate(points, Cost(time_needed, memory), each, searches)
-
-
-def _seconds_of_limit(experiment: Evaluation, limit: LimitSearch) -> float:
-    """Estimated seconds of one core for a limit speed of one draw, by every model, at most: its whole grid
-    and the speeds between.
-    """
-    outputs = experiment.outputs.of(limit.quantity)
-    own = Evaluation(experiment.case, experiment.space, outputs, experiment.runs)
-    speeds = limit.engine_speeds
-    kinds = dict.fromkeys(run[1:] for run in experiment.runs)
-    grid = sum(seconds_of(own, (speed, *kind)) for kind in kinds for speed in speeds)
-    return grid * (1 + CLOSER / len(speeds))
+    memory = draws * runs * (STORED + 8.0 * numbers) + 3e7 * workers_here(workers)
+    cost = Cost(draws * sum(seconds) / max(1, workers), memory)
+    each = sum(seconds) / len(seconds)
+    return Estimate(draws * runs, draws * len(seconds), cost, each, draws * len(limits))
 
 
 def seconds_of(plan: Evaluation, run: Run) -> float:
     """Estimated seconds of one core for one point of ``run``."""
     if plan.case is None:
         return AROUND
-    request = plan.outputs.request
-    engine_speed, model, spring_set = run
-    speeds: tuple[float, ...] = (engine_speed,) if engine_speed is not None else ()
-    if not speeds and request.motion:  # the engine speed is varied: the slowest takes longest
-        ends = [
-            one.distribution.at([0.01, 0.99]) for one in plan.space if one.key == "engine_speed"
-        ]
-        speeds = tuple(float(np.min(one)) for one in ends)
-    single = RunRequest(
-        "run",
-        plan.case,
-        speeds,
-        tuple(filter(None, (model,))),
-        tuple(filter(None, (spring_set,))),
-        1,
-    )
-    found = request_cost(single, whole=not request.light).seconds if speeds else 0.0
-    springs = max(1, len(plan.case.springs))
-    if speeds and plan.case.train is None and request.light:
-        found -= REST * springs
+    request, springs = plan.outputs.request, max(1, len(plan.case.springs))
+    engine_speed, *words = run
+    if engine_speed is None and request.motion:  # it is varied: the slowest takes longest
+        varied = [one for one in plan.space if one.key == ENGINE_SPEED]
+        engine_speed = min(
+            (float(np.min(one.distribution.at([0.01, 0.99]))) for one in varied), default=None
+        )
+    seconds = 0.0
+    if engine_speed is not None:
+        models, sets = ((word,) if word else () for word in words)
+        single = RunRequest("run", plan.case, (engine_speed,), models, sets, 1)
+        seconds = request_cost(single, whole=not request.light).seconds
+        if plan.case.train is None and request.light:
+            seconds -= REST * springs
     by_rod = request.rest and not request.rest_model and not request.sizes_alone
-    return (
-        max(found, 0.0)
-        + AROUND
-        + (0.6 * springs if by_rod and (not speeds or request.light) else 0.0)
-    )
+    if by_rod and (engine_speed is None or request.light):
+        seconds += 0.6 * springs
+    return max(seconds, 0.0) + AROUND
 
 
 #: What is computed from the points in addition to their own numbers.
@@ -446,40 +412,29 @@ def read_plan(text: StudyText) -> StudyPlan:
             ("points", "sampler"),
             "a study of kind 'tolerance' needs the sampler saltelli; choose it",
         )
-    for index, name in enumerate(model.outputs):
-        if not is_defined(name):
-            raise text.located(("outputs", index), no_quantity(name))
-        text.guarded(("outputs", index), lambda name=name: refuse_limit_name(name))
-    if not model.outputs and not model.limit_speed:
-        raise text.located(
-            ("outputs",), "names no quantity; name one or more of docs/quantities.md"
-        )
-    for key, word in (
-        ("rest_model", model.rest_model),
-        *(("spring_models", one) for one in model.spring_models),
-    ):
-        if word:
-            text.guarded((key,), lambda word=word: find("springs", word))
+    for key, words in (("rest_model", [model.rest_model]), ("spring_models", model.spring_models)):
+        for one in filter(None, words):
+            text.guarded((key,), lambda one=one: find("springs", one))
     limits = [
         text.guarded(("limit_speed", index), lambda one=one: limit_search(**one.model_dump()))
         for index, one in enumerate(model.limit_speed)
     ]
-    speeds = model.engine_speeds
-    experiment = text.guarded(
+    speeds = text.guarded(
         ("engine_speeds",),
-        lambda: Evaluation(
-            case,
-            space,
-            Outputs(
-                model.outputs,
-                engine_speeds=None if speeds is None else si_speeds(speeds),
-                spring_models=model.spring_models,
-                spring_set=model.spring_sets,
-                rest_model=model.rest_model,
-                limit_speeds=limits,
-            ),
+        lambda: None if model.engine_speeds is None else si_speeds(model.engine_speeds),
+    )
+    outputs = text.guarded(
+        ("outputs",),
+        lambda: Outputs(
+            model.outputs,
+            engine_speeds=speeds,
+            spring_models=model.spring_models,
+            spring_set=model.spring_sets,
+            rest_model=model.rest_model,
+            limit_speeds=limits,
         ),
     )
+    experiment = text.guarded(("engine_speeds",), lambda: Evaluation(case, space, outputs))
     text.guarded(("outputs",), lambda: refuse_outputs(experiment))
     text.guarded(("limit_speed",), lambda: refuse_limits(experiment))
     title = model.title or f"{case.name}: {spec.shown_name}"

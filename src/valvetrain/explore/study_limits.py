@@ -1,16 +1,12 @@
-"""Limit speeds as outputs of a study: what they cost, what cannot be had, and their columns."""
+"""Limit speeds as outputs of a study: what cannot be had, their searches, and where these end."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Mapping, Sequence
 
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Engine, Evaluation
-from valvetrain.explore.limit_speed import BELOW, BEYOND, CLOSER, LimitEvaluation, limit_of
-from valvetrain.explore.outputs import LimitSearch
+from valvetrain.explore.limit_speed import BELOW, BEYOND, LimitEvaluation
 from valvetrain.explore.space import ENGINE_SPEED
 from valvetrain.explore.table import LimitEnd
 from valvetrain.quantities.request import is_at_rest
@@ -20,9 +16,6 @@ from valvetrain.solution.definition import (
     no_quantity,
     not_given,
 )
-from valvetrain.solution.status import Status
-
-Array = NDArray[np.float64]
 
 
 def refuse_limits(experiment: Evaluation) -> None:
@@ -50,79 +43,36 @@ def refuse_limits(experiment: Evaluation) -> None:
             )
 
 
-@dataclass(frozen=True)
-class LimitColumns:
-    """Limit speeds ``values`` (draws, runs, limits) in rad/s, nan where there is none; ``failures``:
-    status by (draw, run) of those that could not be searched; ``ends`` of the search that were met.
+def searches_of(experiment: Evaluation) -> tuple[LimitEvaluation, ...]:
+    """The searches for the limit speeds of an experiment."""
+    return tuple(LimitEvaluation(experiment, one) for one in experiment.outputs.limit_speeds)
+
+
+def refuse_missing(engine: Engine, searches: Sequence[LimitEvaluation]) -> None:
+    """Raise :class:`InputError` where the middle of the space runs at the lowest speed and has not
+    the quantity of a limit.
     """
+    for search in searches:
+        limit, middle = search.limit, tuple(one.distribution.middle for one in search.space)
+        kinds = dict.fromkeys(run[1:] for run in search.runs)
+        jobs = [(search, middle, (limit.engine_speeds[0], *kind)) for kind in kinds]
+        for kind, outcome in zip(kinds, engine.outcomes(jobs), strict=True):
+            if outcome.status.completed and limit.quantity not in outcome.values:
+                by = f" by {kind[0]}" if kind[0] else ""
+                raise InputError(f"{not_given(limit.quantity, outcome.values)}{by}", "limit_speed")
 
-    values: Array
-    failures: dict[tuple[int, int], Status]
-    ends: tuple[LimitEnd, ...]
 
-
-class LimitColumnsSearch:
-    """The searches of an experiment's limit speeds through an engine."""
-
-    def __init__(self, engine: Engine, experiment: Evaluation) -> None:
-        self.engine, self.experiment = engine, experiment
-        self.searches = [
-            LimitEvaluation(experiment, limit) for limit in experiment.outputs.limit_speeds
+def ends_of(kinds: Mapping[tuple[LimitEvaluation, bytes], str]) -> tuple[LimitEnd, ...]:
+    """How many searches, by evaluation and point, end at an end of the speeds, which then replaces
+    the limit.
+    """
+    ends = []
+    for search in dict.fromkeys(search for search, _ in kinds):
+        words = [word for (one, _), word in kinds.items() if one is search]
+        speeds = search.limit.engine_speeds
+        ends += [
+            LimitEnd(search.limit.name, word == BEYOND, words.count(word), len(words), speed)
+            for word, speed in ((BEYOND, speeds[-1]), (BELOW, speeds[0]))
+            if word in words
         ]
-        for search in self.searches:
-            engine.include(search)
-
-    def probe(self) -> None:
-        """Raise :class:`InputError` where the middle of the space runs at the lowest speed and has not
-        the quantity.
-        """
-        middle = tuple(one.distribution.middle for one in self.experiment.space)
-        kinds = dict.fromkeys(run[1:] for run in self.experiment.runs)
-        for search in self.searches:
-            limit = search.limit
-            jobs = [(search, middle, (limit.engine_speeds[0], *kind)) for kind in kinds]
-            for kind, one in zip(kinds, self.engine.outcomes(jobs), strict=True):
-                if one.status.completed and limit.quantity not in one.values:
-                    by = f" by {kind[0]}" if kind[0] else ""
-                    raise InputError(f"{not_given(limit.quantity, one.values)}{by}", "limit_speed")
-
-    def columns(self, draws: Array) -> LimitColumns:
-        """All limit speeds of the ``draws`` (n, d)."""
-        runs = self.experiment.runs
-        kinds = list(dict.fromkeys(run[1:] for run in runs))
-        values = np.full((len(draws), len(runs), len(self.searches)), np.nan)
-        failures: dict[tuple[int, int], Status] = {}
-        met: list[LimitEnd] = []
-        for column, search in enumerate(self.searches):
-            ends: list[str] = []
-            for kind in kinds:
-                jobs = [(search, tuple(row), (None, *kind)) for row in draws.tolist()]
-                outcomes = self.engine.outcomes(jobs)
-                for place in (k for k, run in enumerate(runs) if run[1:] == kind):
-                    values[:, place, column] = [
-                        one.values.get(search.limit.name, np.nan) for one in outcomes
-                    ]
-                    failures |= {
-                        (draw, place): one.status
-                        for draw, one in enumerate(outcomes)
-                        if not one.status.completed
-                    }
-                ends += [limit_of(one).kind for one in outcomes if one.values]
-            met += _ends(search.limit, ends, len(draws) * len(kinds))
-        return LimitColumns(values, failures, tuple(met))
-
-
-def _ends(limit: LimitSearch, kinds: list[str], searches: int) -> list[LimitEnd]:
-    """How many searches end at an end of the speeds, which then replaces the limit."""
-    ends = ((BEYOND, limit.engine_speeds[-1]), (BELOW, limit.engine_speeds[0]))
-    return [
-        LimitEnd(limit.name, word == BEYOND, kinds.count(word), searches, speed)
-        for word, speed in ends
-        if word in kinds
-    ]
-
-
-def limit_runs(experiment: Evaluation) -> int:
-    """Runs of one draw for all its limit speeds, at most."""
-    kinds = len(dict.fromkeys(run[1:] for run in experiment.runs))
-    return kinds * sum(len(one.engine_speeds) + CLOSER for one in experiment.outputs.limit_speeds)
+    return tuple(ends)

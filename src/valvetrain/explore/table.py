@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,7 +19,7 @@ from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space
 from valvetrain.parameters.case import Case
 from valvetrain.registry import find
-from valvetrain.solution.definition import definition_of, label_of, not_given, of_pair, shown
+from valvetrain.solution.definition import definition_of, label_of, not_given, of_pair
 from valvetrain.solution.display import frame
 from valvetrain.solution.saveable import Reported
 from valvetrain.solution.status import Status
@@ -224,17 +225,11 @@ class StudyTable(Reported):
 
     def statistics(self) -> Array:
         """Mean, 5, 50 and 95 % and standard deviation (runs, outputs, 5) of completed points."""
-        found = np.full((len(self.plan.runs), len(self.outputs), 5), np.nan)
-        for index, run in enumerate(self.plan.runs):
-            rows = self.rows_of(run)[self.completed[self.rows_of(run)]]
-            for column in range(len(self.outputs)):
-                values = self.values[rows, column]
-                values = values[np.isfinite(values)]
-                if len(values):
-                    found[index, column] = (
-                        np.mean(values), *np.percentile(values, (5, 50, 95)), np.std(values),
-                    )  # fmt: skip
-        return found
+        whole = np.where(self.completed[:, None], self.values, np.nan)
+        whole = whole.reshape(-1, len(self.plan.runs), len(self.outputs))
+        with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # none completed
+            ends = np.nanpercentile(whole, (5, 50, 95), axis=0)
+            return np.stack([np.nanmean(whole, 0), *ends, np.nanstd(whole, 0)], axis=-1)
 
     def to_xarray(self) -> xarray.Dataset:
         """A Dataset over point, speed (rad/s of the crank), model, and spring set where there are
@@ -244,87 +239,55 @@ class StudyTable(Reported):
         import xarray
 
         runs = self.plan.runs
-        speeds, models, sets = (list(dict.fromkeys(column)) for column in zip(*runs, strict=True))
-        dims, count = ("point", "speed", "model", "spring_set"), len(self) // len(runs)
-        shape = (count, len(speeds), len(models), len(sets))
-        numbers = np.full((*shape, len(self.outputs)), np.nan)
+        axes = [list(dict.fromkeys(column)) for column in zip(*runs, strict=True)]
+        cells: Any = (slice(None), *zip(*(map(list.index, axes, run) for run in runs), strict=True))
+        shape = (len(self) // len(runs), *map(len, axes))
+        dims, still = ("point", "speed", "model", "spring_set"), ("point", "model", "spring_set")
+        limits = [one.name for one in self.plan.experiment.outputs.limit_speeds]
+        data: dict[str, Any] = {}
+        for name, column in zip(self.outputs, self.values.T, strict=True):
+            numbers = np.full(shape, np.nan)
+            numbers[cells] = column.reshape(-1, len(runs))
+            about = {"units": definition_of(name).si_unit, "long_name": label_of(name)}
+            data[name] = (still, numbers[:, 0], about) if name in limits else (dims, numbers, about)
         status = np.full(shape, "not requested", dtype="U16")
-        codes = np.array([one.code for one in self.statuses]).reshape(count, len(runs))
-        values = self.values.reshape(count, len(runs), -1)
-        for column, (speed, model, spring_set) in enumerate(runs):
-            at = speeds.index(speed), models.index(model), sets.index(spring_set)
-            numbers[:, at[0], at[1], at[2]] = values[:, column]
-            status[:, at[0], at[1], at[2]] = codes[:, column]
-        data: dict[str, Any] = {
-            name: (dims, numbers[..., column], _attributes(name))
-            for column, name in enumerate(self.plan.experiment.outputs.quantities)
-        }
-        data["status"] = (dims, status)
-        for limit in self.plan.experiment.outputs.limit_speeds:
-            column = self.outputs.index(limit.name)
-            data[limit.name] = (
-                ("point", "model", "spring_set"), numbers[:, 0, :, :, column], _attributes(limit.name),
-            )  # fmt: skip
+        status[cells] = np.reshape([one.code for one in self.statuses], (-1, len(runs)))
         coordinates: dict[str, Any] = {
-            "speed": np.array([np.nan if one is None else one for one in speeds]),
-            "model": models,
-            "spring_set": sets,
-        }
-        found = xarray.Dataset(data, coordinates, {"title": self.plan.title})
-        if sets == [""]:
-            found = found.isel(spring_set=0, drop=True)
-        if self.plan.case is None:
-            found = found.isel(speed=0, model=0, drop=True)
-        inputs: dict[str, Any] = {
-            one.name: (
-                "point",
-                self.inputs[:: len(runs), column],
-                {"units": one.si_unit or "1", "long_name": one.shown_name},
-            )
-            for column, one in enumerate(self.plan.varied)
-        }
-        found = found.assign_coords(inputs)
-        return found if self.converged is None else found.assign_attrs(converged=self.converged)
+            "speed": np.array(axes[0], dtype=float), "model": axes[1], "spring_set": axes[2],
+        } | {
+            one.name: ("point", column, {"units": one.si_unit or "1", "long_name": one.shown_name})
+            for one, column in zip(self.plan.varied, self.inputs[:: len(runs)].T, strict=True)
+        }  # fmt: skip
+        dataset = xarray.Dataset({**data, "status": (dims, status)}, coordinates)
+        dataset.attrs["title"] = self.plan.title
+        if self.converged is not None:
+            dataset.attrs["converged"] = self.converged
+        dropped = {"spring_set": 0} if axes[2] == [""] else {}
+        dropped |= {"speed": 0, "model": 0} if self.plan.case is None else {}
+        return dataset.isel(dropped, drop=True)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A frame with inputs, engine speed (rad/s), model, spring set, outputs (all SI) and
         status; needs pandas.
         """
         speeds, models, sets = zip(*self.runs, strict=True) if self.runs else ((), (), ())
-        columns: dict[str, Any] = {
-            one.name: self.inputs[:, place] for place, one in enumerate(self.plan.varied)
-        }
-        columns |= (
-            {"engine_speed": np.array(speeds, dtype=float)} if "engine_speed" not in columns else {}
-        )
+        names = [one.name for one in self.plan.varied]
+        columns: dict[str, Any] = dict(zip(names, self.inputs.T, strict=True))
+        columns.setdefault("engine_speed", np.array(speeds, dtype=float))
         columns |= {"spring_model": list(models), "spring_set": list(sets)}
-        columns |= {name: self.values[:, place] for place, name in enumerate(self.outputs)}
-        units = {one.name: one.si_unit for one in self.plan.varied} | {
-            name: definition_of(name).si_unit for name in self.outputs
-        }
+        columns |= dict(zip(self.outputs, self.values.T, strict=True))
+        columns["status"] = [one.code for one in self.statuses]
+        units = {"engine_speed": "rad/s"} | {one.name: one.si_unit for one in self.plan.varied}
         return frame(
-            columns | {"status": [one.code for one in self.statuses]},
-            units={"engine_speed": "rad/s", **units},
+            columns, units=units | {name: definition_of(name).si_unit for name in self.outputs}
         )
 
     def __repr__(self) -> str:
         first: str = find("displays", "verdict")(self)
         done = int(np.count_nonzero(self.completed))
-        lines = [f"study '{self.plan.title}': {done} of {len(self)} points completed"]
+        lines = [first, f"study '{self.plan.title}': {done} of {len(self)} points completed"]
         lines += [f"  over {one.shown_name} ({one.name})" for one in self.plan.varied]
-        for name in self.outputs:
-            found = self.column(name)[np.isfinite(self.column(name))]
-            if len(found):
-                low, high = (
-                    float(shown(name, float(one))[0]) for one in (found.min(), found.max())
-                )
-                unit = definition_of(name).unit_word
-                lines.append(f"  {label_of(name)}: {low:.5g} to {high:.5g} {unit}".rstrip())
-        return "\n".join([first, *lines] if first else lines)
-
-
-def _attributes(name: str) -> dict[str, str]:
-    return {"units": definition_of(name).si_unit, "long_name": label_of(name)}
+        return "\n".join(filter(None, lines))
 
 
 def run_label(run: Run) -> str:

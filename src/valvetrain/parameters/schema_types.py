@@ -49,9 +49,9 @@ class StrictModel(BaseModel):
     def _known_keys(cls, raw: Any) -> Any:
         if not isinstance(raw, dict):
             raise problem(f"a table of {', '.join(cls.model_fields)} is needed here")
+        known = tuple(field.alias or name for name, field in cls.model_fields.items())
         for key in raw:
-            if key not in cls.model_fields:
-                known = tuple(cls.model_fields)
+            if key not in known:
                 raise problem(
                     f"key '{key[:60]}' is unknown; {meant_key(key, known) or nearest(key, known)}",
                     (key,),
