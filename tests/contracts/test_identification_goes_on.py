@@ -169,28 +169,6 @@ def test_a_record_that_was_cut_is_computed_again_and_the_rest_is_kept(tmp_path: 
         assert len(journal) == 5
 
 
-@pytest.mark.parametrize(("line", "kept"), [(0, 0), (2, 2), (4, 4)])
-@pytest.mark.parametrize(
-    "damage",
-    [lambda text: text[:-7], lambda text: b"?" + text[1:], lambda text: b""],
-    ids=["cut", "changed", "lost"],
-)
-def test_a_damaged_record_and_all_behind_it_leave_the_file(
-    tmp_path: Path, line: int, kept: int, damage
-) -> None:
-    """What is behind it is computed again, so it must not lie under or after what is written then."""
-    path, points = tmp_path / STORED, np.arange(5.0)[:, None]
-    with Store(tmp_path, "a") as journal:
-        journal.through(lambda asked: [{"double": 2.0 * float(value)} for (value,) in asked])(
-            points
-        )
-    whole = path.read_bytes().splitlines(keepends=True)
-    path.write_bytes(b"".join(whole[:line]) + damage(whole[line]) + b"end of a damaged disk\n" * 9)
-    with Store(tmp_path, "a") as journal:
-        assert (len(journal), journal.before) == (kept, kept)
-    assert path.read_bytes() == b"".join(whole[:line])
-
-
 def test_what_is_not_asked_for_changes_nothing(folder: Path) -> None:
     """The best point does not move with the number of draws, nor with a measurement that is only
     compared.

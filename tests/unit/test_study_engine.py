@@ -17,7 +17,7 @@ from valvetrain.explore.study import (
     StudyText,
     estimate_study,
     read_plan,
-    run_points,
+    run_plan,
 )
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.workers import Lost
@@ -77,7 +77,7 @@ def computed(monkeypatch):
 
     def run(plan, workers: Instant, *rest, **options):
         monkeypatch.setattr("valvetrain.explore.engine.StandingPool", workers)
-        return run_points(plan, 2, *rest, **options)
+        return run_plan(plan, 2, "", *rest, **options)
 
     return run
 

@@ -89,7 +89,7 @@ def study(
     at_end(partial(call_case, []))
     folder = output or STUDIES / safe_name(file.stem)
     estimate = estimate_study(plan, count)
-    _announce(estimate.cost, limits, folder, f"{estimate.sentence}, {{}}; finished ones")
+    _announce(estimate.cost, limits, folder, f"{estimate.points} points, {{}}; finished ones")
     _compile("statics", "transient", *(["train"] if plan.case and plan.case.train else []))
     request = _Request(plan, folder, count, open_page)
     _answer(request, partial(run_plan, limits=limits), _study_written)

@@ -70,22 +70,13 @@ class PointsInterrupted(Stopped):
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Estimated cost of a study: runs, the jobs that they are computed in, time and memory of all, seconds
-    of a job; ``searches`` for limit speeds among the jobs, whose runs are counted at most.
+    """Estimated cost of a study: its points, time and memory of all, seconds of each. The search for a
+    limit speed is one of the points.
     """
 
     points: int
-    jobs: int
     cost: Cost
     seconds_each: float
-    searches: int = 0
-
-    @property
-    def sentence(self) -> str:
-        """What will be computed."""
-        if not self.searches:
-            return f"{self.points} points"
-        return f"{self.points} runs at most, {self.searches} searches for limit speeds with them"
 
 
 @known_arguments
@@ -173,59 +164,48 @@ def run_plan(
     limits: Limits = Limits(),
     progress: Progress | None = None,
 ) -> StudyTable:
-    """The table of a plan with what its kind adds: Sobol indices, surrogates."""
-    place = None if folder is None else Path(folder)
-    with on_cluster(dask, workers) as count:
-        return analysed(run_points(plan, count, place, limits, progress))
-
-
-def run_points(
-    plan: StudyPlan,
-    workers: int,
-    folder: Path | None = None,
-    limits: Limits = Limits(),
-    progress: Progress | None = None,
-) -> StudyTable:
-    """The table of a plan; points that the store in ``folder`` holds are not computed again.
+    """The table of a plan with what its kind adds: Sobol indices, surrogates. Points that the store in
+    ``folder`` holds are not computed again.
 
     Raises :class:`InputError` for a request beyond ``limits``, :class:`PointsInterrupted` with the
     table when it is stopped.
     """
     begun = time.perf_counter()
-    estimate = estimate_study(plan, workers)
-    refuse_cost(estimate.cost, limits)
-    draws, searches = plan.draws(), searches_of(plan.experiment)
+    with on_cluster(dask, workers) as count:
+        estimate = estimate_study(plan, count)
+        refuse_cost(estimate.cost, limits)
+        draws, searches = plan.draws(), searches_of(plan.experiment)
 
-    def finished() -> None:
-        if progress is not None:
-            total, reached = max(estimate.jobs, 1), engine.computed + engine.read
-            progress(min(1.0, reached / total), f"{reached} of {total} points")
+        def finished() -> None:
+            if progress is not None:
+                total, reached = max(estimate.points, 1), engine.computed + engine.read
+                progress(min(1.0, reached / total), f"{reached} of {total} points")
 
-    together = 1 if estimate.seconds_each > SHORT else TOGETHER
-    evaluations = (plan.experiment, *searches)
-    with Engine(evaluations, workers, folder, together, finished) as engine:
-        stopped = False
-        try:
-            refuse_missing(engine, searches)
-            new = draws
-            while len(new):
-                engine.compute(
-                    job
-                    for row, run in plan.experiment.rows(new)
-                    for job in _jobs(plan, searches, row, run)
-                )
-                new = new[:0]
-                if plan.sampler.more is not None:
-                    first = _table(plan, engine, searches, draws).values[:: len(plan.runs), 0]
-                    new = plan.sampler.more(plan.varied, plan.options, draws, first)
-                    draws = np.concatenate([draws, new])
-        except KeyboardInterrupt:
-            stopped = True
-        table = _table(plan, engine, searches, draws)
-        table = replace(table, seconds=time.perf_counter() - begun)
+        together = 1 if estimate.seconds_each > SHORT else TOGETHER
+        place = None if folder is None else Path(folder)
+        with Engine((plan.experiment, *searches), count, place, together, finished) as engine:
+            stopped = False
+            try:
+                refuse_missing(engine, searches)
+                new = draws
+                while len(new):
+                    engine.compute(
+                        job
+                        for row, run in plan.experiment.rows(new)
+                        for job in _jobs(plan, searches, row, run)
+                    )
+                    new = new[:0]
+                    if plan.sampler.more is not None:
+                        first = _table(plan, engine, searches, draws).values[:: len(plan.runs), 0]
+                        new = plan.sampler.more(plan.varied, plan.options, draws, first)
+                        draws = np.concatenate([draws, new])
+            except KeyboardInterrupt:
+                stopped = True
+            table = _table(plan, engine, searches, draws)
+    table = replace(table, seconds=time.perf_counter() - begun)
     if stopped:
         raise PointsInterrupted(table)
-    return table
+    return analysed(table)
 
 
 def _jobs(
@@ -289,21 +269,17 @@ def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
         draws = max(draws, int(getattr(plan.options, "count", draws)))
     refuse_outputs(experiment)
     refuse_limits(experiment)
-    quantities, limits = experiment.outputs.quantities, experiment.outputs.limit_speeds
-    seconds = [seconds_of(experiment, run) for run in plan.runs if quantities]
-    runs = len(seconds)
+    seconds = [seconds_of(experiment, run) for run in plan.runs if experiment.outputs.quantities]
     for search, kind in itertools.product(
         searches_of(experiment), dict.fromkeys(run[1:] for run in plan.runs)
     ):
         speeds = search.limit.engine_speeds
         grid = sum(seconds_of(search, (speed, *kind)) for speed in speeds)
         seconds.append(grid * (1 + CLOSER / len(speeds)))
-        runs += len(speeds) + CLOSER
-    numbers = len(plan.varied) + len(plan.outputs)
-    memory = draws * runs * (STORED + 8.0 * numbers) + 3e7 * workers_here(workers)
+    points, numbers = draws * len(seconds), len(plan.varied) + len(plan.outputs)
+    memory = points * (STORED + 8.0 * numbers) + 3e7 * workers_here(workers)
     cost = Cost(draws * sum(seconds) / max(1, workers), memory)
-    each = sum(seconds) / len(seconds)
-    return Estimate(draws * runs, draws * len(seconds), cost, each, draws * len(limits))
+    return Estimate(points, cost, sum(seconds) / len(seconds))
 
 
 def seconds_of(plan: Evaluation, run: Run) -> float:
