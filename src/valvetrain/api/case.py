@@ -177,7 +177,7 @@ class Case:
     @known_arguments
     def sweep(
         self,
-        engine_speeds: Any = "1000:9000:100 rpm",
+        engine_speeds: Any = None,
         model: Any = (),
         **options: Any,
     ) -> Study:
@@ -192,7 +192,7 @@ class Case:
         self,
         first: Source,
         second: Source,
-        engine_speeds: Any = "2000:9000:500 rpm",
+        engine_speeds: Any = None,
         model: Any = (),
         **options: Any,
     ) -> Study:
@@ -221,6 +221,7 @@ class Case:
         """
         from valvetrain.runs.api import sweep
         from valvetrain.runs.compare_springs import compared, models_of, with_two_springs
+        from valvetrain.runs.run import sweep_speeds
         from valvetrain.springs.own_spring import model_names
 
         one, other = (
@@ -233,11 +234,12 @@ class Case:
             getattr(other, "parameters", other),
         )
         models = models_of(case, tuple(model_names(model)))
-        return compared(lambda: sweep(case, engine_speeds, models, **options))
+        speeds = sweep_speeds(case, 500) if engine_speeds is None else engine_speeds
+        return compared(lambda: sweep(case, speeds, models, **options))
 
     @known_arguments
     def critical_speeds(
-        self, engine_speeds: Any = "1000:9000:100 rpm", model: Any = "", **options: Any
+        self, engine_speeds: Any = None, model: Any = "", **options: Any
     ) -> CriticalSpeeds:
         """Where a train loses contact, floats and bounces; as :func:`valvetrain.critical_speeds`."""
         from valvetrain.runs.api import critical_speeds

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 from math import isfinite
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -17,12 +18,12 @@ from valvetrain.parameters.summary import number, value_text
 from valvetrain.views.text import amount, speed_text
 
 if TYPE_CHECKING:
-    from valvetrain.parameters.case import Case
+    from valvetrain.parameters.case import Case, Operation
     from valvetrain.parameters.installed_spring import InstalledSpring
     from valvetrain.parameters.spring import SpringDefinition
     from valvetrain.parameters.train import TrainParameters
     from valvetrain.solution.static import RestPoint
-    from valvetrain.system.problem import Problem
+    from valvetrain.system.problem import Member, Problem
 
 #: Spring -> its states with the valve closed and at full lift, or why there are none.
 Loads = Mapping["InstalledSpring", "tuple[RestPoint, RestPoint] | str"]
@@ -263,9 +264,24 @@ def case_quantities(case: Case, problem: Problem | None) -> dict[str, float]:
     lift = np.asarray(problem.valve_lift.lift(angle))
     top = int(np.argmax(lift))
     found |= {"maximum_lift": float(lift[top]), "maximum_lift_cam_angle": float(angle[top])}
-    return (
-        found if case.train is None else found | {"rigid_maximum_valve_lift": largest_lift(problem)}
-    )
+    if case.train is None:
+        return found
+    found |= {"rigid_maximum_valve_lift": largest_lift(problem)}
+    return found | _needed(problem.members[0], case.operation)
+
+
+def _needed(member: Member, operation: Operation) -> dict[str, float]:
+    """Margins of the springs at the red line, else at the highest engine speed of the case; empty where it names none."""
+    from valvetrain.quantities.kinematics import rigid_table
+    from valvetrain.quantities.train_numbers import margin_quantities
+    from valvetrain.springs.spec import spring_model
+    from valvetrain.system.train_system import TrainSystem
+
+    top = operation.top_speed
+    system = replace(member, model=spring_model("massless")).system() if top else None
+    if member.gear is None or not isinstance(system, TrainSystem):
+        return {}
+    return margin_quantities(rigid_table(system, member.gear.parameters, top / 2))
 
 
 def _split_loads(spring: InstalledSpring) -> list[tuple[str, str]]:

@@ -31,8 +31,8 @@ from valvetrain.cli.run_answer import (
 )
 from valvetrain.errors import InputError
 
-#: Crank speeds of a comparison that names none.
-DEFAULT_SPEEDS = "2000:9000:500 rpm"
+#: Step (rpm) between the crank speeds of a comparison that names none.
+STEP = 500
 
 
 def register(app: typer.Typer) -> None:
@@ -51,7 +51,7 @@ def compare_springs(
             help="Engine in which both run (default: that of a case of the two that has one).",
         ),
     ] = "",
-    engine_speed: SpeedOption = DEFAULT_SPEEDS,
+    engine_speed: SpeedOption = None,
     spring: SpringOption = None,
     settings: SetOption = None,
     output: OutputOption = None,
@@ -71,7 +71,7 @@ def compare_springs(
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.runs.compare_springs import compared, models_of, with_two_springs
     from valvetrain.runs.critical_speeds import CriticalOptions
-    from valvetrain.runs.run import sweep_study
+    from valvetrain.runs.run import sweep_speeds, sweep_study
 
     pair = (choose_case(first), choose_case(second))
     engine = train or next(
@@ -90,6 +90,7 @@ def compare_springs(
     stems = (PurePath(first).stem, PurePath(second).stem)
     case = with_two_springs(shared["case"], *pair, stems)
     shared |= {"case": case, "spring_models": models_of(case, shared["spring_models"])}
+    speeds = shared["engine_speeds"] = shared["engine_speeds"] or sweep_speeds(case, STEP)
     request = StudyRequest(command="compare-springs", **shared)
     refuse_beyond(request, whole=False, searches=True)
     announce_compilation("statics", "transient", "train")
@@ -99,7 +100,7 @@ def compare_springs(
         lambda report, finished: compared(
             lambda: sweep_study(
                 case,
-                request.engine_speeds or (),
+                speeds,
                 spring_models=request.spring_models,
                 workers=request.workers,
                 progress=report,

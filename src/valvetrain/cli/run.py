@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Annotated
 
@@ -62,8 +61,6 @@ def run(request: StudyRequest) -> None:
     )
 
 
-#: Crank speeds (rpm) of a sweep that names none: first, last, step.
-DEFAULT = (1000, 9000, 100)
 CriticalOption = Annotated[
     bool,
     typer.Option(
@@ -102,19 +99,16 @@ def sweep(
     float_lift: FloatOption = "0.05 mm",
     bounce_height: BounceOption = "0.1 mm",
 ) -> None:
-    """Sweep a case over engine speed (default: 1000:9000:100 rpm): forces, clash, surge, and where
-    contact is lost.
+    """Sweep a case over engine speed, by default to 1.2 times its red line: forces, clash, surge, and
+    where contact is lost.
     """
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.cli.run_answer import refuse_beyond, say_sweep_time
     from valvetrain.runs.critical_speeds import read_options
-    from valvetrain.runs.run import sweep_study
+    from valvetrain.runs.run import sweep_speeds, sweep_study
 
     critical = read_options(resolution, float_lift, bounce_height)
-    first, last, step = DEFAULT
-    engine_speeds = request.engine_speeds or tuple(
-        value * math.pi / 30 for value in range(first, last + 1, step)
-    )
+    engine_speeds = request.engine_speeds or sweep_speeds(request.case)
     request = replace(request, engine_speeds=engine_speeds)
     refuse_beyond(request, whole=False, searches=not no_critical_speeds)
     announce_compilation("statics", "transient", "train")

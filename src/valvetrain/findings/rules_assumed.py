@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 
+import numpy as np
+
 from valvetrain.findings.engine import Condition, Fields, Hit, Rule
-from valvetrain.findings.facts import Facts
+from valvetrain.findings.facts import TURN, Facts, cam_angles, over_turn
 from valvetrain.findings.rules_train import SEAT
 from valvetrain.findings.words import Amount, digits_text, joined
 from valvetrain.solution.facts import Fact
@@ -50,7 +52,25 @@ def _driver(fact: Fact) -> Fields:
     return {"driver": str(fact.fields["driver"]), "force": force}
 
 
+def angles(facts: Facts) -> Iterator[Hit]:
+    """The runs have angles: which ones, where the nose is, and what zero is where the case says so."""
+    for run in [one for one in facts.runs if one.has("valve_lift")][-1:]:
+        lift = over_turn(run, "rigid_valve_lift" if run.has("rigid_valve_lift") else "valve_lift")
+        nose = Amount("loft_cam_angle", float(cam_angles(run)[int(np.argmax(lift))]) % TURN)
+        yield Hit(nose, fields={"zero": facts.study.record.zero_of_angle})
+
+
+def recut(facts: Facts) -> Iterator[Hit]:
+    """The lash by which a cam is cut was changed, and with it the cam."""
+    if LASH in facts.study.record.changed:
+        yield Hit()
+
+
+#: Key path of the lash for which a card makes the ramp of its lobe.
+LASH = "lift_law.lash"
+RECUT = "another lift_law.lash is another cam, whose ramp is cut for it: train.lash alone moves the clearance"
 RULES = (
+    Rule("A114", "warns", RECUT, recut, step="set train.lash", remark="a cam cut for another lash", guide="how-to/10-seating.md"),
     Rule("A104", "warns", "no damping in the spring {spring}, so surge lives on from cycle to cycle",
          rests_on("no-damping", read=_spring), step="give the spring a damping", guide="how-to/15-damping.md"),
     Rule("A107", "warns", "the spring {spring} buckles at {at}, before full lift", rests_on("buckles", read=_buckles),
@@ -61,6 +81,8 @@ RULES = (
          remark="default contacts"),
     Rule("A103", "notes", "springs known by card alone: no clash, no stress", rests_on("card-alone"),
          step="valvetrain spring-card gives them a wire", remark="springs by card (no clash, no stress)"),
+    Rule("A115", "notes", "angles are those of the cam, half of the crank's; full lift at {value}[; zero: {zero}]", angles,
+         remark="cam angles (full lift at {value}[; 0: {zero}])", guide="how-to/13-lift-reference.md"),
     Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction"), ("mean_cam_power",),
          step="give a contact friction: train.contacts.valve_tip.friction_coefficient = 0.06", remark="contacts without friction"),
     Rule("A105", "notes", "the total loads were split between the two springs by their wires", rests_on("split-loads"),

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from valvetrain.findings.engine import SPRINGS, Hit, Rule, Subject
+from valvetrain.findings.rules_assumed import LASH, RECUT
 from valvetrain.findings.words import Amount
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.case import Case
@@ -162,6 +163,12 @@ def unchecked(facts: CaseFacts) -> Iterator[Hit]:
         yield Hit(fields={"spring": other[known[0]] if known else "the spring"})
 
 
+def recut(facts: CaseFacts) -> Iterator[Hit]:
+    """The lash by which a cam is cut was changed, and with it the cam."""
+    if LASH in facts.parameters.changed:
+        yield Hit()
+
+
 BIND = ("coil_bind_clearance",)
 RULES = (
     Rule("Q111", "decides", "the lash takes {value} of the lobe, above its ramp of {limit}", high_lash,
@@ -180,5 +187,6 @@ RULES = (
          mark=""),
     Rule("Q120", "notes", "coil bind of {spring} is not checked: no solid height is known", unchecked, BIND,
          remark="not known of {spring}"),
+    Rule("Q122", "warns", RECUT, recut, step="set train.lash"),
     Rule("Q121", "notes", "the follower's face needs a diameter of {value}", face_needed, ("cam_contact_face_radius",)),
 )  # fmt: skip

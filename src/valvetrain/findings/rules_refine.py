@@ -14,6 +14,8 @@ from valvetrain.solution.uncertainty import Uncertainty
 
 #: Error bars up to this share of a value count as small; a range over contact constants above this one is named.
 SMALL, MOVED = 0.01, 0.05
+#: Error bar, and half the range over contact constants, up to which a number is resolved; from there to half of it, it is rough.
+RESOLVED = 0.1
 
 
 @dataclass(frozen=True)
@@ -58,26 +60,59 @@ def without(facts: RefineFacts) -> Iterator[Hit]:
         yield Hit()
 
 
-def unresolved(facts: RefineFacts) -> Iterator[Hit]:
-    """Numbers whose error bar is half of them or more."""
-    rows = [row for row in facts.rows if share_of(row) >= UNRESOLVED]
+def _rough(facts: RefineFacts, low: float, high: float) -> Iterator[Hit]:
+    """Numbers whose error bar is a share of them between two bounds."""
+    rows = [row for row in facts.rows if low <= share_of(row) < high]
     if rows:
         names = list(dict.fromkeys(label_of(row.quantity) for row in rows))
         yield Hit(Amount("clash_count", len(names)), fields={
             "count": f"{len(rows)} of {len(facts.rows)} numbers", "first": names[0],
-            "more": f"{len(names) - 1} more kinds" if len(names) > 1 else "",
+            "more": f"{len(names) - 1} more kinds" if len(names) > 1 else "", **_moved(facts),
         })  # fmt: skip
 
 
-def resolved(facts: RefineFacts) -> Iterator[Hit]:
-    """The largest error bar of a refinement that resolves every number."""
-    if facts.rows:
+def unresolved(facts: RefineFacts) -> Iterator[Hit]:
+    """Numbers whose error bar is half of them or more."""
+    return _rough(facts, UNRESOLVED, math.inf)
+
+
+def rough(facts: RefineFacts) -> Iterator[Hit]:
+    """Numbers whose error bar is between a tenth and half of them."""
+    return _rough(facts, RESOLVED, UNRESOLVED)
+
+
+def _resolved(facts: RefineFacts, moves: bool) -> Iterator[Hit]:
+    moved = _moved(facts)
+    if facts.rows and bool(moved) is moves:
         row = max(facts.rows, key=share_of)
         small = sum(share_of(one) <= SMALL for one in facts.rows)
         yield Hit(Amount(row.quantity, row.value, row.numerical), fields={
             "name": label_of(row.quantity), "share": f"{digits_text(100 * share_of(row), 0, 2)} %", "place": place_of(row),
-            "small": f"{small} of {len(facts.rows)} within 1 %",
+            "small": f"{small} of {len(facts.rows)} within 1 %", **moved,
         })  # fmt: skip
+
+
+def resolved(facts: RefineFacts) -> Iterator[Hit]:
+    """The largest error bar of a refinement in which neither meshes nor contact constants move a number by a tenth."""
+    return _resolved(facts, moves=False)
+
+
+def on_constants(facts: RefineFacts) -> Iterator[Hit]:
+    """Contact constants move a number by more than a tenth, which meshes do not."""
+    return _resolved(facts, moves=True)
+
+
+def _moved(facts: RefineFacts) -> dict[str, str]:
+    """The number that contact constants move most, as fields, where that is by more than a tenth either way."""
+    widths = [
+        (one.range.high - one.range.low) / abs(one.value) if one.range else 0.0
+        for one in facts.rows
+    ]
+    most = max(widths, default=0.0)
+    if most <= 2 * RESOLVED:
+        return {}
+    row = facts.rows[widths.index(most)]
+    return {"moved": f"{label_of(row.quantity)} by {digits_text(100 * most, 0, 2)} %"}
 
 
 def constants(facts: RefineFacts) -> Iterator[Hit]:
@@ -94,9 +129,14 @@ def constants(facts: RefineFacts) -> Iterator[Hit]:
 RULES = (
     Rule("X101", "decides", "no error bar was found", without, mark="bad"),
     Rule("X102", "decides", "{count} are not resolved: {first}[, {more}]", unresolved, (),
-         "other meshes move them by half or more", "valvetrain compare {case}", mark="warn", guide="uncertainty.md"),
+         "other meshes move them by half or more[; contact constants move {moved}]", "valvetrain compare {case}", mark="warn",
+         guide="uncertainty.md"),
+    Rule("X104", "decides", "{count} are rough, ± 10 to 50 %: {first}[, {more}]", rough, (),
+         "[contact constants move {moved}]", "valvetrain compare {case}", mark="warn", guide="uncertainty.md", unless=("X102",)),
+    Rule("X105", "decides", "meshes decide no number: at most ± {share}", on_constants, (),
+         "but contact constants move {moved}", "valvetrain run {case}", mark="warn", guide="uncertainty.md", unless=("X10",)),
     Rule("X103", "decides", "every number is resolved: at most ± {share}, of {name}[ {place}]", resolved, (), "{small}",
-         "valvetrain run {case}", mark="ok", unless=("X102",)),
+         "valvetrain run {case}", mark="ok", unless=("X10",)),
     Rule("X110", "warns", "not all runs ended: {said}[; {more}]", failed),
     Rule("X120", "notes", "{name}[ {place}] rests on contact {by}: {low..value}", constants, guide="uncertainty.md"),
 )  # fmt: skip

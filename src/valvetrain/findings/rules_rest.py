@@ -12,8 +12,8 @@ from valvetrain.findings.springs_at_rest import pair_of, states_of
 from valvetrain.findings.words import RPM, Amount, digits_text, speed_text
 from valvetrain.solution.modes import TrainModes
 
-#: Cam orders that are named where a case states no red line, and the highest that is looked for.
-ORDERS, MOST_ORDERS = (12, 6), 60
+#: Cam orders that are named where a case states no engine speed.
+ORDERS = (12, 6)
 #: Share by which the rate differs at full lift from that of the closed valve before both are named.
 SAME_RATE = 0.01
 #: Share by which the rate of a wire differs from that of its torsion, and shares between which its first mode is below
@@ -101,10 +101,9 @@ def as_installed(facts: Facts) -> Iterator[Hit]:
 
 
 def orders_of(facts: Facts, natural_frequency: float) -> tuple[int, ...]:
-    """Cam orders that are named with a ``natural_frequency`` (Hz): the lowest that meets it below the red line, or a range."""
-    red = facts.red_line / RPM
-    lowest = math.ceil(120 * natural_frequency / red) if math.isfinite(red) else 0
-    return (lowest,) if 0 < lowest <= MOST_ORDERS else ORDERS
+    """Cam orders that are named with a ``natural_frequency`` (Hz): the lowest that meets it at a speed in use, or a range."""
+    top = facts.study.record.top_speed
+    return (math.ceil(120 * natural_frequency / (top / RPM)),) if top else ORDERS
 
 
 def speed_of(order: int, natural_frequency: float) -> float:
@@ -122,7 +121,7 @@ def surges(facts: Facts) -> Iterator[Hit]:
         first, *more = (speed_text(speed_of(order, frequency), "") for order in orders)
         fields: Fields = {
             "order": str(orders[0]), "last": str(orders[-1]), "speed": first, "top": f"{more[0]} rpm",
-        } if more else {"lowest": str(orders[0]), "speed": f"{first} rpm", "red": speed_text(facts.red_line)}  # fmt: skip
+        } if more else {"lowest": str(orders[0]), "speed": f"{first} rpm", "below": speed_text(facts.study.record.top_speed)}  # fmt: skip
         yield Hit(one.surge, None, None, {
             **fields, "spring": one.name,
             "next": "sweep" if math.isfinite(one.lift) else "static",
@@ -216,7 +215,7 @@ STATIC = (
 MODES = (
     Rule("N101", "decides", "{did}", failed_modes, SURGE, step="[{remedy}]"),
     Rule("N102", "decides", "surge at {value}[, {spring}]", surges, SURGE,
-         "met by [cam orders {order} to {last} at {speed} to {top}][cam order {lowest} at {speed}, the lowest below the red line of {red}]",
+         "met by [cam orders {order} to {last} at {speed} to {top}][cam order {lowest} at {speed}, the lowest below {below}]",
          "valvetrain {next} {case}", mark="", guide="models.md"),
     Rule("N103", "decides", "{value} with {end}[, {spring}]", moving_end, SURGE, mark=""),
     Rule("N104", "decides", "no modes: the {model} model has no inner motion", still, SURGE, mark="warn",

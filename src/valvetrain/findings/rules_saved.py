@@ -17,11 +17,15 @@ from valvetrain.runs.run_folders import ROOT, UnfinishedFolder
 from valvetrain.runs.saved_runs import SavedRun
 from valvetrain.solution.definition import is_defined, label_of, topics
 
-#: Numbers that decide a comparison of two runs, with those of each spring of a pair, and the least change (SI) that matters.
-DECIDING = {
-    "contact_loss_engine_speed": RPM, "float_engine_speed": RPM, "bounce_engine_speed": RPM, "peak_spring_force": 1.0,
-    "peak_retainer_force": 1.0, "peak_cam_contact_force": 1.0, "loft_gap": 1e-5, "bounce_height": 1e-5, "seating_velocity": 0.01,
-    "coil_bind_clearance": 1e-5, "peak_shear_stress": 1e6, "preload": 1.0,
+#: Numbers that say how long the cam is kept, which decide before all others, and the least change (SI) that matters.
+CONTROL = {
+    "contact_loss_engine_speed": RPM, "float_engine_speed": RPM, "bounce_engine_speed": RPM, "loss_of_contact_duration": 1e-5,
+    "loft_gap": 1e-5, "minimum_cam_contact_force": 1.0,
+}  # fmt: skip
+#: Likewise every number that decides a comparison of two runs, with those of each spring of a pair.
+DECIDING = CONTROL | {
+    "peak_spring_force": 1.0, "peak_retainer_force": 1.0, "peak_cam_contact_force": 1.0, "bounce_height": 1e-5,
+    "seating_velocity": 0.01, "coil_bind_clearance": 1e-5, "peak_shear_stress": 1e6, "preload": 1.0,
 }  # fmt: skip
 
 
@@ -121,9 +125,9 @@ class DifferenceFacts(Subject):
 
     @cached_property
     def deciding(self) -> list[ResultDifference]:
-        """Headline numbers that differ by more than their error bars, the largest change first."""
+        """Headline numbers that differ by more than their error bars: control first, then the largest change."""
         rows = [row for row in self.changed if self._decides(row)]
-        return sorted(rows, key=lambda row: -share_of(row))
+        return sorted(rows, key=lambda row: (row.quantity not in CONTROL, -share_of(row)))
 
     def _decides(self, row: ResultDifference) -> bool:
         name = row.quantity.removeprefix("outer_").removeprefix("inner_")

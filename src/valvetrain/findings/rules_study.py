@@ -158,7 +158,10 @@ def all_lose(facts: Facts) -> Iterator[Hit]:
     if facts.study.command == "compare" and len(lost) > 1 and not held and gaps:
         least, most = (way(gaps, key=lambda one: one.value) for way in (min, max))
         why = cause(facts, lost[0], facts.losses(lost[0]))
-        yield Hit(most, None, 0.0, _range(facts, lost, least, most) | {"cause": why})
+        fields = _range(facts, lost, least, most) | {"cause": why}
+        if not (least.resolved and most.resolved):
+            fields |= {"least": "", "limit": "at the limit, 0 N left on the cam"}
+        yield Hit(most, None, 0.0, fields)
 
 
 def peaks(facts: Facts) -> Iterator[Hit]:
@@ -235,7 +238,7 @@ def kept_running_up(facts: Facts) -> Iterator[Hit]:
         yield Hit(least[0], least[1], 0.0, fields)
 
 
-SWEEP = "valvetrain sweep {case}"
+SWEEP, RUN = "valvetrain sweep {case}", "valvetrain run {case} --engine-speed '{speed}'"
 DECIDES = "{lead} decides[: {own}]"
 FIRST = (
     Rule("R101", "decides", "nothing to judge: the run {did}[ {at}]", nothing, step="[{message}: ][{remedy}]"),
@@ -256,8 +259,8 @@ MODELS = (
          DECIDES, SWEEP, guide="models.md", mark="ok"),
     Rule("M103", "decides", "in control by {count} models, barely: {least..most} left on the cam at {speed}", all_barely,
          CONTACT[:1], DECIDES, SWEEP, guide="models.md", mark="warn"),
-    Rule("M104", "decides", "contact is lost by {count} models at {speed}: {least..most} open", all_lose, CONTACT,
-         "{lead} decides[: {cause}]", SWEEP, guide="models.md"),
+    Rule("M104", "decides", "contact is lost by {count} models at {speed}: [{limit}][{least..most} open]", all_lose, CONTACT,
+         "{lead} decides[: {cause}]", RUN, guide="models.md"),
 )  # fmt: skip
 PEAKS = (
     Rule("M105", "decides", "{least..most} at most on the retainer at {speed}, by {count} models", peaks, ("peak_retainer_force",),

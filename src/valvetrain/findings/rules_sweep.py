@@ -31,17 +31,20 @@ def does(row: CriticalSpeed) -> Phrase:
 
 
 def why(facts: Facts, loss: Loss) -> str:
-    """Why control is lost: by the search where it looked at that onset, else by the first run within."""
+    """Why control is lost: by the search where it looked at that onset, else by the first run within, which also goes before
+    vibration at the onset: that is what is left where nothing else shows yet.
+    """
     row, low = loss.row, loss.ranges[0].lower_engine_speed
     runs = [run for run in (*facts.runs, *facts.beyond) if run.label == row.label]
     if any(inertia(facts, run, low) for run in runs):
         return CAUSES[Cause.INERTIA]
-    if row.cause and loss.at_onset:
-        surge = row.cause == Cause.SURGE and row.surge_order
-        return f"surge, cam order {row.surge_order}" if surge else CAUSES.get(row.cause, "")
     within = (run for run in runs if low <= run.engine_speed <= loss.ranges[0].upper_engine_speed)
     lost = ((run, events) for run in within if (events := facts.losses(run)))
-    return next((cause(facts, *each) for each in lost), "")
+    there = next((cause(facts, *each) for each in lost), "")
+    if row.cause and loss.at_onset and not (row.cause == Cause.VIBRATION and there):
+        surge = row.cause == Cause.SURGE and row.surge_order
+        return f"surge, cam order {row.surge_order}" if surge else CAUSES.get(row.cause, "")
+    return there
 
 
 def range_of(row: CriticalSpeed) -> tuple[Fields, float]:
@@ -213,12 +216,32 @@ def pair(facts: Facts) -> list[tuple[str, float]]:
     return sorted(ends, key=lambda one: -one[1])
 
 
+def _left(facts: Facts) -> Fields:
+    """What each of two springs leaves on the cam at the highest speed in use that both ran at."""
+    runs = {
+        one: {round(run.engine_speed, 6): run for run in facts.runs if run.label == one}
+        for one in facts.study.labels
+    }
+    speeds = set.intersection(*(set(one) for one in runs.values()))
+    left = [facts.amount(one[max(speeds)], CONTACT[0]) for one in runs.values()] if speeds else []
+    amounts = sorted((one for one in left if one), key=lambda one: one.value)
+    if len(amounts) < 2:
+        return {}
+    return {"least": amounts[0], "most": amounts[-1], "there": speed_text(max(speeds))}
+
+
 def longer(facts: Facts) -> Iterator[Hit]:
     """One of two springs keeps control longer by more than a hundredth of the speed."""
     found = pair(facts)
     if found and found[0][1] > (1 + ALIKE) * found[1][1]:
         (better, high), (other, low) = found
-        fields: Fields = {"better": better, "other": other, "high": _to(high), "low": _to(low)}
+        fields: Fields = {
+            "better": better,
+            "other": other,
+            "high": _to(high),
+            "low": _to(low),
+            **_left(facts),
+        }
         yield Hit(Amount(SPEED, low), None, facts.study.record.red_line, fields)
 
 
@@ -226,7 +249,9 @@ def alike(facts: Facts) -> Iterator[Hit]:
     """Two springs lose control within a hundredth of the speed, or neither does."""
     found = pair(facts)
     if found and not found[0][1] > (1 + ALIKE) * found[1][1]:
-        yield Hit(Amount(SPEED, min(found[1][1], 1e9)), None, None, {"low": _to(found[1][1])})
+        yield Hit(
+            Amount(SPEED, min(found[1][1], 1e9)), fields={"low": _to(found[1][1]), **_left(facts)}
+        )
 
 
 def _to(end: float) -> str:
@@ -267,11 +292,12 @@ def _more(found: list[tuple[str, float]], name: str) -> Hit:
 LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
 RANGE = "[{range}: {over}]"
 COMPARE = "[valvetrain compare {case} --engine-speed '{round} rpm']"
+LEFT = "[{most} and {least} left on the cam at {there}]"
 DROPS, TWO = "how-to/02-power-drops.md", "how-to/04-two-springs.md"
 
 RULES = (
-    Rule("D101", "decides", "{better} keeps control {high}, {other} {low}", longer, CONTACT, mark="", guide=TWO),
-    Rule("D102", "decides", "no difference in control: both keep it {low}", alike, CONTACT, mark="", guide=TWO),
+    Rule("D101", "decides", "{better} keeps control {high}, {other} {low}", longer, CONTACT, LEFT, mark="", guide=TWO),
+    Rule("D102", "decides", "no difference in control: both keep it {low}", alike, CONTACT, LEFT, mark="", guide=TWO),
     Rule("D103", "notes", "{more} is stressed more: amplitude {value} against {less}", stressed, ("open_nominal_shear_stress",),
          guide=TWO),
     Rule("D104", "notes", "{more} surges more at the speeds in use: {value} against {less}", surges, guide=TWO),

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from valvetrain.findings.engine import Fields, Hit, Rule, above, below, per_run
-from valvetrain.findings.facts import LOST, TURN, Facts, open_mask, over_turn
+from valvetrain.findings.facts import LOST, TURN, Facts, cam_angles, open_mask, over_turn
 from valvetrain.findings.words import Amount, joined
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
@@ -17,6 +19,8 @@ FLOAT, BOUNCE = 50e-6, 100e-6
 FLIGHT = 20e-6
 #: Share of the cam force of rigid parts below which what is left of it is little.
 BARELY = 0.2
+#: Half the cam angle (rad) over which the curvature of the lift is looked at.
+CHORD = math.radians(2)
 #: Seating velocity (m/s) to which one hydraulic engine was called smooth, and travel to the piston (m) that is close.
 SMOOTH, NEAR_PISTON = 0.52, 1e-3
 #: Why contact is lost: cause of an event -> what a verdict says.
@@ -55,13 +59,57 @@ def loss(facts: Facts, run: Solution) -> Hit | None:
         (one for one in events if one.size >= 0.2 * events[0].size), key=lambda one: one.time
     )
     places = list(dict.fromkeys(one.where.replace("_", " ") for one in events))
-    landing = first.details.get("landing_cam_angle")
+    landing, cam = first.details.get("landing_cam_angle"), "cam" in places
     fields: Fields = {
-        "gap": Amount("loft_gap", events[0].size), "place": "cam" if "cam" in places else joined(places),
+        "gap": Amount("loft_gap", events[0].size), "place": "cam" if cam else joined(places),
         "angle": Amount("loft_cam_angle", first.cam_angle % TURN), "cause": cause(facts, run, events),
         "landing": "" if landing is None else Amount("loft_cam_angle", float(landing) % TURN),
+        "part": "" if landing is None else lobe_part(facts, run, float(landing)),
     }  # fmt: skip
-    return Hit(facts.amount(run, "loss_of_contact_duration"), run, 0.0, fields, events[0].size)
+    lasts = "loft_duration" if cam else "loss_of_contact_duration"
+    return Hit(facts.amount(run, lasts), run, 0.0, fields, events[0].size)
+
+
+def lobe_part(facts: Facts, run: Solution, cam_angle: float) -> str:
+    """The part of the lobe under rigid parts at a cam angle (rad): a ramp, a flank, the nose or the base circle; without
+    channels only the closing ramp is told. Empty where neither is known.
+    """
+    begin, end = (facts.value(run, f"closing_ramp_{one}_cam_angle") for one in ("begin", "end"))
+    if (cam_angle - begin) % TURN <= (end - begin) % TURN:
+        return "the closing ramp"
+    if not run.has("rigid_valve_lift"):
+        return ""
+    lift, angles = over_turn(run, "rigid_valve_lift"), cam_angles(run)
+    before, here, after = np.interp(
+        cam_angle + np.array([-1, 0, 1]) * CHORD, angles, lift, period=TURN
+    )
+    if here <= 0:
+        return "the base circle"
+    side = "closing" if after < before else "opening"
+    return f"the {side} {'side of the nose' if before + after < 2 * here else 'flank'}"
+
+
+@per_run
+def flight(facts: Facts, run: Solution) -> Hit | None:
+    """The longest flight off the cam, and whether the motion repeats."""
+    flights = [one for one in facts.losses(run) if one.where == "cam"]
+    if not flights:
+        return None
+    longest = max(flights, key=lambda one: one.duration)
+    turns = int(run.statistics.get("motion_period_count", 0))
+    repeats = {0: "", 1: "in every cycle"}.get(turns, f"in every {turns} cycles")
+    repeats = "not alike from cycle to cycle" if run.status.code == "not-converged" else repeats
+    return Hit(Amount("loft_duration", longest.duration), run, fields={"repeats": repeats})
+
+
+@per_run
+def lands(facts: Facts, run: Solution) -> Hit | None:
+    """The part of the lobe on which the valve meets its seat, of a cam whose ramp is known."""
+    angle = facts.amount(run, "seating_cam_angle")
+    if angle is None or not math.isfinite(facts.value(run, "closing_ramp_begin_cam_angle")):
+        return None
+    part = lobe_part(facts, run, angle.value)
+    return Hit(angle, run, fields={"part": part}, severity=run.engine_speed) if part else None
 
 
 @per_run
@@ -134,20 +182,36 @@ def flex(facts: Facts, run: Solution) -> Hit | None:
     return Hit(lost, run, fields={"shorter": angle})
 
 
+def needs(facts: Facts) -> Iterator[Hit]:
+    """What seat load and open load, or which rate, would leave a fifth of the inertia force at the highest speed that decides."""
+    for run in facts.runs[-1:]:
+        names = {
+            "closed": NEEDED[0],
+            "open": NEEDED[1],
+            "rate": NEEDED[2],
+            "have": "preload",
+            "full": "open_spring_force",
+        }
+        fields = {word: one for word, name in names.items() if (one := facts.amount(run, name))}
+        if len(fields) == len(names):
+            yield Hit(fields["closed"], run, fields=fields)
+
+
 CONTACT = ("minimum_cam_contact_force", "loss_of_contact_duration", "loft_gap")
 SEAT = ("seating_velocity", "bounce_height")
 FLEX = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range")
 PISTON = ("minimum_piston_clearance_gap",)
+NEEDED = ("needed_closed_spring_force", "needed_open_spring_force", "needed_spring_rate")
 SWEEP = "valvetrain sweep {case}"
 
 RULES = (
     Rule("P101", "decides", "the valve meets the piston[ {at}]", below(PISTON[0], 1e-9), PISTON,
          step="check timing and depth of the table 'piston'"),
     Rule("C101", "decides", "the valve floats: {value} above its path[ {where}]", floats,
-         (*CONTACT, "float_excess_lift"), "[{cause}]", SWEEP, "[cam left at {angle}][, met again at {landing}]",
+         (*CONTACT, "float_excess_lift"), "[{cause}]", SWEEP, "[left at {angle}][, met again at {landing}][ on {part}]",
          "how-to/09-loft.md", unless=("U", "W10", "D10")),
     Rule("C102", "decides", "contact is lost at the {place}[, {gap} open][ for {value}][ {where}]", loses, CONTACT,
-         "[{cause}]", SWEEP, "[opens at {angle}][, meets at {landing}]", "how-to/09-loft.md", unless=("U", "W10", "D10", "C101")),
+         "[{cause}]", SWEEP, "[opens at {angle}][, meets at {landing}][ on {part}]", "how-to/09-loft.md", unless=("U", "W10", "D10", "C101")),
     Rule("C103", "decides", "in control, barely: {value} left on the cam[ at {angle}][ {at}]", barely, CONTACT,
          "rigid parts would leave {rigid}", SWEEP, "rigid parts {rigid}", "how-to/09-loft.md", "warn", ("U", "W10", "D10", "C10")),
     Rule("C104", "decides", "in control: {value} left on the cam[ at {angle}][ {at}]", kept, CONTACT,
@@ -159,11 +223,18 @@ RULES = (
     Rule("V101", "warns", "the valve lands at {value}[ {where}], above your limit of {limit}",
          above("seating_velocity", "permitted_seating_velocity"), SEAT, remark="above {limit}",
          guide="how-to/10-seating.md"),
+    Rule("C122", "notes", "the longest flight lasts {value}[ {at}][, {repeats}]", flight, ("loft_gap",),
+         remark="longest {value}[, {repeats}]", guide="how-to/09-loft.md"),
+    Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}, {part}",
+         guide="how-to/10-seating.md"),
     Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of duration][ {at}]", flex, FLEX,
          step="stiffer pushrod or lever: valvetrain study", remark="to flex", guide="how-to/08-flex.md"),
     Rule("V102", "notes", "the valve lands at {value}[ {where}]; one hydraulic engine was called smooth to {limit}",
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
          guide="limits.md", unless=("V101",)),
+    Rule("C121", "notes", "a fifth above inertia asks for {closed} on the seat and {open} at full lift[ {at}]; you have {have} and {full}",
+         needs, NEEDED, "or {rate} at your seat load", remark="seat to full lift; yours {have..full}[; or {rate}]",
+         guide="how-to/01-spring-loads.md"),
     Rule("C120", "notes", "a contact opens by {value} at the {place} near the seat, which loses no control", near_seat,
          ("loss_of_contact_duration",), guide="how-to/09-loft.md", unless=("C101", "C102", "U101")),
 )  # fmt: skip

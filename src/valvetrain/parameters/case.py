@@ -114,6 +114,11 @@ class Operation:
             return replace(self, **{name: getattr(own, name) for name in changes})
 
     @property
+    def top_speed(self) -> float:
+        """The red line (rad/s), else the highest engine speed; 0 where neither is given."""
+        return self.red_line or max(self.engine_speeds, default=0.0)
+
+    @property
     def cam_speeds(self) -> tuple[float, ...]:
         """Cam speeds (rad/s), half the engine speeds."""
         return tuple(speed / 2 for speed in self.engine_speeds)
@@ -270,5 +275,6 @@ class Case:
             text=self.text,
             points=tuple(self.points.items()),
             red_line=self.operation.red_line,
+            top_speed=self.operation.top_speed,
             digest=self.digest,
         )

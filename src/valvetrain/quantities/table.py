@@ -303,6 +303,12 @@ TRAINS: tuple[QuantityRow, ...] = (
     train("minimum_spring_margin_ratio", "minimum spring margin, ratio",
         "Spring force less weight and gas over the inertia force where the valve is slowed, by rigid theory, where that is least; "
         "1 at the float speed of rigid parts where the cam loses contact first.", sense=MORE),
+    train("open_spring_force", "spring load at full lift", "Force of all springs at rest at the largest rigid lift."),
+    train("needed_closed_spring_force", "seat load needed", "Force of all springs with the valve closed with which they would "
+        "exceed inertia, weight and gas at the valve by a fifth of the inertia force, by rigid theory, at their own rate."),
+    train("needed_open_spring_force", "load at full lift needed", "Force of all springs at the largest lift with the seat load needed."),
+    train("needed_spring_rate", "rate needed", "Rate that gives the same at the seat load as it is, where that is enough at zero lift.",
+        dimension="stiffness", shown_unit="N/mm"),
     train("{spring}_mean_peak_section_displacement", "mean peak motion of the coils ({spring})",
         "Mean along the spring ({spring}) of each section's largest displacement over the cycle.", sense=LESS),
     train("peak_rigid_valve_lift", "peak rigid valve lift", "Largest valve lift of rigid parts."),
@@ -457,6 +463,8 @@ SWEEP: tuple[QuantityRow, ...] = (
         sense=MORE, topic=CONTROL, uses=("sweep", "case")),
     train("rigid_contact_loss_cam_angle", "contact-loss speed, rigid parts, cam angle",
         "Cam angle at which rigid theory first loses a contact."),
+    train("closing_ramp_begin_cam_angle", "begin of the closing ramp", "Cam angle at which the closing lift law comes down to its ramp."),
+    train("closing_ramp_end_cam_angle", "end of the closing ramp", "Cam angle at which the closing lift law comes to rest."),
 )  # fmt: skip
 
 ROWS: tuple[QuantityRow, ...] = (*AT_REST, *CAM, *RUNS, *TRAINS, *EVENTS, *SCATTER, *SWEEP)

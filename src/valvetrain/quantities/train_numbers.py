@@ -47,6 +47,8 @@ COUNTED = (
 #: Share of peak force times lift below which a spring loses nothing: its sum over the steps has that
 #: error.
 ROUNDING = 2e-5
+#: Share of the inertia force that a spring shall have to spare, for surge and for parts that flex.
+RESERVE = 0.2
 #: Front of the names of what differs from cycle to cycle.
 SCATTER = "cycle_scatter_"
 
@@ -153,8 +155,9 @@ def _open_spans(solution: Solution, events: Sequence[Event]) -> list[Span]:
 
 
 def margin_quantities(rigid: RigidTable) -> dict[str, float]:
-    """Minimum surplus of the spring over inertia, weight and gas at the valve with rigid parts
-    (N), and its ratio; empty for a table without these columns.
+    """Minimum surplus of the spring over inertia, weight and gas at the valve with rigid parts (N) and its ratio; the loads
+    at which it is a fifth of the inertia force wherever the valve is slowed, by more preload at the same rate, and the rate
+    that does so at the same preload; empty for a table without these columns.
     """
     if not {"spring_margin", "inertia_force"} <= set(rigid.columns):
         return {}
@@ -164,10 +167,16 @@ def margin_quantities(rigid: RigidTable) -> dict[str, float]:
         return {}
     surplus = margin[slowing]
     ratio = np.min(surplus / -inertia[slowing]) + 1
+    lift, spring = rigid["valve_lift"], rigid["spring_force"]
+    closed, opened = float(spring[np.argmin(lift)]), float(spring[np.argmax(lift)])
+    lacks = -RESERVE * inertia[slowing] - surplus
+    more = float(np.max(lacks))
+    steeper = np.max((spring[slowing] + lacks - closed) / lift[slowing])
     return {
-        "minimum_spring_margin_force": float(np.min(surplus)),
-        "minimum_spring_margin_ratio": float(ratio),
-    }
+        "minimum_spring_margin_force": float(np.min(surplus)), "minimum_spring_margin_ratio": float(ratio),
+        "open_spring_force": opened, "needed_closed_spring_force": max(closed + more, 0.0),
+        "needed_open_spring_force": opened + more, "needed_spring_rate": max(float(steeper), 0.0),
+    }  # fmt: skip
 
 
 def _event_numbers(events: Sequence[Event]) -> dict[str, float]:

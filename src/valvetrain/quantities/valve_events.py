@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.cam.contract import LiftLaw
 from valvetrain.cam.pieces import solve
 from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics
 from valvetrain.quantities.kinematics import RigidTable
@@ -113,6 +114,14 @@ def rigid_events(kinematics: RigidKinematics) -> dict[str, float]:
     for word, height in zip(label, kinematics.law_lift(heights).tolist(), strict=True):
         found |= event_numbers("rigid_valve", word, lift_crossings(law, height))
     return found
+
+
+def closing_ramp(law: LiftLaw) -> dict[str, float]:
+    """Cam angles (rad) between which the closing ramp of a lift law runs; empty of a law without ramps."""
+    height = getattr(law, "ramp_lift", 0.0)
+    ends = [lift_crossings(law.lift, one) for one in (height, 0.0)] if height > 0 else []
+    names = ("closing_ramp_begin_cam_angle", "closing_ramp_end_cam_angle")
+    return {name: one[1] % _TURN for name, one in zip(names, ends, strict=False) if one}
 
 
 def run_events(solution: Solution, events: Sequence[Event]) -> dict[str, float]:

@@ -21,7 +21,7 @@ from valvetrain.runs.critical_speeds import read_options
 from valvetrain.runs.outputs import RequestedOutputs
 from valvetrain.runs.prepared import largest_lift
 from valvetrain.runs.request_cost import RunRequest, request_cost, spring_cost
-from valvetrain.runs.run import run_study, sweep_study
+from valvetrain.runs.run import run_study, sweep_speeds, sweep_study
 from valvetrain.runs.statics import STEPS, curve_by_model, default_model
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, worker_count
@@ -193,7 +193,7 @@ def compare(
 @shows_progress("sweep")
 def sweep(
     case: AnyCase,
-    engine_speeds: Speeds = "1000:9000:100 rpm",
+    engine_speeds: Speeds | None = None,
     spring_models: Models = (),
     *,
     spring_set: Sequence[str] | str = (),
@@ -218,7 +218,7 @@ def sweep(
     case, spring_models, spring_set, outputs, compute, workers, progress, limit, implausible : as
         for :func:`simulate`
     engine_speeds : speeds of the crank, "1000:9000:100 rpm" (first:last:step), rad/s or pint
-        quantities
+        quantities; by default to 1.2 times the red line or the highest speed of the case
     whole : store the channels of every solution (megabytes each); without it solutions hold their
         events and named quantities only
     critical_speeds : search a train's critical speeds between the lowest and the highest speed, as
@@ -243,9 +243,9 @@ def sweep(
     (3, 522)
     """
     spring_models, sets = model_names(spring_models), as_names(spring_set)
-    speeds = _speeds(engine_speeds)
-    assert speeds is not None
     case = case_of(case)
+    given = _speeds(engine_speeds)
+    speeds = sweep_speeds(case) if given is None else given
     requested = RequestedOutputs.of(outputs, case.train is not None) if outputs else None
     if requested is not None:
         critical_speeds = critical_speeds and requested.searches
@@ -286,7 +286,7 @@ def sweep(
 @shows_progress("critical speeds")
 def critical_speeds(
     case: AnyCase,
-    engine_speeds: Speeds = "1000:9000:100 rpm",
+    engine_speeds: Speeds | None = None,
     spring_models: Models = (),
     *,
     spring_set: Sequence[str] | str = (),
@@ -306,7 +306,8 @@ def critical_speeds(
     ----------
     case, spring_models, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
-    engine_speeds : speeds of the crank at which the search begins; it continues between them where control may be lost
+    engine_speeds : speeds of the crank at which the search begins, by default those of :func:`sweep`; it continues between
+        them where control may be lost
     resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
     float_lift : lift above the rigid one beyond which the valve floats, "50 um", m or a pint
         quantity

@@ -4,6 +4,7 @@ speed (:func:`sweep_study`).
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
@@ -17,7 +18,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.runs.at_rest import AtRest, RestSolver, numbers_at_rest
 from valvetrain.runs.between_speeds import between_facts, run_between
 from valvetrain.runs.cost import Limits
-from valvetrain.runs.critical_speeds import CriticalOptions, find_critical_speeds
+from valvetrain.runs.critical_speeds import RPM, CriticalOptions, find_critical_speeds
 from valvetrain.runs.facts import (
     beyond_wire_facts,
     case_facts,
@@ -125,6 +126,28 @@ def run_study(
         ends_alone=ends_alone,
         error_bars=error_bars,
     )
+
+
+def sweep_speeds(case: Case, step: int = 100) -> tuple[float, ...]:
+    """Crank speeds (rad/s) of a sweep that names none: from 1000 rpm to 1.2 times the red line, else the highest speed of
+    the case, else to 9000 rpm.
+
+    Parameters
+    ----------
+    case : the case that is swept
+    step : between two speeds (rpm); larger by a whole factor where more than a hundred speeds would follow
+
+    Examples
+    --------
+    >>> import valvetrain as vt
+    >>> speeds = sweep_speeds(vt.parameters.loading.load_case("tdi-pushrod"))
+    >>> round(speeds[-1] * 30 / np.pi)
+    9000
+    """
+    top = 1.2 * case.operation.top_speed / RPM or 9000
+    step *= math.ceil(top / (100 * step))
+    last = max(step * math.ceil(top / step - 1e-9), 1000)
+    return tuple(speed * RPM for speed in range(1000, last + 1, step))
 
 
 def sweep_study(

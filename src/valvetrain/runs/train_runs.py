@@ -13,7 +13,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.forces import surge_engine_speeds
-from valvetrain.quantities.valve_events import rigid_events
+from valvetrain.quantities.valve_events import closing_ramp, rigid_events
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
@@ -156,11 +156,15 @@ def rigid_numbers(
         if one.motion is None or one.member.spring_set in still:
             continue
         cam_speed, angle = one.motion.contact_loss()
-        values = {
-            "rigid_contact_loss_engine_speed": 2 * cam_speed,
-            "rigid_contact_loss_cam_angle": angle,
-            "rigid_maximum_valve_lift": float(np.max(one.motion.derivatives[0])),
-        } | rigid_events(one.motion.kinematics)
+        values = (
+            {
+                "rigid_contact_loss_engine_speed": 2 * cam_speed,
+                "rigid_contact_loss_cam_angle": angle,
+                "rigid_maximum_valve_lift": float(np.max(one.motion.derivatives[0])),
+            }
+            | rigid_events(one.motion.kinematics)
+            | closing_ramp(one.motion.kinematics.law)
+        )
         surge = one.frame.surge_frequency
         if surge is not None and engine_speeds:
             values |= surge_engine_speeds(

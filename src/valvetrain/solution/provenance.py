@@ -155,7 +155,8 @@ class CaseRecord:
     ``changed``: key paths that were set from outside the file; a changed case is not compared with
     published numbers. ``text``: the resolved case file (TOML), from which the case is read again.
     ``citations``: whole references. ``points``: coil numbers of the study's points on the wire,
-    where the case gives them. ``red_line`` (rad/s of the crank): the highest speed in use. ``digest``: short fingerprint of what the case says.
+    where the case gives them. ``red_line`` (rad/s of the crank): the highest speed in use. ``top_speed``: that,
+    else the highest engine speed that the case names, else 0. ``digest``: short fingerprint of what the case says.
     """
 
     name: str
@@ -172,3 +173,4 @@ class CaseRecord:
     points: tuple[tuple[str, float], ...] = ()
     digest: str = ""
     red_line: float | None = None
+    top_speed: float = 0.0

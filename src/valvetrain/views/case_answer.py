@@ -14,6 +14,7 @@ from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
 from valvetrain.findings.engine import Findings, Mark, judge
 from valvetrain.findings.rules_case import BIND, RULES, CaseFacts
+from valvetrain.findings.rules_train import NEEDED
 from valvetrain.findings.words import Amount, Words, digits_text, speed_text
 from valvetrain.parameters.summary import unit_text
 from valvetrain.solution.definition import is_defined, label_of, shown
@@ -81,12 +82,19 @@ class CaseAnswer(Shown):
         case, texts = self.facts.parameters, list[tuple[str, str | tuple[str, ...], str]]()
         valve = amounts.get("rigid_maximum_valve_lift", "")
         law = amounts.get("maximum_lift", "")
-        texts.append(("lift", valve or law, f"{law} of the law" if valve and valve != law else ""))
+        lobe = (
+            "lobe"
+            if self.facts.gear and self.facts.gear.mechanism.kinematics.law_of == "drive"
+            else "law"
+        )
+        note = f"the {lobe} lifts {law}" if valve and valve != law else ""
+        texts.append(("valve lift" if valve else "lift", valve or law, note))
         if case.train is not None and case.train.lash:
             texts.append(("lash", self.words.amount(Amount("maximum_lift", case.train.lash)), ""))
         for label, place in (("closed", 0), ("full lift", 1)):
             texts.append((label, self._loads(place), ""))
         texts.append(("rate", self._rates(), "closed"))
+        texts.append(self._needed())
         left = self.facts.left
         texts.append(("coil bind", "" if left is None else f"{self.words.amount(left)} left", "at full lift"))  # fmt: skip
         texts.append(("least radius", amounts.get("cam_least_radius", ""), "of the cam"))
@@ -116,6 +124,16 @@ class CaseAnswer(Shown):
             return ""
         value, unit = shown(name, amount.value)
         return f"{digits_text(float(value), 0, 4)} {unit_text(unit)}".strip()
+
+    def _needed(self) -> tuple[str, str, str]:
+        """What the springs would need together for a fifth above the inertia force at the highest speed in use."""
+        needed = [self.facts.amount(name) for name in NEEDED]
+        if not all(needed):
+            return "spring needed", "", ""
+        closed, full, rate = (self.words.amount(one) for one in needed if one)
+        top = speed_text(self.facts.parameters.operation.top_speed)
+        note = f"seat to full lift at {top}, a fifth above inertia; or {rate} at your seat load"
+        return "spring needed", f"{closed} to {full}", note
 
     def _loads(self, place: int) -> tuple[str, ...]:
         return self._each(lambda one: Amount("preload", one[place].force))

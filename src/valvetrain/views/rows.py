@@ -57,8 +57,8 @@ class Row:
 CAM = "{minimum_cam_contact_force..peak_%scam_contact_force}"
 SEAT = "{minimum_spring_force..peak_spring_force}"
 ROWS = (
-    Row("on the cam", (CAM % "open_", CAM % ""), "valve open", "train"),
-    Row("off the cam", ("[{loft_gap}][, {loss_of_contact_duration}]", "[{loft_gap}]"), of="train"),
+    Row("on the cam", (CAM % "open_", CAM % ""), "valve open, at every step", "train"),
+    Row("off the cam", ("[{loft_gap}][, {loft_duration}]",), of="train"),
     Row("above its path", ("[{float_excess_lift}]",), of="train"),
     Row("on the retainer", ("{minimum_retainer_force..peak_retainer_force}",), "what cam and valve feel", "spring"),
     Row("on the seat", (SEAT,), "below 10 kHz", "spring"),
@@ -67,10 +67,12 @@ ROWS = (
     Row("bounce", ("[{bounce_height:2}]",), of="train"),
     Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train"),
     Row("spring", (SEAT,), of="train"),
+    Row("spring needed", ("{needed_closed_spring_force..needed_open_spring_force}",), of="train"),
     Row("surge", ("{surge_amplitude_force}",), "0 to peak"),
     Row("coil bind", ("{coil_bind_clearance} left",), "at full lift"),
-    Row("wire, shear", ("{peak_shear_stress}",)),
-    Row("open", ("{valve_50_thou_open_crank_angle_range}",), "at 0.050 in", "train"),
+    Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{closed_nominal_shear_stress..open_nominal_shear_stress}"),
+        "least to most"),
+    Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train"),
     Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
     Row("cam power", ("{mean_cam_power}",), "per valve", "train"),
     Row("first mode", ("{surge_frequency}",), of="spring"),
