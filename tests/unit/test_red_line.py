@@ -8,15 +8,18 @@ from dataclasses import replace
 import pytest
 
 from synthetic_study import train_study
+from valvetrain.cli.case_facts import case_quantities
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
+from valvetrain.runs.run import sweep_speeds
 from valvetrain.solution.critical import (
     CriticalSpeed,
     CriticalSpeeds,
 )
 from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.study import Study
+from valvetrain.system.build import build
 
 RPM = math.pi / 30
 
@@ -50,3 +53,36 @@ def test_a_case_states_its_red_line_in_crank_speed():
         parse_case(text.replace("red_line = ", "rated_speed = "), "v8")
     with pytest.raises(InputError, match=r"operation\.red_line.*6200 rpm"):
         parse_case(text.replace('red_line = "6200 rpm"', "red_line = 6200"), "v8")
+
+
+@pytest.mark.parametrize("word", ["loads", "rate"])
+def test_what_is_needed_leaves_a_fifth_of_the_inertia_force(word):
+    """Closed form: a spring with the loads, or with the rate, that are needed has a margin of 1.2."""
+    text = template_text("direct", True)
+
+    def margins(preload: float, rate: float) -> dict[str, float]:
+        card = f'preload = "{preload!r} N"\ninstalled_height = "36 mm"\nrate = "{rate!r} N/m"\nmass = "30 g"\n'
+        old = text[text.index('preload = "240 N"') : text.index("[train.springs.card.damping]")]
+        case = parse_case(text.replace(old, card), "engine")
+        return case_quantities(case, build(case))
+
+    rate = 320 / 9e-3
+    before = margins(240.0, rate)
+    needed = (before["needed_closed_spring_force"], rate) if word == "loads" else (240.0, before["needed_spring_rate"])  # fmt: skip
+    after = margins(*needed)
+    assert before["minimum_spring_margin_ratio"] != pytest.approx(1.2, rel=0.02)
+    assert after["minimum_spring_margin_ratio"] == pytest.approx(1.2, rel=1e-6)
+    if word == "loads":
+        assert after["open_spring_force"] == pytest.approx(before["needed_open_spring_force"], rel=1e-6)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("operation", "last", "count"),
+    [("", 9000, 81), ('red_line = "15500 rpm"', 18600, 89), ('engine_speeds = "3000, 4000 rpm"', 4800, 39)],
+)  # fmt: skip
+def test_a_sweep_goes_a_fifth_beyond_the_speeds_of_its_case(operation, last, count):
+    text = template_text("direct")
+    lines = [one for one in text.splitlines() if not one.startswith("engine_speeds")]
+    case = parse_case("\n".join(lines).replace("[operation]", f"[operation]\n{operation}"), "own")
+    speeds = sweep_speeds(case)
+    assert len(speeds) == count and speeds[-1] * 30 / math.pi == pytest.approx(last)
