@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import valvetrain as vt
 from valvetrain.errors import UnknownNameError
 from valvetrain.findings.engine import LEVELS
-from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_train import CAUSES
+from valvetrain.findings.facts import TURN, Facts, cam_angles, open_mask, over_turn
+from valvetrain.findings.rules_train import CAUSES, lobe_part
 from valvetrain.findings.table import explain, findings_of, rules
 from valvetrain.findings.words import RPM, Amount, Phrase, Words, digits_text
 from valvetrain.solution.definition import is_defined
@@ -98,11 +100,54 @@ def running_up(last: str) -> Study:
         ("A101", "ls-5000", "calm"), ("A102", "ls-5000", "calm"), ("A103", "ls-5000", "wire"),
         ("A104", "ls-undamped", "ls-5000"), ("A105", "ls-5000", "wire"), ("A106", "ls-open", "ls-5000"),
         ("A108", "wire", "ls-5000"), ("A113", "ls-5000", "ls-friction"),
+        ("A115", "ls-5000", "still"), ("C121", "ls-5000", "no-coils"), ("C122", "lost", "calm"),
+        ("V103", "ls-5000", "calm"),
     ],
 )  # fmt: skip
 def test_a_rule_holds_in_one_run_and_not_in_another(code, holds, holds_not):
     assert code in findings_of(study(holds)).codes
     assert code not in findings_of(study(holds_not)).codes
+
+
+def test_a_lash_that_recuts_the_cam_is_said():
+    plain = study("ls-5000")
+    recut = replace(plain, record=replace(plain.record, changed=("lift_law.lash",)))
+    assert "A114" in findings_of(recut).codes and "A114" not in findings_of(plain).codes
+
+
+def test_parts_of_a_lobe_are_those_of_its_lift():
+    facts = Facts(study("ls-5000"))
+    (run,) = facts.runs
+    law = (
+        facts.value(run, "closing_ramp_begin_cam_angle"),
+        facts.value(run, "closing_ramp_end_cam_angle"),
+    )
+    lift = over_turn(run, "rigid_valve_lift")
+    nose = float(cam_angles(run)[np.argmax(lift)])
+    bend = np.gradient(np.gradient(lift))
+    flank = float(
+        cam_angles(run)[np.argmax(np.where(cam_angles(run) % TURN < nose % TURN, bend, 0))]
+    )
+    parts = {
+        at: lobe_part(facts, run, at) for at in (sum(law) / 2, nose + 0.1, nose + math.pi, flank)
+    }
+    assert list(parts.values()) == [
+        "the closing ramp", "the closing side of the nose", "the base circle", "the opening flank",
+    ]  # fmt: skip
+
+
+def test_a_peak_between_samples_is_written_in_the_picture():
+    (run,) = study("flies").solutions
+    drawn = max(over_turn(run, "cam_contact_force")[open_mask(run)])
+    peak = run.quantities["peak_open_cam_contact_force"]
+    texts = [
+        one.text
+        for one in Answer(study("flies"))
+        .figures()["control"]
+        .make(Facts(study("flies")))
+        .layout.annotations
+    ]
+    assert any("between samples" in one for one in texts) == (peak > 1.02 * drawn)
 
 
 def test_a_run_up_loses_the_cam_or_keeps_it():

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.findings.facts import TURN, Array, Facts, over_turn
+from valvetrain.findings.facts import TURN, Array, Facts, open_mask, over_turn
 from valvetrain.findings.words import RPM, speed_text
 from valvetrain.solution.result import Solution
 from valvetrain.solution.study import Study
@@ -34,6 +34,8 @@ from valvetrain.views.style import (
 
 #: Share of a peak by which a panel of forces reaches above it.
 ROOM = 1.25
+#: Share by which a peak of all steps is above that of the samples drawn where it is written next to them.
+BETWEEN = 0.02
 #: Room (deg) behind the last blow.
 AFTER = 6.0
 
@@ -86,6 +88,11 @@ def control(facts: Facts) -> go.Figure | None:
             more = line(degrees(one), other, one.label, OTHER, "dot", visible="legendonly")
             fig.add_trace(more, 1, 1)
     fig.add_trace(line(angle, force, f"on the cam, {run.label}", LEAD), 1, 1)
+    opened = np.where(open_mask(run), force, 0.0)
+    peak = run.quantities.get("peak_open_cam_contact_force", 0.0)
+    if peak > (1 + BETWEEN) * opened.max():
+        at, text = angle[int(np.argmax(opened))], f"{peak:.0f} N between samples"
+        fig.add_annotation(x=at, y=top, text=text, showarrow=False, xanchor="right", font={"size": 11, "color": LEAD}, row=1, col=1)  # fmt: skip
     least = facts.least_angle(run, "cam_contact_force")
     if least is not None and not facts.losses(run):
         low = run.quantities.get("minimum_cam_contact_force", math.nan)

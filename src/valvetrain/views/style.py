@@ -21,7 +21,7 @@ LEAD, OTHER, RIGID, SECOND, BAD, OK = (
 )  # fmt: skip
 #: Colours of engine speeds or variants, in order.
 SPEEDS = ("#1f5fa8", "#e07b28", "#7a3fa0", "#2f8f4e", "#b23a48", "#5b6b7a")
-ANGLE = "cam angle, deg"
+ANGLE = "cam angle, deg (2 crank deg each)"
 #: Share of the lift from which a window over the cam angle begins, and room (deg) before and behind it.
 SHUT, BEFORE, BEHIND = 0.004, 18.0, 34.0
 
