@@ -102,3 +102,18 @@ def test_a_stopped_search_is_named_and_ranks_nothing(both, monkeypatch):
     assert study.command == "compare-springs"
     codes = findings_of(study).codes
     assert "R103" in codes and not any(one.startswith(("D", "W")) for one in codes)
+
+
+def test_what_both_leave_on_the_cam_is_at_a_speed_at_which_both_keep_it(both):
+    study = compared(
+        lambda: sweep_study(both, (3000 * RPM, 5000 * RPM), spring_models=("massless",), workers=1)
+    )
+    verdict = findings_of(study).verdict
+    left = {
+        run.engine_speed: min(one.quantities["minimum_cam_contact_force"] for one in study.solutions if one.engine_speed == run.engine_speed)
+        for run in study.solutions
+    }  # fmt: skip
+    speed = max(one for one, force in left.items() if force > 0)
+    assert verdict.code in ("D101", "D102") and not findings_of(study).by("D104")
+    assert verdict.fields["least"].value == left[speed] <= verdict.fields["most"].value
+    assert verdict.fields["there"] == f"{speed / RPM:.0f} rpm"

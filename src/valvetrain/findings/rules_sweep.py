@@ -20,8 +20,8 @@ ENDS = {"force": "a tenth of the force", "ends": "ends that would pull", "revolu
 SPEED = "contact_loss_engine_speed"
 #: Share of a critical speed from which its range is named, and within which two springs are alike.
 WIDE, ALIKE = 0.004, 0.01
-#: Share by which stresses of two wires differ where it is worth a word.
-STRESSED = 0.05
+#: Share by which stresses of two wires differ where it is worth a word, and surge (N) that is.
+STRESSED, SURGE = 0.05, 1.0
 
 
 def does(row: CriticalSpeed) -> Phrase:
@@ -217,17 +217,17 @@ def pair(facts: Facts) -> list[tuple[str, float]]:
 
 
 def _left(facts: Facts) -> Fields:
-    """What each of two springs leaves on the cam at the highest speed in use that both ran at."""
-    runs = {
-        one: {round(run.engine_speed, 6): run for run in facts.runs if run.label == one}
+    """What each of two springs leaves on the cam at the highest speed in use at which both keep it."""
+    runs = [
+        {round(run.engine_speed, 6): run for run in facts.runs if run.label == one}
         for one in facts.study.labels
-    }
-    speeds = set.intersection(*(set(one) for one in runs.values()))
-    left = [facts.amount(one[max(speeds)], CONTACT[0]) for one in runs.values()] if speeds else []
-    amounts = sorted((one for one in left if one), key=lambda one: one.value)
-    if len(amounts) < 2:
-        return {}
-    return {"least": amounts[0], "most": amounts[-1], "there": speed_text(max(speeds))}
+    ]
+    for speed in sorted(set.intersection(*map(set, runs)), reverse=True):
+        left = [facts.amount(one[speed], CONTACT[0]) for one in runs]
+        amounts = sorted((one for one in left if one), key=lambda one: one.value)
+        if len(amounts) == len(runs) and amounts[0].value > 0:
+            return {"least": amounts[0], "most": amounts[-1], "there": speed_text(speed)}
+    return {}
 
 
 def longer(facts: Facts) -> Iterator[Hit]:
@@ -268,7 +268,7 @@ def stressed(facts: Facts) -> Iterator[Hit]:
 def surges(facts: Facts) -> Iterator[Hit]:
     """The larger surge of two springs at the speeds in use, where they differ by more than a twentieth."""
     found = _largest(facts, ("surge_amplitude_force",), 1.0)
-    if found and found[0][1] > (1 + STRESSED) * found[1][1]:
+    if found and found[0][1] > max((1 + STRESSED) * found[1][1], SURGE):
         yield _more(found, "surge_amplitude_force")
 
 
@@ -292,12 +292,13 @@ def _more(found: list[tuple[str, float]], name: str) -> Hit:
 LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
 RANGE = "[{range}: {over}]"
 COMPARE = "[valvetrain compare {case} --engine-speed '{round} rpm']"
+KEPT = (*CONTACT, "float_excess_lift")
 LEFT = "[{most} and {least} left on the cam at {there}]"
 DROPS, TWO = "how-to/02-power-drops.md", "how-to/04-two-springs.md"
 
 RULES = (
-    Rule("D101", "decides", "{better} keeps control {high}, {other} {low}", longer, CONTACT, LEFT, mark="", guide=TWO),
-    Rule("D102", "decides", "no difference in control: both keep it {low}", alike, CONTACT, LEFT, mark="", guide=TWO),
+    Rule("D101", "decides", "{better} keeps control {high}, {other} {low}", longer, KEPT, LEFT, mark="", guide=TWO),
+    Rule("D102", "decides", "no difference in control: both keep it {low}", alike, KEPT, LEFT, mark="", guide=TWO),
     Rule("D103", "notes", "{more} is stressed more: amplitude {value} against {less}", stressed, ("open_nominal_shear_stress",),
          guide=TWO),
     Rule("D104", "notes", "{more} surges more at the speeds in use: {value} against {less}", surges, guide=TWO),
