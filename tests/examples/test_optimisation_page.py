@@ -75,4 +75,4 @@ def test_the_guide_names_every_key():
         ConfirmModel,
     )
     assert not {name for model in models for name in model.model_fields} - named
-    assert {"tpe", "nsga2", "cma-es"} <= named
+    assert {"tpe", "nsga2"} <= named

@@ -173,7 +173,7 @@ def test_optimise_finds_the_minimum_of_a_function_within_a_constraint():
     found = experiment.optimise(
         [{"quantity": "height", "direction": "minimise"}],
         [{"quantity": "sum", "at_least": 0.5}],
-        {"trials": 120, "method": "cma-es"},
+        {"trials": 60},
         workers=1,
     )
     assert found.best.trial.values == pytest.approx([0.5, 0.0], abs=0.01)

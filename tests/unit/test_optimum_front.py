@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import read_optimum
@@ -68,3 +69,24 @@ def test_the_case_file_of_a_design_says_which_one_it_is():
         ["Trial", "1"],
         ["Trial", "4"],
     ]
+
+
+@pytest.mark.parametrize(
+    ("direction", "better", "worse"), [("minimise", 1.0, 2.0), ("maximise", 2.0, 1.0)]
+)
+def test_feasible_designs_go_first_then_those_that_miss_less_then_those_that_failed(
+    direction, better, worse
+):
+    text = FILE.replace('direction = "minimise"', f'direction = "{direction}"')
+    bound = 'constraint = [{ quantity = "estimated_rate", at_least = "40 N/mm" }]'
+    plan = read_optimum(OptimumText(f"{text}{bound}", "search.toml", Path()))
+
+    def trial(number: int, mass: float, rate: float, failure: str = "") -> Trial:
+        measured = Measured(dict(zip(plan.measures, (mass, 1.0, rate), strict=True)), {}, failure)
+        return Trial(number, 1, np.array([3e-3]), measured, plan)
+
+    order = [
+        trial(5, better, 50e3), trial(4, worse, 50e3), trial(3, better, 39e3), trial(2, better, 20e3),
+        trial(0, better, 50e3, "diverged"), trial(1, better, 50e3, "diverged"),
+    ]  # fmt: skip
+    assert sorted(reversed(order), key=lambda one: one.rank) == order

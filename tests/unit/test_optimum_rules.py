@@ -108,15 +108,18 @@ def missing(found: Optimum) -> Optimum:
     return replace(found, designs=(replace(found.best, confirmed=(one,)),))
 
 
-def stepped(**changes) -> Optimum:
-    found = lighter()
-    steps = (replace(found.best.steps[0], **changes), *found.best.steps[1:])
+def stepped(improves: bool = False, objective: float | None = None) -> Optimum:
+    found, first = lighter(), lighter().best.steps[0]
+    if objective is not None:
+        values = {**first.trial.measured.values, found.plan.objectives[0].measure: objective}
+        first = replace(first, trial=replace(first.trial, measured=Measured(values, {})))
+    steps = (replace(first, improves=improves), *found.best.steps[1:])
     return replace(found, designs=(replace(found.best, steps=steps),))
 
 
 def back() -> Optimum:
     found = lighter()
-    return stepped(objectives=0.9 * found.case.objectives + 0.1 * found.best.trial.objectives)
+    return stepped(objective=float(0.9 * found.case.objectives[0] + 0.1 * found.best.trial.objectives[0]))  # fmt: skip
 
 
 def doubted(text: str) -> Optimum:
@@ -144,6 +147,7 @@ CASES = {
     "O126": (lambda: barred(lighter(), 0.6), lambda: barred(lighter(), 0.3)),
     "O127": (runs, lighter),
     "O128": (lambda: searched(trough), lighter),
+    "O129": (lambda: by_another(lighter(), 0.95), lambda: missing(lighter())),
 }  # fmt: skip
 
 

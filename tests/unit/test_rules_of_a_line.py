@@ -14,8 +14,6 @@ from scipy.optimize import brentq
 import valvetrain as vt
 from valvetrain.cli import guard
 from valvetrain.errors import InputError
-from valvetrain.explore import optimise, searchers
-from valvetrain.explore.space import Uniform, Values
 from valvetrain.parameters.train import ContactParameters
 from valvetrain.rig import shaft as rig_shaft
 from valvetrain.rig.channels import RigQuantity
@@ -93,56 +91,6 @@ def test_an_abort_of_the_parser_is_an_interrupt_and_nothing_else_is(
     monkeypatch.delenv(guard.TRACEBACK_VARIABLE, raising=False)
     code = guard._report(error, {})
     assert words in capsys.readouterr().err and code == (130 if words == "interrupted" else 1)
-
-
-def test_what_could_not_be_computed_ranks_behind_what_misses_a_bound():
-    def trial(**more):
-        return SimpleNamespace(
-            **(
-                {
-                    "feasible": False,
-                    "failure": "",
-                    "total_missed": 0.5,
-                    "objectives": np.array([3.0]),
-                }
-                | more
-            )
-        )
-
-    key = searchers.EvolutionSearch._key
-    for sign in (1, -1):
-        one = SimpleNamespace(sign=sign)
-        better, worse = (
-            trial(feasible=True, objectives=np.array([sign * value])) for value in (1.0, 2.0)
-        )
-        ordered = [
-            key(one, each)
-            for each in (better, worse, trial(total_missed=0.1), trial(), trial(failure="diverged"))
-        ]
-        assert ordered == sorted(ordered) and len(set(ordered)) == 5
-
-
-def test_a_local_search_has_its_share_where_one_quantity_at_least_may_move_a_little():
-    """Of one objective; a quantity that takes listed values only cannot move a little."""
-
-    def share(uniform: list[bool], objectives: int = 1) -> int:
-        varied = [
-            SimpleNamespace(distribution=Uniform(0.0, 1.0) if one else Values((1.0, 2.0)))
-            for one in uniform
-        ]
-        plan = SimpleNamespace(
-            varied=varied,
-            objectives=[None] * objectives,
-            search=SimpleNamespace(local=0.6, trials=50),
-        )
-        return optimise._Search._local_share(SimpleNamespace(plan=plan))
-
-    assert [
-        share([True]),
-        share([True, False]),
-        share([False, False]),
-        share([True], objectives=2),
-    ] == [30, 30, 0, 0]
 
 
 def test_cycles_of_a_steady_shaft_have_its_speed():

@@ -1,6 +1,4 @@
-"""The plan of an optimisation file: case, varied quantities, objectives, constraints, and the
-evaluations of its points.
-"""
+"""The plan of a search: case, varied quantities, objectives, constraints, and the evaluations that give their numbers."""
 
 from __future__ import annotations
 
@@ -9,10 +7,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.engine import Array, Evaluation
 from valvetrain.explore.files import case_of_file, space_of_file
-from valvetrain.explore.limit_speed import LimitEvaluation
+from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation
 from valvetrain.explore.measure import (
     LIMIT,
     REST,
@@ -26,7 +26,6 @@ from valvetrain.explore.measure import (
 from valvetrain.explore.optimum_file import (
     ConfirmModel,
     ConstraintModel,
-    LimitSpeedModel,
     MeasureModel,
     OptimumText,
     SearchModel,
@@ -34,26 +33,36 @@ from valvetrain.explore.optimum_file import (
 from valvetrain.explore.outputs import (
     LimitSearch,
     Outputs,
-    Run,
     limit_search,
     refuse_limit_name,
+    refuse_sets,
     share_of_case,
 )
-from valvetrain.explore.space import ENGINE_SPEED, Space, Varied
+from valvetrain.explore.space import ENGINE_SPEED, Prior, Space, Values, Varied
+from valvetrain.explore.study import seconds_of
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.overrides import file_key
 from valvetrain.quantities.request import is_at_rest
-from valvetrain.registry import find
+from valvetrain.registry import OWN, find
+from valvetrain.runs.request_cost import RunRequest, planned
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.units import parse_quantity, si_speeds
 
 #: Quantities that rank designs that lose contact, and whether the largest is the worst.
 LOSSES = {"loss_of_contact_duration": True, "loft_gap": True, "minimum_spring_margin_force": False}
+#: The finest spring models of springs with a wire, and of those that are known by card alone; the
+#: first one gives springs at rest too.
+FINEST, OF_CARDS = "finite-element", "wave-rod"
+#: Models that need no check by a finer one.
+FULL = frozenset({FINEST, "solid"})
+#: Place of a table in a file.
+Path = tuple[str | int, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Confirmation:
-    """Another model or a finer mesh that the best design is computed by: ``label``, and the plans
+    """Another model or a finer mesh that the best design is computed by: ``label``, and the plan
     of its points.
     """
 
@@ -63,8 +72,8 @@ class Confirmation:
 
 @dataclass(frozen=True, eq=False)
 class OptimumPlan:
-    """What a search does. ``plans``: the study of points at rest, at the runs, and of limit speeds,
-    those that are needed.
+    """What a search does. ``plans``: the evaluations of points at rest, at the runs, and of limit
+    speeds, those that are needed.
     """
 
     title: str
@@ -88,21 +97,62 @@ class OptimumPlan:
     @property
     def measures(self) -> tuple[Measure, ...]:
         """Every measure once, objectives first."""
-        every = [one.measure for one in self.objectives] + [one.measure for one in self.constraints]
-        return tuple(dict.fromkeys([*every, *self.losses]))
+        return tuple(dict.fromkeys([*self._judged, *self.losses]))
+
+    @property
+    def _judged(self) -> list[Measure]:
+        """Measures of objectives and constraints."""
+        bounded = [one.measure for one in self.constraints]
+        return [*(one.measure for one in self.objectives), *bounded]
 
     @property
     def losses(self) -> tuple[Measure, ...]:
         """How much contact is lost, the shortest loss first, for designs whose least contact force is zero
         alike; empty where no such force is an objective or bound.
         """
-        bounded = [one.measure for one in self.constraints]
-        every = [one.measure for one in self.objectives] + bounded
-        runs = next((one.runs for one in every if one.is_contact_force), ())
+        runs = next((one.runs for one in self._judged if one.is_contact_force), ())
         return tuple(
             Measure(RUNS, name, runs, name, more, optional=True)
             for name, more in (LOSSES if runs and self.case is not None else {}).items()
         )
+
+    @property
+    def rest_model(self) -> str:
+        """Spring model of static quantities, empty for the finite-element rod."""
+        return self.plans[REST].outputs.rest_model if REST in self.plans else ""
+
+    @property
+    def seconds(self) -> float:
+        """Estimated seconds of one core for a design whose limit speeds are searched to the end."""
+        total = 0.0
+        for source, part in self.plans.items():
+            speeds: Sequence[float | None] = [None]
+            if isinstance(source, LimitSearch):
+                speeds = [*source.engine_speeds, *source.engine_speeds[-1:] * CLOSER]
+            for run in part.runs:
+                total += sum(seconds_of(part, (one or run[0], *run[1:])) for one in speeds)
+        return total
+
+    def values(self, shares: Array) -> Array:
+        """Values (d, SI) of a point (d,) of the unit cube."""
+        pairs = zip(self.varied, np.clip(shares, 0.0, 1.0), strict=True)
+        return np.array([float(one.distribution.at(float(share))) for one, share in pairs])
+
+    def shares(self, values: Array) -> Array | None:
+        """The point (d,) of the unit cube of a design (d, SI); None outside it."""
+        shares = []
+        for one, value in zip(self.varied, values, strict=True):
+            levels = one.distribution
+            if isinstance(levels, Values):
+                inside = value in levels.values
+                share = (levels.values.index(value) + 0.5) / len(levels.values) if inside else 0.0
+            else:
+                inside = levels.low <= value <= levels.high
+                share = float(levels.share(levels.work(value))) if inside else 0.0
+            if not inside:
+                return None
+            shares.append(share)
+        return np.array(shares)
 
     def of_case(self, values: Mapping[Measure, float]) -> OptimumPlan:
         """The plan with bounds that are shares of what the case has. Raises :class:`InputError`
@@ -111,14 +161,48 @@ class OptimumPlan:
         made = []
         for one in self.constraints:
             if one.share is not None:
-                value = values.get(one.measure, float("nan"))
-                if value != value:
+                value = values.get(one.measure, np.nan)
+                if np.isnan(value):
                     raise InputError(
                         f"the case itself gives no {one.measure.label}, which a bound is a share of; give a number"
                     )
                 one = replace(one, bound=one.share * value, scale=abs(value) or 1.0)
             made.append(one)
         return replace(self, constraints=tuple(made))
+
+    def with_plans(
+        self, rest_model: str, function: Callable[..., Any] | None = None
+    ) -> OptimumPlan:
+        """The plan with its evaluations: one for each source of numbers, so that none costs more
+        than it needs.
+        """
+        plans = dict[str | LimitSearch, Evaluation]()
+        for source in (REST, RUNS):
+            here = [one for one in self.measures if one.source == source]
+            if here:
+                names = tuple(dict.fromkeys(one.quantity for one in here))
+                outputs = Outputs(names, rest_model=rest_model, function=function)
+                runs = tuple(dict.fromkeys(run for one in here for run in one.runs))
+                plans[source] = Evaluation(self.case, self.varied, outputs, runs)
+        for one in self.measures:
+            if one.limit is not None:
+                of_runs = Evaluation(self.case, self.varied, Outputs(one.quantity), one.runs)
+                plans[one.limit] = LimitEvaluation(of_runs, one.limit)
+        return replace(self, plans=plans)
+
+    def by_another(self, case: Case | None, model: str, rest_model: str) -> OptimumPlan:
+        """The same measures of another case, or by another spring model."""
+
+        def moved(goal: Any) -> Any:
+            runs = ((speed, model or word, chosen) for speed, word, chosen in goal.measure.runs)
+            return replace(goal, measure=replace(goal.measure, runs=tuple(dict.fromkeys(runs))))
+
+        return replace(
+            self,
+            case=case,
+            objectives=tuple(map(moved, self.objectives)),
+            constraints=tuple(map(moved, self.constraints)),
+        ).with_plans(rest_model)
 
 
 def read_optimum(text: OptimumText) -> OptimumPlan:
@@ -127,93 +211,220 @@ def read_optimum(text: OptimumText) -> OptimumPlan:
     """
     model = text.model
     case = text.guarded(("case",), lambda: case_of_file(model.case, model.changes, text.folder))
-    varied = space_of_file(text, model.vary, case)
-    for place, one in enumerate(varied):
+    space = space_of_file(text, model.vary, case)
+    for place, one in enumerate(space):
         if one.key == ENGINE_SPEED:
-            raise text.located(
-                ("vary", place, "key"),
-                "is no part of a design; give engine_speeds, or a limit_speed as an objective",
-            )
-        if one.distribution.kind not in ("uniform", "log-uniform", "values"):
-            raise text.located(
-                ("vary", place),
-                "a search goes between low and high or through values; give one of them",
-            )
-    for key, word in (
-        ("rest_model", model.rest_model),
-        *(("spring_models", one) for one in model.spring_models),
-    ):
+            reason = "is no part of a design; give engine_speeds, or a limit_speed as an objective"
+            raise text.located(("vary", place, "key"), reason)
+        text.guarded(("vary", place), lambda one=one: _in_order(one))
+    for key, word in (("rest_model", model.rest_model), *(("spring_models", one) for one in model.spring_models)):  # fmt: skip
         if word:
             text.guarded((key,), lambda word=word: find("springs", word))
-    if model.spring_sets and (
-        case.train is None or any(one not in case.train.springs for one in model.spring_sets)
-    ):
-        raise text.located(
-            ("spring_sets",),
-            f"case '{case.name}' has no spring set {', '.join(model.spring_sets)[:80]}; correct it",
-        )
-    objectives = tuple(
-        Objective(
-            _measure(text, ("objective", place), one, case, varied, one.direction == "minimise"),
-            one.direction == "maximise",
-        )
-        for place, one in enumerate(model.objective)
-    )
-    if len({one.measure for one in objectives}) < len(objectives):
-        raise text.located(("objective",), "the same objective is there twice; give it once")
-    constraints = tuple(
-        itertools.chain.from_iterable(
-            _constraints(text, ("constraint", place), one, case, varied)
-            for place, one in enumerate(model.constraint)
-        )
-    )
-    _refuse_method(text, len(objectives))
-    title = model.title or f"{case.name}: {objectives[0].measure.label}"
-    plan = OptimumPlan(
-        title, model.description, case, varied, objectives, constraints, model.search, {}
-    )
-    plan = replace(plan, plans=_plans(plan, model.rest_model))
+    if model.spring_sets:
+        text.guarded(("spring_sets",), lambda: refuse_sets(case, model.spring_sets))
+    plan = _Reader(text, case, space).plan()
     confirmations = tuple(
         text.guarded(("confirm", place), lambda one=one: _confirmation(plan, one, text))
         for place, one in enumerate(model.confirm)
     )
-    return replace(plan, confirmations=confirmations)
+    return with_finest(replace(plan, confirmations=confirmations))
 
 
-def _refuse_method(text: OptimumText, objectives: int) -> None:
-    """Raise for a method that does not fit the number of objectives or its round."""
-    search = text.model.search
-    if search.method == "cma-es" and objectives > 1:
-        raise text.located(
-            ("search", "method"), "cma-es knows one objective; take nsga2 or tpe for several"
-        )
-    if search.method == "nsga2" and search.per_round < 4:
-        raise text.located(
-            ("search", "per_round"),
-            "a generation of nsga2 has 4 trials or more; raise per_round, 16 to 40 are typical",
-        )
+def plan_of_experiment(
+    experiment: Evaluation,
+    objective: Sequence[Mapping[str, Any]],
+    constraint: Sequence[Mapping[str, Any]],
+    search: Mapping[str, Any],
+) -> OptimumPlan:
+    """The search over an experiment; tables as in an optimisation file."""
+    outputs = experiment.outputs
+    tables: dict[str, Any] = {
+        "case": "",
+        "vary": [{"key": "x", "values": [1]}],
+        "objective": list(objective),
+        "constraint": list(constraint),
+        "search": dict(search),
+        "spring_models": list(outputs.spring_models),
+        "spring_sets": list(outputs.spring_sets),
+        "rest_model": outputs.rest_model,
+    }
+    if outputs.engine_speeds is not None:
+        tables["engine_speeds"] = list(outputs.engine_speeds)
+    text = OptimumText.of_tables(tables, "optimise")
+    return with_finest(_Reader(text, experiment.case, experiment.space, outputs.function).plan())
 
 
-def _plans(
-    plan: OptimumPlan, rest_model: str, function: Callable[..., Any] | None = None
-) -> dict[str | LimitSearch, Evaluation]:
-    """An experiment for each source of numbers, with outputs of its own, so that none costs more
-    than it needs.
+def with_finest(plan: OptimumPlan) -> OptimumPlan:
+    """The plan with a check of its best design by the finest spring model that the case allows.
+
+    The plan stays as it is where a model as fine computes it already, where a spring model was made in Python, and where
+    the check would cost more than the search.
     """
-    found: dict[str | LimitSearch, Evaluation] = {}
-    for source in (REST, RUNS):
-        here = [one for one in plan.measures if one.source == source]
-        if here:
-            names = dict.fromkeys(one.quantity for one in here)
-            outputs = Outputs(tuple(names), rest_model=rest_model, function=function)
-            runs = tuple(dict.fromkeys(run for one in here for run in one.runs))
-            found[source] = Evaluation(plan.case, plan.varied, outputs, runs)
-    for one in plan.measures:
-        if one.limit is not None:
-            outputs = Outputs(one.quantity)
-            of_runs = Evaluation(plan.case, plan.varied, outputs, one.runs)
-            found[one.limit] = LimitEvaluation(of_runs, one.limit)
-    return found
+    if plan.case is None:
+        return plan
+    models, springs = set[str](), list[InstalledSpring]()
+    for every in (plan, *(one.plan for one in plan.confirmations)):
+        for source, part in every.plans.items():
+            request, of_plan = part.outputs.request, set[str]()
+            for _, model, chosen in part.runs:
+                named = tuple(filter(None, [model])), tuple(filter(None, [chosen]))
+                words, several = planned(RunRequest("run", plan.case, None, *named, 1))[0]
+                of_plan.update(words)
+                springs += several
+            if source != REST:
+                models |= of_plan
+            elif not request.sizes_alone:
+                models.add(request.rest_model or FINEST)
+    finest = FINEST if all(one.wire is not None for one in springs) else OF_CARDS
+    fine = models & {finest, *FULL}
+    if not models or fine or models & OWN.keys() or any(find("springs", finest).why_not(one) for one in springs):  # fmt: skip
+        return plan
+    made = plan.by_another(plan.case, finest, "" if finest == FINEST else plan.rest_model)
+    if 2 * made.seconds > plan.search.trials * plan.search.seeds * plan.seconds:
+        return plan
+    return replace(plan, confirmations=(*plan.confirmations, Confirmation(finest, made)))
+
+
+def varied_of(name: str, space: Iterable[Varied]) -> Varied | None:
+    """The varied quantity that a key of the case means; None for any other name."""
+    key = file_key(name)
+    return next((one for one in space if name == one.name or key == file_key(one.key)), None)
+
+
+def _in_order(one: Varied) -> Varied:
+    """A quantity whose list of values rises. Raises :class:`InputError` for a distribution without ends."""
+    levels = one.distribution
+    if isinstance(levels, Prior) and not levels.flat:
+        reason = "a search goes between low and high or through values; give one of them"
+        raise InputError(reason, one.name)
+    if isinstance(levels, Values):
+        return replace(one, distribution=replace(levels, values=tuple(sorted(set(levels.values)))))
+    return one
+
+
+class _Reader:
+    """Reads objectives and constraints from the tables of a ``text``."""
+
+    def __init__(
+        self,
+        text: OptimumText,
+        case: Case | None,
+        space: Space,
+        function: Callable[..., Any] | None = None,
+    ) -> None:
+        self.text, self.case, self.function = text, case, function
+        self.space = Space([_in_order(one) for one in space], space.correlation)
+
+    def plan(self) -> OptimumPlan:
+        """The plan, without confirmations."""
+        model, search = self.text.model, self.text.model.search
+        objectives = tuple(
+            Objective(
+                self.measure(("objective", place), one, one.direction == "minimise"),
+                one.direction == "maximise",
+            )
+            for place, one in enumerate(model.objective)
+        )
+        if len({one.measure for one in objectives}) < len(objectives):
+            reason = "the same objective is there twice; give it once"
+            raise self.text.located(("objective",), reason)
+        if search.method == "nsga2" and search.per_round < 4:
+            reason = (
+                "a generation of nsga2 has 4 trials or more; raise per_round, 16 to 40 are typical"
+            )
+            raise self.text.located(("search", "per_round"), reason)
+        constraints = itertools.chain.from_iterable(
+            self.constraints(("constraint", place), one)
+            for place, one in enumerate(model.constraint)
+        )
+        plan = OptimumPlan(
+            model.title, model.description, self.case, self.space, objectives, tuple(constraints), search, {},
+        ).with_plans(model.rest_model, self.function)  # fmt: skip
+        title = model.title or f"{plan.case_name}: {objectives[0].measure.label}"
+        return replace(plan, title=title)
+
+    def measure(self, path: Path, one: MeasureModel, largest_is_worst: bool) -> Measure:
+        """The measure of a table: of a run, of springs at rest, a limit speed, or what is varied."""
+        text, table = self.text, one.limit_speed
+        if bool(one.quantity) == (table is not None):
+            both = "both a quantity and a limit_speed" if one.quantity else "nothing"
+            raise text.located(path, f"names {both}; give one of the two")
+        varied = varied_of(one.quantity, self.space) if one.quantity else None
+        if varied is not None:
+            label = one.label or varied.shown_name
+            return Measure(VARIED, varied.name, (), label, largest_is_worst, varied=varied)
+        if self.case is None:
+            if table is not None:
+                raise text.located(path, "a function has no limit speed; give a quantity")
+            label = one.label or one.quantity.replace("_", " ")
+            return Measure(RUNS, one.quantity, ((None, "", ""),), label, largest_is_worst, one.over)
+        key = (*path, "quantity") if table is None else (*path, "limit_speed", "quantity")
+        name, limit = one.quantity, None
+        if table is not None:
+            name = table.quantity
+            if is_at_rest(name):
+                reason = f"'{name}' belongs to springs at rest, so it has no limit speed"
+                raise text.located(key[:-1], reason)
+            if not name or is_defined(name):
+                limit = text.guarded(key[:-1], lambda: limit_search(**table.model_dump()))
+                name = limit.quantity
+        text.guarded(key, lambda: refuse_limit_name(name))
+        if not is_defined(name):
+            raise text.located(key, no_quantity(name))
+        still = is_at_rest(name)
+        speeds: tuple[float | None, ...] = (None,)
+        if not still and limit is None:
+            speeds = self.speeds(path, one)
+        elif one.engine_speeds is not None:
+            reason = f"'{name}' belongs to springs at rest, at no engine speed; leave it out"
+            if limit is not None:
+                reason = "a limit_speed has engine_speeds of its own; give them there"
+            raise text.located((*path, "engine_speeds"), reason)
+        models, sets = text.model.spring_models or [""], text.model.spring_sets or [""]
+        runs = itertools.product(speeds, dict.fromkeys(models), dict.fromkeys(sets))
+        label = definition_of(name).label
+        if limit is not None:
+            label = f"speed up to which the {label} stays within its bound"
+        source = LIMIT if limit is not None else REST if still else RUNS
+        return Measure(
+            source, name, tuple(runs), one.label or label, largest_is_worst, one.over, limit
+        )
+
+    def speeds(self, path: Path, one: MeasureModel) -> tuple[float, ...]:
+        """Engine speeds (rad/s) of a measure: its own, those of the file, or those of the case."""
+        assert self.case is not None
+        given, key = one.engine_speeds, (*path, "engine_speeds")
+        if given is None:
+            given, key = self.text.model.engine_speeds, ("engine_speeds",)
+        if given is not None:
+            speeds: tuple[float, ...] = self.text.guarded(key, lambda: si_speeds(given))
+            return speeds
+        if not self.case.operation.engine_speeds:
+            reason = f"the case names no engine speed, and '{one.quantity}' needs one; add engine_speeds = '6000 rpm'"
+            raise self.text.located(path, reason)
+        return self.case.operation.engine_speeds
+
+    def constraints(self, path: Path, one: ConstraintModel) -> list[Constraint]:
+        """One constraint for each bound of a table."""
+        bounds = [(key, getattr(one, key)) for key in ("at_most", "at_least")]
+        bounds = [(key, raw) for key, raw in bounds if raw is not None]
+        if not bounds:
+            reason = "has no bound; give at_most, at_least or both, such as at_most = '900 MPa' or '1.0 x case'"
+            raise self.text.located(path, reason)
+        made = []
+        for key, raw in bounds:
+            upper = key == "at_most"
+            measure = self.measure(path, one, upper)
+            share = share_of_case(raw)
+            if share is not None:
+                made.append(Constraint(measure, upper, np.nan, share))
+                continue
+            varied, due = measure.varied, definition_of(measure.quantity).dimension or "ratio"
+            if measure.limit is not None or varied is not None:
+                due = "angular speed" if varied is None else varied.dimension or "ratio"
+            bound = self.text.guarded((*path, key), lambda raw=raw, due=due: parse_quantity(raw, due))  # fmt: skip
+            made.append(Constraint(measure, upper, bound, None, abs(bound) or 1.0))
+        return made
 
 
 def _confirmation(plan: OptimumPlan, one: ConfirmModel, text: OptimumText) -> Confirmation:
@@ -227,204 +438,7 @@ def _confirmation(plan: OptimumPlan, one: ConfirmModel, text: OptimumText) -> Co
         case = case_of_file(text.model.case, {**text.model.changes, **one.changes}, text.folder)
     if one.spring_model:
         find("springs", one.spring_model)
-
-    def other(measure: Measure) -> Measure:
-        runs = tuple(
-            dict.fromkeys((run[0], one.spring_model or run[1], run[2]) for run in measure.runs)
-        )
-        return replace(measure, runs=runs)
-
-    made = replace(
-        plan,
-        case=case,
-        objectives=tuple(replace(goal, measure=other(goal.measure)) for goal in plan.objectives),
-        constraints=tuple(
-            replace(bound, measure=other(bound.measure)) for bound in plan.constraints
-        ),
-    )
-    made = replace(made, plans=_plans(made, text.model.rest_model))
+    # springs at rest by the finite-element rod, where that is what confirms
+    rest_model = "" if one.spring_model == FINEST else text.model.rest_model
+    made = plan.by_another(case, one.spring_model, rest_model)
     return Confirmation(one.label or one.spring_model or "with its changes", made)
-
-
-def _limit(text: OptimumText, path: tuple[str | int, ...], table: LimitSpeedModel) -> LimitSearch:
-    found: LimitSearch = text.guarded(
-        (*path, "limit_speed"), lambda: limit_search(**table.model_dump())
-    )
-    return found
-
-
-def varied_of(name: str, space: Iterable[Varied]) -> Varied | None:
-    """The varied quantity that a key of the case means; None for any other name."""
-    key = file_key(name)
-    return next((one for one in space if name == one.name or key == file_key(one.key)), None)
-
-
-def _measure(
-    text: OptimumText,
-    path: tuple[str | int, ...],
-    one: MeasureModel,
-    case: Case | None,
-    space: Space,
-    largest_is_worst: bool,
-) -> Measure:
-    if bool(one.quantity) == (one.limit_speed is not None):
-        raise text.located(
-            path,
-            "names "
-            + ("both a quantity and a limit_speed" if one.quantity else "nothing")
-            + "; give one of the two",
-        )
-    varied = varied_of(one.quantity, space) if one.quantity else None
-    if varied is not None:
-        label = one.label or varied.shown_name
-        return Measure(VARIED, varied.name, (), label, largest_is_worst, varied=varied)
-    model = text.model
-    if case is None:
-        if one.limit_speed is not None:
-            raise text.located(path, "a function has no limit speed; give a quantity")
-        label = one.label or one.quantity.replace("_", " ")
-        return Measure(RUNS, one.quantity, ((None, "", ""),), label, largest_is_worst, one.over)
-    phrase, limit_table = one.quantity, one.limit_speed
-    if limit_table is not None:
-        phrase = limit_table.quantity
-        if limit_table.kind or not phrase:
-            phrase = _limit(text, path, limit_table).quantity
-    text.guarded((*path, "quantity"), lambda: refuse_limit_name(phrase))
-    if not is_defined(phrase):
-        key = (*path, "quantity") if one.quantity else (*path, "limit_speed", "quantity")
-        raise text.located(key, no_quantity(phrase))
-    kinds = itertools.product(
-        dict.fromkeys(model.spring_models or ("",)), dict.fromkeys(model.spring_sets or ("",))
-    )
-    if limit_table is not None:
-        if one.engine_speeds is not None:
-            raise text.located(
-                (*path, "engine_speeds"),
-                "a limit_speed has engine_speeds of its own; give them there",
-            )
-        if is_at_rest(phrase):
-            raise text.located(
-                (*path, "limit_speed"),
-                f"'{phrase}' belongs to springs at rest, so it has no limit speed",
-            )
-        runs: tuple[Run, ...] = tuple(
-            (None, spring_model, spring_set) for spring_model, spring_set in kinds
-        )
-        label = (
-            one.label
-            or f"speed up to which the {definition_of(phrase).label} stays within its bound"
-        )
-        limit = _limit(text, path, limit_table)
-        return Measure(LIMIT, phrase, runs, label, largest_is_worst, one.over, limit)
-    label = one.label or definition_of(phrase).label
-    if is_at_rest(phrase):
-        if one.engine_speeds is not None:
-            raise text.located(
-                (*path, "engine_speeds"),
-                f"'{phrase}' belongs to springs at rest, at no engine speed; leave it out",
-            )
-        runs = tuple((None, spring_model, spring_set) for spring_model, spring_set in kinds)
-        return Measure(REST, phrase, runs, label, largest_is_worst, one.over)
-    own = one.engine_speeds is not None
-    given, key = (
-        (one.engine_speeds, (*path, "engine_speeds"))
-        if own
-        else (model.engine_speeds, ("engine_speeds",))
-    )
-    speeds = case.operation.engine_speeds
-    if given is not None:
-        speeds = given if isinstance(given, tuple) else text.guarded(key, lambda: si_speeds(given))
-    if not speeds:
-        raise text.located(
-            path,
-            f"the case names no engine speed, and '{phrase}' needs one; add engine_speeds = '6000 rpm'",
-        )
-    return Measure(
-        RUNS,
-        phrase,
-        tuple((speed, *kind) for speed, kind in itertools.product(speeds, tuple(kinds))),
-        label,
-        largest_is_worst,
-        one.over,
-    )
-
-
-def _constraints(
-    text: OptimumText,
-    path: tuple[str | int, ...],
-    one: ConstraintModel,
-    case: Case | None,
-    space: Space,
-) -> list[Constraint]:
-    """One constraint for each bound of a table."""
-    bounds: Sequence[tuple[str, Any, bool]] = [
-        (key, raw, key == "at_most")
-        for key, raw in (("at_most", one.at_most), ("at_least", one.at_least))
-        if raw is not None
-    ]
-    if not bounds:
-        raise text.located(
-            path,
-            "has no bound; give at_most, at_least or both, such as at_most = '900 MPa' or '1.0 x case'",
-        )
-    made = []
-    for key, raw, upper in bounds:
-        measure = _measure(text, path, one, case, space, upper)
-        share = share_of_case(raw)
-        if share is not None:
-            made.append(Constraint(measure, upper, float("nan"), share))
-            continue
-        dimension = (
-            "angular speed"
-            if measure.limit is not None
-            else (measure.varied.dimension or "ratio")
-            if measure.varied is not None
-            else definition_of(measure.quantity).dimension or "ratio"
-        )
-        bound = text.guarded(
-            (*path, key), lambda raw=raw, dimension=dimension: parse_quantity(raw, dimension)
-        )
-        made.append(Constraint(measure, upper, bound, None, abs(bound) or 1.0))
-    return made
-
-
-def plan_of_experiment(
-    experiment: Evaluation,
-    objective: Sequence[Mapping[str, Any]],
-    constraint: Sequence[Mapping[str, Any]],
-    search: Mapping[str, Any],
-) -> OptimumPlan:
-    """The search over an experiment; tables as in an optimisation file."""
-    outputs, case = experiment.outputs, experiment.case
-    tables = {
-        "case": "",
-        "vary": [{"key": "x", "values": [1]}],
-        "objective": list(objective),
-        "constraint": list(constraint),
-        "search": dict(search),
-        "spring_models": list(outputs.spring_models),
-        "spring_sets": list(outputs.spring_sets),
-    }
-    text = OptimumText.of_tables(tables, "optimise")
-    model = text.model.model_copy(update={"engine_speeds": outputs.engine_speeds})
-    text.model = model
-    space = experiment.space
-    for one in space:
-        if one.distribution.kind not in ("uniform", "log-uniform", "values"):
-            raise InputError("a search goes between low and high or through values", one.name)
-    objectives = tuple(
-        Objective(
-            _measure(text, ("objective", index), one, case, space, one.direction == "minimise"),
-            one.direction == "maximise",
-        )
-        for index, one in enumerate(model.objective)
-    )
-    constraints = tuple(
-        made
-        for index, one in enumerate(model.constraint)
-        for made in _constraints(text, ("constraint", index), one, case, space)
-    )
-    _refuse_method(text, len(objectives))
-    plan = OptimumPlan("", "", case, space, objectives, constraints, model.search, {})
-    plan = replace(plan, plans=_plans(plan, outputs.rest_model, outputs.function))
-    return replace(plan, title=f"{plan.case_name}: {objectives[0].measure.label}")

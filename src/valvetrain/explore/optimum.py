@@ -5,8 +5,8 @@ be trusted.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,13 +16,13 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.limit_speed import LimitFound
-from valvetrain.explore.measure import Measure, Measured
+from valvetrain.explore.measure import Measure
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.optimum_curves import Curve
-from valvetrain.explore.searchers import quiet_optuna, shares_of
+from valvetrain.explore.search import quiet_optuna
 from valvetrain.explore.space import Values, Varied
-from valvetrain.explore.trial import CASE_SEED, Array, Trial, beats, best_of, front_of
-from valvetrain.explore.valley import Step, Valley
+from valvetrain.explore.trial import CASE_SEED, Array, Trial, best_of, front_of
+from valvetrain.explore.valley import Step, Valley, ends_of
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.toml_text import toml_text
@@ -70,8 +70,7 @@ class Optimum(Reported):
     """``trials`` of all searches in order, the ``case`` itself first; chosen ``designs``, the best
     first.
 
-    ``best_by_seed``: objectives (m,) of the best trial of the search of each seed, for one
-    objective; ``computed``: points that this call
+    ``computed``: points that this call
     computed, the others were in its store; ``seconds``: wall time of this call; ``finished``:
     whether it was not stopped before its end; ``contact_loss``: where the nearest design loses contact,
     if no design retains it. ``error_bars``: of the numbers of the best design that are searched for, or of the one that comes
@@ -97,7 +96,6 @@ class Optimum(Reported):
     case: Trial
     trials: tuple[Trial, ...]
     designs: tuple[Design, ...] = ()
-    best_by_seed: Mapping[int, float] = field(default_factory=dict)
     computed: int = 0
     seconds: float = 0.0
     finished: bool = True
@@ -119,7 +117,15 @@ class Optimum(Reported):
         """Feasible trials that no other beats in all objectives, by the first of these; for one
         objective the best alone.
         """
-        return tuple(front_of(list(self.trials)))
+        return tuple(front_of(self.trials))
+
+    @property
+    def best_by_seed(self) -> Mapping[int, float]:
+        """First objective (SI) of the best trial of each seed, of several seeds and one objective."""
+        if len(self.plan.objectives) > 1 or len(self.seeds) < 2:
+            return {}
+        bests = {seed: self.history(seed)[-1:] for seed in self.seeds}
+        return {seed: float(one[0]) for seed, one in bests.items() if np.all(np.isfinite(one)) and len(one)}  # fmt: skip
 
     @property
     def feasible(self) -> int:
@@ -136,7 +142,7 @@ class Optimum(Reported):
         for one in self.trials:
             if one.seed not in (request, CASE_SEED):
                 continue
-            if one.feasible and not goal.sign * one.objectives[0] >= goal.sign * best:
+            if one.feasible and not one.costs[0] >= goal.sign * best:
                 best = float(one.objectives[0])
             found.append(best)
         return np.array(found)
@@ -186,8 +192,7 @@ class Optimum(Reported):
         """
         found = []
         for place, (one, value) in enumerate(zip(self.plan.varied, trial.values, strict=True)):
-            low, high = (float(end) for end in one.distribution.at([0.0, 1.0]))
-            low, high = min(low, high), max(low, high)
+            low, high = ends_of(one)
             if value <= low + AT_END * (high - low):
                 found.append((place, "low"))
             elif value >= high - AT_END * (high - low):
@@ -207,7 +212,8 @@ class Optimum(Reported):
     @property
     def nearest(self) -> Trial | None:
         """The design that misses its bounds by least; None where none could be computed."""
-        return min((one for one in self.trials if not one.failure), key=lambda one: one.rank, default=None)  # fmt: skip
+        first = min(self.trials, key=lambda one: one.rank)
+        return None if first.failure else first
 
     def bound_of_limit(self, one: Measure) -> float:
         """The bound (SI) of a limit speed, nan of a share of a case that has no such number."""
@@ -247,90 +253,26 @@ def bound_label(plan: OptimumPlan, place: int) -> str:
     )
 
 
-#: A small step, as a share of the range of a quantity.
-STEP = 0.01
-
-
 def chosen_designs(found: Optimum) -> tuple[Design, ...]:
     """The best design; of several objectives the balanced one of the front, then the best one by
     each objective.
     """
-    if len(found.plan.objectives) == 1:
-        best = best_of(list(found.trials))
+    front, goals = found.front, found.plan.objectives
+    if len(goals) == 1:
+        best = best_of(found.trials)
         return () if best is None else (Design(best, "the best"),)
-    front = list(found.front)
     if not front:
         return ()
-    signs = np.array([one.sign for one in found.plan.objectives])
-    costs = np.array([signs * one.objectives for one in front])
+    costs = np.array([one.costs for one in front])
     width = np.ptp(costs, axis=0)
     away = np.sum(((costs - costs.min(axis=0)) / np.where(width > 0, width, 1.0)) ** 2, axis=1)
-    designs = [
-        Design(
-            front[int(np.argmin(away))],
-            "balanced: nearest to the best of every objective, each over its span on the front",
-        )
-    ]
-    for place, goal in enumerate(found.plan.objectives):
+    words = "balanced: nearest to the best of every objective, each over its span on the front"
+    designs = [Design(front[int(np.argmin(away))], words)]
+    for place, goal in enumerate(goals):
         one = front[int(np.argmin(costs[:, place]))]
         if all(one is not other.trial for other in designs):
             designs.append(Design(one, f"best {goal.measure.label}"))
     return tuple(designs)
-
-
-def steps_of(
-    plan: OptimumPlan, trial: Trial, measure: Callable[[Sequence[Array]], list[Measured]]
-) -> tuple[Step, ...]:
-    """What a step of a hundredth of its range, or to the next value, of each varied quantity alone
-    does to a design.
-    """
-    rows = [
-        (place, row)
-        for place in range(len(plan.varied))
-        for row in neighbours(plan, trial.values, place, STEP)
-    ]
-    if not rows:
-        return ()
-    found = []
-    for (place, row), measured in zip(rows, measure([row for _, row in rows]), strict=True):
-        one = Trial(-1, trial.seed, row, measured, plan)
-        better = one.feasible and beats(one, trial)
-        found.append(
-            Step(
-                place,
-                float(row[place] - trial.values[place]),
-                one.objectives,
-                one.feasible,
-                better,
-                one.failure,
-                one.missed,
-            )
-        )
-    return tuple(found)
-
-
-def neighbours(plan: OptimumPlan, values: Array, place: int, share: float) -> list[Array]:
-    """The design with one quantity a ``share`` of its range lower and higher, or at the next of its
-    values, those inside the range.
-    """
-    levels = plan.varied[place].distribution
-    if isinstance(levels, Values):
-        order = sorted(set(levels.values))
-        at = order.index(min(order, key=lambda one: abs(one - values[place])))
-        near = [order[one] for one in (at - 1, at + 1) if 0 <= one < len(order)]
-    else:
-        step = share * (levels.high - levels.low)
-        near = [
-            one
-            for one in (values[place] - step, values[place] + step)
-            if levels.low <= one <= levels.high
-        ]
-    found = []
-    for value in near:
-        row = values.copy()
-        row[place] = value
-        found.append(row)
-    return found
 
 
 def case_text(found: Optimum, design: Design) -> str:
@@ -403,59 +345,40 @@ def optuna_study(found: Optimum, storage: Any = None) -> Any:
         study.set_user_attr(
             "constraints", [bound_label(plan, one) for one in range(len(plan.constraints))]
         )
-        axes = {_axis(one): _distribution(optuna, one) for one in plan.varied}
+        axes = {_with_unit(one.shown_name, one.unit): _axis(optuna, one) for one in plan.varied}
         for trial in found.trials:
-            if trial.number == 0 and shares_of(plan, trial.values) is None:
-                continue  # the case is outside the ranges
-            study.add_trial(_frozen(optuna, found, trial, axes))
+            # the case may be outside the ranges
+            if trial.number or plan.shares(trial.values) is not None:
+                study.add_trial(_frozen(optuna, trial, axes))
     return study
-
-
-def _axis(one: Varied) -> str:
-    return _with_unit(one.shown_name, one.unit)
 
 
 def _with_unit(phrase: str, unit: str) -> str:
     return f"{phrase} [{unit}]" if unit else phrase
 
 
-def _distribution(optuna: Any, one: Varied) -> Any:
+def _axis(optuna: Any, one: Varied) -> Any:
     levels = one.distribution
     if isinstance(levels, Values):
-        return optuna.distributions.CategoricalDistribution(
-            [one.shown(value) for value in sorted(set(levels.values))]
-        )
-    return optuna.distributions.FloatDistribution(
-        one.shown(levels.low), one.shown(levels.high), log=levels.logarithmic
-    )
+        return optuna.distributions.CategoricalDistribution([*map(one.shown, levels.values)])
+    low, high = one.shown(levels.low), one.shown(levels.high)
+    return optuna.distributions.FloatDistribution(low, high, log=levels.logarithmic)
 
 
-def _frozen(optuna: Any, found: Optimum, trial: Trial, axes: dict[str, Any]) -> Any:
-    states = optuna.trial.TrialState
-    values = None
-    if trial.failure:
-        state = states.FAIL
-    elif np.all(np.isfinite(trial.objectives)):
-        state = states.COMPLETE
-        values = [
-            one.measure.shown(float(value))
-            for one, value in zip(found.plan.objectives, trial.objectives, strict=True)
-        ]
-    else:
-        state = states.PRUNED
-    params = {}
-    for one, value in zip(found.plan.varied, trial.values, strict=True):
-        axis = axes[_axis(one)]
-        shown = one.shown(float(value))
-        params[_axis(one)] = (
-            shown if hasattr(axis, "choices") else min(max(shown, axis.low), axis.high)
-        )
+def _frozen(optuna: Any, trial: Trial, axes: dict[str, Any]) -> Any:
+    states, plan, values, params = optuna.trial.TrialState, trial.plan, None, dict[str, float]()
+    state = states.FAIL if trial.failure else states.PRUNED
+    if not trial.failure and np.all(np.isfinite(trial.objectives)):
+        state, pairs = states.COMPLETE, zip(plan.objectives, trial.objectives, strict=True)
+        values = [one.measure.shown(float(value)) for one, value in pairs]
+    for (name, axis), one, value in zip(axes.items(), plan.varied, trial.values, strict=True):
+        params[name] = one.shown(float(value))
+        if not hasattr(axis, "choices"):
+            params[name] = min(max(params[name], axis.low), axis.high)
     attributes: dict[str, Any] = {"number": trial.number, "seed": trial.seed}
-    attributes |= {
-        bound_label(found.plan, index): float(one)
-        for index, one in enumerate(trial.constraints)
-        if np.isfinite(one)
-    }
+    for place, number in enumerate(trial.constraints):
+        if np.isfinite(number):
+            attributes[bound_label(plan, place)] = float(number)
     if trial.failure:
         attributes["failure"] = trial.failure
     return optuna.trial.create_trial(

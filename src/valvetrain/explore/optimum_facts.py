@@ -11,7 +11,6 @@ from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Design, Optimum
 from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.trial import Trial
-from valvetrain.explore.valley import Step
 from valvetrain.findings.engine import Subject
 from valvetrain.findings.words import Amount, Phrase, Said, digits_text
 from valvetrain.parameters.summary import unit_text
@@ -63,9 +62,9 @@ class SearchFacts(Subject):
         best = self.found.best
         return self.found.nearest if best is None else best.trial
 
-    def gain(self, trial: Trial | Step, case: Trial) -> float:
+    def gain(self, trial: Trial, case: Trial) -> float:
         """By how much (SI) the first objective of a design is better than that of a case."""
-        return self.found.plan.objectives[0].sign * float(case.objectives[0] - trial.objectives[0])
+        return float(case.costs[0] - trial.costs[0])
 
     @property
     def slight(self) -> float:

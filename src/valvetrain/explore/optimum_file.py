@@ -25,7 +25,7 @@ MAX_OBJECTIVES, MAX_CONSTRAINTS, MAX_TRIALS, MAX_SEEDS, MAX_PER_ROUND = 4, 32, 2
 #: Default width of the bracket of a limit speed.
 RESOLUTION = "10 rpm"
 Direction = Literal["minimise", "maximise"]
-Method = Literal["tpe", "nsga2", "cma-es"]
+Method = Literal["tpe", "nsga2"]
 
 
 def _speeds(raw: Any) -> Any:

@@ -105,9 +105,10 @@ def _design(found: Optimum, one: Design) -> dict[str, Any]:
             {
                 "quantity": found.plan.varied[step.index].name,
                 "step": step.size,
+                "improves": step.improves,
                 **{
-                    name: getattr(step, name)
-                    for name in ("objectives", "feasible", "improves", "failure")
+                    name: getattr(step.trial, name)
+                    for name in ("objectives", "feasible", "failure")
                 },
             }
             for step in one.steps

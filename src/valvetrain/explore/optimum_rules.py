@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -135,10 +136,23 @@ def other_model(facts: SearchFacts) -> Hits:
     """Bounds that the best design misses by another model, or that it cannot compute it."""
     best = facts.found.best
     for one in best.confirmed if best is not None else ():
+        if one.design.failure:
+            yield Hit(fields={"by": one.label, "why": one.design.failure}, severity=float("inf"))
+            continue
+        there = SearchFacts(replace(facts.found, plan=one.plan))  # with the bounds by that model
         for place, miss in enumerate(one.design.missed):
-            if miss > 0 or one.design.failure:
-                why = one.design.failure
-                yield Hit(fields={"by": one.label, "bound": facts.bound(place), "why": why}, severity=float(miss))  # fmt: skip
+            if miss > 0:
+                off: Said = f"{100 * miss:.2g} %"
+                yield Hit(fields={"by": one.label, "bound": there.bound(place), "off": off}, severity=float(miss))  # fmt: skip
+
+
+def confirmed(facts: SearchFacts) -> Hits:
+    """Other models by which the best design meets every bound."""
+    best = facts.found.best
+    for one in best.confirmed if best is not None else ():
+        if one.design.feasible and one.design.number:
+            after = facts.said(facts.goal, float(one.design.objectives[0]), one.design)
+            yield Hit(fields={"by": one.label, "name": facts.goal.label, "after": after})
 
 
 def doubtful(facts: SearchFacts) -> Hits:
@@ -167,9 +181,9 @@ def narrow(facts: SearchFacts) -> Hits:
     if best is None or not case.feasible:
         return
     for step in best.steps:
-        cost = -facts.gain(step, best.trial)
+        cost = -facts.gain(step.trial, best.trial)
         if step.index != facts.same_as_varied(0) and cost >= NARROW * facts.gain(best.trial, case):
-            left = facts.said(facts.goal, float(step.objectives[0]))
+            left = facts.said(facts.goal, float(step.trial.objectives[0]))
             yield Hit(fields={"name": facts.goal.label, "left": left}, severity=cost)
 
 
@@ -218,7 +232,7 @@ RULES = (
     Rule("O110", "decides", "the case is within {share} of the best", better(lambda facts: facts.slight), (),
          "{name} {before:4}, at best {after:4}[; {limits} {hold} it]", RUN, mark="ok", unless=("O106", "O107", "O108")),
     Rule("O120", "warns", "the search was stopped after {count} trials", cut, step="start the command again to continue"),
-    Rule("O121", "warns", "by {by} the best design misses {bound}[: {why}]", other_model),
+    Rule("O121", "warns", "by {by} the best design [misses {bound} by {off}][cannot be computed: {why}]", other_model),
     Rule("O122", "warns", "the best design is doubtful: {doubt}", doubtful),
     Rule("O123", "warns", "widen {wide}: the best is at its end", at_end, remark="end of its range"),
     Rule("O124", "warns", "a small step of {name} still improves the best: add trials", moving),
@@ -226,4 +240,5 @@ RULES = (
     Rule("O126", "warns", "{name} of the best is not resolved at {speed}", unresolved, guide="uncertainty.md"),
     Rule("O127", "warns", "only {model} computed it: confirm it by finite-element", alone, mark="", guide="optimisation.md"),
     Rule("O128", "warns", "designs as good within {share} have {ranges}", alike, remark="[{only} as good]", mark="", guide="optimisation.md"),
+    Rule("O129", "notes", "by {by} the best design has {name} {after:4} and meets every bound", confirmed, guide="optimisation.md"),
 )  # fmt: skip

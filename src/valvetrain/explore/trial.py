@@ -1,9 +1,8 @@
-"""One design of a search with its numbers, and the order of designs: feasible first, then by the
-objectives.
-"""
+"""One design of a search with its numbers, and the order of designs: feasible ones first."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -46,6 +45,11 @@ class Trial:
         return np.array([self._number(one.measure) for one in self.plan.objectives])
 
     @cached_property
+    def costs(self) -> Array:
+        """Objectives (m,) with the sign that makes less better."""
+        return self.objectives * [one.sign for one in self.plan.objectives]
+
+    @cached_property
     def constraints(self) -> Array:
         """Values (c,) in SI of what is bounded."""
         return np.array([self._number(one.measure) for one in self.plan.constraints])
@@ -58,26 +62,20 @@ class Trial:
 
     @cached_property
     def missed(self) -> Array:
-        """By how much (c + m,) each bound is missed, in shares of it, negative inside, and of a contact
-        force of zero by the share of the cycle without contact in addition; then 0 for
-        each objective, more where a limit speed
-        is below the lowest one searched."""
-        bounds = [
+        """By how much (c + m,) each bound is missed, in shares of it, negative inside.
+
+        A contact force of zero misses its bound by the share of the cycle without contact in addition. The last
+        m are of the objectives: 0, or more where a limit speed is below the lowest one searched.
+        """
+        missed = [
             one.missed(value) + (self.lost if one.measure.is_contact_force and value <= 0 else 0.0)
             for one, value in zip(self.plan.constraints, self.constraints, strict=True)
         ]
-        begins = [
-            max(
-                (
-                    1e-9 + bracket.missed
-                    for bracket in self.measured.limits.get(one.measure, ())
-                    if bracket.kind == BELOW
-                ),
-                default=0.0,
-            )
-            for one in self.plan.objectives
-        ]
-        return np.array([*bounds, *begins])
+        for goal in self.plan.objectives:
+            brackets = self.measured.limits.get(goal.measure, ())
+            below = [1e-9 + one.missed for one in brackets if one.kind == BELOW]
+            missed.append(max(below, default=0.0))
+        return np.array(missed)
 
     @cached_property
     def losses(self) -> tuple[float, ...]:
@@ -106,76 +104,57 @@ class Trial:
             None,
         )
 
-    @property
-    def rank(self) -> tuple[float, ...]:
-        """Order of designs that miss a bound, the nearest first: by what is missed, then by the loss of
-        contact."""
-        return (self.total_missed, *self.losses[1:], self.number)
-
-    @property
+    @cached_property
     def feasible(self) -> bool:
         """Whether it was computed, all bounds are met and all objectives are there."""
-        return (
-            not self.failure
-            and bool(np.all(self.missed <= 0.0))
-            and bool(np.all(np.isfinite(self.objectives)))
-        )
+        met = bool(np.all(self.missed <= 0.0)) and bool(np.all(np.isfinite(self.objectives)))
+        return met and not self.failure
+
+    @cached_property
+    def rank(self) -> tuple[float, ...]:
+        """Order of designs: feasible ones by the first objective, then by what is missed, then those that failed.
+
+        Of equals the one that loses contact least goes first, then the first.
+        """
+        if self.feasible:
+            return (0.0, float(self.costs[0]), *self.losses, self.number)
+        if self.failure:
+            return (2.0, self.number)
+        missed = sum(max(0.0, one) for one in self.penalties)
+        return (1.0, missed, *self.losses[1:], self.number)
 
     @property
     def penalties(self) -> list[float]:
-        """Missed shares of the bounds for a search, large where a design could not be computed."""
-        if self.failure:
-            return [UNKNOWN] * max(1, len(self.missed))
-        known = [float(one) if np.isfinite(one) else UNKNOWN for one in self.missed]
-        return known or [0.0]
+        """Missed shares (c + m) of the bounds, large where there is no number."""
+        missed = np.full(len(self.missed), UNKNOWN) if self.failure else self.missed
+        return [float(one) for one in np.nan_to_num(missed, nan=UNKNOWN)]
 
     @property
     def state(self) -> str:
         """Its end in a word."""
-        if self.failure:
-            return self.measured.code
-        return "feasible" if self.feasible else "infeasible"
+        return self.measured.code if self.failure else "feasible" if self.feasible else "infeasible"
 
-    @property
-    def total_missed(self) -> float:
-        """Sum of what is missed, in shares of the bounds."""
-        return float(sum(max(0.0, one) for one in self.penalties))
+    def beats(self, other: Trial) -> bool:
+        """Whether it is no worse in any objective, and better in one (both feasible)."""
+        return bool(np.all(self.costs <= other.costs) and np.any(self.costs < other.costs))
 
 
-def beats(one: Trial, other: Trial) -> bool:
-    """Whether a feasible trial is no worse in any objective, and better in one (both feasible)."""
-    signs = np.array([goal.sign for goal in one.plan.objectives])
-    apart = signs * (one.objectives - other.objectives)
-    return bool(np.all(apart <= 0.0) and np.any(apart < 0.0))
+def best_of(trials: Sequence[Trial]) -> Trial | None:
+    """The first of the feasible trials by their rank; None where there is none."""
+    first = min(trials, key=lambda one: one.rank)
+    return first if first.feasible else None
 
 
-def best_of(trials: list[Trial]) -> Trial | None:
-    """The feasible trial with the best first objective, of equals the one that loses contact least,
-    then the first; None where there is none.
-    """
-    feasible = [one for one in trials if one.feasible]
-    return min(
-        feasible,
-        key=lambda one: (one.plan.objectives[0].sign * one.objectives[0], *one.losses, one.number),
-        default=None,
-    )
-
-
-def front_of(trials: list[Trial]) -> list[Trial]:
+def front_of(trials: Sequence[Trial]) -> list[Trial]:
     """Feasible trials that no other beats, each set of objectives once, by the first objective."""
-    feasible = [one for one in trials if one.feasible]
-    if not feasible:
-        return []
-    signs = np.array([goal.sign for goal in feasible[0].plan.objectives])
-    costs = np.array([signs * one.objectives for one in feasible])
-    retained: list[Trial] = []
-    seen: set[bytes] = set()
-    for index, one in enumerate(feasible):
-        beaten = np.any(
-            np.all(costs <= costs[index], axis=1) & np.any(costs < costs[index], axis=1)
-        )
-        key = costs[index].tobytes()
-        if not beaten and key not in seen:
-            seen.add(key)
-            retained.append(one)
-    return sorted(retained, key=lambda one: (*(signs * one.objectives), one.number))
+    by_costs = dict[bytes, Trial]()
+    for one in trials:
+        if one.feasible:
+            by_costs.setdefault(one.costs.tobytes(), one)
+    costs = np.array([one.costs for one in by_costs.values()])
+    front = [
+        one
+        for one in by_costs.values()
+        if not np.any(np.all(costs <= one.costs, axis=1) & np.any(costs < one.costs, axis=1))
+    ]
+    return sorted(front, key=lambda one: (*one.costs, one.number))

@@ -1,20 +1,18 @@
-"""The valley of an optimum: how far each varied quantity may go while the objective stays within a
-tolerance and every bound is met, the others following.
-"""
+"""What lies about an optimum: small steps of each varied quantity, and the valley of designs as good."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.explore.measure import Measured
-from valvetrain.explore.objective import OptimumPlan
-from valvetrain.explore.space import Values
+from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.trial import Array, Trial
 
+#: A small step, as a share of the range of a quantity.
+STEP = 0.01
 #: Share of the best objective within which a design is as good; reserve of every bound (in shares of
 #: it) and share of the tolerance at which the ends are aimed.
 ALIKE, RESERVE, AIMED = 0.01, 1e-3, 0.9
@@ -23,21 +21,20 @@ OPEN = 0.1
 #: Lengths of the way to an end that are tried where objective and bounds bend; price of a move that
 #: brings nothing.
 LENGTHS, IDLE = (1.0, 0.5, 0.2), 0.01
+#: Computes designs (d, SI).
+Compute = Callable[[Sequence[Array]], list[Measured]]
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What a small step of one varied quantity does to a design: ``size`` (SI, with its sign),
-    objectives (m,), bounds missed (c,) in shares of them, and feasibility there.
+    """What a small step of one varied quantity does to a design: ``size`` (SI, with its sign), and the
+    design there.
     """
 
     index: int
     size: float
-    objectives: Array
-    feasible: bool
+    trial: Trial
     improves: bool
-    failure: str = ""
-    missed: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,78 +59,88 @@ class Valley:
         return int(np.argmin(column)), int(np.argmax(column))
 
 
+def ends_of(one: Varied) -> tuple[float, float]:
+    """Least and most (SI) of the range or list of a varied quantity."""
+    low, high = one.distribution.at([0.0, 1.0]).tolist()
+    return low, high
+
+
+def steps_of(best: Trial, compute: Compute) -> tuple[Step, ...]:
+    """What a step of a hundredth of its range, or to the next value, of each varied quantity alone
+    does to a design.
+    """
+    rows = list(_neighbours(best))
+    measured = compute([row for _, row in rows]) if rows else []
+    steps = []
+    for (place, row), numbers in zip(rows, measured, strict=True):
+        there = Trial(-1, best.seed, row, numbers, best.plan)
+        improves = there.feasible and there.beats(best)
+        steps.append(Step(place, float(row[place] - best.values[place]), there, improves))
+    return tuple(steps)
+
+
+def _neighbours(best: Trial) -> Iterator[tuple[int, Array]]:
+    """(place, design) with one quantity a step lower and higher, or at the next of its values,
+    those inside the range.
+    """
+    for place, one in enumerate(best.plan.varied):
+        levels, (low, high), value = one.distribution, ends_of(one), best.values[place]
+        if isinstance(levels, Values):
+            at = levels.values.index(float(value))
+            near = [levels.values[k] for k in (at - 1, at + 1) if 0 <= k < len(levels.values)]
+        else:
+            near = [float(value) + sign * STEP * (high - low) for sign in (-1, 1)]
+        for moved in near:
+            if low <= moved <= high:
+                row = best.values.copy()
+                row[place] = moved
+                yield place, row
+
+
 def valley_of(
-    plan: OptimumPlan,
-    best: Trial,
-    steps: Sequence[Step],
-    trials: Sequence[Trial],
-    measure: Callable[[Sequence[Array]], list[Measured]],
+    best: Trial, steps: Sequence[Step], trials: Sequence[Trial], compute: Compute
 ) -> Valley:
     """The valley about the ``best`` trial: of the ``trials`` those as good, and at each end of each
     quantity a design that is computed, found by linear programming from what small ``steps`` do.
     """
-    spans = np.array([_span(plan, place) for place in range(len(plan.varied))])
-    rows = [
-        best.values + length * way * spans
-        for way in _ways(plan, best, steps, spans)
-        for length in LENGTHS
-    ]
-    measured = measure(rows) if rows else []
-    made = [Trial(-1, best.seed, row, one, plan) for row, one in zip(rows, measured, strict=True)]
+    spans = np.array([abs(np.subtract(*ends_of(one))) or 1.0 for one in best.plan.varied])
+    ways = list(_ways(best, steps, spans))
+    rows = [best.values + length * way * spans for way in ways for length in LENGTHS]
+    measured = compute(rows) if rows else []
+    made = [Trial(-1, best.seed, row, one, best.plan) for row, one in zip(rows, measured, strict=True)]  # fmt: skip
     limit = ALIKE * abs(float(best.objectives[0]))
-    good = [best] + [
-        one
-        for one in (*trials, *made)
-        if one.feasible
-        and np.all(np.isfinite(one.values))
-        and abs(float(one.objectives[0] - best.objectives[0])) <= limit
-    ]
-    return Valley(
-        np.array([one.values for one in good]),
-        np.array([float(one.objectives[0]) for one in good]),
-        spans,
-    )
+    good = [best]
+    for one in (*trials, *made):
+        if one.feasible and np.all(np.isfinite(one.values)) and abs(one.costs[0] - best.costs[0]) <= limit:  # fmt: skip
+            good.append(one)
+    heights = np.array([float(one.objectives[0]) for one in good])
+    return Valley(np.array([one.values for one in good]), heights, spans)
 
 
-def _span(plan: OptimumPlan, place: int) -> float:
-    low, high = (float(end) for end in plan.varied[place].distribution.at([0.0, 1.0]))
-    return abs(high - low) or 1.0
-
-
-def _ways(
-    plan: OptimumPlan, best: Trial, steps: Sequence[Step], spans: Array
-) -> list[NDArray[np.float64]]:
+def _ways(best: Trial, steps: Sequence[Step], spans: Array) -> Iterator[Array]:
     """Moves (d, shares of the ranges) to the ends that linear objective and bounds allow."""
     from scipy.optimize import linprog
 
-    count, bounds = len(plan.varied), len(plan.constraints)
+    count, bounds = len(spans), len(best.plan.constraints)
     slopes, reach = np.zeros((1 + bounds, count)), np.zeros((count, 2))
-    here = np.array([best.objectives[0], *best.missed[:bounds]])
-    for place, one in enumerate(plan.varied):
+    here = np.array([best.costs[0], *best.missed[:bounds]])
+    for place, one in enumerate(best.plan.varied):
         near = [
-            (step.size / spans[place], np.array([step.objectives[0], *step.missed[:bounds]]) - here)
-            for step in steps
-            if step.index == place and step.missed is not None and not step.failure
-        ]
+            (step.size / spans[place], np.array([step.trial.costs[0], *step.trial.missed[:bounds]]) - here)
+            for step in steps if step.index == place and not step.trial.failure
+        ]  # fmt: skip
         near = [(size, moved) for size, moved in near if np.all(np.isfinite(moved))]
-        if not near or isinstance(one.distribution, Values):
-            continue
-        weight = sum(size**2 for size, _ in near)
-        slopes[:, place] = sum(size * moved for size, moved in near) / weight
-        low, high = one.distribution.low, one.distribution.high
-        reach[place] = (
-            (low - best.values[place]) / spans[place],
-            (high - best.values[place]) / spans[place],
-        )
-    slopes[0] *= plan.objectives[0].sign
+        if near and not isinstance(one.distribution, Values):
+            weight = sum(size**2 for size, _ in near)
+            slopes[:, place] = sum(size * moved for size, moved in near) / weight
+            reach[place] = (np.array(ends_of(one)) - best.values[place]) / spans[place]
     room = np.array([AIMED * ALIKE * abs(here[0]), *(-here[1:] - RESERVE)])
-    found = []
+    # moves up and moves down are variables of their own, so that an idle move has a price
+    both = np.vstack([np.clip(reach, 0.0, None), np.clip(-reach[:, ::-1], 0.0, None)])
     for place in np.flatnonzero(np.ptp(reach, axis=1) > 0).tolist():
         for sign in (1.0, -1.0):
             aim = np.where(np.arange(count) == place, -sign, 0.0)
-            cost = np.concatenate([aim + IDLE, IDLE - aim])  # moves up and moves down
-            both = np.vstack([np.clip(reach, 0.0, None), np.clip(-reach[:, ::-1], 0.0, None)])
+            cost = np.concatenate([aim + IDLE, IDLE - aim])
             end = linprog(cost, A_ub=np.hstack([slopes, -slopes]), b_ub=room, bounds=both)
             if end.status == 0 and abs(move := end.x[:count] - end.x[count:])[place] >= OPEN / 2:
-                found.append(np.asarray(move))
-    return found
+                yield np.asarray(move)
