@@ -73,7 +73,7 @@ def bits(found: vt.explore.Identified) -> tuple[object, ...]:
         repr(found.log_evidence),
         repr(found.predicted),
         repr([branch.information.groups for branch in found.branches]),
-        repr(found.notes),
+        repr(found.note),
     )
 
 

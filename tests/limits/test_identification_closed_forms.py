@@ -63,7 +63,7 @@ def test_least_squares_meet_posterior_and_evidence(found: vt.explore.Identified)
     assert found.log_evidence == pytest.approx(LOG_EVIDENCE, rel=1e-9), (
         "a normal posterior is its own Laplace approximation"
     )
-    assert found.notes == (), "its linearised posterior holds"
+    assert not found.note, "its linearised posterior holds"
 
 
 def test_percentiles_of_measurements_are_those_of_their_prediction(

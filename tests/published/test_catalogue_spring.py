@@ -37,4 +37,4 @@ def test_wire_and_closed_coils_are_those_of_the_formulas() -> None:
     assert found.best["wire_diameter"] == pytest.approx(diameter, rel=3e-3)
     assert TOTAL - 2 * found.best["closed_coils"] == pytest.approx(active, rel=1e-2)
     assert found.branches[0].misfit < 1e-6, "three data, three unknowns"
-    assert not found.branches[0].information.groups and not found.notes
+    assert not found.branches[0].information.groups and not found.note

@@ -384,17 +384,17 @@ def test_correlation_of_an_identification_file_reaches_its_priors():
 
 
 @pytest.mark.parametrize(
-    ("now", "then", "words"),
+    ("now", "then"),
     [
-        ("coefficient = 0.5", "coefficient = 1.5", "symmetric matrix"),
-        ("coefficient = 0.5", 'coefficient = "half"', "write a number"),
-        ("coefficient = 0.5", "coefficient = 0.5\nof = 1", "is unknown"),
-        ('", "spring.wire_diameter"]', '"]', "two of the varied quantities"),
-        ("[[correlation]]", "[correlation]", "no list of tables"),
+        ("coefficient = 0.5", "coefficient = 1.5"),
+        ("coefficient = 0.5", 'coefficient = "half"'),
+        ("coefficient = 0.5", "coefficient = 0.5\nof = 1"),
+        ('", "spring.wire_diameter"]', '"]'),
+        ("[[correlation]]", "[correlation]"),
     ],
 )
-def test_a_correlation_that_is_none_is_refused_in_one_sentence(now, then, words):
+def test_a_correlation_that_is_none_is_refused_at_its_place(now, then):
     assert now in CORRELATED
-    with pytest.raises(vt.InputError, match=words) as caught:
+    with pytest.raises(vt.InputError) as caught:
         parse_request(CORRELATED.replace(now, then) + MEASURED, "file", Path())
-    assert "\n" not in str(caught.value) and "correlation" in str(caught.value)
+    assert "correlation" in caught.value.where

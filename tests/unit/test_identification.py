@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError, MissingExtraError
+from valvetrain.explore.draws import linear_draws
 from valvetrain.explore.identification_file import METHODS, Search
-from valvetrain.explore.least_squares import ends_of, least_squares, linear_draws, profile
+from valvetrain.explore.least_squares import least_squares, profile
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
 from valvetrain.explore.solve import solve
 from valvetrain.explore.space import Prior
@@ -254,8 +255,8 @@ def test_a_linearised_posterior_is_noted_where_it_does_not_hold(
     posterior = Posterior(
         unknowns, tuple(Datum(f"y{place}", 0.0, 1.0) for place in range(count)), told
     )
-    ends = ends_of(posterior, [least_squares(posterior, np.full(count, 0.01))])
-    draws, numbers = linear_draws(posterior, ends, 400, 1)
-    assert draws.work.shape == (400, count) and not np.any(numbers)
+    peak = least_squares(posterior, np.full(count, 0.01))
+    draws = linear_draws(posterior, [peak], [1.0], 400, 1)
+    assert draws.work.shape == (400, count) and not np.any(draws.labels)
     assert np.std(draws.work, axis=0) == pytest.approx(np.ones(count), rel=0.1)
-    assert (not draws.notes) == holds and all("does not hold" in note for note in draws.notes)
+    assert (not draws.note) == holds

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.explore.identified import conflicts_of
+from valvetrain.explore.fit import conflicts_of
 from valvetrain.explore.identify import identify
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
 from valvetrain.explore.space import Prior

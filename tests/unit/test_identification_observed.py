@@ -126,86 +126,14 @@ def test_springs_of_a_pair_are_named(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("more", "measured", "words"),
+    ("measured", "words"),
     [
-        ({}, {"quantity": "free_swing_force_range", "value": "1 N"}, "no point gives"),
-        ({}, {"quantity": "preload", "value": "212 N", "spring_model": "mutli-mass"}, "multi-mass"),
-        (
-            {
-                "quantities": {
-                    "wire": {
-                        "key": "spring.wire_diametre",
-                        "prior": "uniform",
-                        "low": "3 mm",
-                        "high": "4 mm",
-                    }
-                }
-            },
-            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
-            "wire_diam",
-        ),
-        (
-            {
-                "quantities": {
-                    "wire": {
-                        "key": "spring.wire_diameter",
-                        "prior": "uniform",
-                        "low": "3",
-                        "high": "4",
-                    }
-                }
-            },
-            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
-            "meant as 3.5 mm",
-        ),
-        (
-            {
-                "quantities": {
-                    "wire": {
-                        "key": "spring.wire_diameter",
-                        "prior": "uniform",
-                        "low": "7.5 mm",
-                        "high": "8 mm",
-                    }
-                }
-            },
-            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
-            "none of .* points of the priors can be computed, at their middle because: .*the coil overlaps the one below it",
-        ),
-        (
-            {
-                "quantities": {
-                    "turns": {
-                        "key": "spring.total_coils",
-                        "prior": "uniform",
-                        "low": "0.1",
-                        "high": "0.3",
-                    }
-                }
-            },
-            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
-            "at their middle because: .* has 0.2 turns",
-        ),
-        (
-            {
-                "quantities": {
-                    "turns": {
-                        "key": "spring.total_coils",
-                        "prior": "uniform",
-                        "low": "0.1",
-                        "high": "0.5",
-                    }
-                }
-            },
-            {"quantity": "preload", "value": "212 N", "spring_model": "wave-rod"},
-            "at their middle because: .* has 0.3 turns",
-        ),
+        ({"quantity": "free_swing_force_range", "value": "1 N"}, "no point gives"),
+        ({"quantity": "preload", "value": "212 N", "spring_model": "mutli-mass"}, "multi-mass"),
     ],
 )
-def test_what_no_point_can_tell_is_refused_before_the_search(
-    tmp_path, more, measured, words
-) -> None:
-    request = request_of({"one": measured | {"scatter": "1 N"}}, tmp_path, **more)
+def test_what_no_point_can_tell_is_refused_before_the_search(tmp_path, measured, words) -> None:
+    request = request_of({"one": measured | {"scatter": "1 N"}}, tmp_path)
     with pytest.raises(InputError, match=words):
         identify_request(request, workers=1)
 

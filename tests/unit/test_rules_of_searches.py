@@ -11,11 +11,8 @@ import pytest
 from scipy.special import ndtr
 
 from valvetrain.errors import InputError
-from valvetrain.explore import least_squares as profiles
-from valvetrain.explore import solve
-from valvetrain.explore.draws import silent
-from valvetrain.explore.identification_file import Search
-from valvetrain.explore.least_squares import Peak, _inside
+from valvetrain.explore.draws import draws_of_peak
+from valvetrain.explore.least_squares import Peak, covariance_of, least_squares, profile
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
 from valvetrain.explore.space import Prior
 
@@ -42,12 +39,7 @@ def test_differences_are_taken_at_the_step_that_was_asked_for(stated):
     """
     asked: list[tuple[float, float]] = []
     posterior = line(asked)
-    solve._ends(
-        posterior,
-        Search("least-squares", starts=1, keep=1, difference_step=stated, draws=20),
-        BEGIN[None, :],
-        silent,
-    )
+    least_squares(posterior, BEGIN, step=stated)
     spread = np.array([8.0, 9.0]) / math.sqrt(12)
     points = np.array(asked)
     for place in range(2):
@@ -64,75 +56,44 @@ def test_differences_are_taken_at_the_step_that_was_asked_for(stated):
         )
 
 
+def peak_at(*work: float) -> Peak:
+    """A peak where sum and difference are known to a fifth of the priors' spread, linked."""
+    return Peak(np.array(work), {}, 7.0, np.array([[4.0, 3.0], [0.0, 5.0]]))
+
+
 @pytest.mark.parametrize("count", [1, 2, 5, 40])
 @pytest.mark.parametrize("centre", [(0.0, 4.5), (3.95, 0.05)])
 def test_as_many_draws_lie_within_the_bounds_as_were_asked_for(count, centre):
-    """In the middle of the bounds each draw lies in a slice of its own of either normal law, also
-    where both are linked.
-    """
-    posterior = line([])
-    peak = Peak(
-        np.array(centre), {}, 0.0, np.zeros((2, 2)), np.array([[0.04, 0.03], [0.03, 0.09]]), 1
-    )
-    found = list(_inside(posterior, peak, count, np.random.default_rng(2)))
-    assert len(found) == count
-    draws = np.array([at for at, _ in found])
+    """In the middle of the bounds each draw lies in a slice of its own of either normal law."""
+    posterior, peak = line([]), peak_at(*centre)
+    draws, heights = draws_of_peak(posterior, peak, count, np.random.default_rng(2))
     low, high = posterior.bounds
-    assert np.all((draws >= low) & (draws <= high))
-    unit = np.linalg.solve(np.linalg.cholesky(peak.covariance), (draws - centre).T).T
-    assert [height for _, height in found] == pytest.approx(-0.5 * np.sum(unit**2, axis=1))
+    assert len(draws) == count and np.all((draws >= low) & (draws <= high))
+    root = np.linalg.cholesky(covariance_of(posterior, peak.jacobian))
+    unit = np.linalg.solve(root, (draws - centre).T).T
+    assert heights == pytest.approx(-0.5 * np.sum(unit**2, axis=1))
     if centre == (0.0, 4.5):
         for column in ndtr(unit).T:
             assert sorted(np.floor(column * count)) == list(range(count))
 
 
 def test_a_peak_that_no_draw_stays_at_gives_none():
-    peak = Peak(np.array([40.0, 4.5]), {}, 0.0, np.zeros((2, 2)), 1e-4 * np.eye(2), 1)
-    assert not list(_inside(line([]), peak, 2, np.random.default_rng(2)))
+    draws, heights = draws_of_peak(line([]), peak_at(40.0, 4.5), 2, np.random.default_rng(2))
+    assert not len(draws) and not len(heights)
 
 
-class Capturing:
-    """Least squares that leave what is free where it began, and fail at values above 2."""
-
-    def __init__(self) -> None:
-        self.asked: list[tuple[tuple[float, ...], int, list[bool]]] = []
-
-    def __call__(self, posterior, begin, *, iterations, free):
-        if begin[0] > 2.0:
-            raise InputError("no possible spring")
-        self.asked.append((tuple(begin), iterations, free.tolist()))
-        return Peak(begin + 0.5 * free, {}, 10.0 * begin[0], np.zeros((2, 2)), np.eye(2), 1)
-
-
-def test_a_profile_goes_from_the_best_to_two_and_a_half_deviations_on_either_side(monkeypatch):
-    """Four values a side within the bounds, each search from the end of the one before; what cannot
-    be is not a number.
+def test_a_profile_goes_from_the_best_to_two_and_a_half_deviations_on_either_side():
+    """Sum and difference known to 0.1 each leave 0.05 sqrt(2) of a; its profile is a parabola of
+    that width, the values lie within the bounds, and beyond what can be it is not a number.
     """
-    tried = Capturing()
-    monkeypatch.setattr(profiles, "least_squares", tried)
-    peak = Peak(np.array([0.0, 3.0]), {}, 7.0, np.zeros((2, 2)), np.diag([1.44, 0.09]), 1)
-    told: list[str] = []
-    found = profiles.profile(line([]), peak, "a", report=told.append)
-    assert (
-        found.name == "a"
-        and found.values == pytest.approx(np.arange(-4, 5) * 0.75)
-        and told == ["profile of a"] * 8
-    )
-    assert found.misfit == pytest.approx(
-        [-30.0, -22.5, -15.0, -7.5, 7.0, 7.5, 15.0, np.nan, np.nan], nan_ok=True
-    )
-    starts = [begin for begin, _, _ in tried.asked]
-    due = [(-0.75 * n, 3.0 + 0.5 * (n - 1)) for n in (1, 2, 3, 4)] + [(0.75, 3.0), (1.5, 3.5)]
-    assert np.array(starts) == pytest.approx(np.array(due))
-    assert all(iterations == 10 and free == [False, True] for _, iterations, free in tried.asked)
-    near = profiles.profile(
-        line([]),
-        Peak(np.array([-3.0, 3.0]), {}, 7.0, np.zeros((2, 2)), np.diag([1.44, 0.09]), 1),
-        "a",
-    )
-    assert near.values == pytest.approx([-4.0, -3.75, -3.5, -3.25, -3.0, -2.25, -1.5, -0.75, 0.0])
+    posterior = line([])
+    peak = least_squares(posterior, BEGIN)
+    found = profile(posterior, peak, "a")
+    away = (found.values - 1.0) / (0.05 * math.sqrt(2.0))
+    assert away == pytest.approx(np.linspace(-2.5, 2.5, 9), abs=0.01)
+    assert found.misfit == pytest.approx(away**2, abs=1e-3)
     with pytest.raises(InputError, match="no quantity 'c' to profile; choose from a, b"):
-        profiles.profile(line([]), peak, "c")
+        profile(posterior, peak, "c")
 
 
 def test_a_profile_of_one_quantity_is_the_misfit_itself():
@@ -148,8 +109,8 @@ def test_a_profile_of_one_quantity_is_the_misfit_itself():
         (Datum("sum", 4.0, 0.1), Datum("difference", -2.0, 0.1)),
         evaluate,
     )
-    peak = Peak(np.array([2.0]), {}, 400.0, np.zeros((2, 1)), np.array([[0.64]]), 1)
-    found = profiles.profile(posterior, peak, "a")
+    slope = math.sqrt(posterior.spread[0] ** 2 / 0.64 - 1.0)  # leaves a deviation of 0.8
+    found = profile(posterior, Peak(np.array([2.0]), {}, 400.0, np.array([[slope], [0.0]])), "a")
     assert found.values == pytest.approx(2.0 + 0.5 * np.arange(-4, 5))
     due = [((4 - a) ** 2 + (2 - a) ** 2) / 0.01 if a <= 3 else np.nan for a in found.values]
     assert found.misfit == pytest.approx(due, nan_ok=True)

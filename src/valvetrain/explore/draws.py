@@ -1,44 +1,53 @@
-"""Weighted draws of a posterior, its separate branches, and what the data determine."""
+"""Weighted draws of a posterior, of which a linearised one is made, and its separate branches."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from valvetrain.errors import MissingExtraError
+from valvetrain.explore.least_squares import Peak, covariance_of
 from valvetrain.explore.posterior import Posterior
 
 Array = NDArray[np.float64]
+Labels = NDArray[np.int64]
 #: Called with the share done and a text.
 Report = Callable[[float, str], None]
+#: Fall of the log posterior below the lower of two peaks that parts them (a factor of 7), and
+#: points computed between them.
+DIP, BETWEEN = 2.0, 7
+#: Draws that are parted, and least share of them in a part.
+PARTED, MIN_PART = 1000, 0.03
+#: Branches of less than this share of the probability are left out.
+MIN_SHARE = 1e-3
+#: Share of effective draws where the linearised posterior is weighted by the true one, below which
+#: it does not hold.
+HOLDS = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """Points ``work`` (n, quantities) with ``weights`` (n) of sum one, and where known the
-    logarithm of the evidence and its error.
-
-    ``evidence_kind``: how the evidence was found. ``whole``: False where the search was cut short;
-    ``notes``: what a reader should know.
+    """Points ``work`` (n, quantities) with ``weights`` (n) of sum one and their branches
+    ``labels`` (n), the most probable being 0; the logarithm of the evidence; ``note``: what a
+    reader should know; ``whole``: False where the search was cut short.
     """
 
     work: Array
     weights: Array
+    labels: Labels
     log_evidence: float = np.nan
-    evidence_error: float = np.nan
-    evidence_kind: str = ""
+    note: str = ""
     whole: bool = True
-    notes: tuple[str, ...] = ()
 
     @property
-    def effective(self) -> float:
-        """Number of equally weighted draws with the same information (Kish)."""
-        return float(1.0 / np.sum(self.weights**2))
+    def shares(self) -> list[float]:
+        """Probability of each branch."""
+        return [float(one) for one in np.bincount(self.labels, self.weights)]
 
 
 def extra(package: str) -> MissingExtraError:
@@ -52,16 +61,7 @@ def silent(done: float, text: str) -> None:
     """A report that goes nowhere."""
 
 
-Labels = NDArray[np.int64]
-#: Fall of the log posterior below the lower of two peaks that parts them (a factor of 7), and
-#: points computed between them.
-DIP, BETWEEN = 2.0, 7
-#: Draws that are parted, least share of them in a part, and dimensions of a posterior whose parts
-#: are looked for among fewer draws.
-PARTED, MIN_SHARE = 1000, 0.03
-
-
-def branches_of_draws(posterior: Posterior, draws: Draws, seed: int = 1) -> Labels:
+def branches_of_draws(posterior: Posterior, work: Array, weights: Array, seed: int = 1) -> Labels:
     """Number (n) of the branch of each draw, the most probable branch being 0. Raises
     :class:`MissingExtraError` without scikit-learn.
     """
@@ -70,49 +70,42 @@ def branches_of_draws(posterior: Posterior, draws: Draws, seed: int = 1) -> Labe
         from sklearn.neighbors import KNeighborsClassifier
     except ImportError as error:
         raise extra("scikit-learn") from error
-    middle = draws.weights @ draws.work
-    deviation = np.sqrt(draws.weights @ (draws.work - middle) ** 2)
-    scaled = (draws.work - middle) / np.where(deviation > 0, deviation, 1.0)
-    chosen, _ = even_draws(draws.weights, min(PARTED, len(draws.work)), seed)
-    if len(chosen) < 4 / MIN_SHARE:
-        return np.zeros(len(draws.work), dtype=np.int64)
-    found = HDBSCAN(
-        min_cluster_size=max(10, int(MIN_SHARE * len(chosen))),
-        allow_single_cluster=True,
-        copy=True,
-    ).fit_predict(scaled[chosen])
-    phrase = sorted(set(found.tolist()) - {-1})
-    if len(phrase) < 2:
-        return np.zeros(len(draws.work), dtype=np.int64)
-    at = posterior.at(draws.work[chosen]).log_posterior
-    peaks = np.array(
-        [chosen[np.flatnonzero(found == word)[np.argmax(at[found == word])]] for word in phrase]
-    )
-    joined = joined_peaks(posterior, draws.work[peaks])
-    known = found >= 0
-    labels = np.array([joined[phrase.index(one)] for one in found[known]])
-    near = KNeighborsClassifier(n_neighbors=min(5, int(known.sum()))).fit(
-        scaled[chosen[known]], labels
-    )
-    return _by_share(np.asarray(near.predict(scaled), dtype=np.int64), draws.weights)
+    single = np.zeros(len(work), dtype=np.int64)
+    deviation = np.sqrt(weights @ (work - weights @ work) ** 2)
+    scaled = work / np.where(deviation > 0, deviation, 1.0)
+    chosen, _ = even_draws(weights, min(PARTED, len(work)), seed)
+    if len(chosen) < 4 / MIN_PART:
+        return single
+    smallest = max(10, int(MIN_PART * len(chosen)))
+    parts = HDBSCAN(smallest, allow_single_cluster=True, copy=True).fit_predict(scaled[chosen])
+    count = parts.max() + 1
+    if count < 2:
+        return single
+    height = posterior.log_posterior(work[chosen])
+    tops = [chosen[np.argmax(np.where(parts == part, height, -np.inf))] for part in range(count)]
+    joined = np.array(joined_peaks(posterior, work[tops]))
+    clear = parts >= 0
+    near = KNeighborsClassifier(min(5, int(clear.sum())))
+    labels = near.fit(scaled[chosen[clear]], joined[parts[clear]]).predict(scaled)
+    rank = np.argsort(np.argsort(-np.bincount(labels, weights), kind="stable"))
+    return np.asarray(rank[labels], dtype=np.int64)
 
 
 def joined_peaks(posterior: Posterior, peaks: Array) -> list[int]:
     """Number of the branch of each of some peaks (n, quantities): those between which the posterior
     does not dip share one.
     """
-    count = len(peaks)
-    owner = list(range(count))
-    pairs = list(itertools.combinations(range(count), 2))
+    owner = list(range(len(peaks)))
+    pairs = list(itertools.combinations(owner, 2))
     if not pairs:
         return owner
-    shares = np.arange(BETWEEN + 2) / (BETWEEN + 1.0)
-    lines = [peaks[one] + shares[:, None] * (peaks[other] - peaks[one]) for one, other in pairs]
-    at = posterior.at(np.vstack(lines)).log_posterior.reshape(len(pairs), -1)
-    for (one, other), along in zip(pairs, at, strict=True):
+    shares = np.linspace(0.0, 1.0, BETWEEN + 2)[:, None]
+    lines = [peaks[first] + shares * (peaks[other] - peaks[first]) for first, other in pairs]
+    heights = posterior.log_posterior(np.vstack(lines)).reshape(len(pairs), -1)
+    for (first, other), along in zip(pairs, heights, strict=True):
         if not np.min(along[1:-1]) < min(along[0], along[-1]) - DIP:
-            first, second = sorted((owner[one], owner[other]))
-            owner = [first if number == second else number for number in owner]
+            low, high = sorted((owner[first], owner[other]))
+            owner = [low if number == high else number for number in owner]
     order = list(dict.fromkeys(owner))
     return [order.index(number) for number in owner]
 
@@ -126,88 +119,78 @@ def even_draws(weights: Array, count: int, seed: int) -> tuple[Labels, Labels]:
     return indices, counts
 
 
-def _by_share(labels: Labels, weights: Array) -> Labels:
-    """The same parts numbered by their probability."""
-    phrase = np.unique(labels)
-    share = [weights[labels == word].sum() for word in phrase]
-    order = phrase[np.argsort(-np.array(share), kind="stable")].tolist()
-    return np.array([order.index(one) for one in labels.tolist()], dtype=np.int64)
-
-
-#: Posterior correlation beyond which two quantities are one, and information (over the prior's)
-#: that each would have were the other known.
-TWINS, KNOWN_ALONE = 0.9, 4.0
-#: Share of the prior's deviation that must be left of one of the two, for a narrow stretch within a
-#: wide prior is knowledge all the same.
-OPEN = 0.4
-#: Least part of a combination that makes a quantity a member of its group.
-NAMED = 0.3
-
-
-@dataclass(frozen=True, eq=False)
-class Information:
-    """``determined`` (quantities): share of the prior's variance that the data remove. ``brought``
-    (measurements, quantities): share that each
-    measurement has of all the data's information on a quantity, the others known. ``lost``
-    (measurements, quantities): share by which the
-    variance is smaller than it were without that measurement. ``correlation`` (quantities,
-    quantities) of what is left open; ``groups``: places of quantities of which the data determine a
-    combination only."""
-
-    measurements: tuple[str, ...]
-    determined: Array
-    brought: Array
-    lost: Array
-    correlation: Array
-    groups: tuple[tuple[int, ...], ...] = ()
-
-
-def information_of(posterior: Posterior, jacobian: Array, whole_search: bool = True) -> Information:
-    """From the slopes (used data, quantities) at the likeliest point; without groups where the search
-    was cut short.
+def percentiles(values: Array, weights: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
+    """Weighted percentiles (0 to 100) of values that are not NaN, by the middle of each weight; NaN
+    where there is none.
     """
-    count = jacobian.shape[1]
-    owners = [one.name for one in posterior.used]
-    measurements = tuple(dict.fromkeys(owners))
-    whole: NDArray[Any] = np.linalg.inv(posterior.precision + jacobian.T @ jacobian)
-    variance = np.diag(whole)
-    lost, brought = np.zeros((len(measurements), count)), np.zeros((len(measurements), count))
-    every = np.sum(jacobian**2, axis=0)
-    for place, name in enumerate(measurements):
-        others = jacobian[[owner != name for owner in owners]]
-        brought[place] = np.sum(
-            jacobian[[owner == name for owner in owners]] ** 2, axis=0
-        ) / np.where(every > 0, every, 1.0)
-        without = np.diag(np.linalg.inv(posterior.precision + others.T @ others))
-        lost[place] = np.clip(1.0 - variance / without, 0.0, 1.0)
-    correlation = np.asarray(whole / np.sqrt(np.outer(variance, variance)), dtype=np.float64)
-    return Information(
-        measurements,
-        1.0 - variance,
-        brought,
-        lost,
-        correlation,
-        _groups(jacobian, whole, correlation) if whole_search else (),
-    )
+    known = np.isfinite(values) & (weights > 0)
+    if not known.any():
+        return (np.nan,) * len(shares)
+    order = np.argsort(values[known], kind="stable")
+    ordered = weights[known][order]
+    middle = (np.cumsum(ordered) - 0.5 * ordered) / ordered.sum()
+    found = np.interp(np.array(shares) / 100.0, middle, values[known][order])
+    return tuple(found.tolist())
 
 
-def _groups(
-    jacobian: Array, covariance: NDArray[Any], correlation: NDArray[Any]
-) -> tuple[tuple[int, ...], ...]:
-    """Pairs that are one, then larger groups of which a combination is left to the priors."""
-    count, alone = jacobian.shape[1], np.sum(jacobian**2, axis=0)
-    vague = np.sqrt(np.diag(covariance))
-    found: list[tuple[int, ...]] = [
-        (one, other)
-        for one, other in itertools.combinations(range(count), 2)
-        if min(alone[one], alone[other]) > KNOWN_ALONE
-        and abs(correlation[one, other]) > TWINS
-        and max(vague[one], vague[other]) > OPEN
-    ]
-    values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
-    for value, vector in zip(values, vectors.T, strict=True):
-        large = np.flatnonzero(np.abs(vector) > NAMED)
-        new = set(large.tolist()) - {place for pair in found for place in pair}
-        if value < 1.0 and len(large) > 2 and new and np.all(alone[large] > KNOWN_ALONE):
-            found.append(tuple(large.tolist()))
-    return tuple(found)
+def branches_of_peaks(
+    posterior: Posterior, peaks: Sequence[Peak]
+) -> tuple[list[Peak], list[float], float]:
+    """The best peak of each branch, the most probable first, with the probability of each and the
+    logarithm of the evidence, where each is taken for normal (Laplace).
+    """
+    ordered = sorted(peaks, key=lambda one: one.misfit)
+    numbers = joined_peaks(posterior, np.array([one.work for one in ordered]))
+    best = [ordered[numbers.index(number)] for number in range(max(numbers) + 1)]
+    heights = posterior.log_posterior(np.array([one.work for one in best]))
+    spreads = [covariance_of(posterior, one.jacobian) for one in best]
+    evidence = heights + 0.5 * np.linalg.slogdet(2 * np.pi * np.array(spreads))[1]
+    total = float(np.logaddexp.reduce(evidence))
+    shares = np.exp(evidence - total)
+    order = [k for k in np.argsort(-shares, kind="stable").tolist() if shares[k] >= MIN_SHARE]
+    return [best[k] for k in order], (shares[order] / shares[order].sum()).tolist(), total
+
+
+def linear_draws(
+    posterior: Posterior, peaks: Sequence[Peak], shares: Sequence[float], count: int, seed: int
+) -> Draws:
+    """About ``count`` draws of the linearised posteriors within the bounds, all of one weight; a
+    note says where they do not hold. Their evidence is not set.
+    """
+    random = np.random.default_rng(seed)
+    work, labels, note = [], [], ""
+    for number, (peak, share) in enumerate(zip(peaks, shares, strict=True)):
+        drawn, density = draws_of_peak(posterior, peak, max(round(share * count), 1), random)
+        off = posterior.log_posterior(drawn) - density
+        top = np.max(off, initial=-np.inf)
+        weights = np.exp(off - top) if np.isfinite(top) else np.zeros(len(off))
+        holds = weights.sum() ** 2 / max(np.sum(weights**2), 1e-300) / max(len(off), 1)
+        if len(off) > 20 and holds < HOLDS:
+            note = f"the linearised posterior does not hold ({100 * holds:.0f} % of its draws count); sample with nested"
+        work.append(drawn)
+        labels.append(np.full(len(drawn), number))
+    points = np.vstack(work)
+    return Draws(points, np.full(len(points), 1.0 / len(points)), np.concatenate(labels), note=note)
+
+
+def draws_of_peak(
+    posterior: Posterior, peak: Peak, count: int, random: np.random.Generator
+) -> tuple[Array, Array]:
+    """``count`` draws (working coordinates) of a linearised posterior within the bounds, and the
+    logarithm of the density of each above that of the peak; fewer where the bounds leave too few.
+    """
+    from scipy.stats.qmc import LatinHypercube
+
+    root = np.linalg.cholesky(covariance_of(posterior, peak.jacobian))
+    low, high = posterior.bounds
+    cube = LatinHypercube(len(low), rng=random)
+    work, density = np.empty((0, len(low))), np.empty(0)
+    for _ in range(1000):
+        unit = ndtri(cube.random(count))
+        at = peak.work + unit @ root.T
+        inside = np.all((at >= low) & (at <= high), axis=1)
+        work = np.vstack([work, at[inside]])
+        density = np.append(density, -0.5 * np.sum(unit[inside] ** 2, axis=1))
+        if len(work) >= count:
+            break
+    return work[:count], density[:count]

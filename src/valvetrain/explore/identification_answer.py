@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from valvetrain.explore.fit import MET
 from valvetrain.explore.identification_figures import figures_of
 from valvetrain.explore.identification_rules import (
     RULES,
@@ -19,7 +20,7 @@ from valvetrain.explore.identification_rules import (
     plain_name,
     value_text,
 )
-from valvetrain.explore.identified import MET, Identified, Predicted
+from valvetrain.explore.identified import Identified, Predicted
 from valvetrain.findings.engine import Findings, Mark, judge
 from valvetrain.findings.words import Words, joined
 from valvetrain.units.reader import shown_system
@@ -74,7 +75,7 @@ class IdentificationAnswer(Shown):
         state, others = facts.states[one.name], range(1, len(self.result.branches))
         remark = {
             "tied": f"only together with {few(facts.partners(place))}", "open": "the data say little",
-            "bound": "on the bound of its prior", "determined": self.result.meanings.get(one.name, ""),
+            "bound": "on the bound of its prior", "determined": "",
         }[state]  # fmt: skip
         if others and state == "determined":
             remark = f"or {joined([facts.value(one, branch) for branch in others], 'or')}"

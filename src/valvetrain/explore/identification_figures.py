@@ -11,8 +11,8 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
+from valvetrain.explore.fit import MET
 from valvetrain.explore.identification_rules import IdentificationFacts, data_name, plain_name
-from valvetrain.explore.identified import MET
 from valvetrain.explore.posterior import Unknown
 from valvetrain.parameters.summary import unit_text
 from valvetrain.units import unit_factor

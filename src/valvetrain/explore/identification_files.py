@@ -64,8 +64,8 @@ def identification_json(found: Identified) -> dict[str, Any]:
         "start": {name: _measured(value, units[name]) for name, value in found.start.items()},
         "branches": [_branch(found, one) for one in found.branches], "measurements": measurements, "conflicts": conflicts,
         "predictions": {one.key: _each(one, COMPUTED, one.unit) for one in found.predictions},
-        "evidence": {"log": found.log_evidence, "error": found.evidence_error, "kind": found.evidence_kind},
-        "profiles": profiles, "notes": list(found.notes),
+        "evidence": {"log": found.log_evidence, "kind": found.evidence_kind},
+        "profiles": profiles, "notes": [found.note] if found.note else [],
         "findings": [one.to_dict() for one in IdentificationAnswer(found, Words()).findings],
         "evaluations": found.evaluations, "kept_from_before": found.reused,
     }  # fmt: skip

@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from valvetrain.explore.fit import ON_BOUND
-from valvetrain.explore.identified import MET, Branch, Identified, Predicted
+from valvetrain.explore.fit import MET, ON_BOUND
+from valvetrain.explore.identified import Branch, Identified, Predicted
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.findings.engine import Hit, Rule
 from valvetrain.findings.words import digits_text, joined
@@ -216,8 +216,8 @@ def as_many(facts: IdentificationFacts) -> Iterator[Hit]:
 
 def notes(facts: IdentificationFacts) -> Iterator[Hit]:
     """The draws of a linearised posterior disagree with it."""
-    for one in facts.result.notes[:1]:
-        yield Hit(fields={"said": one})
+    if facts.result.note:
+        yield Hit(fields={"said": facts.result.note})
 
 
 GUIDE = "identification.md"

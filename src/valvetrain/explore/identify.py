@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, RunFailedError
 from valvetrain.explore.case_paths import nominal, vary
-from valvetrain.explore.damping_found import damping_meanings
 from valvetrain.explore.draws import Report, silent
 from valvetrain.explore.engine import Engine, Evaluation
-from valvetrain.explore.evaluator import PointEvaluator
-from valvetrain.explore.identification_file import Request, Search, read_request
+from valvetrain.explore.identification_file import Request, Search, evaluator_of, read_request
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.observe import CaseEvaluator, Observed, numbers_of, observe
 from valvetrain.explore.outputs import Outcome as PointOutcome
@@ -33,9 +31,9 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.toml_text import toml_text
-from valvetrain.registry import find
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
+from valvetrain.runs.prepared import FAILURES
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import LOST, LOST_REMEDY, StandingPool, worker_count
 
@@ -116,7 +114,7 @@ def identify(
             found = solve(
                 posterior, search, journal, profiles=tuple(profiles), report=progress or silent
             )
-            return with_start(found, _middle(posterior), posterior.evaluate)
+            return with_start(found, middle_of(posterior), posterior.evaluate)
     request = read_request(quantities)
     if search != Search():
         request = replace(request, search=search)
@@ -191,7 +189,7 @@ def calibrate(
                     f"{error.reason}; at their middle: {middle.status.message}"
                 ) from error
             found = replace(found, evaluations=engine.computed, reused=before)
-            return with_start(found, _middle(posterior), posterior.evaluate)
+            return with_start(found, middle_of(posterior), posterior.evaluate)
 
 
 def _prior_of(one: Varied) -> Prior:
@@ -228,6 +226,7 @@ def identify_request(
     ``option``) and where nothing can be computed.
     """
     count = worker_count(workers)
+    search = request.search
     with (
         Store(folder, f"{request.identity} {versions_digest()}") as journal,
         evaluators_of(request, count) as (evaluate, compare),
@@ -236,51 +235,41 @@ def identify_request(
             request.unknowns, request.data, journal.through(evaluate), request.correlation
         )
         begin = np.array([values_of_case(request)]) if request.from_case else None
-        seconds = _try(request, posterior, evaluate)
+        seconds = _seconds(evaluate, possible_point(request, posterior))
         journal.at_a_time = count * max(1, round(LOST_SECONDS / max(seconds, 1e-6)))
-        points = request.search.evaluations_of(
+        points = search.evaluations_of(
             len(request.unknowns), len(request.profiles), int(request.from_case)
         )
         left = max(points - len(journal), 0)
-        later = (
-            0.0
-            if compare is None
-            else (request.search.draws + 1)
-            * _timed(compare, posterior.values(posterior.centre[None, :]))
-        )
-        reported = refuse_cost(
-            Cost(
-                (left * seconds + later) / count,
-                points * (POINT_BYTES + NUMBER_BYTES * len(request.targets)),
-            ),
-            limits,
-            option,
-        )
-        tell(
-            f"{reported} ({left} points of {1e3 * seconds:.3g} ms)",
-            (left * seconds + later) / count,
-        )
-        compared = None if compare is None else journal.through(compare, b"compared")
+        total = left * seconds
+        if compare is not None:
+            total += (search.draws + 1) * _seconds(compare, middle_of(posterior))
+        size = points * (POINT_BYTES + NUMBER_BYTES * len(request.targets))
+        phrase = refuse_cost(Cost(total / count, size), limits, option)
+        tell(f"{phrase} ({left} points of {1e3 * seconds:.3g} ms)", total / count)
         found = solve(
             posterior,
-            request.search,
+            search,
             journal,
             begin=begin,
             profiles=request.profiles,
-            name=request.title,
             report=report,
-            compare=compared,
+            compare=None if compare is None else journal.through(compare, b"compared"),
             units={one.key: one.unit for one in request.targets},
         )
-        found = with_start(found, _start(request, posterior), evaluate, compare)
-    found = replace(found, text=request.text)
+        try:
+            start = np.array(values_of_case(request))
+        except InputError:  # it has no single ones
+            start = middle_of(posterior)
+        found = with_start(found, start, evaluate, compare)
+    found = replace(found, text=request.text, name=request.title)
     case = identified_case(request, found.best)
     if case is None:
         return found
     tree = dict(tables_of(case).bare) | {"title": f"{request.title}: identified"}
     for key in ("study", "description"):
         tree.pop(key, None)
-    return replace(found, case_file=toml_text(tree), meanings=damping_meanings(request, case))
+    return replace(found, case_file=toml_text(tree))
 
 
 def identified_case(request: Request, best: Mapping[str, float]) -> Case | None:
@@ -289,14 +278,10 @@ def identified_case(request: Request, best: Mapping[str, float]) -> Case | None:
     """
     if request.evaluator:
         return None
+    pairs = zip(request.unknowns, request.varied, strict=True)
     try:
         return vary(
-            request.case,
-            {
-                one: best[unknown.name]
-                for unknown, varied in zip(request.unknowns, request.varied, strict=True)
-                for one in varied
-            },
+            request.case, {one: best[unknown.name] for unknown, row in pairs for one in row}
         )
     except InputError:
         return None
@@ -318,30 +303,22 @@ def with_start(
     )
 
 
-def _middle(posterior: Posterior) -> Array:
+def middle_of(posterior: Posterior) -> Array:
     """The middles of the priors (SI)."""
     middle: Array = posterior.values(posterior.centre[None, :])[0]
     return middle
 
 
-def _start(request: Request, posterior: Posterior) -> Array:
-    """The values of the case (SI), the middles of the priors where it has no single ones."""
-    try:
-        return np.array(values_of_case(request))
-    except InputError:
-        return _middle(posterior)
-
-
 @contextmanager
 def evaluators_of(request: Request, workers: int) -> Iterator[tuple[Evaluate, Evaluate | None]]:
     """What computes the points of a request: its case under the conditions of its measurements, or
-    the evaluator it names; and what
-    computes it under conditions of which nothing is fitted, for the draws alone (None where there
-    are none)."""
+    the evaluator it names; and what computes it under conditions of which nothing is fitted, for
+    the draws alone (None where there are none).
+    """
     if request.evaluator:
-        own: PointEvaluator = find("evaluators", request.evaluator, "evaluator")
-        named = own.points(tuple(one.name for one in request.unknowns), dict(request.options))
-        with StandingPool(_own_point, named, workers) as pool:
+        names = tuple(one.name for one in request.unknowns)
+        own = evaluator_of(request.evaluator).points(names, dict(request.options))
+        with StandingPool(_own_point, own, workers) as pool:
             yield lambda points: pool.map([tuple(map(float, point)) for point in points]), None
         return
     first, later = request.parts
@@ -356,79 +333,51 @@ def _own_point(evaluate: Callable[[Sequence[float]], Outcome], point: Sequence[f
 
 def values_of_case(request: Request) -> tuple[float, ...]:
     """The values (SI) that the case itself holds of the quantities; a factor is one, an offset
-    zero. Raises :class:`InputError` for one
-    that cannot be read from it."""
+    zero. Raises :class:`InputError` for one that cannot be read from it.
+    """
     if request.evaluator:
-        own: PointEvaluator = find("evaluators", request.evaluator, "evaluator")
-        return tuple(own.values(tuple(one.name for one in request.unknowns)))
+        names = tuple(one.name for one in request.unknowns)
+        return tuple(evaluator_of(request.evaluator).values(names))
     try:
         return tuple(nominal(request.case, row[0]) for row in request.varied)
     except InputError as error:
         raise InputError(f"{error.where} {error.reason}", "search.from_case") from None
 
 
-def _try(request: Request, posterior: Posterior, evaluate: Evaluate) -> float:
-    """Seconds of one point. Raises :class:`InputError` where none of several points of the priors
-    can be computed, with the reason of the
-    first, and for a measurement of something that no point gives."""
+def possible_point(request: Request, posterior: Posterior) -> Array:
+    """Values (SI) of a point that gives every measured number: the middle of the priors or one drawn
+    from them. Raises :class:`InputError` where none of several does.
+    """
     random = np.random.default_rng(request.search.seed)
-    tried = np.vstack(
-        [posterior.centre, posterior.from_shares(random.random((TRIED, len(posterior.unknowns))))]
-    )
-    for place in range(len(tried)):
-        work = tried[place : place + 1]
-        outcome = posterior.at(work).outcomes[0]
+    drawn = posterior.from_shares(random.random((TRIED, len(posterior.unknowns))))
+    lacking = ""
+    for work in np.vstack([posterior.centre, drawn])[:, None, :]:
+        (outcome,) = posterior.outcomes(work)
         if outcome is None:
-            if place == 0:
-                _refuse_keys(request, posterior.values(work)[0])
             continue
-        missing = [one for one in posterior.used if not np.isfinite(outcome.get(one.key, np.nan))]
-        if missing and place < len(tried) - 1:
-            continue
-        if missing:
-            known = tuple(key for key, value in outcome.items() if np.isfinite(value))
-            raise InputError(
-                f"no point gives '{missing[0].key[:80]}'; {nearest(missing[0].key, known)}",
-                f"measurements.{missing[0].name}",
-            )
-        return min(_timed(evaluate, posterior.values(work)) for _ in range(ROUNDS))
-    raise InputError(
-        f"none of {len(tried)} points of the priors can be computed{_why(request, posterior)}"
-    )
+        known = tuple(key for key, value in outcome.items() if np.isfinite(value))
+        missing = next((one.key for one in posterior.used if one.key not in known), None)
+        if missing is None:
+            return np.asarray(posterior.values(work)[0])
+        lacking = lacking or f"no point gives '{missing[:80]}'; {nearest(missing, known)}"
+    if lacking:
+        raise InputError(lacking, "measurements")
+    reason = "; narrow the priors to what is possible"
+    if not request.evaluator:
+        observed = Observed(request.case, request.varied, request.targets)
+        try:
+            case = observed.case_at(middle_of(posterior).tolist())
+            numbers_of(case, observed.stations, observed.targets)
+        except FAILURES as error:
+            reason = f", at their middle because: {error}"
+    raise InputError(f"none of {TRIED + 1} points of the priors can be computed{reason}")
 
 
-def _timed(evaluate: Evaluate, point: Array) -> float:
-    begun = time.perf_counter()
-    evaluate(point)
-    return time.perf_counter() - begun
-
-
-def _refuse_keys(request: Request, values: Array) -> None:
-    """Raise where a key or a word is wrong, which no other values mend."""
-    if request.evaluator:
-        return
-    observed = Observed(request.case, request.varied, request.targets)
-    for row, value in zip(observed.varied, values, strict=True):
-        for one in row:
-            try:
-                replace(observed, varied=((one,),)).case_at((float(value),))
-            except InputError as error:
-                if (
-                    "there is no value" in error.reason
-                    or "has no '" in error.reason
-                    or error.where == one.key
-                ):
-                    raise
-
-
-def _why(request: Request, posterior: Posterior) -> str:
-    if request.evaluator:
-        return "; narrow the priors to what is possible"
-    observed = Observed(request.case, request.varied, request.targets)
-    try:
-        case = observed.case_at(posterior.values(posterior.centre[None, :])[0])
-        for station in observed.stations:
-            numbers_of(case, (station,), observed.targets)
-    except Exception as error:
-        return f", at their middle because: {error}"
-    return "; narrow the priors to what is possible"
+def _seconds(evaluate: Evaluate, values: Array) -> float:
+    """Shortest time (s) of a point."""
+    times = []
+    for _ in range(ROUNDS):
+        begun = time.perf_counter()
+        evaluate(values[None, :])
+        times.append(time.perf_counter() - begun)
+    return min(times)

@@ -118,7 +118,7 @@ def _answer(
             tell(f"this will take {phrase}")
 
     try:
-        with progress_bar(request.name) as report:
+        with progress_bar(request.title) as report:
             found = identify_request(
                 request, folder=points, workers=workers, report=report, limits=limits, tell=reported
             )

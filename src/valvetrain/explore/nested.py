@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.explore.draws import Draws, Report, extra, silent
+from valvetrain.explore.draws import Draws, Report, branches_of_draws, extra, silent
 from valvetrain.explore.posterior import Posterior
 from valvetrain.runs.stopping import Stopped
 
@@ -47,7 +47,8 @@ def nested(
     precision: float = PRECISION,
     report: Report = silent,
 ) -> Draws:
-    """Weighted draws of the posterior and the logarithm of its evidence, which has no error bar.
+    """Weighted draws of the posterior with their branches, and the logarithm of its evidence, which
+    has no error bar.
 
     ``lanes``: points requested at once; another number is another (equally good) sequence of
     points. Raises :class:`InputError` where no point of the prior can be computed,
@@ -63,22 +64,21 @@ def nested(
 
     def log_likelihoods(shares: Array) -> Array:
         nonlocal done, possible
-        found = posterior.at(
+        found = posterior.log_likelihood(
             posterior.from_shares(np.clip(shares[:, :count], 0.0, 1.0))
-        ).log_likelihood
-        known = np.isfinite(found)
-        done, possible = done + len(found), possible + int(known.sum())
+        )
+        done, possible = done + len(found), possible + int(np.isfinite(found).sum())
         if not possible and done >= TRIED:
             raise InputError(
                 "no point of the priors can be computed or meets the data; widen the priors or check the measurements"
             )
         report(min(done / expected, 0.99), f"{done} points")
-        return np.where(known, found, IMPOSSIBLE)
+        return np.maximum(found, IMPOSSIBLE)
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         sampler = Sampler(
-            _same,
+            np.asarray,
             log_likelihoods,
             n_dim=max(count, 2),  # it takes no single quantity: the second one has no effect
             n_live=max(live_points, 2 * count + 2),
@@ -98,17 +98,11 @@ def nested(
             for shell in range(len(sampler.points)):  # the stop met one half updated
                 sampler.update_shell_info(shell)
         shares, log_weights, _ = sampler.posterior()
-        evidence = float(sampler.log_z)
     weights = np.exp(log_weights - np.max(log_weights))
     retained = weights > NO_WEIGHT
-    return Draws(
-        posterior.from_shares(shares[retained, :count]),
-        weights[retained] / weights[retained].sum(),
-        evidence,
-        evidence_kind="nested sampling",
-        whole=whole,
-    )
-
-
-def _same(shares: Array) -> Array:
-    return np.asarray(shares)
+    work = posterior.from_shares(shares[retained, :count])
+    weights = weights[retained] / weights[retained].sum()
+    labels = np.zeros(len(work), dtype=np.int64)
+    if whole:
+        labels = branches_of_draws(posterior, work, weights, seed)
+    return Draws(work, weights, labels, float(sampler.log_z), whole=whole)

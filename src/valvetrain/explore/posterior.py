@@ -126,23 +126,6 @@ class Unknown:
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
-    """Evaluated points: ``work`` (n, quantities), ``outcomes``, ``log_prior``, ``log_likelihood``
-    (n), minus infinity where impossible.
-    """
-
-    work: Array
-    outcomes: tuple[Outcome, ...]
-    log_prior: Array
-    log_likelihood: Array
-
-    @property
-    def log_posterior(self) -> Array:
-        """Logarithm of prior times likelihood, not normalised."""
-        return self.log_prior + self.log_likelihood
-
-
-@dataclass(frozen=True, eq=False)
 class Posterior:
     """``unknowns`` with their priors, ``data`` and the computation ``evaluate`` between them;
     ``correlation`` (quantities, quantities) of normal and lognormal priors, None without any.
@@ -260,44 +243,50 @@ class Posterior:
         return np.asarray(independent - 0.5 * (copula + np.linalg.slogdet(self.correlation)[1]))
 
     def pulls(self, work: Array) -> Array:
-        """Scaled deviations from the priors that least squares add, (quantities)."""
-        own = np.array([float(one.prior.pull(work[k])) for k, one in enumerate(self.unknowns)])
-        return own if self.correlation is None else self.prior_rows @ own
+        """Scaled deviations (n, quantities) of points from the priors, which least squares add."""
+        own = np.column_stack([one.prior.pull(work[:, k]) for k, one in enumerate(self.unknowns)])
+        return own if self.correlation is None else own @ self.prior_rows.T
 
-    def at(self, work: Array) -> Points:
-        """Evaluate points (n, quantities); those outside the bounds are not computed."""
-        prior = self.log_prior(work)
-        inside = np.flatnonzero(np.isfinite(prior))
-        outcomes: list[Outcome] = [None] * len(work)
-        if len(inside):
-            for index, outcome in zip(
-                inside, self.evaluate(self.values(work[inside])), strict=True
-            ):
-                outcomes[index] = outcome
-        likelihood = np.array([self.log_likelihood(one) for one in outcomes])
-        return Points(work, tuple(outcomes), prior, likelihood)
-
-    def residuals(self, outcome: Outcome) -> Array | None:
-        """Scaled misses of the used data; None where the point is impossible or a used quantity was
+    def outcomes(self, work: Array) -> list[Outcome]:
+        """What is computed at points (n, quantities); None of those outside the bounds, which are
         not computed.
         """
-        if outcome is None:
-            return None
-        computed = np.array([outcome.get(one.key, np.nan) for one in self.used], dtype=float)
-        if not np.all(np.isfinite(computed)):
-            return None
-        return np.array(
-            [float(one.residual(value)) for one, value in zip(self.used, computed, strict=True)]
-        )
+        inside = np.flatnonzero(np.isfinite(self.log_prior(work)))
+        outcomes: list[Outcome] = [None] * len(work)
+        if len(inside):
+            for index, one in zip(inside, self.evaluate(self.values(work[inside])), strict=True):
+                outcomes[index] = one
+        return outcomes
 
-    @cached_property
-    def log_peak(self) -> float:
-        """Logarithm of the likelihood of computed values that equal all measured ones."""
-        return sum(one.log_peak for one in self.used)
+    def computed(self, outcomes: Sequence[Outcome]) -> Array:
+        """Numbers (n, data) of the used data; NaN where a point is impossible or lacks one."""
+        rows = [[(one or {}).get(datum.key, np.nan) for datum in self.used] for one in outcomes]
+        return np.array(rows, dtype=float).reshape(len(rows), len(self.used))
 
-    def log_likelihood(self, outcome: Outcome) -> float:
-        """Logarithm of the likelihood of the used data; minus infinity where :meth:`residuals` is
-        None.
+    def residuals(self, outcomes: Sequence[Outcome]) -> Array:
+        """Scaled misses (n, data) of the used data, all NaN where a point lacks a number."""
+        columns = zip(self.used, self.computed(outcomes).T, strict=True)
+        found = np.column_stack([one.residual(column) for one, column in columns])
+        found[~np.all(np.isfinite(found), axis=1)] = np.nan
+        return found
+
+    def scores(self, computed: Array) -> Array:
+        """Misses (n, data) of numbers of the used data as normal scores; NaN where one is missing."""
+        columns = zip(self.used, computed.T, strict=True)
+        return np.column_stack([one.score(column) for one, column in columns])
+
+    def misses(self, work: Array) -> Array:
+        """Scaled misses (n, data and quantities) of the used data and from the priors."""
+        return np.hstack([self.residuals(self.outcomes(work)), self.pulls(work)])
+
+    def log_likelihood(self, work: Array) -> Array:
+        """Logarithm of the likelihood (n) of the used data, minus infinity where a point is
+        impossible or lacks a number.
         """
-        off = self.residuals(outcome)
-        return -np.inf if off is None else self.log_peak - 0.5 * float(off @ off)
+        off = self.residuals(self.outcomes(work))
+        found = sum(one.log_peak for one in self.used) - 0.5 * np.sum(off**2, axis=1)
+        return np.where(np.isfinite(found), found, -np.inf)
+
+    def log_posterior(self, work: Array) -> Array:
+        """Logarithm (n) of prior times likelihood, not normalised."""
+        return self.log_prior(work) + self.log_likelihood(work)
