@@ -13,6 +13,7 @@ import pytest
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import linear_draws
 from valvetrain.explore.identification_file import METHODS, Search
+from valvetrain.explore.identified import Identified
 from valvetrain.explore.least_squares import least_squares, profile
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
 from valvetrain.explore.solve import solve
@@ -41,6 +42,10 @@ def spring_numbers(points: np.ndarray) -> list[dict[str, float] | None]:
     ]
 
 
+def solved(posterior: Posterior, search: Search, journal: Store) -> Identified:
+    return solve(posterior, search, journal, start=np.array([50e3, 0.04]))
+
+
 def data_of(rate: float, mass: float, scatter: float = 1.0) -> tuple[Datum, ...]:
     return Datum("force", rate * 7e-3, scatter), Datum(
         "surge", 0.5 * math.sqrt(rate / mass), scatter
@@ -61,7 +66,7 @@ def test_each_method_finds_the_closed_form(method: str) -> None:
     """Rate from the force, mass from both; the spread of the rate is that of the force."""
     search = Search(method, live_points=200, starts=4)
     with Store(None, "") as journal:
-        found = solve(
+        found = solved(
             Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
             search,
             journal,
@@ -95,7 +100,7 @@ def test_an_impossible_start_is_refused() -> None:
 def test_priors_that_hold_no_possible_point_are_refused(method) -> None:
     stiff = (Unknown("rate", Prior("uniform", 59.1e3, 60e3)), WIDE[1])
     with Store(None, "") as journal, pytest.raises(InputError, match="computed"):
-        solve(
+        solved(
             Posterior(stiff, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
             Search(method, live_points=20),
             journal,
@@ -188,7 +193,7 @@ def test_a_library_that_is_not_installed_is_named_with_its_remedy(
         Store(None, "") as journal,
         pytest.raises(MissingExtraError, match=r"pip install 'valvetrain\[studies\]'"),
     ):
-        solve(
+        solved(
             Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
             search,
             journal,
@@ -207,7 +212,7 @@ def test_what_a_computation_raises_reaches_the_caller() -> None:
 
     before = threading.active_count()
     with Store(None, "") as journal, pytest.raises(ZeroDivisionError, match="here"):
-        solve(
+        solved(
             Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(fails)),
             Search("nested", live_points=30, lanes=4),
             journal,
@@ -232,7 +237,7 @@ def test_a_library_that_is_interrupted_says_nothing_on_standard_output(
 
     with Store(None, "") as journal, contextlib.suppress(Stopped):
         posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(interrupted))
-        solve(posterior, Search(method, live_points=30), journal)
+        solved(posterior, Search(method, live_points=30), journal)
     assert sum(calls) > asked and capfd.readouterr().out == ""
 
 

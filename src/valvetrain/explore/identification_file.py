@@ -45,7 +45,8 @@ class Search:
     """Method and its options; those of the other method have no effect.
 
     ``seed`` of all random numbers. ``least-squares``: ``starts`` tried, of which the ``keep``
-    likeliest are searched from (0: none but those that are given) for at most ``iterations``;
+    likeliest are searched from, and the values of the case with ``from_case``, for at most
+    ``iterations``;
     ``difference_step`` in standard deviations of the priors (0: follows what the data leave open);
     ``draws`` of the linearised posterior. ``nested``: ``live_points``, ``lanes`` requested at once,
     ``precision``: share of the evidence that may be left. Raises :class:`InputError` for an unknown
@@ -59,6 +60,7 @@ class Search:
     seed: int = 1
     starts: int = 1
     keep: int = 1
+    from_case: bool = False
     iterations: int = 30
     difference_step: float = 0.0
     draws: int = 200
@@ -72,28 +74,32 @@ class Search:
                 f"method '{str(self.method)[:40]}' is unknown; {nearest(str(self.method), METHODS)}",
                 "method",
             )
-        for name in [one.name for one in fields(self)[1:]]:
+        for name in (one.name for one in fields(self)[1:] if one.name != "from_case"):
             value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, float if name in _SHARES else int):
-                if not (name in _SHARES and isinstance(value, int)):
-                    raise InputError(
-                        f"{name} is a {'' if name in _SHARES else 'whole '}number; it is {str(value)[:40]!r}",
-                        name,
-                    )
-            if not (0 if name in _FROM_ZERO else 1e-9) <= value <= _MOST:
+            kinds = (int, float) if name in _SHARES else (int,)
+            least = 0 if name in _FROM_ZERO else 1e-9
+            if isinstance(value, bool) or not isinstance(value, kinds):
+                whole = "" if name in _SHARES else "whole "
+                raise InputError(f"{name} is a {whole}number; it is {str(value)[:40]!r}", name)
+            if not least <= value <= _MOST:
                 raise InputError(
                     f"{name} is {value:g}; give a number above zero and below {_MOST:g}", name
                 )
+        if not isinstance(self.from_case, bool):
+            raise InputError("from_case is neither true nor false; write one of them", "from_case")
+        if self.method == "least-squares" and not (self.keep or self.from_case):
+            raise InputError(
+                "keep is 0, so that nothing is searched from; set from_case = true, or keep 1 or more",
+                "keep",
+            )
 
-    def evaluations_of(self, quantities: int, profiles: int = 0, given: int = 0) -> int:
-        """About how many points will be computed for this many unknown quantities, profiles and
-        ``given`` starts in addition to its own.
-        """
+    def evaluations_of(self, quantities: int, profiles: int = 0) -> int:
+        """About how many points will be computed for this many unknown quantities and profiles."""
         each = min(self.iterations, 8) * (quantities + 2)
         after = quantities + 1 + profiles * 2 * SIDE * each // 2
         if self.method == "nested":
             return evaluations_of(self.live_points, quantities) + after
-        searched = min(self.keep, self.starts) + given
+        searched = min(self.keep, self.starts) + self.from_case
         return (self.starts if self.keep else 0) + searched * each + self.draws + after
 
 
@@ -126,8 +132,7 @@ class Request:
     """An identification as a file requests it.
 
     ``evaluator``: name of a package's evaluator of points (:class:`PointEvaluator`), empty for the
-    case itself; ``options`` are its numbers. ``varied``: the keys of each unknown. ``from_case``:
-    whether the values of the case are a start too.
+    case itself; ``options`` are its numbers. ``varied``: the keys of each unknown.
     """
 
     title: str
@@ -140,7 +145,6 @@ class Request:
     profiles: tuple[str, ...]
     evaluator: str
     options: tuple[tuple[str, float], ...]
-    from_case: bool
     text: str
     correlation: Array | None = None
 
@@ -209,7 +213,7 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         file.guarded(
             ("correlation",), lambda: Space({one.name: one.prior for one in unknowns}, correlation)
         )
-    search, profiles, from_case = file.guarded(("search",), lambda: _search(file, names))
+    search, profiles = file.guarded(("search",), lambda: _search(file, names))
     return Request(
         title=model.title or name.removesuffix(".toml").replace("_", " "),
         case=case,
@@ -221,7 +225,6 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         profiles=profiles,
         evaluator=model.evaluator,
         options=options,
-        from_case=from_case,
         text=text,
         correlation=correlation,
     )
@@ -262,30 +265,22 @@ def _unknown(
 
 def _search(
     file: FileText[IdentificationModel], names: tuple[str, ...]
-) -> tuple[Search, tuple[str, ...], bool]:
-    """Method with options, quantities whose profile is computed, and whether the case is a start."""
+) -> tuple[Search, tuple[str, ...]]:
+    """Method with options, and quantities whose profile is computed."""
     given = dict(file.model.search)
     options = tuple(one.name for one in fields(Search))
     if unknown := next(
         (key for key in given if key not in (*options, "profile", "from_case")), None
     ):
         raise problem(f"key '{unknown[:40]}' is unknown; {nearest(unknown, options)}", (unknown,))
-    profile, from_case = given.pop("profile", []), given.pop("from_case", False)
+    profile = given.pop("profile", [])
     profiles = profile if isinstance(profile, list) else [profile]
     if unknown := next((str(one) for one in profiles if one not in names), None):
         raise problem(
             f"'{unknown[:40]}' is none of the quantities; name one of {', '.join(names)[:200]}",
             ("profile",),
         )
-    if not isinstance(from_case, bool):
-        raise problem("is neither true nor false; write one of them", ("from_case",))
     try:
-        search = Search(**given)
+        return Search(**given), tuple(profiles)
     except InputError as error:
         raise problem(error.reason, (error.where,)) from None
-    if not (search.keep or from_case) and search.method == "least-squares":
-        raise problem(
-            "is 0, so that nothing is searched from; set from_case = true, or keep 1 or more",
-            ("keep",),
-        )
-    return search, tuple(profiles), from_case

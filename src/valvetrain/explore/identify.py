@@ -111,10 +111,14 @@ def identify(
         unknowns = tuple(Unknown(name, prior) for name, prior in quantities.items())
         with Store(place, repr((unknowns, tuple(measurements)))) as journal:
             posterior = Posterior(unknowns, tuple(measurements), journal.through(evaluate))
-            found = solve(
-                posterior, search, journal, profiles=tuple(profiles), report=progress or silent
+            return solve(
+                posterior,
+                search,
+                journal,
+                start=middle_of(posterior),
+                profiles=tuple(profiles),
+                report=progress or silent,
             )
-            return with_start(found, middle_of(posterior), posterior.evaluate)
     request = read_request(quantities)
     if search != Search():
         request = replace(request, search=search)
@@ -179,7 +183,14 @@ def calibrate(
             posterior = Posterior(unknowns, measurements, seen.through(evaluate), correlation)
             before = engine.store.before
             try:
-                found = solve(posterior, search, seen, profiles=profiles, report=progress or silent)
+                found = solve(
+                    posterior,
+                    search,
+                    seen,
+                    start=middle_of(posterior),
+                    profiles=profiles,
+                    report=progress or silent,
+                )
             except InputError as error:
                 point = posterior.values(posterior.centre[None, :])[0].tolist()
                 (middle,) = engine.outcomes([(experiment, tuple(point), runs[0])])
@@ -188,8 +199,7 @@ def calibrate(
                 raise InputError(
                     f"{error.reason}; at their middle: {middle.status.message}"
                 ) from error
-            found = replace(found, evaluations=engine.computed, reused=before)
-            return with_start(found, middle_of(posterior), posterior.evaluate)
+            return replace(found, evaluations=engine.computed, reused=before)
 
 
 def _prior_of(one: Varied) -> Prior:
@@ -234,16 +244,19 @@ def identify_request(
         posterior = Posterior(
             request.unknowns, request.data, journal.through(evaluate), request.correlation
         )
-        begin = np.array([values_of_case(request)]) if request.from_case else None
+        start = middle_of(posterior)
+        try:
+            start = np.array(values_of_case(request))
+        except InputError:  # it has no single ones
+            if search.from_case:
+                raise
         seconds = _seconds(evaluate, possible_point(request, posterior))
         journal.at_a_time = count * max(1, round(LOST_SECONDS / max(seconds, 1e-6)))
-        points = search.evaluations_of(
-            len(request.unknowns), len(request.profiles), int(request.from_case)
-        )
+        points = search.evaluations_of(len(request.unknowns), len(request.profiles))
         left = max(points - len(journal), 0)
         total = left * seconds
         if compare is not None:
-            total += (search.draws + 1) * _seconds(compare, middle_of(posterior))
+            total += (search.draws + 2) * _seconds(compare, middle_of(posterior))
         size = points * (POINT_BYTES + NUMBER_BYTES * len(request.targets))
         phrase = refuse_cost(Cost(total / count, size), limits, option)
         tell(f"{phrase} ({left} points of {1e3 * seconds:.3g} ms)", total / count)
@@ -251,17 +264,12 @@ def identify_request(
             posterior,
             search,
             journal,
-            begin=begin,
+            start=start,
             profiles=request.profiles,
             report=report,
             compare=None if compare is None else journal.through(compare, b"compared"),
             units={one.key: one.unit for one in request.targets},
         )
-        try:
-            start = np.array(values_of_case(request))
-        except InputError:  # it has no single ones
-            start = middle_of(posterior)
-        found = with_start(found, start, evaluate, compare)
     found = replace(found, text=request.text, name=request.title)
     case = identified_case(request, found.best)
     if case is None:
@@ -285,22 +293,6 @@ def identified_case(request: Request, best: Mapping[str, float]) -> Case | None:
         )
     except InputError:
         return None
-
-
-def with_start(
-    found: Identified, values: Array, evaluate: Evaluate, compare: Evaluate | None = None
-) -> Identified:
-    """An answer with the ``values`` (quantities, SI) of its start, and what is computed there of every datum."""
-    outcome: dict[str, float] = {}
-    for part in (evaluate, compare) if found.whole else ():
-        if part is not None:
-            outcome |= part(values[None, :])[0] or {}
-    predicted = tuple(
-        replace(one, start=outcome.get(one.datum.key, np.nan)) for one in found.predicted
-    )
-    return replace(
-        found, start=dict(zip(found.names, values.tolist(), strict=True)), predicted=predicted
-    )
 
 
 def middle_of(posterior: Posterior) -> Array:

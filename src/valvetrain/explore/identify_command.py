@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -28,9 +28,6 @@ from valvetrain.cli.outcome import WORTH_SAYING
 from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
 from valvetrain.errors import InputError
 
-if TYPE_CHECKING:
-    from valvetrain.explore.identification_file import Request
-
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -45,8 +42,7 @@ def identify(
         ),
     ],
     method: Annotated[
-        str,
-        asks("--method", "METHOD", "least-squares or nested instead of the file's."),
+        str, asks("--method", "METHOD", "least-squares or nested instead of the file's.")
     ] = "",
     seed: Annotated[int | None, asks("--seed", "N", "Seed of all random numbers.")] = None,
     profile: Annotated[
@@ -64,43 +60,11 @@ def identify(
     """Identify quantities of a case from measurements: likeliest values, intervals, separate
     solutions. A cut search is resumed.
     """
-    from valvetrain.explore.identification_file import read_request
-    from valvetrain.explore.store import FILE
-    from valvetrain.runs.cost import read_limits
-    from valvetrain.runs.run_folders import ROOT, safe_name
-
-    take_folder(output, FILE)
-    request = read_request(file)
-    requested: dict[str, Any] = {"method": method} if method else {}
-    if seed is not None:
-        requested["seed"] = seed
-    try:
-        request = replace(
-            request,
-            search=replace(request.search, **requested),
-            profiles=read_names(profile) or request.profiles,
-        )
-    except InputError as error:
-        raise InputError(error.reason, f"--{error.where}") from None
-    points = output or ROOT / safe_name(request.case.name) / f"points-{request.identity[:12]}"
-    retained = SavedRequest(
-        "identify", request.case, output, datetime.now(UTC).replace(microsecond=0), file.parent
-    )
-    _answer(request, retained, points, read_workers(workers, dask), read_limits(limit), open_page)
-
-
-def _answer(
-    request: Request,
-    retained: SavedRequest,
-    points: Path,
-    workers: int,
-    limits: Any,
-    open_page: bool,
-) -> None:
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.outcome import Outcome, deliver, tell
     from valvetrain.cli.progress import busy, progress_bar
     from valvetrain.explore.identification_answer import IdentificationAnswer
+    from valvetrain.explore.identification_file import read_request
     from valvetrain.explore.identification_files import (
         CASE,
         identification_json,
@@ -109,28 +73,50 @@ def _answer(
     from valvetrain.explore.identify import identify_request
     from valvetrain.explore.store import FILE
     from valvetrain.findings.words import Words
+    from valvetrain.runs.cost import read_limits
+    from valvetrain.runs.run_folders import ROOT, safe_name
     from valvetrain.solution.atomic import is_abandoned, write_text
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.views.terminal import screen
+
+    take_folder(output, FILE)
+    request = read_request(file)
+    changes: dict[str, Any] = {"method": method} if method else {}
+    if seed is not None:
+        changes["seed"] = seed
+    try:
+        search = replace(request.search, **changes)
+    except InputError as error:
+        raise InputError(error.reason, f"--{error.where}") from None
+    request = replace(request, search=search, profiles=read_names(profile) or request.profiles)
+    points = output or ROOT / safe_name(request.case.name) / f"points-{request.identity[:12]}"
+    now = datetime.now(UTC).replace(microsecond=0)
+    saved = SavedRequest("identify", request.case, output, now, file.parent)
 
     def reported(phrase: str, seconds: float) -> None:
         if seconds > WORTH_SAYING:
             tell(f"this will take {phrase}")
 
+    again = (
+        f"the points computed so far are stored in '{points}'; start the command again to continue"
+    )
     try:
         with progress_bar(request.title) as report:
             found = identify_request(
-                request, folder=points, workers=workers, report=report, limits=limits, tell=reported
+                request,
+                folder=points,
+                workers=read_workers(workers, dask),
+                report=report,
+                limits=read_limits(limit),
+                tell=reported,
             )
     except KeyboardInterrupt:
-        interrupted(
-            f"interrupted: the points computed so far are stored in '{points}'; start the command again to continue"
-        )
+        interrupted(f"interrupted: {again}")
         raise
     except InputError:
-        with suppress(OSError):  # nothing was computed, so nothing is stored
-            journal = points / FILE
-            if not retained.output and is_abandoned(journal) and not journal.stat().st_size:
+        with suppress(OSError):  # a folder of no points is of no use
+            stored = points / FILE
+            if output is None and is_abandoned(stored) and not stored.stat().st_size:
                 shutil.rmtree(points)
         raise
     data = {"command": "identify", "case": request.case.name, **identification_json(found), "completed": found.whole}  # fmt: skip
@@ -145,32 +131,27 @@ def _answer(
         return [*written, folder / FILE]
 
     choices = {
-        "identification": request.text, "method": request.search.method, "seed": request.search.seed,
-        "profiles": list(request.profiles),
+        "identification": request.text, "method": search.method, "seed": search.seed, "profiles": list(request.profiles),
     }  # fmt: skip
     folder = points
     with busy("writing files"):
         if found.whole:
             text = request.case.record().text
-            folder, files = keep_run(retained, text, choices, data, fill, gaps=gaps)
+            folder, files = keep_run(saved, text, choices, data, fill, gaps=gaps)
         else:
             files = [str(path) for path in write_identification(found, points, gaps)]
-    page = str(folder / "report.html")
+    page = folder / "report.html"
     answer = IdentificationAnswer(found, Words(case=str(folder / CASE)))
     outcome = Outcome(
-        data | {"folder": str(folder), "files": files, "page": page},
-        lambda console: console.print(screen(answer, page)),
+        data | {"folder": str(folder), "files": files, "page": str(page)},
+        lambda console: console.print(screen(answer, str(page))),
         gaps.sentences,
     )
     if found.whole:
         if open_page:
-            show_page(folder / "report.html")
+            show_page(page)
         deliver(outcome)
         return
     with suppress(typer.Exit):
         deliver(outcome)
-    raise typer.Exit(
-        interrupted(
-            f"interrupted: what was computed is stored in '{points}'; start the command again to continue"
-        )
-    )
+    raise typer.Exit(interrupted(f"interrupted: {again}"))

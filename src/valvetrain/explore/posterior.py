@@ -165,6 +165,11 @@ class Posterior:
         """Names of the unknowns."""
         return tuple(one.name for one in self.unknowns)
 
+    def each(self, method: str, columns: Array) -> Array:
+        """A ``method`` of every prior over its column of ``columns`` (n, quantities)."""
+        pairs = zip(self.unknowns, columns.T, strict=True)
+        return np.column_stack([getattr(one.prior, method)(column) for one, column in pairs])
+
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
         """Lowest and highest working coordinates."""
@@ -183,69 +188,51 @@ class Posterior:
 
     def values(self, work: Array) -> Array:
         """Values (n, quantities) in SI of working coordinates."""
-        return np.column_stack(
-            [one.prior.value(work[:, index]) for index, one in enumerate(self.unknowns)]
-        )
+        return self.each("value", work)
 
     def work_of(self, values: Array) -> Array:
         """Working coordinates of values (n, quantities) in SI, those outside the bounds moved to
         them.
         """
-        inside = [
-            np.clip(values[:, index], one.prior.low, one.prior.high)
-            for index, one in enumerate(self.unknowns)
-        ]
-        return np.column_stack(
-            [one.prior.work(inside[index]) for index, one in enumerate(self.unknowns)]
-        )
+        low, high = np.array([(one.prior.low, one.prior.high) for one in self.unknowns]).T
+        return self.each("work", np.clip(values, low, high))
+
+    @cached_property
+    def root(self) -> Array:
+        """Lower root (quantities, quantities) of the correlation."""
+        size = len(self.unknowns)
+        matrix = np.eye(size) if self.correlation is None else self.correlation
+        return np.asarray(np.linalg.cholesky(matrix), dtype=float)
 
     @cached_property
     def precision(self) -> Array:
         """Prior information (quantities, quantities) in standard deviations of the priors."""
-        size = len(self.unknowns)
-        return np.asarray(
-            np.eye(size) if self.correlation is None else np.linalg.inv(self.correlation),
-            dtype=float,
-        )
+        inverse = np.linalg.inv(self.root)
+        return np.asarray(inverse.T @ inverse, dtype=float)
 
     @cached_property
     def prior_rows(self) -> Array:
         """Slopes of :meth:`pulls` by quantities in standard deviations of their priors."""
-        flat = np.array([one.prior.flat for one in self.unknowns])
-        if self.correlation is None:
-            return np.diag(np.where(flat, 0.0, 1.0))
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(self.correlation)) * ~flat)
+        normal = [not one.prior.flat for one in self.unknowns]
+        return np.asarray(np.linalg.inv(self.root) * normal, dtype=float)
 
     def from_shares(self, shares: Array) -> Array:
         """Working coordinates of points of the unit cube, over which the prior is even."""
         if self.correlation is not None:
             inside = np.clip(shares, 2.0**-53, 1 - 2.0**-53)
-            shares = ndtr(ndtri(inside) @ np.linalg.cholesky(self.correlation).T)
-        return np.column_stack(
-            [one.prior.from_share(shares[:, index]) for index, one in enumerate(self.unknowns)]
-        )
+            shares = ndtr(ndtri(inside) @ self.root.T)
+        return self.each("from_share", shares)
 
     def log_prior(self, work: Array) -> Array:
-        """Logarithm of the prior density (n) over working coordinates."""
-        independent = np.asarray(
-            np.sum(
-                [one.prior.log_density(work[:, index]) for index, one in enumerate(self.unknowns)],
-                axis=0,
-            )
-        )
-        if self.correlation is None:
-            return independent
-        scores = np.column_stack(
-            [one.prior.pull(work[:, k]) for k, one in enumerate(self.unknowns)]
-        )
-        excess = self.precision - np.eye(len(self.unknowns))
-        copula = np.einsum("ni,ij,nj->n", scores, excess, scores)
-        return np.asarray(independent - 0.5 * (copula + np.linalg.slogdet(self.correlation)[1]))
+        """Logarithm of the prior density (n) over working coordinates, by a Gaussian copula."""
+        scores, pulls = self.each("pull", work), self.pulls(work)
+        independent = np.sum(self.each("log_density", work), axis=1)
+        copula = 0.5 * np.sum(pulls**2 - scores**2, axis=1) + np.sum(np.log(np.diag(self.root)))
+        return np.asarray(independent - copula)
 
     def pulls(self, work: Array) -> Array:
         """Scaled deviations (n, quantities) of points from the priors, which least squares add."""
-        own = np.column_stack([one.prior.pull(work[:, k]) for k, one in enumerate(self.unknowns)])
-        return own if self.correlation is None else own @ self.prior_rows.T
+        return np.asarray(self.each("pull", work) @ self.prior_rows.T)
 
     def outcomes(self, work: Array) -> list[Outcome]:
         """What is computed at points (n, quantities); None of those outside the bounds, which are

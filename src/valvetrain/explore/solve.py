@@ -6,13 +6,13 @@ import math
 import re
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.errors import InputError
 from valvetrain.explore.draws import (
     Draws,
     Report,
@@ -41,7 +41,7 @@ from valvetrain.explore.least_squares import (
     profile,
 )
 from valvetrain.explore.nested import nested
-from valvetrain.explore.posterior import Evaluate, Outcome, Posterior
+from valvetrain.explore.posterior import Evaluate, Posterior
 from valvetrain.explore.store import Store
 from valvetrain.runs.stopping import Stopped
 
@@ -59,7 +59,7 @@ def solve(
     search: Search,
     journal: Store,
     *,
-    begin: Array | None = None,
+    start: Array,
     profiles: Sequence[str] = (),
     report: Report = silent,
     compare: Evaluate | None = None,
@@ -67,10 +67,10 @@ def solve(
 ) -> Identified:
     """Search the posterior, find its branches, and report for each what the data determine.
 
-    ``begin`` (n, quantities): starts of a search for a point in SI, in addition to those of
-    ``search``. ``compare``: computes what is not fitted, for ``search.draws`` of the draws.
-    ``units``: those that computed quantities are shown in, by key. A stop in a search leaves what
-    it had, one before that raises :class:`Stopped`.
+    ``start`` (quantities): values (SI) to compare with, and to begin at where the search says so.
+    ``compare``: computes what is not fitted, for ``search.draws`` of the draws. ``units``: those
+    that computed quantities are shown in, by key. A stop in a search leaves what it had, one before
+    that raises :class:`Stopped`.
     """
     began = time.perf_counter()
     if search.method == "nested":
@@ -85,27 +85,17 @@ def solve(
         peaks = [_peak_of_draws(posterior, draws, number) for number in range(len(draws.shares))]
         branches = [_sampled(posterior, draws, number, peak) for number, peak in enumerate(peaks)]
     else:
-        peaks, shares, draws = _searched(posterior, search, begin, report)
+        peaks, shares, draws = _searched(posterior, search, start, report)
         branches = [
             _linear(posterior, peak, share) for peak, share in zip(peaks, shares, strict=True)
         ]
-    computations = [(posterior.evaluate, np.arange(len(draws.work)), draws.weights)]
+    every = (np.arange(len(draws.work)), draws.weights)
+    columns = _columns(posterior, draws, peaks[0], start, posterior.evaluate, *every)
     if compare is not None and draws.whole:
         report(0.99, "what is compared only")
         places, counts = even_draws(draws.weights, search.draws, search.seed)
-        computations.append((compare, places, counts.astype(float)))
-    computed: dict[str, Array] = {}
-    weights: dict[str, Array] = {}
-    best: dict[str, float] = {}
-    for evaluate, places, mass in computations:
-        points = posterior.values(np.vstack([peaks[0].work, draws.work[places]]))
-        likeliest, *outcomes = evaluate(points)
-        every = np.zeros(len(draws.work))
-        every[places] = mass
-        for key in dict.fromkeys(key for one in outcomes if one is not None for key in one):
-            computed[key] = np.full(len(draws.work), np.nan)
-            computed[key][places] = [_number(one, key) for one in outcomes]
-            weights[key], best[key] = every, _number(likeliest, key)
+        columns |= _columns(posterior, draws, peaks[0], start, compare, places, counts)
+    computed = {key: one.values for key, one in columns.items()}
     if draws.whole:
         for number, (branch, peak) in enumerate(zip(branches, peaks, strict=True)):
             fit = fit_of(posterior, peak.work, peak.outcome, peak.jacobian)
@@ -115,17 +105,17 @@ def solve(
             branches[number] = _widened(posterior, replace(branch, fit=fit), peak)
     first = branches[0].fit
     widening = 1.0 if first is None else first.widening
-    missing = np.full(len(draws.work), np.nan)
+    nothing = Column(math.nan, math.nan, np.full(len(draws.work), np.nan), draws.weights)
     predicted = []
     for one in posterior.data:
-        over, each = computed.get(one.key, missing), weights.get(one.key, draws.weights)
-        ends = _ends(one.key, over, each, widening)
-        percentile = one.percentile(over, each)
+        column = columns.get(one.key, nothing)
+        ends = column.ends(one.key, widening)
+        percentile = one.percentile(column.values, column.weights)
         predicted.append(
-            Predicted(one.key, one.unit, best.get(one.key, math.nan), *ends, one, percentile)
+            Predicted(one.key, one.unit, column.best, *ends, one, percentile, column.start)
         )
     measured = {one.key for one in posterior.data}
-    likeliest_values = posterior.values(peaks[0].work[None, :])[0]
+    likeliest = posterior.values(peaks[0].work[None, :])[0]
     return Identified(
         method=search.method,
         unknowns=posterior.unknowns,
@@ -135,10 +125,8 @@ def solve(
         branch_of=draws.labels,
         predicted=tuple(predicted),
         predictions=tuple(
-            Prediction(
-                key, units.get(key, ""), best[key], *_ends(key, over, weights[key], widening)
-            )
-            for key, over in computed.items()
+            Prediction(key, units.get(key, ""), column.best, *column.ends(key, widening))
+            for key, column in columns.items()
             if key not in measured
         ),
         computed=computed,
@@ -149,34 +137,74 @@ def solve(
         reused=journal.before,
         whole=draws.whole,
         wall_time=time.perf_counter() - began,
+        start=dict(zip(posterior.names, start.tolist(), strict=True)),
         conflicts=conflicts_of(
             posterior,
-            (likeliest_values, peaks[0].outcome),
+            (likeliest, peaks[0].outcome),
             journal.points(),
         ),
     )
 
 
-def _number(outcome: Outcome, key: str) -> float:
-    """One number of an outcome, NaN where it is not there."""
-    return math.nan if outcome is None else float(outcome.get(key, math.nan))
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A computed number (SI; NaN where it was not computed): at the ``best`` point, at the
+    ``start``, and its ``values`` over the draws with the ``weights`` of those that were computed.
+    """
+
+    best: float
+    start: float
+    values: Array
+    weights: Array
+
+    def ends(self, key: str, widening: float) -> tuple[float, float, float]:
+        """2.5, 50 and 97.5 %, the ends ``widening`` times as far from the middle; of an amount
+        never below zero.
+        """
+        low, middle, high = percentiles(self.values, self.weights, (LOW, 50.0, HIGH))
+        wide = middle + widening * (low - middle)
+        if AMOUNT.search(key) and low >= 0:
+            wide = max(wide, 0.0)
+        return wide, middle, middle + widening * (high - middle)
+
+
+def _columns(
+    posterior: Posterior,
+    draws: Draws,
+    peak: Peak,
+    start: Array,
+    evaluate: Evaluate,
+    places: NDArray[np.int64],
+    counts: NDArray[Any],
+) -> dict[str, Column]:
+    """What ``evaluate`` computes, by key: of the draws at ``places`` with their weights ``counts``."""
+    points = posterior.values(np.vstack([peak.work, draws.work[places]]))
+    best, *outcomes = evaluate(points)
+    begun = evaluate(start[None, :])[0] if draws.whole else None
+    weights = np.zeros(len(draws.work))
+    weights[places] = counts
+    found = {}
+    for key in dict.fromkeys(key for one in outcomes if one is not None for key in one):
+        values = np.full(len(draws.work), np.nan)
+        values[places] = [(one or {}).get(key, math.nan) for one in outcomes]
+        likeliest, early = ((one or {}).get(key, math.nan) for one in (best, begun))
+        found[key] = Column(likeliest, early, values, weights)
+    return found
 
 
 def _searched(
-    posterior: Posterior, search: Search, begin: Array | None, report: Report
+    posterior: Posterior, search: Search, start: Array, report: Report
 ) -> tuple[list[Peak], list[float], Draws]:
     """The peak of each branch by least squares from several starts, its probability, and linearised
     draws.
     """
     begins = np.empty((0, len(posterior.unknowns)))
-    if begin is not None:
-        begins = posterior.work_of(begin)
+    if search.from_case:
+        begins = posterior.work_of(start[None, :])
     if search.keep:
         begins = np.vstack(
             [begins, best_starts(posterior, search.starts, search.keep, search.seed)]
         )
-    if not len(begins):
-        raise InputError("keep is 0, so that nothing is searched from; keep 1 or more")
     peaks: list[Peak] = []
     iterations, step = search.iterations, search.difference_step
     for number, one in enumerate(begins):
@@ -265,14 +293,3 @@ def _widened(posterior: Posterior, branch: Branch, peak: Peak) -> Branch:
             interval, deviation=factor * interval.deviation, low=ends[0], high=ends[1]
         )
     return replace(branch, quantities=quantities)
-
-
-def _ends(key: str, values: Array, weights: Array, widening: float) -> tuple[float, float, float]:
-    """2.5, 50 and 97.5 %, the ends ``widening`` times as far from the middle; of an amount never below
-    zero.
-    """
-    low, middle, high = percentiles(values, weights, (LOW, 50.0, HIGH))
-    wide = middle + widening * (low - middle)
-    if AMOUNT.search(key) and low >= 0:
-        wide = max(wide, 0.0)
-    return wide, middle, middle + widening * (high - middle)

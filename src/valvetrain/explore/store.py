@@ -136,8 +136,9 @@ class Store:
         return stored
 
     def points(self) -> list[tuple[Array, Numbers]]:
-        """Values and numbers of every point that was requested of :meth:`through` without a part."""
-        return [(values, self.numbers(key)) for key, values in self._requested.items()]
+        """Values and numbers of every point that :meth:`through` has computed or read without a part."""
+        pairs = self._requested.items()
+        return [(values, self.numbers(key)) for key, values in pairs if key in self._points]
 
     def _remember(self, key: bytes, outcome: Outcome) -> _Point:
         names = tuple(outcome.values)
