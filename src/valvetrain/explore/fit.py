@@ -60,14 +60,12 @@ def information_of(posterior: Posterior, jacobian: Array) -> Information:
     owners = np.array([one.name for one in posterior.used])
     measurements = tuple(dict.fromkeys(owners.tolist()))
     every = np.sum(jacobian**2, axis=0)
-    covariance: Array = np.asarray(
-        np.linalg.inv(posterior.precision + jacobian.T @ jacobian), float
-    )
+    covariance = posterior.remaining(jacobian)
     lost, brought = [], []
     for name in measurements:
         mine, others = jacobian[owners == name], jacobian[owners != name]
-        without = np.diag(np.linalg.inv(posterior.precision + others.T @ others))
-        lost.append(np.clip(1.0 - np.diag(covariance) / without, 0.0, 1.0))
+        without = posterior.remaining(others)
+        lost.append(np.clip(1.0 - np.diag(covariance) / np.diag(without), 0.0, 1.0))
         brought.append(np.sum(mine**2, axis=0) / np.where(every > 0, every, 1.0))
     return Information(
         measurements,
@@ -171,7 +169,7 @@ def fit_of(posterior: Posterior, work: Array, outcome: Outcome, jacobian: Array)
     near = ON_BOUND * posterior.spread
     free = (work > low + near) & (work < high - near)
     flat = np.array([one.prior.flat for one in posterior.unknowns])
-    determined = 1.0 - np.diag(np.linalg.inv(posterior.precision + jacobian.T @ jacobian))
+    determined = 1.0 - np.diag(posterior.remaining(jacobian))
     freedom = len(posterior.used) + np.sum(~flat) - np.sum(np.where(flat, determined, 1.0)[free])
     p_value = float(chdtrc(freedom, chi_square)) if freedom > NOTHING_LEFT else math.nan
     return Fit(chi_square, float(freedom), p_value)
@@ -195,10 +193,7 @@ def widenings(posterior: Posterior, jacobian: Array, scatter: float) -> Array:
     """Factor (quantities) on each deviation once all data have ``scatter`` times theirs and the
     priors stay as they are.
     """
-    data = jacobian.T @ jacobian
-    narrow, wide = (
-        np.diag(np.linalg.inv(posterior.precision + data / factor**2)) for factor in (1.0, scatter)
-    )
+    narrow, wide = (np.diag(posterior.remaining(jacobian, one)) for one in (1.0, scatter))
     return np.asarray(np.sqrt(wide / narrow))
 
 

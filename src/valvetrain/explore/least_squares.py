@@ -108,8 +108,7 @@ def covariance_of(posterior: Posterior, jacobian: Array) -> Array:
     """Covariance of the working coordinates: inverse of the data's and the priors' information (a
     flat prior by its spread).
     """
-    information = jacobian.T @ jacobian + posterior.precision
-    return np.asarray(np.linalg.inv(information) * np.outer(posterior.spread, posterior.spread))
+    return posterior.remaining(jacobian) * np.outer(posterior.spread, posterior.spread)
 
 
 def best_starts(posterior: Posterior, count: int, keep: int, seed: int) -> Array:

@@ -65,13 +65,17 @@ class Target:
     def key(self) -> str:
         """What data and outcomes know it by."""
         of = f" of {self.name}" if self.name else ""
-        key = {
-            "quantity": self.name,
-            "force": f"force{of} at {1e3 * self.at:.6g} mm",
-            "load": f"load{of} at a height of {1e3 * self.at:.6g} mm",
-            "event": f"{self.name} {self.at:.0f} cam angle",
-            "channel": f"{self.name} at {format_quantity(self.at, 'deg')}",
-        }[self.kind]
+        match self.kind:
+            case "quantity":
+                key = self.name
+            case "force":
+                key = f"force{of} at {1e3 * self.at:.6g} mm"
+            case "load":
+                key = f"load{of} at a height of {1e3 * self.at:.6g} mm"
+            case "event":
+                key = f"{self.name} {self.at:.0f} cam angle"
+            case "channel":
+                key = f"{self.name} at {format_quantity(self.at, 'deg')}"
         return ": ".join(filter(None, (self.station.shown_name, key)))
 
     @property

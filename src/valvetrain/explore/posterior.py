@@ -210,6 +210,13 @@ class Posterior:
         inverse = np.linalg.inv(self.root)
         return np.asarray(inverse.T @ inverse, dtype=float)
 
+    def remaining(self, jacobian: Array, scatter: float = 1.0) -> Array:
+        """Covariance (quantities, quantities), in standard deviations of the priors, that data of
+        the slopes ``jacobian`` (data, quantities) leave once each scatters ``scatter`` times as far.
+        """
+        information = self.precision + jacobian.T @ jacobian / scatter**2
+        return np.asarray(np.linalg.inv(information), dtype=float)
+
     @cached_property
     def prior_rows(self) -> Array:
         """Slopes of :meth:`pulls` by quantities in standard deviations of their priors."""
