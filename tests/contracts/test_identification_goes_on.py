@@ -115,7 +115,7 @@ def surge(points):
 priors = {{"rate": vt.explore.Prior("uniform", 20e3, 60e3), "mass": vt.explore.Prior("normal", centre=0.05, spread=0.01)}}
 data = [vt.explore.Datum("load", 280.0, 2.0), vt.explore.Datum("surge", 447.0, 3.0)]
 found = vt.identify(priors, data, surge, search=vt.explore.Search("nested", live_points=25, lanes=4), folder=sys.argv[1])
-print(found.values.tobytes().hex(), found.weights.tobytes().hex(), found.log_evidence, found.evaluations, found.kept)
+print(found.values.tobytes().hex(), found.weights.tobytes().hex(), found.log_evidence, found.evaluations, found.reused)
 """
 
 
