@@ -117,7 +117,8 @@ class StationModel(StrictModel):
 
     def amounts(self, key: str, dimension: str | None) -> list[float]:
         """The values (SI) of a key."""
-        return list(guarded(parse_quantities, getattr(self, key), dimension, path=(key,)))
+        path = (type(self).model_fields[key].alias or key,)
+        return list(guarded(parse_quantities, getattr(self, key), dimension, path=path))
 
 
 class PredictionModel(StationModel):
@@ -135,7 +136,7 @@ class PredictionModel(StationModel):
         return Target(self.station, "quantity", self.quantity)
 
 
-class MeasurementModel(StationModel):
+class _Measurement(StationModel):
     """What all ``[measurements.NAME]`` tables share: ``scatter``, the standard deviation of the
     ``errors`` (an amount, or a share of the value in per cent), and whether they ``fit``.
     """
@@ -186,7 +187,7 @@ class MeasurementModel(StationModel):
         ]
 
 
-class QuantityModel(MeasurementModel):
+class _Quantity(_Measurement):
     """A named quantity."""
 
     quantity: str
@@ -206,7 +207,7 @@ class QuantityModel(MeasurementModel):
         return Target(self.station, "quantity", name), value, self.spread(value, dimension)
 
 
-class PeakModel(QuantityModel):
+class _Peak(_Quantity):
     """A peak and its cam angle."""
 
     quantity: str = ""
@@ -221,10 +222,10 @@ class PeakModel(QuantityModel):
         return [self.row(self.peak, any_name), (place, angle, spread)]
 
 
-class FrequenciesModel(MeasurementModel):
+class _Frequencies(_Measurement):
     """Natural frequencies from the mode ``first_mode`` on."""
 
-    frequencies: Amounts
+    natural_frequencies: Annotated[Amounts, Field(alias="frequencies")]
     first_mode: Annotated[int, Field(ge=1)] = 1
 
     def rows(self, folder: Path, any_name: bool) -> Rows:
@@ -235,12 +236,12 @@ class FrequenciesModel(MeasurementModel):
                 self.spread(value, "frequency"),
             )
             for number, value in enumerate(
-                self.amounts("frequencies", "frequency"), self.first_mode
+                self.amounts("natural_frequencies", "frequency"), self.first_mode
             )
         ]
 
 
-class EventModel(MeasurementModel):
+class _Event(_Measurement):
     """The event of a kind, by its ``number`` in order of angle."""
 
     event: str
@@ -253,7 +254,7 @@ class EventModel(MeasurementModel):
         return [(target, angle, self.spread(angle, "angle"))]
 
 
-class TableModel(MeasurementModel):
+class _Table(_Measurement):
     """What may be given as a ``file``, with the ``units`` of its columns where its headings have
     none.
     """
@@ -287,7 +288,7 @@ class TableModel(MeasurementModel):
         return units[places[0]], units[places[1]]
 
 
-class TraceModel(TableModel):
+class _Trace(_Table):
     """A channel over the cam angle."""
 
     channel: str
@@ -319,7 +320,7 @@ class TraceModel(TableModel):
         return angles.tolist(), values.tolist(), units[1]
 
 
-class CurveModel(TableModel):
+class _Curve(_Table):
     """Static forces over compressions from the free state, or loads over heights between the seats,
     of a ``spring``; of a file in columns whose headings, or ``columns``, say what they are.
     """
@@ -371,15 +372,15 @@ class CurveModel(TableModel):
 
 
 #: What a measurement is known by: the key of its table that says so.
-FORMS: dict[str, type[MeasurementModel]] = {
-    "quantity": QuantityModel, "frequencies": FrequenciesModel, "peak": PeakModel, "event": EventModel, "channel": TraceModel,
-    "compressions": CurveModel, "heights": CurveModel, "file": CurveModel,
+FORMS: dict[str, type[_Measurement]] = {
+    "quantity": _Quantity, "frequencies": _Frequencies, "peak": _Peak, "event": _Event, "channel": _Trace,
+    "compressions": _Curve, "heights": _Curve, "file": _Curve,
 }  # fmt: skip
 
 
 def read_measurement(name: str, table: Any, folder: Path, any_name: bool = False) -> TargetData:
     """The data of the table of the measurement ``name``; arguments as
-    :meth:`MeasurementModel.rows`.
+    the ``rows`` of a form.
 
     Raises :class:`InputError`, or a problem with its key, for what is missing, unknown, of a wrong
     unit or without a scatter.
