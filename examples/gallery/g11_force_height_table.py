@@ -30,8 +30,10 @@ print(f"preload at 46 mm {preload:.0f} N, standard deviation {preload_deviation:
 # Forces of the table, and of the finite-element rod with the pitch that was found.
 
 figure = go.Figure()
-figure.add_scatter(x=1e3 * found.by_rod[:, 0], y=found.by_rod[:, 2], name="rod")
-figure.add_scatter(x=1e3 * found.by_rod[:, 0], y=found.by_rod[:, 1], mode="markers", name="table")
+figure.add_scatter(x=1e3 * found.wire.by_rod[:, 0], y=found.wire.by_rod[:, 2], name="rod")
+figure.add_scatter(
+    x=1e3 * found.wire.by_rod[:, 0], y=found.wire.by_rod[:, 1], mode="markers", name="table"
+)
 figure.update_layout(title="A table of a spring tester and the spring behind it")
 figure.update_xaxes(title="height (mm)")
 figure.update_yaxes(title="force (N)")

@@ -168,12 +168,12 @@ def test_the_pitch_law_behind_a_noisy_table_is_found_within_its_bands(tested):
     """The table comes from the finite-element rod with noise of 0.2 %; coils that never close
     within it are known to their band only.
     """
-    true = progressive_spring().pitch.value(tested.stations.coil)
-    off = np.abs(tested.stations.pitch - true)
-    assert np.all(off <= 3 * tested.stations.spread + 0.03e-3)
+    true = progressive_spring().pitch.value(tested.wire.stations.coil)
+    off = np.abs(tested.wire.stations.pitch - true)
+    assert np.all(off <= 3 * tested.wire.stations.spread + 0.03e-3)
     closing = true < 8e-3  # coils that close within the table are known well
     assert np.count_nonzero(closing) >= 3
-    assert np.all(off[closing] < 0.25e-3) and np.all(tested.stations.spread[closing] < 0.25e-3)
+    assert np.all(off[closing] < 0.25e-3) and np.all(tested.wire.stations.spread[closing] < 0.25e-3)
 
 
 @pytest.mark.long
@@ -181,8 +181,8 @@ def test_rate_preload_and_length_of_the_table_are_those_of_the_spring(tested):
     true = progressive_spring()
     assert tested.free_length[0] == pytest.approx(true.free_length, abs=0.1e-3)
     assert tested.preload[0] == pytest.approx(force_at(true, 47e-3), rel=2e-3)
-    assert tested.active_coils[0] == pytest.approx(6.0, abs=2 * tested.active_coils[1])
-    assert tested.worst_by_rod < 0.015 * 830
+    assert tested.wire.active_coils[0] == pytest.approx(6.0, abs=2 * tested.wire.active_coils[1])
+    assert tested.wire.worst_by_rod < 0.015 * 830
 
 
 @pytest.mark.long
@@ -225,12 +225,12 @@ def test_a_table_of_an_even_pitch_far_from_bind_tells_no_progression_and_little_
     assert fit.rate[0] == pytest.approx(40.4e3, rel=0.01) and fit.free_length[0] == pytest.approx(
         true.free_length, abs=0.1e-3
     )
-    assert fit.coil_bind is None and "gaps" in fit.free
+    assert not fit.bound and "gaps" in fit.wire.free
     assert np.all(
-        np.abs(fit.stations.pitch - true.pitch.value(fit.stations.coil))
-        < 3 * fit.stations.spread + 0.05e-3
+        np.abs(fit.wire.stations.pitch - true.pitch.value(fit.wire.stations.coil))
+        < 3 * fit.wire.stations.spread + 0.05e-3
     )
-    assert float(np.max(fit.stations.spread)) > 0.3e-3
+    assert float(np.max(fit.wire.stations.spread)) > 0.3e-3
 
 
 @pytest.mark.long
@@ -239,7 +239,7 @@ def test_the_end_that_closes_first_is_a_choice_that_turns_the_spring_round(table
         table, wire_diameter=4e-3, outer_diameter=28e-3, total_coils=8.0
     )
     other = vt.spring_card.spring_from_tester(table, card, "upper", 47e-3)
-    assert other.stations.pitch[::-1] == pytest.approx(tested.stations.pitch, abs=0.03e-3)
+    assert other.wire.stations.pitch[::-1] == pytest.approx(tested.wire.stations.pitch, abs=0.03e-3)
     assert other.preload[0] == pytest.approx(tested.preload[0], rel=2e-3)
 
 

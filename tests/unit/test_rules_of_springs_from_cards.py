@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from valvetrain.measured.door import Doubt
 from valvetrain.spring_card import CatalogueCard, SpringLoad, card_from_table, spring_from_tester
 from valvetrain.spring_card.answer import CardAnswer
 from valvetrain.spring_card.rules import RULES, CardFacts
@@ -52,7 +53,14 @@ def answer(name: str) -> CardAnswer:
         return CardAnswer(CardFacts(fit, "spring.toml"))
     fit = from_table()
     if name == "off":
-        fit = replace(fit, by_rod=fit.by_rod + np.array([0.0, 0.0, 30.0]))
+        fit = replace(
+            fit, wire=replace(fit.wire, by_rod=fit.wire.by_rod + np.array([0.0, 0.0, 30.0]))
+        )
+    if name == "alone":
+        fit = spring_from_tester(fit.table)
+    if name == "doubted":
+        doubts = tuple(Doubt(f"Z10{k}", "odd", "table.csv", "look") for k in range(4, 8))
+        fit = replace(fit, table=replace(fit.table, doubts=doubts))
     if name == "noted":
         fit = replace(fit, table=replace(fit.table, notes=("their sign was turned",)))
     return CardAnswer(CardFacts(fit))
@@ -60,7 +68,9 @@ def answer(name: str) -> CardAnswer:
 
 #: Code -> where it holds, where it does not.
 HOLDS = {
-    "Z101": ("dual", "plain"), "Z102": ("long", "plain"), "Z103": ("off", "tested"), "Z110": ("plain", "long"), "Z111": ("tested", "off"),
+    "Z101": ("dual", "plain"), "Z102": ("long", "plain"), "Z103": ("off", "tested"),
+    **{f"Z10{k}": ("doubted", "tested") for k in range(4, 8)}, "Z112": ("alone", "tested"),
+    "Z110": ("plain", "long"), "Z111": ("tested", "off"),
     "Z120": ("plain", "beehive"), "Z121": ("noted", "tested"), "Z130": ("plain", "named"), "Z131": ("plain", "solid"), "Z132": ("solid", "plain"),
     "Z133": ("turns", "single"), "Z134": ("single", "turns"), "Z135": ("odd", "solid"), "Z136": ("beehive", "plain"), "Z137": ("plain", "tested"),
     "Z138": ("plain", "tested"), "Z139": ("plain", "long"), "Z140": ("tested", "plain"), "Z141": ("tested", "plain"),

@@ -111,7 +111,7 @@ def test_a_table_gives_rate_length_and_pitch_with_intervals(tmp_path, monkeypatc
         and data["rate"]["standard_deviation"] > 0
     )
     assert data["preload"]["value"] == pytest.approx(280, rel=5e-3)
-    assert data["coil_bind_height"] is None and len(data["pitch"]) >= 3
+    assert not data["reaches_coil_bind"] and len(data["pitch"]) >= 3
     codes = [one["code"] for one in data["findings"]]
     assert codes[0] == "Z111" and "Z140" in codes
 
@@ -137,10 +137,9 @@ def test_a_table_is_read_in_any_form(tmp_path, head, rows, mark):
     ) and found.forces == pytest.approx(FORCES, rel=1e-5)
 
 
-def test_compressions_need_the_free_length(tmp_path):
+def test_compressions_make_heights_by_the_free_length(tmp_path):
     file = table(tmp_path, "deflection [mm]; force [N]", np.column_stack([55.0 - HEIGHTS, FORCES]))
-    with pytest.raises(InputError, match="free length"):
-        read_force_height(file)
+    assert read_force_height(file).rate_at(-10e-3).value == pytest.approx(40e3, rel=1e-4)
     assert read_force_height(file, free_length=55e-3).heights == pytest.approx(
         1e-3 * HEIGHTS, rel=1e-6
     )
@@ -205,14 +204,14 @@ def test_wrong_cards_are_refused_in_one_sentence(tmp_path, monkeypatch, more, wo
             None,
             r"^length_unit: 'furlong' is no unit of length; use one such as mm$",
         ),
-        ("height [mm]; force [N]", np.column_stack([HEIGHTS, FORCES])[:4], "6 or more"),
+        ("height [mm]; force [N]", np.column_stack([HEIGHTS, FORCES])[:2], "3 or more"),
         (
             "height [mm]; force [N]",
             np.column_stack([HEIGHTS, FORCES[::-1]]),
             "does not rise as the height falls",
         ),
         (
-            "height [mm]; force [N]; time [s]",
+            "height [mm]; force [N]; load [N]",
             np.column_stack([HEIGHTS, FORCES, HEIGHTS]),
             "which of its 3 columns is what",
         ),

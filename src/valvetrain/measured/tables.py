@@ -156,7 +156,7 @@ def _values(rows: list[list[str]], numbers: list[int], name: str) -> Array:
     for mark, other in (",.", ".,"):
         marked = [cell for cell in every if mark in cell]
         both = [cell for cell in marked if other in cell]
-        if not all(cell in both or _GROUPED.fullmatch(cell) for cell in marked):
+        if thousands or not all(cell in both or _GROUPED.fullmatch(cell) for cell in marked):
             continue
         if both and all(cell.rindex(mark) < cell.index(other) for cell in both):
             thousands = mark
@@ -247,7 +247,8 @@ UNIT_NAMES = {
 }  # fmt: skip
 #: Further units of recordings.
 _OTHER_UNITS = {
-    "s", "sec", "ms", "us", "µs", "Hz", "rpm", "1/min", "N", "kN", "lbf", "kgf", "V", "mV", "mV/V", "A", "um/m", "µm/m", "ustrain", "1",
+    "s", "sec", "ms", "us", "µs", "Hz", "rpm", "1/min", "N", "kN", "daN", "mN", "lbf", "kgf", "gf", "kp", "oz", "ozf", "Zoll",
+    "V", "mV", "mV/V", "A", "um/m", "µm/m", "ustrain", "1",
     "m/s", "mm/s", "m/s2", "m/s^2", "g", "Pa", "kPa", "MPa", "bar", "psi", "-", "°C", "degC", "ft", "in/s", "ft/s", "mm/s2", "mm/s^2",
     "lb", "lbs", "kg", "Nm", "N m", "N*m", "N·m", "ft-lb", "lbf ft", "N/mm", "lbf/in", "min", "ns", "kHz", "rad/s", "deg/s", "mA", "mbar",
     "K", "C", "F", "°F", "degF", "%"

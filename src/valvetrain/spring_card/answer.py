@@ -11,6 +11,7 @@ import plotly.graph_objects as go
 
 from valvetrain.findings.engine import Findings, judge
 from valvetrain.findings.words import Amount, Words, percent
+from valvetrain.measured.force_height import MIN_STATIONS
 from valvetrain.solution.definition import label_of
 from valvetrain.spring_card.card import weight
 from valvetrain.spring_card.fit import CardDeviation, SpringFit, forces_at
@@ -42,7 +43,12 @@ class CardAnswer(Shown):
     def title(self) -> str:
         """The spring and what it is known by."""
         source = "a catalogue card" if self.facts.by_card else "a table of forces"
-        return f"{self.facts.wire.name}, wire from {source}"
+        wire = self.facts.wire
+        return (
+            f"{wire.name}, wire from {source}"
+            if wire
+            else f"{self.facts.fit.spring.name}, from {source}"
+        )
 
     @cached_property
     def findings(self) -> Findings:
@@ -57,7 +63,7 @@ class CardAnswer(Shown):
     @cached_property
     def lines(self) -> list[Line]:
         """Numbers of the card next to those of the wire, or those of a table with their intervals; then surge and stress."""
-        fit, found = self.facts.fit, self.facts.quantities
+        fit, wire = self.facts.fit, self.facts.wire
         if isinstance(fit, SpringFit):
             rows, force = [self._beside(one) for one in fit.held], fit.card.open_load.force
         else:
@@ -65,11 +71,14 @@ class CardAnswer(Shown):
                 Line(label, (self.words.between(amount),))
                 for label, amount in _measured(fit).items()
             ]
-            force = float(fit.by_rod[-1, 1])
+            force = float(fit.table.forces[-1])
+        if wire is None:
+            return rows
+        numbers = self.facts.quantities
         more = {
-            "surge frequency": Amount("surge_frequency", found["estimated_surge_frequency"]),
-            "stress at the largest load": Amount("stress", nominal_stress_per_force(self.facts.wire) * force),
-            "stress at coil bind": Amount("stress", found["solid_nominal_shear_stress"]),
+            "surge frequency": Amount("surge_frequency", numbers["estimated_surge_frequency"]),
+            "stress at the largest load": Amount("stress", nominal_stress_per_force(wire) * force),
+            "stress at coil bind": Amount("stress", numbers["solid_nominal_shear_stress"]),
         }  # fmt: skip
         blank = ("",) * (len(self.headings) - 1)
         return rows + [
@@ -91,7 +100,7 @@ class CardAnswer(Shown):
     def tables(self) -> Mapping[str, TextTable]:
         """What was assumed and noted, the pitch law of a table, and every number of the spring."""
         notes = tuple((str(one),) for one in self.findings.by("Z1") if one.level == "notes")
-        law = self.facts.fit.stations if isinstance(self.facts.fit, TesterFit) else None
+        law = self.facts.stations
         stations = () if law is None else zip(law.coil, law.pitch, 2 * law.spread, strict=True)
         pitch = tuple((f"{coil:.2f}", self.words.between(Amount("length", *bars))) for coil, *bars in stations)  # fmt: skip
         numbers = tuple((label_of(name), self.words.amount(Amount(name, value), 4)) for name, value in self.facts.quantities.items())  # fmt: skip
@@ -103,13 +112,15 @@ class CardAnswer(Shown):
 
     def figures(self) -> Mapping[str, FigureSpec]:
         """Force over height with the points that were given, and the pitch."""
-        return {
-            "force": FigureSpec("Force and rate over height", "the line is the finite-element rod", _force),
-            "pitch": FigureSpec("Pitch over the coils", "rise of the wire per turn, unloaded", _pitch),
-        }  # fmt: skip
+        pitch = {"pitch": FigureSpec("Pitch over the coils", "rise of the wire per turn, unloaded", _pitch)}  # fmt: skip
+        line = "the line is the finite-element rod" if self.facts.wire else "stations of the table"
+        return {"force": FigureSpec("Force and rate over height", line, _force)} | (
+            pitch if self.facts.wire else {}
+        )
 
     def computed(self) -> Iterator[str]:
         """How the spring was found."""
+        yield "Numbers of a table are those of its stations, with 95 % intervals. Half of the loop between loading and unloading counts as doubt."
         yield "Active turns and free length, or a pitch law, are changed until the finite-element rod has the given forces."
         yield "Copy the spring of spring.toml into your case, or compare it there by compare-springs."
         yield "Heights are between the seats. Stress is nominal shear by EN 13906-1 (Bergsträsser)."
@@ -117,21 +128,29 @@ class CardAnswer(Shown):
 
 def _measured(fit: TesterFit) -> dict[str, Amount]:
     """Results of a table of forces with half of their 95 % intervals."""
-    between = {
-        "rate at the installed height": ("rate", fit.rate), "force at the installed height": ("force", fit.preload),
-        "free length": ("length", fit.free_length), "active turns": ("active_coil_count", fit.active_coils),
-        "coil bind begins at": ("height", (fit.coil_bind or 0.0, 0.0)), "solid height": ("height", (fit.definition.solid_height, 0.0)),
-        "wire off the table, at most": ("force", (fit.worst_by_rod, 0.0)), "scatter of a station": ("force", (fit.scatter, 0.0)),
-        "mass on the scales": ("mass", (weight(fit.definition), 0.0)),
+    height, wire = fit.table.measured_from != "travel", fit.wire
+    place = f"at {fit.height * 1e3:.4g} mm" if height else "at a quarter of the travel"
+    between: dict[str, tuple[str, tuple[float, float] | None]] = {
+        f"rate {place}": ("rate", fit.rate), f"force {place}": ("force", fit.preload),
+        "free length": ("length", fit.free_length),
+        "solid height" if fit.bound else "solid height, by the turns": ("height", fit.solid_height),
+        "active turns": ("active_coil_count", wire.active_coils if wire else None),
+        "wire off the table, at most": ("force", (wire.worst_by_rod, 0.0) if wire else None),
+        "scatter of a station": ("force", (fit.table.curve.scatter, 0.0)),
+        "mass on the scales": ("mass", (weight(wire.definition), 0.0) if wire else None),
     }  # fmt: skip
-    return {label: Amount(name, value, 2 * spread) for label, (name, (value, spread)) in between.items() if value}  # fmt: skip
+    if len(fit.table.heights) < MIN_STATIONS:
+        for label, count in (("all", 0), ("the last three", -3)):
+            line = np.polyfit(-fit.table.heights[count:], fit.table.forces[count:], 1)
+            between[f"rate through {label} stations"] = ("rate", (float(line[0]), 0.0))
+    return {label: Amount(name, bars[0], 2 * bars[1]) for label, (name, bars) in between.items() if bars}  # fmt: skip
 
 
 def _force(facts: CardFacts) -> go.Figure:
-    """Force (N) and rate (N/mm) of the wire over height (mm), with the loads of the card or the stations of the table."""
+    """Force (N) and rate (N/mm) over height (mm): the wire with the loads of the card or the stations of the table, or these alone."""
     fit, wire = facts.fit, facts.wire
     if isinstance(fit, SpringFit):
-        loads = (fit.card.installed_load, fit.card.open_load)
+        wire, loads = fit.definition, (fit.card.installed_load, fit.card.open_load)
         points = np.array([(one.height, one.force) for one in loads]).T
         near, far = (wire.solid_height + share * wire.solid_compression for share in (0.03, 0.1))
         even = np.linspace(wire.free_length - 1e-4, max(near, min(loads[1].height, far)), POINTS)
@@ -139,9 +158,9 @@ def _force(facts: CardFacts) -> go.Figure:
         forces = np.array(forces_at(wire, heights.tolist()))
     else:
         points = np.array([fit.table.heights, fit.table.forces])
-        heights, _, forces = fit.by_rod.T
+        heights, forces = points if fit.wire is None else fit.wire.by_rod.T[[0, 2]]
     fig = panels((0.65, 0.35))
-    fig.add_trace(line(1e3 * heights, forces, "wire", LEAD), 1, 1)
+    fig.add_trace(line(1e3 * heights, forces, "wire" if wire else "table", LEAD), 1, 1)
     marker = {"size": 10 if facts.by_card else 5, "color": SECOND}
     fig.add_trace(go.Scatter(x=1e3 * points[0], y=points[1], name="given", mode="markers", marker=marker), 1, 1)  # fmt: skip
     rate = -1e-3 * np.gradient(forces, heights)
@@ -153,11 +172,11 @@ def _force(facts: CardFacts) -> go.Figure:
 def _pitch(facts: CardFacts) -> go.Figure:
     """Pitch and wire diameter (mm) over the coils; of a table the stations of the law with their intervals."""
     wire, fig = facts.wire, go.Figure()
+    assert wire is not None
     coil = np.linspace(0.0, wire.total_coils, 601)
     fig.add_trace(line(coil, 1e3 * wire.pitch.value(coil), "pitch", LEAD))
     fig.add_trace(line(coil, 1e3 * wire.wire_diameter.value(coil), "wire diameter: coils closed", OTHER, "dash"))  # fmt: skip
-    if isinstance(facts.fit, TesterFit):
-        law = facts.fit.stations
+    if (law := facts.stations) is not None:
         bars, marker = {"array": 2e3 * law.spread}, {"color": SECOND}
         fig.add_trace(go.Scatter(x=law.coil, y=1e3 * law.pitch, error_y=bars, name="stations, 95 %", mode="markers", marker=marker))  # fmt: skip
     return styled(fig, "coil, from the lower tip", ("pitch, mm",), 320).update_yaxes(

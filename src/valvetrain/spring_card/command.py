@@ -115,11 +115,13 @@ def spring_card(
 
     take_folder(output)
     take_units(units)
-    for flag, value, typical in (
+    sizes = (
         ("--wire-diameter", wire_diameter, "4.2 mm"),
         ("--outer-diameter", outer_diameter, "32 mm"),
-    ):
-        if value is None:
+    )
+    alone = table is not None and wire_diameter is None and outer_diameter is None
+    for flag, value, typical in sizes:
+        if value is None and not alone:
             raise InputError(
                 f"the card needs the {flag[2:].replace('-', ' ')}; give it, such as {flag} '{typical}'",
                 flag,
@@ -168,9 +170,10 @@ def spring_card(
     with busy("fitting the spring to the table"):
         fit = spring_from_tester(
             found,
-            card_from_table(found, **known),
+            None if alone else card_from_table(found, **known),
             read_end(closes),
             length(installed_height, "--installed-height"),
+            name,
         )
     return _deliver(fit, _table_data(fit), name, output, open_page)
 
@@ -213,9 +216,8 @@ def _deliver(
     from valvetrain.views.files import spring_text
 
     case, facts = _case_name(name, output), CardFacts(fit)
-    text = spring_text(
-        case, fit.spring, f"from a {'catalogue card' if facts.by_card else 'table of forces'}"
-    )
+    source = f"from a {'catalogue card' if facts.by_card else 'table of forces'}"
+    text = spring_text(case, fit.spring, source)
     outcome = saved_result(
         SavedRequest("spring-card", parse_case(text, case), output, datetime.now(UTC).replace(microsecond=0)), text,
         {"command": "spring-card", "case": "", "completed": True, **found},
@@ -235,13 +237,20 @@ def _card_data(fit: SpringFit) -> dict[str, Any]:
 def _table_data(fit: TesterFit) -> dict[str, Any]:
     """What the table gives (SI), with standard deviations."""
 
-    def spread(value: float, deviation: float) -> dict[str, float]:
-        return {"value": value, "standard_deviation": deviation}
+    def spread(estimate: tuple[float, float] | None) -> dict[str, float] | None:
+        if estimate is None:
+            return None
+        return {"value": estimate[0], "standard_deviation": estimate[1]}
 
-    law = fit.stations
-    return {
-        "active_coils": spread(*fit.active_coils), "free_length": spread(*fit.free_length), "rate": spread(*fit.rate),
-        "preload": spread(*fit.preload), "coil_bind_height": fit.coil_bind, "scatter": fit.scatter, "worst_by_rod": fit.worst_by_rod,
+    data = {
+        "height": fit.height, "free_length": spread(fit.free_length), "rate": spread(fit.rate), "preload": spread(fit.preload),
+        "solid_height": spread(fit.solid_height), "reaches_coil_bind": fit.bound, "scatter": fit.table.curve.scatter,
+    }  # fmt: skip
+    if (wire := fit.wire) is None:
+        return data
+    law = wire.stations
+    return data | {
+        "active_coils": spread(wire.active_coils), "worst_by_rod": wire.worst_by_rod,
         "pitch": [
             {"coil": float(coil), "pitch": float(pitch), "standard_deviation": float(sd)}
             for coil, pitch, sd in zip(law.coil, law.pitch, law.spread, strict=True)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from valvetrain.findings.engine import Hit, Rule, Subject
+from valvetrain.findings.engine import Condition, Hit, Rule, Subject
 from valvetrain.findings.words import Amount, digits_text, percent
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.quantities.statics import design_quantities
 from valvetrain.solution.definition import label_of
 from valvetrain.spring_card.card import GROUND, INACTIVE, doubt_of, moving_mass
 from valvetrain.spring_card.fit import CardDeviation, SpringFit
-from valvetrain.spring_card.tester import MISFIT, TesterFit
+from valvetrain.spring_card.tester import MISFIT, PitchStations, TesterFit
 
 #: Share from which a number of the card counts as missed.
 MISSED = 0.01
@@ -33,14 +33,19 @@ class CardFacts(Subject):
         return self.file
 
     @property
-    def wire(self) -> SpringDefinition:
-        """The spring itself."""
-        return self.fit.definition
+    def wire(self) -> SpringDefinition | None:
+        """The spring itself; None of a table without sizes."""
+        return self.fit.spring.wire
+
+    @property
+    def stations(self) -> PitchStations | None:
+        """The pitch law behind a table."""
+        return self.fit.wire.stations if isinstance(self.fit, TesterFit) and self.fit.wire else None
 
     @property
     def quantities(self) -> dict[str, float]:
         """Geometry, estimates and the state of closed coils (SI)."""
-        return design_quantities(self.fit.spring)
+        return design_quantities(self.fit.spring) if self.wire else {}
 
     @property
     def by_card(self) -> list[SpringFit]:
@@ -57,8 +62,10 @@ def doubted(facts: CardFacts) -> Iterator[Hit]:
     """The loads are hardly those of one spring with this wire."""
     for fit in facts.by_card:
         if doubt_of(fit.card):
-            turns = Amount("total_coil_count", facts.wire.total_coils)
-            yield Hit(Amount("active_coil_count", facts.wire.active_coils), fields={"turns": turns})
+            turns = Amount("total_coil_count", fit.definition.total_coils)
+            yield Hit(
+                Amount("active_coil_count", fit.definition.active_coils), fields={"turns": turns}
+            )
 
 
 def missed(facts: CardFacts) -> Iterator[Hit]:
@@ -78,7 +85,7 @@ def of_card(facts: CardFacts) -> Iterator[Hit]:
     """A wire has the numbers of the card."""
     for fit in facts.by_card:
         apart_by = [abs(apart(one)) for one in fit.held if one.requested]
-        bind = "" if "turns" in fit.free else Amount("solid_height", facts.wire.solid_height)
+        bind = "" if "turns" in fit.free else Amount("solid_height", fit.definition.solid_height)
         yield Hit(Amount("rate", fit.held[2].found), fields={
             "force": Amount("preload", fit.held[0].found), "bind": bind, "count": str(len(apart_by)), "share": percent(max(1e-3, *apart_by)),
         })  # fmt: skip
@@ -86,18 +93,43 @@ def of_card(facts: CardFacts) -> Iterator[Hit]:
 
 def of_table(facts: CardFacts) -> Iterator[Hit]:
     """A wire has the forces of the table."""
+    if isinstance(fit := facts.fit, TesterFit) and fit.wire is not None:
+        share = fit.wire.worst_by_rod / float(np.max(fit.table.forces))
+        yield from (replace(hit, fields={**hit.fields, "share": percent(share), "off": Amount("force", fit.wire.worst_by_rod)}, severity=share)
+                    for hit in by_table(facts))  # fmt: skip
+
+
+def by_table(facts: CardFacts) -> Iterator[Hit]:
+    """What the table says by itself."""
     if isinstance(fit := facts.fit, TesterFit):
-        share = fit.worst_by_rod / float(np.max(fit.table.forces))
-        bind = "" if fit.coil_bind is None else Amount("coil_bind_height", fit.coil_bind)
-        yield Hit(Amount("rate", fit.rate[0]), fields={
-            "force": Amount("preload", fit.preload[0]), "bind": bind, "share": percent(share), "off": Amount("force", fit.worst_by_rod),
-        }, severity=share)  # fmt: skip
+        bind = Amount("solid_height", fit.solid_height[0]) if fit.bound and fit.solid_height else ""
+        yield Hit(
+            Amount("rate", *bar(fit.rate)),
+            fields={"force": Amount("preload", *bar(fit.preload)), "bind": bind},
+        )
+
+
+def bar(estimate: tuple[float, float]) -> tuple[float, float]:
+    """A value with half of its 95 % interval."""
+    return estimate[0], 2 * estimate[1]
+
+
+def doubts_of(code: str) -> Condition:
+    """The condition that the table has a doubt of this code."""
+
+    def hits(facts: CardFacts) -> Iterator[Hit]:
+        """The table can hardly be that of the spring."""
+        doubts = facts.fit.table.doubts if isinstance(facts.fit, TesterFit) else ()
+        for doubt in (doubt for doubt in doubts if doubt.code == code):
+            yield Hit(fields={"said": doubt.what, "step": doubt.step})
+
+    return hits
 
 
 def in_engine(facts: CardFacts) -> Iterator[Hit]:
     """What a wire has in an engine that its card alone has not."""
-    wire = facts.wire
-    for card in (fit.card for fit in facts.by_card if fit.card.top_outer_diameter is None):
+    for fit in (fit for fit in facts.by_card if fit.card.top_outer_diameter is None):
+        wire, card = fit.definition, fit.card
         span = (wire.total_coils - wire.upper_end.inactive_coils, wire.total_coils)
         ends = wire.material.density * wire.integrate_along_wire(wire.wire_diameter, 2, span)
         mass = moving_mass(card)
@@ -118,8 +150,10 @@ def left(code: str, text: str, remark: str, *words: str) -> Rule:
 
     def hits(facts: CardFacts) -> Iterator[Hit]:
         """The card or the table leaves it open."""
-        steel, ends = facts.wire.material, facts.wire.lower_end
-        for word in set(words).intersection(facts.fit.free):
+        fit = facts.fit.wire if isinstance(facts.fit, TesterFit) else facts.fit
+        for word in set(words).intersection(fit.free if fit else ()):
+            assert facts.wire is not None
+            steel, ends = facts.wire.material, facts.wire.lower_end
             yield Hit(Amount("shear_modulus_pressure", steel.shear_modulus), fields={
                 "steel": steel.name, "closes": word, "ground": digits_text(ends.ground_coils),
             })  # fmt: skip
@@ -136,10 +170,13 @@ RULES = (
          "measure the spring, or give this command the table of a spring tester", guide=GUIDE, mark="warn"),
     Rule("Z103", "decides", "the wire is up to {off:2} off the table", off_table, (), "{share} of its largest force",
          "check wire, diameters, material and units, or give --total-coils", guide=GUIDE, mark="warn"),
+    *(Rule(code, "decides", "{said}", doubts_of(code), (), "", "{step}", guide=GUIDE, mark="warn") for code in ("Z104", "Z105", "Z106", "Z107")),
     Rule("Z110", "decides", "card and wire agree, rate {value:3}, {force:3} installed[, coil bind at {bind:3}]", of_card, (),
          "all {count} numbers of the card are met within {share}", CHECK, mark="ok", unless=("Z10",)),
-    Rule("Z111", "decides", "table and wire agree, rate {value:3}, {force:3} installed[, coil bind from {bind:3}]", of_table, (),
+    Rule("Z111", "decides", "table and wire agree, rate {value:3}, {force:3} installed[, coil bind at {bind:3}]", of_table, (),
          "the wire meets the table within {off:2}, {share} of its largest force", CHECK, mark="ok", unless=("Z10",)),
+    Rule("Z112", "decides", "the table makes a rate of {value:4}, {force:4}[, coil bind at {bind:3}]", by_table, (),
+         "no wire is known", "give --wire-diameter and --outer-diameter for the wire", mark="ok", unless=("Z10", "Z111")),
     Rule("Z120", "notes", "in an engine the wire moves {value:2} of end turns too and surges at {surge:3}; "
          "the card alone moves {mass:3} and surges at {alone:3}", in_engine),
     Rule("Z121", "notes", "{said}", noted),

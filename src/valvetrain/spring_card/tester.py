@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from valvetrain.errors import InputError
-from valvetrain.measured.force_height import MIN_STATIONS, ForceHeight
+from valvetrain.measured.force_curve import Estimate
+from valvetrain.measured.force_height import ForceHeight
 from valvetrain.parameters.constructors import RAMP
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
-from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.spring import EndCoil, SpringDefinition
-from valvetrain.runs.statics import point_of
 from valvetrain.solution.saveable import Saveable
 from valvetrain.spring_card.card import (
     POSSIBLE_INACTIVE,
@@ -25,9 +25,9 @@ from valvetrain.spring_card.card import (
     SpringLoad,
     Winding,
     first_winding,
+    turns_of_mass,
 )
 from valvetrain.spring_card.fit import forces_at
-from valvetrain.springs.spec import spring_model
 
 Array = NDArray[np.float64]
 Closes = Literal["lower", "upper", "both"]
@@ -223,8 +223,11 @@ MISFIT, CHECK = (
     0.03,
     "check wire, diameters, material and the units of the table, or give total_coils",
 )
-#: Slope of the table over its first slope from which the coils are taken to be bound.
-BOUND = 5.0
+#: Turns of a spring over its active ones that its solid height takes, less what is ground away, and
+#: the standard deviation: without any number of the ends, and where all turns are given.
+STACKED, STACKED_TOTAL = (2.1, 0.5), (-0.25, 0.25)
+#: Share of the travel at which numbers are reported where no installed height is given.
+QUARTER = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,40 +242,19 @@ class PitchStations:
 
 
 @dataclass(frozen=True, eq=False)
-class TesterFit(Saveable):
-    """A spring that meets a table of forces; SI.
-
-    ``rate`` (N/m) and ``preload`` (N) at the installed height, with standard deviations;
-    ``coil_bind``: height (m), None where the table
-    ends above it. ``by_rod``: (m, 3) heights, forces of the table and of the finite-element rod.
-    ``scatter`` (N): standard deviation of
-    the table about the rod. ``free``: words for what the table left open. Made by :func:`spring_from_tester`.
-
-    >>> [name for name in TesterFit.__dataclass_fields__ if name in ("rate", "preload", "stations")]
-    ['rate', 'preload', 'stations']
+class WireFit:
+    """The wire behind a table: ``active_coils`` with their standard deviation and the pitch law at
+    ``stations``. ``by_rod``: (m, 3) heights (m), forces (N) of the table and of the finite-element rod;
+    ``scatter`` (N): standard deviation of the table about the rod. ``free``: words for what the table
+    left open.
     """
 
-    table: ForceHeight
-    spring: InstalledSpring
+    definition: SpringDefinition
     active_coils: tuple[float, float]
-    free_length: tuple[float, float]
-    rate: tuple[float, float]
-    preload: tuple[float, float]
-    coil_bind: float | None
     stations: PitchStations
     scatter: float
     by_rod: Array
     free: tuple[str, ...]
-
-    @property
-    def definition(self) -> SpringDefinition:
-        """The wire."""
-        assert self.spring.wire is not None
-        return self.spring.wire
-
-    def __repr__(self) -> str:
-        turns = f"{self.active_coils[0]:.3f} ± {2 * self.active_coils[1]:.3f} active turns"
-        return f"TesterFit '{self.definition.name}': {turns}, scatter {self.scatter:.2g} N, rod within {self.worst_by_rod:.2g} N"
 
     @property
     def worst_by_rod(self) -> float:
@@ -280,24 +262,59 @@ class TesterFit(Saveable):
         return float(np.max(np.abs(self.by_rod[:, 2] - self.by_rod[:, 1])))
 
 
+@dataclass(frozen=True, eq=False)
+class TesterFit(Saveable):
+    """What a table of forces says of a spring; SI, each number with its standard deviation.
+
+    ``rate`` (N/m) and ``preload`` (N) at the installed ``height`` (m); ``free_length`` and
+    ``solid_height`` (m), None where nothing shows them. ``bound``: whether the table reaches coil bind.
+    ``wire``: the wire that has these forces, None where no sizes were given. Made by
+    :func:`spring_from_tester`.
+
+    >>> [name for name in TesterFit.__dataclass_fields__ if name in ("rate", "preload", "wire")]
+    ['rate', 'preload', 'wire']
+    """
+
+    table: ForceHeight
+    spring: InstalledSpring
+    height: float
+    rate: tuple[float, float]
+    preload: tuple[float, float]
+    free_length: tuple[float, float] | None
+    solid_height: tuple[float, float] | None
+    bound: bool
+    wire: WireFit | None = None
+
+    def __repr__(self) -> str:
+        rate = f"rate {self.rate[0] / 1e3:.4g} ± {2 * self.rate[1] / 1e3:.2g} N/mm"
+        if self.wire is None:
+            return f"TesterFit: {rate}"
+        turns = (
+            f"{self.wire.active_coils[0]:.3f} ± {2 * self.wire.active_coils[1]:.3f} active turns"
+        )
+        return f"TesterFit '{self.wire.definition.name}': {rate}, {turns}, rod within {self.wire.worst_by_rod:.2g} N"
+
+
 def spring_from_tester(
     table: ForceHeight,
-    card: CatalogueCard,
+    card: CatalogueCard | None = None,
     closes: Closes = "lower",
     installed_height: float | None = None,
+    name: str = "spring",
 ) -> TesterFit:
-    """The spring behind a table of a spring tester: active turns and a pitch law, fitted until the
-    finite-element rod has its forces.
+    """What a table of a spring tester says of its spring, and the wire behind it: active turns and a
+    pitch law, fitted until the finite-element rod has its forces.
 
     Parameters
     ----------
     table : of :func:`read_force_height`
     card : dimensions of the wire and the coils (:func:`card_from_table` makes one); its loads are not
-        used
+        used. Without it there is no wire
     closes : end whose coils close first; the table cannot show it, seat and retainer exchanged give
         the same forces
-    installed_height : at which preload and rate are reported, m; the largest height of the table by
-        default
+    installed_height : at which preload and rate are reported, m; without it the largest height of
+        the table, or a quarter of its travel where the spring hardly presses there
+    name : of a spring without a card
 
     Returns
     -------
@@ -313,16 +330,68 @@ def spring_from_tester(
     >>> heights = np.linspace(50e-3, 38e-3, 13)
     >>> table = ForceHeight(heights, 40e3 * (55e-3 - heights))
     >>> fit = spring_from_tester(table, card_from_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3))
-    >>> round(fit.active_coils[0], 1), round(fit.rate[0] / 1e3)
+    >>> round(fit.wire.active_coils[0], 1), round(fit.rate[0] / 1e3)
     (4.4, 40)
     """
     read_end(closes)
-    height = float(table.heights[0]) if installed_height is None else installed_height
+    height = _reported_height(table) if installed_height is None else installed_height
     if not table.heights[-1] < height <= table.heights[0] * (1 + 1e-9):
+        given = (
+            "the table holds travels and no free length is given, so it has no heights; give the free length"
+            if table.measured_from == "travel"
+            else f"the table holds heights of {table.heights[0] * 1e3:.4g} to {table.heights[-1] * 1e3:.4g} mm, not the installed "
+            f"{height * 1e3:.4g} mm; give one inside"
+        )
+        raise InputError(given, "installed_height")
+    rate, preload = table.rate_at(height), table.force_at(height)
+    heights = table.measured_from != "travel"
+    wire = None if card is None else _wire_fit(table, card, closes)
+    solid, bound = table.bind(), table.curve.bind() is not None
+    free_length = table.contact() if table.measured_from == "seat" else None
+    if heights and free_length is None and table.free_length is not None:
+        free_length = Estimate(table.free_length, 0.0)
+    if wire is None or card is None:
+        known = SpringCard(
+            rate.value, preload.value, installed_height=height if heights else None,
+            solid_height=solid.value if solid else None, name=name,
+        )  # fmt: skip
+        spring = InstalledSpring(card=known, precompression=preload.value / rate.value)
+    else:
+        solid = solid or _stacked_height(table, card, wire.active_coils[0])
+        spring = InstalledSpring(
+            wire=wire.definition, precompression=max(wire.definition.free_length - height, 0.0)
+        )
+    return TesterFit(table, spring, height, rate, preload, free_length, solid, bound, wire)
+
+
+def _reported_height(table: ForceHeight) -> float:
+    """The largest height (m) where the spring presses there, else that of a quarter of the travel."""
+    pressed, _ = table.curve.elastic
+    if table.force_at(float(table.heights[0])).value > 0.05 * float(np.max(table.forces)):
+        return float(table.heights[0])
+    return float(-pressed[0] - QUARTER * (pressed[-1] - pressed[0]))
+
+
+def _stacked_height(table: ForceHeight, card: CatalogueCard, active: float) -> Estimate:
+    """Solid height (m) of the wire's turns, below the last height of the table."""
+    if card.solid_height is not None:
+        return Estimate(card.solid_height, 0.0)
+    total = card.total_coils
+    if total is None and card.mass is not None:
+        total = turns_of_mass(card, card.mass)
+    more, spread = STACKED if total is None else STACKED_TOTAL
+    middle = ((active if total is None else total) + more) * card.wire_diameter
+    high = min(middle + 2 * spread * card.wire_diameter, float(table.heights[-1]))
+    low = min(middle - 2 * spread * card.wire_diameter, high - card.wire_diameter / 2)
+    return Estimate((low + high) / 2, (high - low) / 4)
+
+
+def _wire_fit(table: ForceHeight, card: CatalogueCard, closes: Closes) -> WireFit:
+    """The wire of ``card`` whose rod has the forces of the table."""
+    if table.measured_from == "travel":
         raise InputError(
-            f"the table holds heights of {table.heights[-1] * 1e3:.4g} to {table.heights[0] * 1e3:.4g} mm, not the installed "
-            f"{height * 1e3:.4g} mm; give one inside",
-            "installed_height",
+            "the table holds travels, so the free length is needed for the wire; give it",
+            "free_length",
         )
     start = first_winding(card)
     turns_given = (
@@ -332,10 +401,28 @@ def spring_from_tester(
     _refuse_turns(table, card, active)
     count = int(np.clip(round(active / TURNS_A_STATION), 3, STATIONS))
     law = PitchLaw(card, start.total_coils if turns_given else None, start.ground, closes, count)
-    chosen = _thinned(_open(table))
+    chosen = _thinned(*table.curve.elastic)
     numbers, covariance, scatter = fit_closing(law, start, active, *chosen)
     _refuse_misfit(scatter, MISFIT * float(np.max(chosen[1])))
-    return _result(table, law, numbers, covariance, scatter, height)
+    definition = law.definition(numbers)
+    weights = np.array([law.gaps(row) for row in np.eye(law.steps)])
+    stations = PitchStations(
+        law.places(numbers[0]),
+        law.card.wire_diameter + law.gaps(numbers[1:]),
+        np.sqrt(np.maximum(np.einsum("ia,ij,ja->a", weights, covariance[1:, 1:], weights), 0.0)),
+    )
+    travel, _ = table.curve.elastic
+    lowest = max(-float(travel[-1]), definition.solid_height + 0.02 * definition.solid_compression)
+    fine = np.linspace(-float(travel[0]), lowest, CURVE)
+    measured = np.interp(-fine, -table.heights, table.forces)
+    return WireFit(
+        definition,
+        (float(numbers[0]), float(np.sqrt(covariance[0, 0]))),
+        stations,
+        scatter,
+        np.column_stack([fine, measured, forces_by_rod(definition, fine)]),
+        _left_free(law, table.curve.bind() is not None),
+    )
 
 
 def _refuse_misfit(misfit: Array | float, most: float) -> None:
@@ -396,121 +483,36 @@ def card_from_table(table: ForceHeight, **known: object) -> CatalogueCard:
     >>> round(card_from_table(table, wire_diameter="4.2 mm", outer_diameter="30.2 mm").rate)
     40000
     """
-    forces = table.forces[0] + np.array([0.05, 0.35]) * (table.forces[-1] - table.forces[0])
-    low = (table.forces >= forces[0]) & (table.forces <= forces[1])
+    travel, force = table.curve.elastic
+    forces = force[0] + np.array([0.05, 0.35]) * (force[-1] - force[0])
+    low = (force >= forces[0]) & (force <= forces[1])
     if np.count_nonzero(low) < 3:
-        low = np.arange(len(table.forces)) < 3
-    slope, offset = np.polyfit(table.heights[low], table.forces[low], 1)
-    if not slope < 0:
+        low = np.arange(len(force)) < 3
+    slope, offset = np.polyfit(travel[low], force[low], 1)
+    if not slope > 0:
         raise InputError(
             "the force does not rise as the height falls at the beginning of the table; check it"
         )
     loads = [
-        SpringLoad(float(height), float(slope * height + offset))
-        for height in table.heights[low][[0, -1]]
+        SpringLoad(float(-place), float(slope * place + offset)) for place in travel[low][[0, -1]]
     ]
     return CatalogueCard(installed_load=loads[0], open_load=loads[1], **known)  # type: ignore[arg-type]
 
 
-def _slopes(table: ForceHeight) -> tuple[Array, float]:
-    """Slopes (N/m) between the stations, and the first of them."""
-    slopes: Array = -np.diff(table.forces) / np.diff(table.heights)
-    return slopes, float(np.median(slopes[: max(len(slopes) // 4, 2)]))
-
-
-def _open(table: ForceHeight) -> ForceHeight:
-    """The table without its stations in coil bind, whose force shows the tester rather than the
-    spring.
-    """
-    slopes, first = _slopes(table)
-    bound = np.flatnonzero(slopes > BOUND * first)
-    last = int(bound[0]) if len(bound) and bound[0] >= MIN_STATIONS else len(slopes)
-    return ForceHeight(table.heights[: last + 1], table.forces[: last + 1])
-
-
-def _thinned(table: ForceHeight) -> tuple[Array, Array]:
+def _thinned(travel: Array, forces: Array) -> tuple[Array, Array]:
     """Means of heights and forces over even pieces of the travel."""
-    if len(table.heights) <= HEIGHTS:
-        return table.heights, table.forces
-    edges = np.linspace(table.heights[0], table.heights[-1], HEIGHTS + 1)
-    piece = np.clip(np.searchsorted(-edges, -table.heights, side="right") - 1, 0, HEIGHTS - 1)
-    held = np.bincount(piece, minlength=HEIGHTS)
-    sums = [np.bincount(piece, values, HEIGHTS) for values in (table.heights, table.forces)]
-    return sums[0][held > 0] / held[held > 0], sums[1][held > 0] / held[held > 0]
+    if len(travel) <= HEIGHTS:
+        return -travel, forces
+    edges = np.linspace(travel[0], travel[-1], HEIGHTS + 1)
+    piece = np.clip(np.searchsorted(edges, travel, side="right") - 1, 0, HEIGHTS - 1)
+    count = np.bincount(piece, minlength=HEIGHTS)
+    sums = [np.bincount(piece, values, HEIGHTS) for values in (-travel, forces)]
+    return sums[0][count > 0] / count[count > 0], sums[1][count > 0] / count[count > 0]
 
 
-def _result(
-    table: ForceHeight,
-    law: PitchLaw,
-    numbers: Array,
-    covariance: Array,
-    scatter: float,
-    height: float,
-) -> TesterFit:
-    definition = law.definition(numbers)
-    spring = InstalledSpring(
-        wire=definition, precompression=max(definition.free_length - height, 0.0)
-    )
-    here = point_of(spring, spring_model("finite-element").build(spring), spring.precompression)
-    moved = []
-    for place, step in enumerate(1e-3 * np.append(1.0, np.full(law.steps, law.card.wire_diameter))):
-        away = np.where(np.arange(len(numbers)) == place, step, 0.0)
-        moved.append(
-            (_law_forces(law, numbers + away, height) - _law_forces(law, numbers, height)) / step
-        )
-    spread = np.sqrt(
-        np.maximum(np.einsum("ia,ij,ja->a", np.array(moved), covariance, np.array(moved)), 0.0)
-    )
-    weights = np.array([law.gaps(row) for row in np.eye(law.steps)])
-    stations = PitchStations(
-        law.places(numbers[0]),
-        law.card.wire_diameter + law.gaps(numbers[1:]),
-        np.sqrt(np.maximum(np.einsum("ia,ij,ja->a", weights, covariance[1:, 1:], weights), 0.0)),
-    )
-    lowest = max(
-        float(_open(table).heights[-1]),
-        definition.solid_height + 0.02 * definition.solid_compression,
-    )
-    fine = np.linspace(table.heights[0], lowest, CURVE)
-    force = forces_by_rod(definition, fine)
-    measured = np.interp(-fine, -table.heights, table.forces)
-    bind = _bind(table)
-    return TesterFit(
-        table,
-        spring,
-        (float(numbers[0]), float(np.sqrt(covariance[0, 0]))),
-        (definition.free_length, float(spread[0])),
-        (here.stiffness, float(spread[2])),
-        (here.force, float(spread[1])),
-        bind,
-        stations,
-        scatter,
-        np.column_stack([fine, measured, force]),
-        _left_free(law, bind),
-    )
-
-
-def _law_forces(law: PitchLaw, numbers: Array, height: float) -> Array:
-    """Free length (m), force (N) and rate (N/m) at a height (m) of closing coils."""
-    definition, travel = law.definition(numbers), 0.5e-3
-    low, here, high = closing_forces(
-        definition, np.array([height + travel, height, height - travel])
-    )
-    return np.array([definition.free_length, here, (high - low) / (2 * travel)])
-
-
-def _bind(table: ForceHeight) -> float | None:
-    """Height (m) from which on the table is as stiff as bound coils are; None where it is not."""
-    slopes, first = _slopes(table)
-    steep = slopes > BOUND * first
-    if not steep[-1]:
-        return None
-    return float(table.heights[0 if steep.all() else len(steep) - int(np.argmin(steep[::-1]))])
-
-
-def _left_free(law: PitchLaw, bind: float | None) -> tuple[str, ...]:
+def _left_free(law: PitchLaw, bound: bool) -> tuple[str, ...]:
     words = (
         "both ends" if law.closes == "both" else f"{law.closes} end", "material" * (law.card.material is None),
-        "turns" * (law.total is None), "gaps" * (bind is None),
+        "turns" * (law.total is None), "gaps" * (not bound),
     )  # fmt: skip
     return tuple(filter(None, words))

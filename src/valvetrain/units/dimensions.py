@@ -90,7 +90,9 @@ thou = 0.001 * inch = mil
 pound = 0.45359237 * kilogram = lb
 ounce = pound / 16 = oz
 pound_force = pound * 9.80665 * meter / second ** 2 = lbf
-kilogram_force = kilogram * 9.80665 * meter / second ** 2 = kgf
+kilogram_force = kilogram * 9.80665 * meter / second ** 2 = kgf = kp
+gram_force = 0.001 * kilogram_force = gf
+decanewton = 10 * newton = daN
 psi = pound_force / inch ** 2
 ksi = 1000 * psi
 percent = 0.01 = pct

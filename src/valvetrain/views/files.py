@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.spring import EndCoil
@@ -86,12 +85,19 @@ def _short(label: str, ending: str) -> str:
 
 
 def spring_text(name: str, spring: InstalledSpring, source: str) -> str:
-    """A case file with the spring alone. Raises :class:`InputError` for a card."""
-    wire = spring.wire
+    """A case file with the spring alone, known by its wire or by its card."""
+    wire, card = spring.wire, spring.card
     if wire is None:
-        raise InputError(
-            f"spring '{spring.name}' is known by its card only, so it has no wire to write"
-        )
+        assert card is not None
+        loads: dict[str, Any] = {
+            "name": card.name,
+            "rate": f"{card.rate!r} N/m",
+            "preload": f"{card.preload!r} N",
+        }
+        for key in ("installed_height", "solid_height"):
+            if (height := getattr(card, key)) is not None:
+                loads[key] = f"{height!r} m"
+        return toml_text({"name": name, "title": f"{card.name}, {source}", "spring": loads})
     material = wire.material
     block: dict[str, Any] = {
         "name": wire.name, "wire_diameter": _curve(wire.wire_diameter), "mean_diameter": _curve(wire.mean_diameter),
