@@ -10,6 +10,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError, UnusualValueWarning
+from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.schema_pair import read_pair
 from valvetrain.spring_card import SpringLoad
 from valvetrain.views.results import answer_of
@@ -96,3 +97,21 @@ def test_a_dual_spring_whose_inner_one_is_the_stiffer_is_doubted(wire, doubted):
     says = [str(one.message) for one in found]
     assert bool(says) is doubted
     assert all("inner spring would be the stiffer one (37.7 against 28 N/mm, 2.04 active turns)" in one for one in says)  # fmt: skip
+
+
+def card_of(**keys):
+    lines = "\n".join(f'{key} = "{value}"' for key, value in keys.items())
+    return parse_case(f'name = "own"\n[spring]\n{lines}', "own").springs[0].card
+
+
+def test_a_manual_with_free_length_and_two_loads_takes_the_rate_of_the_loads():
+    """(52.3 - 25.5) kgf / 12.4 mm is 21.2 N/mm; 25.5 kgf over the 13 mm from the free length are 19.2."""
+    loads = {"preload": "25.5 kgf", "installed_height": "44 mm", "open_load": "52.3 kgf", "open_height": "31.6 mm"}  # fmt: skip
+    with pytest.warns(UnusualValueWarning, match=r"21\.2 N/mm.* 19\.24 N/mm"):
+        card = card_of(**loads, free_length="57 mm")
+    assert card.rate == pytest.approx(26.8 * 9.80665 / 12.4e-3)
+
+
+def test_a_weighed_card_may_state_its_diameter_without_the_wire():
+    loads = {"preload": "150 lbf", "installed_height": "1.80 in", "open_load": "420 lbf", "open_height": "1.14 in"}  # fmt: skip
+    assert card_of(**loads, outer_diameter="1.29 in", mass="45 g").mass == pytest.approx(0.045)

@@ -344,8 +344,17 @@ class SpringCardModel(StrictModel):
             raise problem(
                 "the rate is missing; give rate, or open_load and open_lift or open_height, or free_length"
             )
-        if self.free_length is not None and (self.rate is not None or from_loads is not None):
+        if self.free_length is not None and self.rate is not None:
             self.refuse_free_length()
+        elif self.free_length is not None and from_loads is not None:
+            by_free = self._from_free(preload_height)
+            if by_free is not None and abs(by_free / from_loads - 1) > 0.05:
+                warnings.warn(
+                    f"the loads of a spring make {from_loads / 1e3:.4g} N/mm, its free length and preload {by_free / 1e3:.4g} N/mm: "
+                    "it is progressive, or a number is wrong; the rate of the loads is taken",
+                    UnusualValueWarning,
+                    stacklevel=2,
+                )
         if rate is not None and from_loads is not None and abs(from_loads / rate - 1) > 0.02:
             raise problem(
                 f"rate {rate / 1e3:g} N/mm contradicts the loads, which make {from_loads / 1e3:.4g} N/mm; correct one of them",
@@ -354,9 +363,9 @@ class SpringCardModel(StrictModel):
         return (rate if rate is not None else from_loads or 0.0), lift
 
     def refuse_free_length(self) -> None:
-        """Refuse a free length where other keys give the rate already."""
+        """Refuse a free length where the rate is given already."""
         raise problem(
-            "free_length gives the rate, which rate or the loads give too; leave one of them out",
+            "free_length gives the rate, which rate gives too; leave one of them out",
             ("free_length",),
         )
 
@@ -381,7 +390,7 @@ class SpringCardModel(StrictModel):
         where neither is specified. ``label``: the spring's, for a warning.
         """
         if self.mass is not None or self.wire_diameter is None:
-            if self.wire_diameter is None and (
+            if self.mass is None and (
                 self.mean_diameter or self.outer_diameter or self.active_coils
             ):
                 raise problem(

@@ -129,8 +129,9 @@ class CardAnswer(Shown):
 def _measured(fit: TesterFit) -> dict[str, Amount]:
     """Results of a table of forces with half of their 95 % intervals."""
     height, wire = fit.table.measured_from != "travel", fit.wire
-    place = f"at {fit.height * 1e3:.4g} mm" if height else "at a quarter of the travel"
+    place = "at the installed height" if height else "at a quarter of the travel"
     between: dict[str, tuple[str, tuple[float, float] | None]] = {
+        "installed height": ("height", (fit.height, 0.0) if height else None),
         f"rate {place}": ("rate", fit.rate), f"force {place}": ("force", fit.preload),
         "free length": ("length", fit.free_length),
         "solid height" if fit.bound else "solid height, by the turns": ("height", fit.solid_height),

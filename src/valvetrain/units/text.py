@@ -28,6 +28,7 @@ _SHOWN_UNITS = (
 # not once per way to share it out
 _NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)\Z", re.DOTALL)
+_SPAN = re.compile(rf"({_NUMBER})\s*(?:-|to)\s*({_NUMBER})\s*([A-Za-z/]+)\Z")
 _FACTOR = r"(?:1|[A-Za-zµμ_]+)(?:\s*(?:\^|\*\*)\s*-?\d(?:\.\d{1,3})?)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR})*\Z")
 
@@ -210,6 +211,13 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
             else f"{phrase} is needed here: write {_written(clipped(repr(text)), dimension)}"
         )
         raise InputError(f"{clipped(repr(text))} has no unit; {remedy}", where)
+    span = _SPAN.match(text.strip())
+    if span and dimension != "angular speed":
+        low, high, unit = span.groups()
+        raise InputError(
+            f"'{clipped(text)}' is a range, but one value is needed here, such as its middle '{(float(low) + float(high)) / 2:.6g} {unit}'",
+            where,
+        )
     match = _QUANTITY.match(text.strip())
     if match is None:
         raise InputError(
@@ -226,10 +234,11 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
 
 
 def _as_force(unit: str, due: str) -> str:
-    """``unit`` with its pounds or kilograms as forces, where that has the dimension of ``due``, else
-    empty.
+    """``unit`` with its pounds (psi too, as spring cards write them), kilograms or grams as forces, where
+    that has the dimension of ``due``, else empty.
     """
-    force = re.sub(r"\bkg\b", "kgf", re.sub(r"\b(?:lbs?|pounds?)\b", "lbf", unit))
+    force = re.sub(r"\bkg\b", "kgf", re.sub(r"\b(?:lbs?|pounds?|psi)\b", "lbf", unit))
+    force = re.sub(r"\bg\b", "gf", force)
     if force == unit:
         return ""
     try:
@@ -274,7 +283,10 @@ def to_si(value: float, unit: str, dimension: str | None, shown: str, where: str
             force = _as_force(unit, due.si_unit if due else str(dimension))
             if force:
                 example = f"write '{value:.12g} {force}' (lb and kg are masses, lbf and kgf forces)"
-            if force and is_what == "something else":
+            if force and "psi" in unit:
+                is_what = "by psi, a pressure"
+                example = f"write '{value:.12g} {force}' if the card means pounds of force"
+            elif force and is_what == "something else":
                 is_what = "by pounds or kilograms of mass"
             raise InputError(f"{shown} is {is_what}, but {phrase} is needed here, {example}", where)
     return finite(value * factor, shown, where)
