@@ -73,7 +73,8 @@ RESULTS = {
     ("code", "holds", "holds_not"),
     [
         ("Y101", "one-sided", "all"), ("Y102", "strays", "all"), ("Y110", "failed", "as drawn"), ("Y111", "thicker", "as drawn"),
-        ("Y112", "as drawn", "thicker"), ("Y113", "all", "one-sided"), ("Y120", "thicker", "as drawn"), ("Y121", "oval", "all"),
+        ("Y112", "as drawn", "thicker"),
+        ("Y114", "thicker", "as drawn"), ("Y113", "all", "one-sided"), ("Y120", "thicker", "as drawn"), ("Y121", "oval", "all"),
     ],
 )  # fmt: skip
 def test_a_rule_holds_in_one_scan_and_not_in_another(code, holds, holds_not):

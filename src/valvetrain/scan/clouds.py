@@ -1,16 +1,14 @@
-"""Points of a scan from a file, block by block: PLY, STL, OBJ, text; known by content, sizes
-checked before anything is taken.
-"""
+"""Points of a scan from a file, known by its content: text block by block, PLY, STL and OBJ by trimesh."""
 
 from __future__ import annotations
 
 import re
 import stat
 import warnings
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -150,189 +148,32 @@ def _rows(path: Path, name: str, skip: int, comma: bytes, places: list[int]) -> 
                 yield rows[:, places]
 
 
-#: Longest head of a file (bytes), most properties of a point, points taken at a time, and corners of a face.
-MAX_HEAD_LENGTH, MAX_PROPERTIES, PLY_AT_A_TIME, MAX_CORNERS = 65_536, 100, 200_000, 255
-_TYPES = {
-    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
-    "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
-}  # fmt: skip
-_FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-
-
-@dataclass(frozen=True)
-class _Head:
-    order: str
-    count: int
-    properties: tuple[tuple[str, str], ...]
-    length: int
-    unit: str
-    face: tuple[str, ...]
-
-
-def ply_points(path: Path, name: str, size: int) -> tuple[str, Iterator[Array]]:
-    """Unit that the head gives, and blocks (n, 3). Raises :class:`InputError` for a head that does
-    not fit the file of ``size`` bytes.
-    """
-    with path.open("rb") as stream:
-        head = _head(stream.read(MAX_HEAD_LENGTH), name)
-    column_names = [word for word, _ in head.properties]
-    if any(axis not in column_names for axis in "xyz"):
-        raise InputError(f"the points of '{name}' have no x, y and z; export the scan again")
-    if head.count < 1:
-        raise InputError(f"'{name}' holds no point; export the scan again")
-    if not head.order:
-        if 2 * len(column_names) * head.count > size - head.length + 1:
-            raise InputError(_short(name, head.count, size))
-        return head.unit, _text(path, name, head, [column_names.index(axis) for axis in "xyz"])
-    row = np.dtype([(f"p{k}", head.order + kind) for k, (_, kind) in enumerate(head.properties)])
-    end = head.length + row.itemsize * head.count
-    if end > size:
-        raise InputError(_short(name, head.count, size))
-    if not (_face_fits(path, head, end) if head.face else size == end):
-        raise InputError(
-            f"what follows the {head.count} points of '{name}' is not what its header states, so they may be shifted; export it again"
-        )
-    return head.unit, _binary(path, head, row, [f"p{column_names.index(axis)}" for axis in "xyz"])
-
-
-def _short(name: str, count: int, size: int) -> str:
-    return f"'{name}' is cut off: its header states {count} points, more than its {size} bytes can hold; export it again"
-
-
-def _face_fits(path: Path, head: _Head, end: int) -> bool:
-    """Whether the first list after the points, from the byte ``end`` on, names corners that there are; any other
-    element does.
-    """
-    if "" in head.face:
-        return True
-    corners, index = (np.dtype(head.order + kind) for kind in head.face)
-    with path.open("rb") as stream:
-        stream.seek(end)
-        first, rest = stream.read(corners.itemsize), stream.read(MAX_CORNERS * index.itemsize)
-    count = int.from_bytes(first, "big" if head.order == ">" else "little")
-    named = rest[: count * index.itemsize]
-    whole = 3 <= count <= MAX_CORNERS and len(named) == count * index.itemsize
-    return whole and bool(np.max(np.frombuffer(named, index)) < head.count)
-
-
-def _head(content: bytes, name: str) -> _Head:
-    end = re.search(rb"(?m)^end_header[ \t]*\r?\n", content)
-    if end is None:
-        raise InputError(f"'{name}' begins as PLY, but its head has no end; export it again")
-    lines = content[: end.start()].decode("ascii", "replace").split("\n")
-    order, count, unit, here = None, -1, "", ""
-    face: tuple[str, ...] = ()
-    properties: list[tuple[str, str]] = []
-    for line in (one.split() for one in lines[1:]):
-        match line:
-            case ["format", form, *_] if form in _FORMATS:
-                order = _FORMATS[form]
-            case ["comment" | "obj_info", *column_names]:
-                found = re.search(
-                    r"\bunits?\W+(mm|cm|m|inch|in|um|millimet\w+|met\w+)\b",
-                    " ".join(column_names),
-                    re.I,
-                )
-                unit = _unit(found[1]) if found else unit
-            case ["element", "vertex", number] if re.fullmatch(r"\d{1,15}", number) and count < 0:
-                here, count = "vertex", int(number)
-            case ["element", word, *number]:
-                if count < 0:
-                    raise InputError(
-                        f"'{name}' holds '{word[:20]}' before its points; export the points first"
-                    )
-                here = word
-                if not face and number != ["0"]:
-                    face = ("", "")
-            case ["property", "list", corners, index, _] if (
-                face == ("", "") and corners in _TYPES and index in _TYPES
-            ):
-                face = (_TYPES[corners], _TYPES[index])
-            case ["property", *_] if face == ("", ""):
-                face = ("", "other")
-            case ["property", kind, word] if (
-                here == "vertex" and kind in _TYPES and len(properties) < MAX_PROPERTIES
-            ):
-                properties.append((word, _TYPES[kind]))
-            case ["property", *_] if here == "vertex":
-                raise InputError(
-                    f"a property of the points of '{name}' is none that PLY has for points: '{' '.join(line)[:40]}'"
-                )
-    if order is None or count < 0:
-        raise InputError(
-            f"the head of '{name}' has no format or no points (element vertex); export it again"
-        )
-    return _Head(order, count, tuple(properties), end.end(), unit, face)
-
-
-def _unit(word: str) -> str:
-    word = word.lower()
-    return (
-        "inch"
-        if word == "in"
-        else "mm"
-        if word.startswith("milli")
-        else "m"
-        if word.startswith("met")
-        else word
-    )
-
-
-def _binary(path: Path, head: _Head, row: np.dtype[np.void], names: list[str]) -> Iterator[Array]:
-    with path.open("rb") as stream:
-        stream.seek(head.length)
-        for first in range(0, head.count, PLY_AT_A_TIME):
-            rows = np.frombuffer(
-                stream.read(row.itemsize * min(PLY_AT_A_TIME, head.count - first)), row
-            )
-            with np.errstate(invalid="ignore"):  # NaN of any kind are counted later
-                block = np.column_stack([rows[one].astype(float) for one in names])
-            yield block
-
-
-def _text(path: Path, name: str, head: _Head, places: list[int]) -> Iterator[Array]:
-    left = head.count
-    with path.open("rb") as stream:
-        stream.seek(head.length)
-        for lines in line_blocks(stream, name):
-            text_rows = [line for line in lines if line.strip()][:left]
-            left -= len(text_rows)
-            if text_rows:
-                rows = numbers_in(text_rows, name)
-                if rows.shape[1] != len(head.properties):
-                    raise InputError(
-                        f"a row of '{name}' has {rows.shape[1]} numbers, its header states {len(head.properties)}; export it again"
-                    )
-                yield rows[:, places]
-            if not left:
-                return
-    raise InputError(
-        f"'{name}' is cut off: {left} of the {head.count} points that its header states are missing; export it again"
-    )
-
-
-#: Larger files are refused (bytes); triangles of a binary STL taken at a time, and bytes of one.
-MAX_BYTES, CLOUDS_AT_A_TIME, FACET = 20_000_000_000, 100_000, 50
-_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+#: Larger files and larger meshes are refused (bytes), and points drawn from the faces of a mesh.
+MAX_BYTES, MAX_MESH, SURFACE = 20_000_000_000, 2_000_000_000, 60_000
+_UNIT = (
+    rb"(?im)^(?:comment|obj_info|#|solid).*?\bunits?\W+(mm|cm|m|inch|in|um|millimet\w+|met\w+)\b"
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
     """A file of points: its ``form``, the ``unit`` it gives (empty where it gives none), and its
-    ``blocks`` (n, 3) in file order.
+    ``blocks`` (n, 3) in file order; of a mesh its corners, and points drawn evenly by area from
+    its faces, ``surface`` (n, 3).
     """
 
     name: str
     form: str
     unit: str
-    blocks: Iterator[Array]
+    blocks: Iterable[Array]
+    surface: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 def open_cloud(file: str | Path) -> Cloud:
-    """The points of ``file``; corners of a mesh are its points, each facet's own.
+    """The points of ``file``, and those of the faces of a mesh.
 
     Raises :class:`InputError` for a file that is missing, special, empty, truncated or no cloud;
-    later faults show while blocks are read.
+    faults of a table of points show while blocks are read.
     """
     path = Path(file)
     name = path.name[:80] or str(path)[:80]
@@ -350,58 +191,61 @@ def open_cloud(file: str | Path) -> Cloud:
     size = found.st_size
     if not head.strip():
         raise InputError(f"'{name}' is empty; export the scan again")
-    if size > MAX_BYTES:
-        raise InputError(f"'{name}' is larger than {MAX_BYTES / 1e9:g} GB; thin the scan out")
     if re.match(rb"ply\s", head):
-        unit, blocks = ply_points(path, name, size)
-        return Cloud(name, "PLY", unit, blocks)
-    if head[:5].lower() == b"solid" and re.search(rb"facet|endsolid", head):
-        return Cloud(name, "STL (text)", _unit_in_head(head), _marked(path, name, b"vertex"))
-    if path.suffix.lower() == ".stl" or (
-        size >= 84 and size == 84 + FACET * int.from_bytes(head[80:84], "little")
+        form = "PLY"
+    elif head[:5].lower() == b"solid" and re.search(rb"facet|endsolid", head):
+        form = "STL (text)"
+    elif path.suffix.lower() == ".stl" or (
+        size >= 84 and size == 84 + 50 * int.from_bytes(head[80:84], "little")
     ):
-        return Cloud(name, "STL", "", _stl(path, name, size))
-    if re.search(rb"(?m)^v\s+[-+.\d]", head) or path.suffix.lower() == ".obj":
-        return Cloud(name, "OBJ", _unit_in_head(head), _marked(path, name, b"v"))
-    unit, blocks = columns_of_text(path, name, head)
-    return Cloud(name, "text", unit, blocks)
+        form = "STL"
+    elif re.search(rb"(?m)^v\s+[-+.\d]", head) or path.suffix.lower() == ".obj":
+        form = "OBJ"
+    else:
+        form = "text"
+    most = MAX_BYTES if form == "text" else MAX_MESH
+    if size > most:
+        raise InputError(f"'{name}' is larger than {most / 1e9:g} GB; thin the scan out")
+    if form == "text":
+        unit, blocks = columns_of_text(path, name, head)
+        return Cloud(name, form, unit, blocks)
+    corners, surface = _mesh(path, name, form)
+    stated = re.search(rb"element\s+vertex\s+(\d+)", head) if form == "PLY" else None
+    if stated is not None and int(stated[1]) != len(corners):
+        raise InputError(
+            f"'{name}' is cut off: its header states {stated[1].decode()[:20]} points, {len(corners)} are there; export it again"
+        )
+    word = re.search(_UNIT, head)
+    return Cloud(name, form, _unit(word[1].decode().lower()) if word else "", [corners], surface)
 
 
-def _unit_in_head(head: bytes) -> str:
-    """Unit that a comment of a text file gives."""
-    found = re.search(rb"(?im)^(?:#|solid).*?\bunits?\W+(mm|cm|m|inch|in|um)\b", head)
-    return found[1].decode().lower().replace("inch", "in").replace("in", "inch") if found else ""
+def _unit(word: str) -> str:
+    return {"in": "inch", "mil": "mm", "met": "m"}.get(word if word == "in" else word[:3], word)
 
 
-def _stl(path: Path, name: str, size: int) -> Iterator[Array]:
-    with path.open("rb") as stream:
-        head = stream.read(84)
-        count = int.from_bytes(head[80:], "little")
-        if count < 1 or size != 84 + FACET * count:
-            raise InputError(
-                f"'{name}' is no whole STL file: it states {count} facets, which need {84 + FACET * count} bytes, and has "
-                f"{size}; export it again"
-            )
-        for first in range(0, count, CLOUDS_AT_A_TIME):
-            data = stream.read(FACET * min(CLOUDS_AT_A_TIME, count - first))
-            with np.errstate(invalid="ignore"):
-                block = np.frombuffer(data, _FACET)["corners"].reshape(-1, 3).astype(float)
-            yield block
-
-
-def _marked(path: Path, name: str, mark: bytes) -> Iterator[Array]:
-    """Numbers behind a word at the beginning of a line."""
-    found = 0
-    with path.open("rb") as stream:
-        for lines in line_blocks(stream, name):
-            text_rows = [
-                one[len(mark) :]
-                for line in lines
-                if (one := line.strip()).startswith(mark)
-                and one[len(mark) : len(mark) + 1].isspace()
-            ]
-            if text_rows:
-                found += len(text_rows)
-                yield numbers_in(text_rows, name)[:, :3]
-    if not found:
+def _mesh(path: Path, name: str, form: str) -> tuple[Array, Array]:
+    """Corners of a mesh or points of a cloud by trimesh, and points drawn evenly from its faces."""
+    try:
+        import trimesh
+    except ImportError as error:
+        raise InputError(
+            f"{form} files need the extra 'measure'; install it, or export the scan as text with x, y and z in columns"
+        ) from error
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            loaded: Any = trimesh.load(path, file_type=form[:3].lower(), process=False)
+        parts = [*loaded.geometry.values()] if hasattr(loaded, "geometry") else [loaded]
+        corners = np.concatenate([np.zeros((0, 3)), *(one.vertices for one in parts)]).astype(float)
+        solid = [one for one in parts if len(getattr(one, "faces", ()))]
+        whole: Any = trimesh.util.concatenate(solid) if solid else None
+        surface = np.zeros((0, 3))
+        if whole is not None and np.all(np.isfinite(whole.vertices)) and whole.area > 0:
+            surface = np.asarray(trimesh.sample.sample_surface(whole, SURFACE, seed=1)[0])
+    except Exception as error:  # what trimesh cannot read it raises, or numpy does
+        raise InputError(
+            f"'{name}' is cut off or damaged and cannot be read as {form}; export it again"
+        ) from error
+    if not len(corners):
         raise InputError(f"'{name}' holds no point; export the scan as a mesh or a cloud of points")
+    return corners, surface

@@ -92,10 +92,11 @@ def _plane(points: Array, face: Face, scale: float, noise: float) -> Face | None
         scale = max(0.7 * scale, noise)
     if float(np.hypot(*values[1:])) > STEEPEST:
         return None
-    held = int(np.count_nonzero(np.abs(left) < WITHIN * scale))
-    return Face(
-        float(values[0]), values[1:], held, noise * float(np.sqrt(np.linalg.inv(matrix)[0, 0]))
-    )
+    on = np.abs(left) < WITHIN * scale
+    # the faces of a drawing have no scatter of their own
+    scatter = max(float(np.std(left[on])), 0.1 * noise) if np.any(on) else noise
+    spread = scatter * float(np.sqrt(np.linalg.inv(matrix)[0, 0]))
+    return Face(float(values[0]), values[1:], int(np.count_nonzero(on)), spread)
 
 
 def _amid(tube: Tube, face: Face, points: Array, tip: float, side: int) -> Mask:
@@ -184,7 +185,8 @@ def find_tip(
     tip = start + side * (float(both[-1]) + spacing / 2)
     if face is not None:
         tip = _no_further(tube, face, tip, start, side, wire)
-    return float(np.clip(tip, *reach)), max(spacing, 0.1 * BIN)
+    # no wire is cut quite square, so that a tip is not known better than this
+    return float(np.clip(tip, *reach)), max(spacing, 0.25 * BIN)
 
 
 def _last_bin(walls: Array, floors: Array) -> int:
@@ -248,16 +250,19 @@ class FittedSpring:
     points: Array
 
 
-def fit_spring(points: Array, wedges: int = WEDGES, per_turn: int = PER_TURN) -> FittedSpring:
+def fit_spring(
+    points: Array, corners: Array | None = None, wedges: int = WEDGES, per_turn: int = PER_TURN
+) -> FittedSpring:
     """The spring in points (n, 3) of any order of draw, in mm; ``wedges`` half planes and
-    ``per_turn`` pieces of the splines.
+    ``per_turn`` pieces of the splines. Of a mesh the points are those of its faces, which show
+    tips and ground faces, and its ``corners`` (k, 3) lie on the surface of the wire.
 
     Raises :class:`InputError` where the points show no spring, with the width of the sector about
     its axis that holds none.
     """
     frame = find_axis(points)
     try:
-        return _fit_about(frame, points, wedges, per_turn)
+        return _fit_about(frame, points, corners, wedges, per_turn)
     except InputError as error:
         degrees = 360 * unseen_sector(frame.inside(points))[1]
         if degrees < 15:
@@ -283,7 +288,9 @@ def unseen_sector(points: Array) -> tuple[float, float]:
     return float(np.mod((seen[widest] + 1) / SECTORS, 1.0)), float(empty[widest] / SECTORS)
 
 
-def _fit_about(frame: Frame, points: Array, wedges: int, per_turn: int) -> FittedSpring:
+def _fit_about(
+    frame: Frame, points: Array, corners: Array | None, wedges: int, per_turn: int
+) -> FittedSpring:
     """The spring in points (n, 3) about nearly the axis of ``frame``."""
     inside = frame.inside(points[:EARLY])
     tube, ends = _first_tube(inside, wedges, per_turn)
@@ -316,18 +323,28 @@ def _fit_about(frame: Frame, points: Array, wedges: int, per_turn: int) -> Fitte
         ]
         tips = found[0][0], found[1][0]
         spreads = found[0][1], found[1][1]
+    sag = tube.noise
     for _ in range(2):
         frame, tube = _on_better_axis(frame, tube, tips)
         inside = frame.inside(points)
         faces = {
             side: find_face(tube, inside, tips[(side + 1) // 2], side, reach) for side in (-1, 1)
         }
-        tube, on, weight = fit_tube(
-            tube, inside, tips, False, partial(flats_of, faces, tube.noise), rounds=12
-        )
+        flats = partial(flats_of, faces, tube.noise)
+        inside = inside if corners is None else frame.inside(corners)
+        tube, on, weight = fit_tube(tube, inside, tips, False, flats, rounds=12)
+        if corners is not None:
+            tube = _no_finer(tube, sag)
     ovate, other = _section(tube, on, weight, inside, tips, faces)
     if ovate:
         tube, on, weight = other
+        tube = tube if corners is None else _no_finer(tube, sag)
+    if corners is not None:  # points of one face share the errors of its corners
+        shared = float(np.sqrt(max(1.0, 2 * len(points) / len(corners))))
+        faces = {
+            side: face and replace(face, spread=shared * face.spread)
+            for side, face in faces.items()
+        }
     if tips[1] - tips[0] < MIN_TURNS:
         raise InputError(
             f"the wire is seen over {tips[1] - tips[0]:.2g} turns only; give a scan that shows it all the way around"
@@ -335,6 +352,12 @@ def _fit_about(frame: Frame, points: Array, wedges: int, per_turn: int) -> Fitte
     return FittedSpring(
         frame, tube, tips, spreads, (faces[-1], faces[1]), ovate, on, weight, inside
     )
+
+
+def _no_finer(tube: Tube, sag: float) -> Tube:
+    """The tube through the corners of a mesh, its scatter not below that of the faces about it."""
+    noise = max(tube.noise, sag)
+    return replace(tube, noise=noise, cov=tube.cov * (noise / tube.noise) ** 2)
 
 
 def _first_tube(points: Array, wedges: int, per_turn: int) -> tuple[Tube, tuple[float, float]]:

@@ -19,10 +19,12 @@ from valvetrain.scan.fit import (
     PER_TURN,
     FittedSpring,
     fit_spring,
+    flats_of,
     seen_around,
     unseen_sector,
 )
 from valvetrain.scan.result import Coverage, ScanCurves, ScannedEnd, ScannedSpring, WireSection
+from valvetrain.scan.tube import TUKEY
 from valvetrain.units import dimension_of, unit_factor
 
 Array = NDArray[np.float64]
@@ -115,7 +117,8 @@ def spring_from_scan(
     planes through it by votes and joined to
     the wire; the surface of a tube whose axis is a smooth curve is then fitted to the points by
     robust least squares, its smoothness found
-    from them. Ground faces are planes, tips the places where the wire's surface ends.
+    from them. Ground faces are planes, tips the places where the wire's surface ends. Of a mesh
+    points drawn evenly by area show faces and tips, and the tube is fitted to the corners.
 
     Parameters
     ----------
@@ -173,7 +176,10 @@ def spring_from_scan(
             f"'{cloud.name}' is {across:.3g} mm large in {unit_name}, which no valve spring is; correct the unit",
             "unit",
         )
-    fitted = fit_spring(drawn.points * factor, slices_per_turn, stations_per_turn)
+    seen, corners = drawn.points * factor, None
+    if len(cloud.surface):
+        seen, corners = draw_points([cloud.surface], points, cloud.name).points * factor, seen
+    fitted = fit_spring(seen, corners, slices_per_turn, stations_per_turn)
     wire = wire_of(fitted, turn_over)
     turns = _turn_diameters(fitted, wire)
     try:
@@ -186,7 +192,10 @@ def spring_from_scan(
             "sides of the spring"
         ) from error
     broken = [f"{drawn.broken} points left out that are no numbers"] if drawn.broken else []
-    on_wire = fitted.weight > 0
+    flats = flats_of(
+        dict(zip((-1, 1), fitted.faces, strict=True)), fitted.tube.noise, fitted.points
+    )
+    on_wire = (np.abs(fitted.on.left) < TUKEY * fitted.tube.noise) | flats
     left = 1e-3 * fitted.on.left[np.abs(fitted.on.left) < 8 * fitted.tube.noise]
     ends = [_end(fitted, definition, place, wire.turned_over) for place in (0, 1)]
     across_tips = float(np.hypot(*fitted.tip_spread))

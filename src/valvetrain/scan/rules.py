@@ -20,6 +20,8 @@ from valvetrain.solution.definition import label_of
 BRIDGED, EXPLAINED = 0.04 * math.tau, 0.8
 #: Share up to which a quantity is as drawn, and the quantities that decide it.
 AS_DRAWN, DECIDING = 0.02, ("installed_rate", "preload")
+#: Share by which a size may be off the design.
+SIZE = 0.01
 #: Quantities of a run that are compared where both have them.
 IN_MOTION = {
     "peak_spring_force", "minimum_spring_force", "stage_2_peak_force", "stage_3_peak_force", "main_clash_peak_force",
@@ -124,6 +126,40 @@ def not_as_drawn(facts: ScanFacts) -> Iterator[Hit]:
             yield apart(one, cause=cause, part=percent(part))
 
 
+def sizes(scan: ScannedSpring) -> dict[str, tuple[float, float]]:
+    """Size -> measured value and standard deviation, by the names of the first table."""
+    curves, sharp = scan.curves, np.median(scan.curves.mean_diameter_spread)
+    known = curves.mean_diameter_spread < 3 * sharp
+    return {
+        "free length": scan.free_length, "wire diameter": scan.section.diameter, "turns": scan.total_coils,
+        "mean diameter": (float(np.mean(curves.mean_diameter[known])), float(sharp)),
+    }  # fmt: skip
+
+
+def size_off(facts: ScanFacts) -> Iterator[Hit]:
+    """A size is off that of the design by more than its interval and 1 %."""
+    if facts.compared is None:
+        return
+    wire = facts.compared.cases[0].springs[0].wire
+    assert wire is not None
+    coil = np.linspace(0.0, wire.total_coils, 99)
+    drawn = {
+        "free length": wire.free_length, "wire diameter": float(np.mean(wire.wire_diameter.value(coil))), "turns": wire.total_coils,
+        "mean diameter": float(np.mean(wire.mean_diameter.value(coil))),
+    }  # fmt: skip
+    for name, (value, spread) in sizes(facts.scan).items():
+        off = abs(value - drawn[name])
+        if off > max(2 * spread, SIZE * drawn[name]):
+            kind = "total_coil_count" if name == "turns" else "free_length"
+            yield Hit(
+                Amount(kind, value, 2 * spread),
+                None,
+                drawn[name],
+                {"name": name},
+                off / drawn[name],
+            )
+
+
 def as_drawn(facts: ScanFacts) -> Iterator[Hit]:
     """Rate and preload are those of the design within 2 %."""
     yield from map(apart, facts.deciding)
@@ -159,7 +195,8 @@ RULES = (
     Rule("Y111", "decides", "not as drawn: the {name} is {share} the design's {design:4}", not_as_drawn, DECIDING,
          "the {cause} alone moves it by {part}", STATIC, mark="warn"),
     Rule("Y112", "decides", "as drawn: the {name} is {share} the design's {design:4}", as_drawn, DECIDING, "", STATIC,
-         mark="ok", unless=("Y111",)),
+         mark="ok", unless=("Y111", "Y114")),
+    Rule("Y114", "decides", "not as drawn: {name} {value:4}, {limit:4} in the design", size_off, (), "", STATIC, mark="warn"),
     Rule("Y113", "decides", "the scan covers the spring: points scatter by {value:2} about the wire", covered, (),
          "{turns} turns of {wire:4} wire, {length:4} long", STATIC, mark="ok", unless=("Y101", "Y102")),
     Rule("Y120", "warns", "the {name}[ at {speed}] is {share} the design[; {more} are off by more than 2 %]", others),
