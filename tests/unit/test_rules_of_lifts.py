@@ -32,13 +32,37 @@ CARRIED = LiftBandStudy(
 )  # fmt: skip
 
 
-def table(noise: float, slip: float = 0.0, head: str = HEAD, velocity: float = 0.0, **answers):
-    """A lobe of 9 mm with ``noise`` (mm); one station ``slip`` (mm) too high; a column of velocity of that sign."""
+def table(
+    noise: float,
+    slip: float = 0.0,
+    head: str = HEAD,
+    velocity: float = 0.0,
+    sign: float = 1.0,
+    **answers,
+):
+    """A lobe of 9 mm with ``noise`` (mm); one station ``slip`` (mm) too high; a column of velocity of that sign; and the
+    lift of that sign.
+    """
     lifts = LIFTS + np.random.default_rng(7).normal(0, noise, len(ANGLES)) + slip * (ANGLES == 150)
+    lifts = sign * lifts
     columns = [ANGLES, lifts] + [velocity * np.gradient(LIFTS)] * bool(velocity)
     rows = ["; ".join(f"{one:.5f}" for one in row) for row in zip(*columns, strict=True)]
     names = head + "; velocity" * bool(velocity)
     return lifts_in("\n".join([names, *rows]).encode(), "own.txt", LiftAnswers(**answers))[0]
+
+
+def loose(result: LobeResult) -> LobeResult:
+    """The same with three times the spread."""
+    return replace(
+        result, figures=tuple(replace(one, spread=3 * one.spread) for one in result.figures)
+    )
+
+
+def far_apart() -> LobeResult:
+    """Stations every 5 deg."""
+    measured = replace(table(3e-3), cam_angles=np.radians(ANGLES[::5]), lifts=1e-3 * LIFTS[::5])
+    law = smooth_lift(measured.cam_angles, measured.lifts)
+    return loose(LobeResult(measured, law, lift_figures(law)))
 
 
 def lobe(noise: float = 3e-3, band: float | None = None, **more) -> LobeResult:
@@ -54,20 +78,31 @@ def answers() -> dict[str, LiftAnswer]:
     both = tuple(LobeResult(one, law, lift_figures(law)) for one in (intake, exhaust))
     failed = replace(CARRIED, failures=("draw 3: diverged",))
     facts = {
-        "good": LiftFacts((lobe(),)), "slip": LiftFacts((lobe(slip=0.05),)), "noisy": LiftFacts((lobe(40e-3),)),
+        "good": LiftFacts((lobe(),)), "slip": LiftFacts((lobe(slip=-0.05),)), "noisy": LiftFacts((loose(lobe(100e-3)),)),
+        "dusty": LiftFacts((lobe(slip=0.05),)), "mended": LiftFacts((lobe(slip=0.05, mend=True),)), "falling": LiftFacts((lobe(sign=-1.0),)),
+        "far": LiftFacts((far_apart(),)),
         "wrong": LiftFacts((lobe(velocity=-1.0),)), "right": LiftFacts((lobe(velocity=1.0),)), "tight": LiftFacts((lobe(band=1e-6),)),
         "both": LiftFacts(both, pair_figures(law, law)), "case": LiftFacts((lobe(),), carried=CARRIED, file="case.toml"),
         "failed": LiftFacts((lobe(),), carried=failed), "told": LiftFacts((lobe(direction="forward", zero="file"),)),
     }  # fmt: skip
     clean = replace(facts["good"].lobes[0].smoothed, base=0.0, runout=0.0)
     facts["clean"] = LiftFacts((replace(facts["good"].lobes[0], smoothed=clean),))
+    steep = tuple(
+        replace(one, value=10 * one.value) if one.name == "largest_acceleration" else one
+        for one in lobe().figures
+    )
+    facts["steep"] = LiftFacts((replace(lobe(), figures=steep),))
+    first, second = (replace(lobe().measured, name=f"lift-{number}") for number in (1, 2))
+    facts["events"] = LiftFacts(tuple(replace(lobe(), measured=one) for one in (first, second)))
     return {name: LiftAnswer(one) for name, one in facts.items()}
 
 
 #: Code -> where it holds, where it does not.
 HOLDS = {
-    "L201": ("failed", "case"), "L202": ("slip", "good"), "L203": ("wrong", "right"), "L204": ("noisy", "good"), "L210": ("case", "good"),
-    "L211": ("good", "slip"), "L220": ("tight", "good"), "L230": ("good", "clean"), "L231": ("right", "good"), "L232": ("good", "told"),
+    "L201": ("failed", "case"), "L202": ("slip", "good"), "L203": ("wrong", "right"), "L204": ("noisy", "good"), "L205": ("dusty", "mended"),
+    "L206": ("far", "noisy"), "L207": ("steep", "good"), "L210": ("case", "good"), "L211": ("good", "slip"), "L220": ("tight", "good"),
+    "L230": ("good", "clean"), "L231": ("right", "good"), "L232": ("good", "told"), "L233": ("falling", "good"), "L234": ("mended", "dusty"),
+    "L235": ("events", "good"),
 }  # fmt: skip
 
 
@@ -85,7 +120,8 @@ def test_every_rule_has_its_lobes():
     ("name", "code", "value"),
     [
         ("good", "L211", pytest.approx(9.0025e-3, rel=1e-4)), ("slip", "L202", pytest.approx(0.045e-3, rel=0.2)),
-        ("noisy", "L204", pytest.approx(40e-6, rel=0.15)), ("both", "L211", pytest.approx(0, abs=1e-3)),
+        ("noisy", "L204", pytest.approx(100e-6, rel=0.15)), ("both", "L211", pytest.approx(0, abs=1e-3)),
+        ("dusty", "L205", pytest.approx(0.05e-3, rel=0.1)), ("mended", "L211", pytest.approx(9.0025e-3, rel=1e-4)),
         ("case", "L210", pytest.approx(7000 * np.pi / 30)), ("failed", "L201", None), ("wrong", "L203", None),
     ],
 )  # fmt: skip

@@ -15,12 +15,20 @@ from pydantic import Field
 from valvetrain.cam.contract import Array, LiftSpec
 from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline
 from valvetrain.errors import InputError
-from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift, read_lift
+from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift, chosen_lobe, read_lift
 from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift, smooth_lift
 from valvetrain.parameters.bounded_file import named_file
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.schema_lift import LiftModel, check_angles
-from valvetrain.parameters.schema_types import Angle, Angles, Length, Lengths, guarded, problem
+from valvetrain.parameters.schema_types import (
+    Angle,
+    Angles,
+    Length,
+    Lengths,
+    Line,
+    guarded,
+    problem,
+)
 
 #: Highest number of a draw.
 MAX_DRAWS = 10_000
@@ -88,8 +96,8 @@ class MeasuredModel(LiftModel):
     cam_angles: Angles | None = None
     lifts: Lengths | None = None
     file: str | None = None
-    lobe: Literal["", "lift", "intake", "exhaust"] = Field(
-        default="", description="which lobe of the file, where it holds two"
+    lobe: Line = Field(
+        default="", description="which lobe of the file, where it holds more than one"
     )
     angle_of: Literal["", "cam", "crank"] = Field(
         default="", description="whose angles the file holds, where it does not say"
@@ -108,6 +116,12 @@ class MeasuredModel(LiftModel):
     )
     columns: str = Field(
         default="", description="what each column of the file is, where it does not say"
+    )
+    follower: Line = Field(
+        default="", description="of a file with a contour: what it lifts, such as roller 10 mm"
+    )
+    mend: bool = Field(
+        default=False, description="takes out stations that stand out of a smooth lift"
     )
     peak_lift: Length | None = Field(
         default=None, description="largest lift of a file of fractions"
@@ -179,6 +193,8 @@ class MeasuredModel(LiftModel):
             zero=self.zero,
             direction=self.direction,
             columns=tuple(word.strip() for word in self.columns.split(",") if word.strip()),
+            mend=self.mend,
+            follower=self.follower,
             peak_lift=self.peak_lift,
             duration=self.duration,
             opening=self.opening,
@@ -189,17 +205,8 @@ class MeasuredModel(LiftModel):
             guarded(make),
             path=("file",),
         )
-        known = {lobe.name: lobe for lobe in lobes}
-        if self.lobe and self.lobe not in known:
-            raise problem(
-                f"{file[:80]} holds {' and '.join(known)}, no {self.lobe}; name one of them",
-                ("lobe",),
-            )
-        if not self.lobe and len(lobes) > 1:
-            raise problem(
-                f"{file[:80]} holds {' and '.join(known)}; name one of them as lobe", ("lobe",)
-            )
-        return known[self.lobe] if self.lobe else lobes[0]
+        chosen: MeasuredLift = guarded(chosen_lobe, lobes, self.lobe, file, path=("lobe",))
+        return chosen
 
 
 SPEC = LiftSpec(Measured, MeasuredModel)

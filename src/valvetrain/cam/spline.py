@@ -16,7 +16,7 @@ from valvetrain.cam.contract import TURN, Array, LiftSpec
 from valvetrain.cam.event import bounded_pieces, event_of_table, has_jumps
 from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline, quintic_pieces, with_base_circle
 from valvetrain.errors import InputError
-from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift, read_lift
+from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift, chosen_lobe, read_lift
 from valvetrain.parameters.bounded_file import named_file
 from valvetrain.parameters.schema_lift import LiftModel, check_angles
 from valvetrain.parameters.schema_types import (
@@ -24,6 +24,7 @@ from valvetrain.parameters.schema_types import (
     Angles,
     Length,
     Lengths,
+    Line,
     guarded,
     problem,
     quantities,
@@ -127,6 +128,9 @@ class SplineModel(LiftModel):
     columns: str = Field(
         default="", description="what each column of the file is, where it has more than two"
     )
+    lobe: Line = Field(
+        default="", description="which lobe of the file, where it holds more than one"
+    )
     mirror_angle: Angle | None = Field(
         default=None, description="about which half a table is mirrored; without it it is whole"
     )
@@ -197,13 +201,8 @@ class SplineModel(LiftModel):
             answers,
             path=("file",),
         )
-        if len(lobes) > 1:
-            lobe_names = " and ".join(lobe.name for lobe in lobes)
-            raise problem(
-                f"{self.file[:80]} holds {lobe_names}; name the others 'ignore' in columns",
-                ("columns",),
-            )
-        return tuple(map(float, lobes[0].cam_angles)), tuple(map(float, lobes[0].lifts))
+        lobe = guarded(chosen_lobe, lobes, self.lobe, self.file, path=("lobe",))
+        return tuple(map(float, lobe.cam_angles)), tuple(map(float, lobe.lifts))
 
 
 def _mirrored(

@@ -334,11 +334,13 @@ def _lift(request: _Request) -> Lift | None:
     import numpy as np
 
     from valvetrain.film.model import lift_of_case
-    from valvetrain.measured.lift_file import LiftAnswers, read_lift
+    from valvetrain.measured.lift_file import LiftAnswers, chosen_lobe, read_lift
     from valvetrain.measured.lift_smoothing import smooth_lift
 
     if request.lift_table is not None:
-        lobe = read_lift(request.lift_table, LiftAnswers())[0]
+        lobe = chosen_lobe(
+            read_lift(request.lift_table, LiftAnswers()), "", request.lift_table.name
+        )
         law = smooth_lift(lobe.cam_angles, lobe.lifts)
         # A table may begin at any angle, below zero too.
         return lambda cam_angle: law.lift(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import cycle
 
 import numpy as np
 import plotly.graph_objects as go
@@ -146,7 +147,7 @@ def _curves(facts: LiftFacts, *derivatives: int) -> go.Figure | None:
     if not facts.lobes:
         return None
     fig = panels((1 / len(derivatives),) * len(derivatives))
-    for lobe, colour in zip(facts.lobes, (LEAD, SECOND), strict=False):
+    for lobe, colour in zip(facts.lobes, cycle((LEAD, SECOND)), strict=False):
         name, law = lobe.measured.name, lobe.smoothed
         grid = np.linspace(*law.event, 1001)
         angle, there_and_back = np.degrees(grid), np.degrees([*grid, *grid[::-1]])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from valvetrain.lift.band import LiftBandStudy
     from valvetrain.lift.figures import LiftFigure, LobeResult
     from valvetrain.lift.rules import LiftFacts
-    from valvetrain.measured.lift_file import LiftAnswers
+    from valvetrain.measured.lift_file import MeasuredLift
     from valvetrain.parameters.lift_law import LiftLawParameters
     from valvetrain.runs.cost import Limits
 
@@ -88,6 +88,16 @@ def lift(
             "--direction", "forward|reversed", "Whether the cam turned with rising angle (forward)."
         ),
     ] = "",
+    lobe: Annotated[str, asks("--lobe", "NAME", "Which of the lobes or events of the table.")] = "",
+    follower: Annotated[
+        str,
+        asks(
+            "--follower", "TEXT", "Of a contour: what it lifts: flat, 'roller 10 mm', 'dome 50 mm'."
+        ),
+    ] = "",
+    mend: Annotated[
+        bool, typer.Option("--mend", help="Take out stations that stand out, such as dust.")
+    ] = False,
     peak_lift: Annotated[
         str | None, asks("--peak-lift", "LENGTH", "Of a table of fractions: its largest lift.")
     ] = None,
@@ -162,7 +172,7 @@ def lift(
     from valvetrain.lift.answer import LiftAnswer
     from valvetrain.lift.files import lift_case, lift_parameters, write_lift, write_table
     from valvetrain.lift.rules import LiftFacts
-    from valvetrain.measured.lift_file import LiftAnswers
+    from valvetrain.measured.lift_file import LiftAnswers, chosen_lobe, read_lift
     from valvetrain.runs.cost import read_limits
     from valvetrain.solution.atomic import write_text
 
@@ -174,7 +184,7 @@ def lift(
         angle_of=angle_of, lift_of=lift_of, lift_unit=lift_unit, angle_unit=angle_unit, zero=zero, direction=direction,
         columns=tuple(word.strip() for word in columns.split(",") if word.strip()),
         peak_lift=_si(peak_lift, "length", "--peak-lift"), duration=_si(duration, "angle", "--duration"),
-        opening=_si(opening, "angle", "--opening")
+        opening=_si(opening, "angle", "--opening"), mend=mend, follower=follower
     )  # fmt: skip
     stated = _si(noise, "length", "--noise"), _si(band, "length", "--band")
     limits, heights = read_limits(limit), read_amounts(at, "length", "--at")
@@ -183,9 +193,13 @@ def lift(
         "spring_models": read_models(spring), "spring_set": read_names(spring_set), "workers": read_workers(workers),
         "limit": ", ".join(limit or ())
     }  # fmt: skip
+    named = [(one, read_lift(one, answers)) for one in (file, exhaust) if one is not None]
+    if lobe or case is not None or exhaust is not None:
+        named = [(one, (chosen_lobe(found, lobe, one.name),)) for one, found in named]
     lobes, pair = _lobes(
-        file, exhaust, answers, stated, (heights, _si(lash, "length", "--lash") or 0.0)
-    )
+        [one for _, found in named for one in found], exhaust is not None, stated,
+        (heights, _si(lash, "length", "--lash") or 0.0)
+    )  # fmt: skip
     law = lift_parameters(lobes[0], *stated)
     carried = None if case is None else _carried(case, law, options, limits)
     own = lift_case(f"lift-{file.stem}", lobes[0], *stated)
@@ -216,9 +230,8 @@ def _si(text: str | None, dimension: str, flag: str) -> float | None:
 
 
 def _lobes(
-    file: Path,
-    exhaust: Path | None,
-    answers: LiftAnswers,
+    found: list[MeasuredLift],
+    of_two_files: bool,
     stated: tuple[float | None, float | None],
     figures: tuple[tuple[float, ...], float],
 ) -> tuple[list[LobeResult], tuple[LiftFigure, ...]]:
@@ -226,18 +239,10 @@ def _lobes(
     what both have together. ``figures``: lifts (m) of durations, and of ramp velocities.
     """
     from valvetrain.lift.figures import LobeResult, lift_figures, pair_figures
-    from valvetrain.measured.lift_file import read_lift
     from valvetrain.measured.lift_smoothing import smooth_lift
 
-    found = list(read_lift(file, answers))
-    if exhaust is not None:
-        other = read_lift(exhaust, answers)
-        if len(found) != 1 or len(other) != 1:
-            raise InputError(
-                "with --exhaust each file holds one lobe; leave it out for a file with both",
-                "--exhaust",
-            )
-        found = [replace(found[0], name="intake"), replace(other[0], name="exhaust")]
+    if of_two_files:
+        found = [replace(found[0], name="intake"), replace(found[1], name="exhaust")]
     results = []
     for lobe in found:
         smoothed = smooth_lift(lobe.cam_angles, lobe.lifts, *stated)
@@ -287,7 +292,8 @@ def _data(facts: LiftFacts) -> dict[str, Any]:
         {
             "name": one.measured.name, "form": one.measured.form, "lift_of": one.measured.lift_of, "zero": one.measured.zero,
             "answers": {answer.question: {"answer": answer.answer, "by": answer.by} for answer in one.measured.answers},
-            "notes": list(one.measured.notes), "noise": one.smoothed.noise, "figures": figures(one.figures)
+            "notes": list(one.measured.notes), "changes": list(one.measured.changes), "mended": one.measured.mended,
+            "dust": [asdict(bump) for bump in one.measured.dust], "noise": one.smoothed.noise, "figures": figures(one.figures)
         }
         for one in facts.lobes
     ]  # fmt: skip

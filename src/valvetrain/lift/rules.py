@@ -11,11 +11,15 @@ from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import Amount, Said, percent
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
 from valvetrain.lift.figures import LiftFigure, LobeResult
+from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import BAND
 from valvetrain.solution.definition import label_of
 
 #: Share of the acceleration from which its 95 % interval is a doubt, and share of its peak by which a column may differ.
 LOOSE, AGREES = 0.2, 0.05
+#: Largest acceleration of a lobe next to its lift over the square of half its width, and the spacing (rad) above which
+#: finer stations tell more than a better probe.
+STEEP, COARSE = 20.0, np.radians(2.5)
 #: Question of a table -> what is assumed where it gives no answer.
 ASSUMED = {
     "angle_unit": "angles in degrees", "zero": "zero of the angle as in the file", "direction": "a cam that turns with rising angle"
@@ -99,14 +103,66 @@ def misfit(facts: LiftFacts) -> Iterator[Hit]:
                 yield Hit(fields={"column": column})
 
 
-def loose(facts: LiftFacts) -> Iterator[Hit]:
-    """The noise leaves more than a fifth of the acceleration open."""
+def _loose(facts: LiftFacts, coarse: bool) -> Iterator[Hit]:
     for lobe in facts.lobes:
-        if (share := looseness(lobe)) > LOOSE:
-            step = Amount("station_cam_angle", float(np.median(np.diff(lobe.smoothed.cam_angles))))
+        spacing = float(np.median(np.diff(lobe.smoothed.cam_angles)))
+        share = looseness(lobe)
+        if share > LOOSE and (spacing > COARSE) == coarse:
+            # what stations leave open between them goes with the square root of their spacing
+            finer = np.radians(
+                max(0.5, np.floor(2 * np.degrees(spacing) * (LOOSE / share) ** 2) / 2)
+            )
             yield Hit(
                 Amount("station_noise_lift", lobe.smoothed.noise),
-                fields={"share": percent(share), "lobe": lobe.measured.name, "spacing": step},
+                fields={
+                    "share": percent(share), "lobe": lobe.measured.name, "spacing": Amount("station_cam_angle", spacing),
+                    "finer": Amount("station_cam_angle", float(finer))
+                }
+            )  # fmt: skip
+
+
+def loose(facts: LiftFacts) -> Iterator[Hit]:
+    """The noise leaves more than a fifth of the acceleration open."""
+    return _loose(facts, coarse=False)
+
+
+def coarse(facts: LiftFacts) -> Iterator[Hit]:
+    """The stations are too far apart to say the acceleration within a fifth."""
+    return _loose(facts, coarse=True)
+
+
+def dust(facts: LiftFacts) -> Iterator[Hit]:
+    """Stations stand out of a smooth lift on one side."""
+    for table in (lobe.measured for lobe in facts.lobes):
+        if table.dust and not table.mended:
+            yield _dusty(table)
+
+
+def mended(facts: LiftFacts) -> Iterator[Hit]:
+    """Stations that stood out were taken out."""
+    for table in (lobe.measured for lobe in facts.lobes):
+        if table.mended:
+            yield _dusty(table)
+
+
+def _dusty(table: MeasuredLift) -> Hit:
+    worst = max(table.dust, key=lambda one: one.height)
+    angle = Amount("station_cam_angle", (worst.first + worst.last) / 2)
+    fields: dict[str, Said] = {"count": str(len(table.dust)), "lobe": table.name, "angle": angle}
+    return Hit(Amount("station_lift", worst.height), fields=fields)
+
+
+def steep(facts: LiftFacts) -> Iterator[Hit]:
+    """The acceleration is many times what a lobe of that lift and width has."""
+    for lobe in facts.lobes:
+        law, figures = lobe.smoothed, {one.name: one.value for one in lobe.figures}
+        grid = np.linspace(*law.event, 1001)
+        high = grid[law.lift(grid) > 0.01 * figures["peak_lift"]]
+        usual = figures["peak_lift"] / (float(np.ptp(high)) / 2) ** 2
+        worst = max(figures["largest_acceleration"], -figures["nose_acceleration"])
+        if worst > STEEP * usual:
+            yield Hit(
+                fields={"lobe": lobe.measured.name, "times": f"{worst / usual:.0f}"}, severity=worst
             )
 
 
@@ -153,6 +209,20 @@ def unused(facts: LiftFacts) -> Iterator[Hit]:
             yield Hit(fields={"said": said})
 
 
+def changed(facts: LiftFacts) -> Iterator[Hit]:
+    """The table was turned to make a lift of it."""
+    for table in (lobe.measured for lobe in facts.lobes[:1]):
+        if table.changes:
+            yield Hit(fields={"said": list(table.changes)})
+
+
+def events(facts: LiftFacts) -> Iterator[Hit]:
+    """The table holds more than one lift."""
+    names = [lobe.measured.name for lobe in facts.lobes]
+    if any("-" in name for name in names):
+        yield Hit(fields={"names": names})
+
+
 def assumed(facts: LiftFacts) -> Iterator[Hit]:
     """The table leaves something open that was assumed."""
     for table in (lobe.measured for lobe in facts.lobes[:1]):
@@ -162,13 +232,21 @@ def assumed(facts: LiftFacts) -> Iterator[Hit]:
 
 RULES = (
     Rule("L201", "decides", "the case did not run with this lift: {said}", failed),
+    Rule("L205", "decides", "{count} bumps in the {lobe} are no lift", dust, ("station_lift",), "the highest at {angle:4}, by {value:2}",
+         "clean the probe and measure again, or repeat this command with --mend", "bumps, the highest at {angle:4}",
+         "measured-lifts.md", "warn"),
     Rule("L202", "decides", "a smooth {lobe} misses {count}", off, ("station_lift",), "most at {angle:4}, by {value}",
-         "correct these stations in the table, then repeat this command", "most at {angle:4}", "measured-lifts.md", "warn"),
+         "correct these stations in the table, then repeat this command", "most at {angle:4}", "measured-lifts.md", "warn", ("L205",)),
     Rule("L203", "decides", "the column of {column} is not the derivative of the lift", misfit, (),
          "the unit, the zero or the direction may be wrong", "correct the table or --columns, then repeat this command", mark="warn"),
     Rule("L204", "decides", "too much noise in the {lobe}: {share} of the acceleration is open", loose, ("station_noise_lift",),
          "{value:2} of noise with stations {spacing} apart", "measure again: average several turns, or reduce the noise of the probe",
-         "{share} of the acceleration is open", "measured-lifts.md", "warn"),
+         "{share} of the acceleration is open", "measured-lifts.md", "warn", ("L205",)),
+    Rule("L206", "decides", "the stations of the {lobe} are too far apart: {share} of the acceleration is open", coarse,
+         ("station_noise_lift",), "they are {spacing} apart", "measure again with stations {finer} apart or closer",
+         "{share} of the acceleration is open", "measured-lifts.md", "warn", ("L205",)),
+    Rule("L207", "decides", "no lobe accelerates as the {lobe} does: {times} times lift over the square of half its width", steep, (),
+         "stations that are off make such accelerations", "correct the table, then repeat this command", mark="warn", unless=("L205",)),
     Rule("L210", "decides", "{name} is {value:4} in the case", carried, IN_CASE, "[the noise of the lift moves it by ± {spread:2}]",
          "[valvetrain run {case}]", mark=""),
     Rule("L211", "decides", "good enough to simulate, {first} {value:4}[, {second} {more:3}]", good, (),
@@ -178,5 +256,8 @@ RULES = (
          "the lift follows the stations more closely than they deserve"),
     Rule("L230", "notes", "the base circle was at {value:2} and is now zero[; it scatters by {scatter:2}]", base),
     Rule("L231", "notes", "columns that are not used: {said}", unused, unless=("L203",)),
-    Rule("L232", "notes", "assumed: {said}", assumed, remark="{said}")
+    Rule("L232", "notes", "assumed: {said}", assumed, remark="{said}"),
+    Rule("L233", "notes", "as read: {said}", changed),
+    Rule("L234", "notes", "{count} bumps were taken out of the {lobe}", mended, (), "the highest at {angle:4}, by {value:2}"),
+    Rule("L235", "notes", "the table holds {names}, one event each", events, (), "--lobe chooses one of them")
 )  # fmt: skip

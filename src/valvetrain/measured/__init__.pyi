@@ -1,3 +1,7 @@
+from valvetrain.measured.contours import Contour as Contour
+from valvetrain.measured.contours import Follower as Follower
+from valvetrain.measured.contours import contour_of_lift as contour_of_lift
+from valvetrain.measured.contours import lift_of_contour as lift_of_contour
 from valvetrain.measured.cycles import MeasuredCycles as MeasuredCycles
 from valvetrain.measured.cycles import read_cycles as read_cycles
 from valvetrain.measured.cycles import write_cycles as write_cycles

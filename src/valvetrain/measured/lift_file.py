@@ -1,5 +1,5 @@
-"""Reads tables of lifts: recognises the form by content, answers what the file leaves open, compares
-velocity columns with the lift.
+"""Reads tables of lifts: recognises the form by content, answers what the file leaves open, parts it into the
+events it holds, and compares velocity columns with the lift.
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.measured.lift_formats import COLUMN_NAMES, LiftColumns, LiftFormat
+from valvetrain.measured.contours import Follower, lift_of_contour
+from valvetrain.measured.lift_formats import COLUMN_NAMES, LIFTS, LiftColumns, LiftFormat
 from valvetrain.measured.ranges import refuse_beyond
+from valvetrain.measured.stations import Dust, base_of, dust_of, events_of, turned
 from valvetrain.measured.tables import read_content
 from valvetrain.solution.display import Shown
 from valvetrain.units import dimension_of, unit_factor
@@ -41,10 +43,11 @@ class MeasuredLift(Shown):
     """Lifts (m) of one lobe at cam angles (rad), both (stations,), rising in angle, before any
     smoothing.
 
-    ``name``: lift, intake or exhaust. ``lift_of``: valve or tappet. ``form``: name of the format
+    ``name``: lift, intake or exhaust, with a number where there are more. ``lift_of``: valve or tappet. ``form``: name of the format
     the file had. ``answers``: what the stations mean and who said so. ``notes``: sentences on columns
     that were left out. ``misfits``: column of velocity or acceleration -> root mean square of its difference from the
-    derivative of the lift as a share of its peak, infinite for one of the other sign.
+    derivative of the lift as a share of its peak, infinite for one of the other sign. ``dust``: bumps that no lift has, and
+    whether they were ``mended``, which takes their stations out. ``changes``: what was turned to make a lift of the table.
 
     >>> lift = MeasuredLift("lift", np.radians([100.0, 101.0]), np.array([0.0, 1e-4]), "valve", "columns")
     >>> lift
@@ -60,6 +63,9 @@ class MeasuredLift(Shown):
     answers: tuple[Answer, ...] = ()
     notes: tuple[str, ...] = ()
     misfits: Mapping[str, float] = field(default_factory=dict)
+    dust: tuple[Dust, ...] = ()
+    mended: bool = False
+    changes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         first, last = np.degrees(self.cam_angles[[0, -1]])
@@ -118,6 +124,8 @@ class LiftAnswers:
     peak_lift: float | None = None
     duration: float | None = None
     opening: float | None = None
+    mend: bool = False
+    follower: str = ""
 
     def __post_init__(self) -> None:
         for question, choices in CHOICES.items():
@@ -149,8 +157,8 @@ MAX_BYTES = 5_000_000
 TURN = 2 * np.pi
 #: Stations closer than this (rad) are one.
 STEP = 1e-9
-#: Columns that are lifts.
-LOBES = ("lift", "intake", "exhaust")
+#: Level (m) of a base circle from which a table holds no lift, if it does not rise above twice that level.
+CONTOUR = 6e-3
 
 
 def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[MeasuredLift, ...]:
@@ -197,34 +205,99 @@ def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredL
             f"'{name[:80]}' is neither text nor a workbook; export the table of lifts as text (CSV) or XLSX"
         )
     found = _format(form).read(content, name)
+    if {"radius", "x", "y"} & set(answers.columns or found.columns):
+        found, answers = _lifted(found, answers, name), replace(answers, columns=())
     known = _AnswerSheet(found, answers)
     columns = _columns(found, answers, name)
     open_questions = known.still_open()
     if open_questions:
         listed = "; ".join(f"{QUESTIONS[question]} ({question})" for question in open_questions)
         raise InputError(f"{name[:80]} does not say {listed}; answer it", open_questions[0])
-    angles, scale, notes = _cam_angles(found, columns, known), known.lift_scale(found, columns), []
-    _check_angles(angles, name)
-    if angles[0] > angles[-1]:
-        angles, rows = angles[::-1], found.rows[::-1]
-    else:
-        rows = found.rows
-    lobes = {word: rows[:, place] * scale for place, word in enumerate(columns) if word in LOBES}
-    for word, lifts in lobes.items():
-        refuse_beyond(lifts, "m", f"the {word} in {name[:80]}")
-    lead = next(iter(lobes.values()))
-    misfits = {
-        word: _misfit(rows[:, place], word, angles, lead)
-        for place, word in enumerate(columns)
-        if word in ("velocity", "acceleration")
-    }
+    scale, notes, lobes = known.lift_scale(found, columns), [], []
     if "ignore" in columns:
         notes.append(
             f"left out as requested: column {', '.join(str(place + 1) for place, word in enumerate(columns) if word == 'ignore')}"
         )
+    for place, word in enumerate(columns):
+        if word not in LIFTS:
+            continue
+        turns = [before for before in range(place) if columns[before] == "angle"] or [
+            columns.index("angle")
+        ]
+        angles, rows = _cam_angles(found, turns[-1], known), found.rows
+        _check_angles(angles, name)
+        if angles[0] > angles[-1]:
+            angles, rows = angles[::-1], rows[::-1]
+        lifts = rows[:, place] * scale
+        refuse_beyond(lifts, "m", f"the {word} in {name[:80]}")
+        misfits = {
+            other: _misfit(rows[:, at], other, angles, lifts)
+            for at, other in enumerate(columns)
+            if other in ("velocity", "acceleration")
+        }
+        events = _events(word, angles, lifts, form, known, name)
+        lobes += [replace(event, notes=tuple(notes), misfits=misfits) for event in events]
+    names = [lobe.name for lobe in lobes]
     return tuple(
-        replace(_oriented(lobe, angles, lifts, form, known), notes=tuple(notes), misfits=misfits)
-        for lobe, lifts in lobes.items()
+        replace(lobe, name=f"{lobe.name}-{names[: at + 1].count(lobe.name)}")
+        if names.count(lobe.name) > 1
+        else lobe
+        for at, lobe in enumerate(lobes)
+    )
+
+
+def chosen_lobe(lobes: tuple[MeasuredLift, ...], name: str, file: str) -> MeasuredLift:
+    """The lobe of a file that is called ``name``, which may be empty where there is one. Raises :class:`InputError`
+    with the names that there are.
+    """
+    fits = [lobe for lobe in lobes if name in ("", lobe.name)]
+    if len(fits) != 1:
+        words = " and ".join(
+            f"{lobe.name} ({np.degrees(_nose(lobe.cam_angles, lobe.lifts)):.0f} cam deg)"
+            for lobe in lobes
+        )
+        raise InputError(
+            f"{file[:80]} holds {words}, and a lift has one event; name one of them as lobe", "lobe"
+        )
+    return fits[0]
+
+
+def _lifted(found: LiftColumns, answers: LiftAnswers, name: str) -> LiftColumns:
+    """The lift that a contour of polar radii, or of x and y, gives the follower."""
+    if not answers.follower:
+        raise InputError(
+            f"{name[:80]} holds the contour of a cam and no lift; say what it lifts as follower, such as 'flat' or 'roller 10 mm'",
+            "follower",
+        )
+    columns = answers.columns or found.columns
+    at = {word: place for place, word in enumerate(columns)}
+    unit = (
+        next((found.units[at[word]] for word in ("radius", "x") if word in at), "")
+        or answers.lift_unit
+    )
+    if not unit or not ({"angle", "radius"} <= set(at) or {"x", "y"} <= set(at)):
+        raise InputError(
+            f"the contour in {name[:80]} needs angle and radius, or x and y, and the unit of its lengths (lift_unit)",
+            "lift_unit",
+        )
+    if "radius" in at:
+        size = unit_factor(answers.angle_unit or found.units[at["angle"]] or "deg")
+        angles, radii = found.rows[:, at["angle"]] * size, found.rows[:, at["radius"]]
+    else:
+        x, y = found.rows[:, at["x"]], found.rows[:, at["y"]]
+        angles, radii = np.mod(np.arctan2(y, x), TURN), np.hypot(x, y)
+    angles, places = np.unique(np.round(angles, 12), return_index=True)
+    refuse_beyond(radii * unit_factor(unit), "m", f"the radius in {name[:80]}")
+    cam, lifts = lift_of_contour(
+        angles, radii[places] * unit_factor(unit), Follower.of(answers.follower)
+    )
+    said = {"angle_of": "cam", "lift_of": "tappet"}
+    return replace(
+        found,
+        rows=np.column_stack([np.degrees(cam), 1e3 * lifts]),
+        columns=("angle", "lift"),
+        units=("deg", "mm"),
+        said=said,
     )
 
 
@@ -274,7 +347,7 @@ class _AnswerSheet:
         lifts = [
             unit
             for unit, word in zip(self.found.units, self.found.columns, strict=True)
-            if word in LOBES
+            if word in LIFTS
         ]
         if not fractions and not self.given.lift_unit and not any(lifts):
             missing.append("lift_unit")
@@ -288,7 +361,7 @@ class _AnswerSheet:
             (
                 unit
                 for unit, word in zip(found.units, columns, strict=True)
-                if word in LOBES and unit
+                if word in LIFTS and unit
             ),
             "",
         )
@@ -320,13 +393,7 @@ def _columns(found: LiftColumns, answers: LiftAnswers, name: str) -> tuple[str, 
             "'angle, lift, velocity' (or ignore)",
             "columns",
         )
-    for word in set(columns) - {"ignore"}:
-        if columns.count(word) > 1:
-            raise InputError(
-                f"{name[:80]} has two columns of {word}; name them intake and exhaust, or ignore one",
-                "columns",
-            )
-    if "angle" not in columns or not set(columns) & set(LOBES):
+    if "angle" not in columns or not set(columns) & LIFTS:
         raise InputError(
             f"{name[:80]} needs a column of angles and one of lifts; name them as columns",
             "columns",
@@ -334,15 +401,15 @@ def _columns(found: LiftColumns, answers: LiftAnswers, name: str) -> tuple[str, 
     return columns
 
 
-def _cam_angles(found: LiftColumns, columns: tuple[str, ...], known: _AnswerSheet) -> Array:
-    """Cam angles (rad) of the rows, in their order."""
-    raw = found.rows[:, columns.index("angle")]
+def _cam_angles(found: LiftColumns, place: int, known: _AnswerSheet) -> Array:
+    """Cam angles (rad) of the rows, in their order, from the column at ``place``."""
+    raw = found.rows[:, place]
     ratio = 0.5 if known.answer("angle_of") == "crank" else 1.0
     if found.said.get("lift_unit") == "1":
         given = known.given
         assert given.duration is not None and given.opening is not None
         return np.asarray((given.opening + raw * given.duration) * ratio)
-    said = found.units[columns.index("angle")]
+    said = found.units[place]
     if said in ("deg", "rad") and not known.given.angle_unit:
         known.resolved["angle_unit"] = Answer("angle_unit", said, "file")
     unit = known.answer("angle_unit")
@@ -382,25 +449,54 @@ def _misfit(values: Array, word: str, angles: Array, lifts: Array) -> float:
     return apart if scale > 0 else math.inf
 
 
-def _oriented(
-    lobe: str, angles: Array, lifts: Array, form: str, known: _AnswerSheet
-) -> MeasuredLift:
+def _nose(angles: Array, lifts: Array) -> float:
+    """Middle of what lifts nine tenths of the peak, which noise moves least (cam rad)."""
+    high = angles[lifts >= lifts.min() + 0.9 * np.ptp(lifts)]
+    return float((high[0] + high[-1]) / 2)
+
+
+def _events(
+    word: str, angles: Array, lifts: Array, form: str, known: _AnswerSheet, name: str
+) -> list[MeasuredLift]:  # fmt: skip
+    """The events of one column, each as a lift that rises."""
+    changes = []
+    ends, near = float(np.median(lifts[[0, 1, -2, -1]])), float(np.ptp(lifts)) / 20
+    whole = angles[-1] - angles[0] > TURN - 1.5 * float(np.median(np.diff(angles)))
+    above, below = np.sum(lifts > lifts.max() - near), np.sum(lifts < lifts.min() + near)
+    if above > 1.5 * below if whole else 2 * ends > lifts.max() + lifts.min():
+        lifts, changes = -lifts, ["falling lifts were turned to rise"]
+    base = base_of(lifts)
+    if abs(base) > CONTOUR and lifts.max() - base < 2 * abs(base):
+        raise InputError(
+            f"{name[:80]} rests at {1e3 * base:.2f} mm, which is the radius of a base circle or a gauge far from zero; take that off, "
+            "or make a lift of a contour with `valvetrain cam contour`"
+        )
     if known.answer("direction") == "reversed":
         angles, lifts = -angles[::-1], lifts[::-1]
+    first = angles[0]
+    angles, lifts = turned(angles, lifts)
+    if angles[0] != first:
+        changes.append("the table was begun on its base circle")
     zero = known.answer("zero")
-    if zero == "nose":
-        high = np.flatnonzero(lifts >= 0.9 * lifts.max())  # whose middle noise moves least
-        angles = angles - float((angles[high[0]] + angles[high[-1]]) / 2)
-    zero_text = "at the nose of the lobe" if zero == "nose" else "as in the file"
     known.answer("angle_of"), known.answer("lift_of")
     order = ("lift_of", "lift_unit", "angle_of", "angle_unit", "zero", "direction")
     answers = tuple(known.resolved[question] for question in order if question in known.resolved)
-    return MeasuredLift(
-        lobe,
-        np.ascontiguousarray(angles),
-        np.ascontiguousarray(lifts),
-        known.answer("lift_of"),
-        form,
-        zero_text,
-        answers,
-    )
+    found = []
+    for event in events_of(angles, lifts):
+        theta, lift = angles[event], lifts[event]
+        dust = dust_of(theta, lift)
+        if known.given.mend:
+            clean = np.ones(len(theta), dtype=bool)
+            for bump in dust:
+                clean &= (theta < bump.first) | (theta > bump.last)
+            theta, lift = theta[clean], lift[clean]
+        if zero == "nose":
+            theta = theta - _nose(theta, lift)
+        found.append(
+            MeasuredLift(
+                word, np.ascontiguousarray(theta), np.ascontiguousarray(lift), known.answer("lift_of"), form,
+                "at the nose of the lobe" if zero == "nose" else "as in the file", answers, dust=dust,
+                mended=known.given.mend and bool(dust), changes=tuple(changes)
+            )
+        )  # fmt: skip
+    return found

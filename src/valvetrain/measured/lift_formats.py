@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import unicodedata
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -16,7 +17,16 @@ from valvetrain.measured.workbooks import EXTRA, MARKS, MAX_COLUMNS, MAX_ROWS, s
 
 Array = NDArray[np.float64]
 #: What a column may be.
-COLUMN_NAMES = ("angle", "lift", "intake", "exhaust", "velocity", "acceleration", "ignore")
+COLUMN_NAMES = (
+    "angle",
+    "lift",
+    "intake",
+    "exhaust",
+    "radius",
+    "velocity",
+    "acceleration",
+    "ignore",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,12 +71,13 @@ class LiftFormat:
     write: Callable[[LiftTable], bytes] | None = None
 
 
-#: Pattern of a heading -> what the column is; the first that fits.
+#: Pattern of a heading without accents -> what the column is; the first that fits.
 _MEANINGS = (
-    (r"acc|beschl|mm/deg2|mm/deg\^2", "acceleration"), (r"vel|geschw|speed|mm/deg|in/deg", "velocity"),
-    (r"intake|inlet|einlass", "intake"),
-    (r"exhaust|auslass|outlet", "exhaust"), (r"lift|hub|displacement|rise", "lift"),
-    (r"angle|deg|winkel|theta|crank|cam|°|rotation", "angle")
+    (r"acc|beschl|mm/deg2|mm/deg\^2", "acceleration"), (r"vel|geschw|speed|vitesse|mm/deg|in/deg", "velocity"),
+    (r"radius|\bradi|rayon|raggio", "radius"), (r"^x\b", "x"), (r"^y\b", "y"), (r"intake|inlet|einlass|admission|aspiraz", "intake"),
+    (r"exhaust|auslass|outlet|echappement|escape|scarico", "exhaust"),
+    (r"lift|hub|levee|alza|displacement|rise|\bweg\b", "lift"),
+    (r"angle|deg|winkel|theta|crank|cam|°|rotation|angulo|angolo|vilebrequin|grad", "angle")
 )  # fmt: skip
 
 
@@ -84,43 +95,64 @@ def from_table(table: TextTable, form: str) -> LiftColumns:
     """Columns with the meaning that headings give them, and what the headings say of crank, cam,
     valve and tappet.
     """
-    columns = tuple(_meaning(name) for name in table.names)
+    steps = np.diff(table.rows, axis=0)
+    one_way = [bool(np.all(step > 0) or np.all(step < 0)) for step in steps.T]
+    columns = tuple(map(_column, table.names, one_way))
     units = tuple(_unit(unit) for unit in table.units)
-    whole = (
-        "angle" in columns
-        and set(columns) & {"lift", "intake", "exhaust"}
-        and len(set(columns)) == len(columns)
-    )
-    if table.rows.shape[1] == 2 and not whole:
-        columns, units = (
-            ("angle", "lift"),
-            tuple(unit if unit in fits else "" for unit, fits in zip(units, _FITTING, strict=True)),
+    if (
+        table.rows.shape[1] == 2
+        and not {"radius", "x", "y"} & set(columns)
+        and ("angle" not in columns or not set(columns) & LIFTS)
+    ):
+        columns = ("lift", "angle") if one_way == [False, True] else ("angle", "lift")
+        fitting = ANGLE_UNITS, LIFT_UNITS
+        units = tuple(
+            unit if unit in fitting[word == "lift"] else ""
+            for unit, word in zip(units, columns, strict=True)
         )
     said: dict[str, str] = {}
-    text = " ".join((*table.names, *table.units, *table.headings)).lower()
+    text = _plain(" ".join((*table.names, *table.units, *table.headings)))
     for question, choices in (("angle_of", ("crank", "cam")), ("lift_of", ("valve", "tappet"))):
         found = [word for word in choices if re.search(_CHOICES[word], text)]
         if len(found) == 1:
             said[question] = found[0]
+    if "angle_of" not in said and "deg" in units and "angle" in columns:
+        turn = float(np.ptp(table.rows[:, columns.index("angle")]))
+        said |= {"angle_of": "crank"} if TWO_TURNS < turn <= 720 else {}
     return LiftColumns(form, table.rows, columns, units, said, table.headings)
 
 
-#: Units that an angle and a lift can have.
-_FITTING = (("deg", "rad"), ("mm", "inch", "thou", "m", "cm", "um"))
-#: Words of headings by which a question is answered; where both answers occur the heading does not
+#: Units that an angle and a lift can have; columns that are lifts; degrees that only a crank turns for one of the cam.
+ANGLE_UNITS, LIFT_UNITS = ("deg", "rad"), ("mm", "inch", "thou", "m", "cm", "um")
+LIFTS, TWO_TURNS = frozenset({"lift", "intake", "exhaust"}), 700
+#: Words of headings, without accents, by which a question is answered; where both answers occur the heading does not
 #: decide.
 _CHOICES = {
-    "crank": r"\bcrank\b|°\s*kw\b|\bkw\b|degca\b|\bca\b|crankshaft",
-    "cam": r"\bcam(shaft)?\s*(angle|deg|rotation|°)|°\s*nw\b|\bnw\b|°\s*cam\b|deg\s*cam",
-    "valve": r"\bvalve\s*lift", "tappet": r"\b(tappet|lobe|cam|follower|lifter)\s*lift"
+    "crank": r"\bcrank\b|°\s*kw\b|\bkw\b|degca\b|\bca\b|crankshaft|kurbel|vilebrequin|ciguenal|manovella|motore",
+    "cam": r"\bcam(shaft)?\s*(angle|deg|rotation|°)|°\s*nw\b|\bnw\b|°\s*cam\b|deg\s*cam|nockenw|\bcames\b|\blevas\b|\bcamme\b"
+    r"|angle (de )?came\b|angolo camma",
+    "valve": r"\bvalve\s*lift|ventil\w*hub|levee (de |des )?(la )?soupape|alzata (della )?valvola|alzada (de )?(la )?valvula",
+    "tappet": r"\b(tappet|lobe|cam|follower|lifter)\s*lift|stossel\w*hub|nocken\w*hub|tassen\w*hub|levee (de |du )?(la )?(came|poussoir)"
+    r"|alzata (della )?(camma|punteria)|alzada (de )?(la )?(leva|taque)"
 }  # fmt: skip
 
 
-def _meaning(name: str) -> str:
+def _plain(text: str) -> str:
+    """Text without accents and capitals: what is looked for in headings."""
+    parts = unicodedata.normalize("NFKD", text.casefold())
+    return "".join(mark for mark in parts if not unicodedata.combining(mark))
+
+
+def _column(name: str, one_way: bool) -> str:
+    """What a column is by its heading; an angle runs one way, and a lift does not."""
+    words = _plain(name)
+    meaning = (
+        next((word for pattern, word in _MEANINGS if re.search(pattern, words)), "") if name else ""
+    )
+    if meaning == "angle" and not one_way:
+        return "lift"
     return (
-        next((word for pattern, word in _MEANINGS if re.search(pattern, name.lower())), "")
-        if name
-        else ""
+        "angle" if one_way and meaning in LIFTS and re.search(_MEANINGS[-1][0], words) else meaning
     )
 
 

@@ -1,14 +1,17 @@
 """Lift, velocity, acceleration and jerk behind noisy stations, each with its uncertainty.
 
-The stations are a law plus independent noise; the law is a spline that rests on the base circle at
-both ends and whose jerk is white noise of a scale that varies along the event. Both scales are
-those of largest marginal likelihood, so no acceleration is invented that the stations do not
-support, and what they leave open is the spread of the posterior (Wahba, J. R. Stat. Soc. B 45,
-1983; Patterson and Thompson, Biometrika 58, 1971, for the likelihood).
+The stations are a law plus noise, which is independent but for the rounding of the table; the law
+is a spline that rests on the base circle at both ends and whose jerk is white noise of a scale that
+varies along the event. Both scales are those of largest marginal likelihood, so no acceleration is
+invented that the stations do not support, and what they leave open, between them too, is the spread
+of the posterior (Wahba, J. R. Stat. Soc. B 45, 1983; Patterson and Thompson, Biometrika 58, 1971,
+for the likelihood). Rounding is a sawtooth of the lift, so its error is alike in stations of almost
+the same lift; its covariance is the sawtooth's Fourier series (Widrow, IRE Trans. CT-3, 1956).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.measured.stations import events_of, last_digit
 from valvetrain.solution.display import Shown
 from valvetrain.units import si_array
 
@@ -29,14 +33,25 @@ ROUNDS = 4
 #: least share of its largest value.
 WINDOW, WINDOW_ANGLE, MIN_SHARE = 5, np.radians(5), 1e-3
 #: Knots at most: where stations are closer they share them, for what a lobe does within a third
-#: of a degree is in no table.
-MAX_KNOTS = 400
+#: of a degree is in no table. Elsewhere there are two a station, and none (rad) further apart, for what
+#: stations leave open between them.
+MAX_KNOTS, MAX_SPACING = 400, np.radians(1.5)
 #: Bounds (m) and number of trials of the noise where it is not stated, and of the ratio of the two
 #: variances.
 NOISE_BOUNDS = (1e-9, 1e-3)
+#: Terms of the Fourier series of a rounding error.
+HARMONICS = 2
+#: What a station of the base circle says of the noise, next to one of the event: the surface is another.
+SCATTER = 0.5
+#: Error of a base circle that reads zero, since a gauge is zeroed there by eye, next to the rounding error of another reading.
+ZEROED = 0.5
+#: Share of a step to which the phase of a rounding error is known.
+BLUR = 0.1
 #: Stations of the base circle, and angle (rad), on either side that belong to the fit: data
 #: below the noise there is of the ramp.
 MARGIN, MARGIN_ANGLE = 3, np.radians(3)
+#: Angle (rad) next to the flanks in which there may be a ramp; the base circle is read off beyond it.
+RAMP_ANGLE = np.radians(25)
 #: Quantile of the bands: 95 % of a normal distribution are within.
 BAND = 1.959963984540054
 
@@ -67,6 +82,7 @@ class SmoothedLift(Shown):
     cam_angles: Array
     residuals: Array
     widened: bool = False
+    rounding: float = 0.0
 
     def __repr__(self) -> str:
         first, last = np.degrees(self.event)
@@ -159,14 +175,26 @@ def smooth_lift(
                 f"{name} is a length above zero and below 1 mm, such as 0.003 mm; it is {value * 1e3:g} mm",
                 name,
             )
-    begin, end, base, runout = _event(angles, raw, noise)
-    angles, raw = angles[begin : end + 1], raw[begin : end + 1] - base
-    fit = _Fit(angles, raw, runout if noise is None and runout > 0 else noise, noise is not None)
+    rounding, events = last_digit(raw), events_of(angles, raw)
+    if len(events) > 1:
+        raise InputError(
+            f"the stations hold {len(events)} events, but a lift law has one; give those of one, or name it as lobe of a file"
+        )
+    begin, end, base, runout, rest = _event(angles, raw, noise, rounding)
+    raw = raw - base
+    if band is not None:  # the law is zero at the first and last of its stations
+        begin = max([at for at in range(begin + 1) if abs(raw[at]) <= band], default=begin)
+        end = min([at for at in range(end, len(raw)) if abs(raw[at]) <= band], default=end)
+    angles, raw = angles[begin : end + 1], raw[begin : end + 1]
+    start = runout if noise is None and runout > 0 else noise
+    fit = _Fit(
+        angles, raw, start, noise is not None, rounding, rest, runout, 1.0 if base else ZEROED
+    )
     ratio = fit.ratio
     mean = fit.mean(ratio)
     widened = False
     if band is not None:
-        while np.max(np.abs(fit.design @ mean - raw)) > band and ratio < 1e14 * fit.ratio:
+        while np.max(np.abs(fit.basis @ mean - raw)) > band and ratio < 1e14 * fit.ratio:
             ratio, widened = 4 * ratio, True
             mean = fit.mean(ratio)
     coefficients = np.zeros(fit.count)
@@ -174,55 +202,92 @@ def smooth_lift(
     return SmoothedLift(
         fit.knots,
         coefficients,
-        fit.factor(ratio),
+        np.column_stack([fit.factor(ratio), fit.shifted(ratio)]),
         fit.noise,
         base,
         runout,
         angles,
-        raw - fit.design @ mean,
+        raw - fit.basis @ mean,
         widened,
+        rounding,
     )
 
 
 class _Fit:
     """Normal equations of the event, with the scale of the jerk along it and the noise that are
-    likeliest.
+    likeliest. ``rounding`` (m) of the stations; ``rest`` is the number of those behind the base circle.
     """
 
-    def __init__(self, angles: Array, lifts: Array, noise: float | None, stated: bool) -> None:
+    def __init__(
+        self, angles: Array, lifts: Array, noise: float | None, stated: bool, rounding: float = 0.0,
+        rest: int = 0, runout: float = 0.0, zeroed: float = 1.0
+    ) -> None:  # fmt: skip
         sites = angles
         if len(angles) > MAX_KNOTS:
             sites = angles[np.round(np.linspace(0, len(angles) - 1, MAX_KNOTS)).astype(int)]
+        spacing = float(np.median(np.diff(sites)))
+        if not rest:  # where no base circle is left, the acceleration may end in a jump
+            sites = np.concatenate([[sites[0] - MARGIN_ANGLE], sites, [sites[-1] + MARGIN_ANGLE]])
+        parts = max(1 + (2 * len(sites) < MAX_KNOTS), int(np.ceil(spacing / MAX_SPACING - 1e-9)))
+        sites = np.interp(
+            np.arange(parts * (len(sites) - 1) + 1) / parts, np.arange(len(sites)), sites
+        )
         self.knots = np.concatenate([np.full(DEGREE, sites[0]), sites, np.full(DEGREE, sites[-1])])
         self.count = len(self.knots) - DEGREE - 1
         free = _free(self.count)
-        self.design, self.lifts = _design(self.knots, angles)[:, free], lifts
+        basis = _design(self.knots, angles)[:, free]
+        self.basis = basis
         nodes, weights = np.polynomial.legendre.leggauss(4)
         self.points = (sites[:-1, None] + np.diff(sites)[:, None] * (nodes + 1) / 2).ravel()
         self.weights = (np.diff(sites)[:, None] * weights / 2).ravel()
-        self.window = max(WINDOW, round(WINDOW_ANGLE / float(np.median(np.diff(sites)))))
+        self.window = parts * max(WINDOW, round(WINDOW_ANGLE / spacing))
         self.jerk = _design(self.knots, self.points, 3)[:, free]
+        least = rounding / np.sqrt(12)
         scale: Array = np.ones(len(self.points))
+        self.noise, self.design = max(noise or 0.0, least), basis
+        self.lifts = lifts
         for round_ in range(ROUNDS):
             self.penalty = (self.jerk * (self.weights / scale)[:, None]).T @ self.jerk
-            self.noise, self.ratio = _likeliest(self.design, self.penalty, lifts, noise, stated)
+            self.noise, self.ratio = _likeliest(
+                self.design,
+                self.penalty,
+                self.lifts,
+                max(noise or 0.0, least),
+                stated,
+                least,
+                (SCATTER * rest, runout),
+            )
             if round_ < ROUNDS - 1:
                 scale = self._local_scale()
+                whiten = _whitening(basis @ self.mean(self.ratio), self.noise, rounding)
+                self.design, self.lifts = whiten(basis), whiten(lifts[:, None])[:, 0]
+        # what the base circle is off by is in every station but those that read as it does
+        read = (
+            zeroed**2
+            * _coherent(self.noise, rounding)
+            * (np.abs(basis @ self.mean(self.ratio)) > rounding / 2)
+        )
+        self.shift = whiten(np.sqrt(read + self.noise**2 / max(rest, 1) * (rest > 0))[:, None])[
+            :, 0
+        ]
 
     def mean(self, ratio: float) -> Array:
         """Coefficients at a ratio of the variance of the jerk to that of the noise."""
-        return np.asarray(
-            np.linalg.solve(
-                self.design.T @ self.design + self.penalty / ratio, self.design.T @ self.lifts
-            ),
-            dtype=float,
-        )
+        return self._solved(ratio, self.lifts)
+
+    def _solved(self, ratio: float, values: Array) -> Array:
+        whole = self.design.T @ self.design + self.penalty / ratio
+        return np.asarray(np.linalg.solve(whole, self.design.T @ values), dtype=float)
 
     def factor(self, ratio: float) -> Array:
         """Square root of the covariance of the coefficients."""
         lower = np.linalg.cholesky(self.design.T @ self.design + self.penalty / ratio)
         found: Array = self.noise * np.linalg.inv(lower).T
         return found
+
+    def shifted(self, ratio: float) -> Array:
+        """What one standard deviation of the base circle does to the coefficients: the stations cannot tell it."""
+        return self._solved(ratio, self.shift)
 
     def _local_scale(self) -> Array:
         """Expected square of the jerk at the points, averaged over some stations, its largest value
@@ -237,9 +302,10 @@ class _Fit:
 
 
 def _likeliest(
-    design: Array, penalty: Array, lifts: Array, noise: float | None, stated: bool
-) -> tuple[float, float]:
-    """Noise (m) and ratio of variances of largest marginal likelihood; a ``stated`` noise is retained."""
+    design: Array, penalty: Array, lifts: Array, noise: float | None, stated: bool, least: float = NOISE_BOUNDS[0],
+    rest: tuple[float, float] = (0.0, 0.0)
+) -> tuple[float, float]:  # fmt: skip
+    """Noise (m), at ``least`` that, and ratio of variances of largest marginal likelihood; a ``stated`` noise is retained."""
     from scipy.linalg import solve_triangular
     from scipy.optimize import minimize_scalar
 
@@ -250,13 +316,16 @@ def _likeliest(
     vectors, sizes, _ = np.linalg.svd(half.T, full_matrices=False)
     along, sizes = vectors.T @ lifts, sizes**2
     across = max(float(lifts @ lifts - along @ along), 0.0)
-    count = len(lifts)
+    count = len(lifts) + rest[0]
+    across += rest[0] * rest[1] ** 2
 
     def at(log_ratio: float) -> tuple[float, float]:
         """Minus twice the log likelihood, and the noise it has."""
         spread = 1 + np.exp(log_ratio) * sizes
         square = float(np.sum(along**2 / spread)) + across
-        variance = noise**2 if stated and noise else max(square / count, NOISE_BOUNDS[0] ** 2)
+        variance = (
+            noise**2 if stated and noise else max(square / count, least**2, NOISE_BOUNDS[0] ** 2)
+        )
         return square / variance + count * np.log(variance) + float(
             np.sum(np.log(spread))
         ), variance
@@ -272,9 +341,39 @@ def _likeliest(
     return float(np.sqrt(at(found.x)[1])), float(np.exp(found.x))
 
 
-def _event(angles: Array, lifts: Array, noise: float | None) -> tuple[int, int, float, float]:
-    """First and last station of the event, level of the base circle (m) and the scatter of its
-    stations (m).
+def _coherent(noise: float, rounding: float) -> float:
+    """Variance (m2) of a rounding error that stations of the same lift share: reading noise blurs the phase of its sawtooth."""
+    loose = max(noise**2 - rounding**2 / 12, 0.0)
+    return (
+        rounding**2 / 12 * float(np.exp(-loose * (2 * np.pi / rounding) ** 2)) if rounding else 0.0
+    )
+
+
+def _whitening(lifts: Array, noise: float, rounding: float) -> Callable[[Array], Array]:
+    """A function that multiplies columns (stations, n) by the inverse root of the correlation of the rounding errors of
+    stations of these ``lifts`` (m).
+    """
+    columns, alone = [np.zeros(len(lifts))], 1.0
+    for order in range(1, HARMONICS + 1 if rounding else 1):
+        turn = 2 * np.pi * order / rounding
+        part = (
+            6
+            * _coherent(noise, rounding)
+            / (np.pi * order * noise) ** 2
+            * np.exp(-((BLUR * rounding * turn) ** 2))
+        )
+        columns += [np.sqrt(part) * np.cos(turn * lifts), np.sqrt(part) * np.sin(turn * lifts)]
+        alone -= part
+    left, sizes, _ = np.linalg.svd(np.column_stack(columns), full_matrices=False)
+    factors = (1 / np.sqrt(alone + sizes**2) - 1 / np.sqrt(alone))[:, None]
+    return lambda values: np.asarray(values / np.sqrt(alone) + left @ (factors * (left.T @ values)))
+
+
+def _event(
+    angles: Array, lifts: Array, noise: float | None, rounding: float = 0.0
+) -> tuple[int, int, float, float, int]:  # fmt: skip
+    """First and last station of the event, level of the base circle (m), the scatter of its
+    stations (m) and how many they are.
     """
     top = float(lifts.max())
     low = lifts < lifts.min() + 0.02 * float(np.ptp(lifts))
@@ -289,20 +388,32 @@ def _event(angles: Array, lifts: Array, noise: float | None) -> tuple[int, int, 
             "a table of lifts must begin and end on the base circle; add its stations on both sides"
         )
     begin, end = int(left[-1]), nose + int(right[0])
-    rest = np.concatenate([lifts[: max(begin - 10, 0)], lifts[end + 11 :]])
-    if len(rest) < 10:
-        return 0, len(lifts) - 1, 0.0, 0.0
-    base = float(np.median(rest))
-    # a ramp may reach into these stations, so the scatter is read off their middle half
-    runout = 1.4826 * float(np.median(np.abs(rest - base)))
+    first = int(np.searchsorted(angles, angles[begin] - RAMP_ANGLE + 1e-9)) - 1
+    last = int(np.searchsorted(angles, angles[end] + RAMP_ANGLE - 1e-9)) + 1
+    rest = np.concatenate([lifts[: max(first, 0)], lifts[last:]])
+    if len(rest) < 4:
+        return 0, len(lifts) - 1, 0.0, 0.0, 0
+    # a ramp, dust or a slip may reach into these stations, so what is far off counts no more than its neighbours
+    middle = float(np.median(rest))
+    reach = max(3 * 1.4826 * float(np.median(np.abs(rest - middle))), rounding)
+    kept = np.clip(rest, middle - reach, middle + reach)
+    base, runout = float(np.mean(kept)), float(np.std(kept))
     threshold = base + max(4 * (noise or runout), 1e-7)
     while begin > 0 and lifts[begin] > threshold:
         begin -= 1
     while end < len(lifts) - 1 and lifts[end] > threshold:
         end += 1
-    first = min(begin - MARGIN, int(np.searchsorted(angles, angles[begin] - MARGIN_ANGLE - 1e-9)))
-    last = max(end + MARGIN, int(np.searchsorted(angles, angles[end] + MARGIN_ANGLE + 1e-9)) - 1)
-    return max(first, 0), min(last, len(lifts) - 1), base, runout
+    # the lift below the noise: as wide as it takes from there to eight times as much, which is its start where it goes as t^3
+    high = np.flatnonzero(lifts > base + 8 * max(threshold - base, rounding))
+    widths = (
+        (angles[high[0]] - angles[begin], angles[end] - angles[high[-1]])
+        if len(high)
+        else (0.0, 0.0)
+    )
+    before, after = np.clip(widths, MARGIN_ANGLE, RAMP_ANGLE)
+    first = min(begin - MARGIN, int(np.searchsorted(angles, angles[begin] - before - 1e-9)))
+    last = max(end + MARGIN, int(np.searchsorted(angles, angles[end] + after + 1e-9)) - 1)
+    return max(first, 0), min(last, len(lifts) - 1), base, runout, len(rest)
 
 
 def _design(knots: Array, angles: Array, derivative: int = 0) -> Array:
