@@ -194,17 +194,17 @@ def tappet_force() -> go.Figure:
 def smoothed_lobe() -> go.Figure:
     lobe = vt.measured.read_lift(EXAMPLES / "lobe.csv")[0]
     smooth = vt.measured.smooth_lift(lobe.cam_angles, lobe.lifts)
-    angle = np.radians(np.arange(115.0, 245.01, 0.5))
+    angle = np.radians(np.arange(65.0, 195.01, 0.5))
     to_degrees = 1e6 * np.radians(1.0) ** 2
     mean, spread = smooth.lift(angle, 2) * to_degrees, 1.96 * smooth.spread(angle, 2) * to_degrees
-    raw = np.diff(lobe.lifts, 2) / np.radians(1.0) ** 2 * to_degrees
+    raw = np.diff(lobe.lifts, 2) / np.radians(5.0) ** 2 * to_degrees
     curves = [
         curve(np.degrees(lobe.cam_angles[1:-1]), raw, "second difference of the stations", OTHER),
         curve(np.degrees(angle), mean, "law behind the stations", LEAD),
         curve(np.degrees(angle), mean - spread, "95 % band", SECOND, "dash"),
         curve(np.degrees(angle), mean + spread, "95 % band", SECOND, "dash"),
     ]
-    panel = turn("acceleration, µm/deg²", *curves, x_range=(115.0, 245.0))
+    panel = turn("acceleration, µm/deg²", *curves, x_range=(65.0, 195.0))
     return drawn("Acceleration of a measured lobe", [panel])
 
 

@@ -22,8 +22,8 @@ from valvetrain.spring_card.fit import forces_at
 #: diameter, 8 turns.
 TURNS = (0.0, 0.75, 1.25, 2.5, 4.5, 6.75, 7.25, 8.0)
 PITCHES = (4.0, 4.0, 5.2, 6.2, 9.0, 9.0, 4.0, 4.0)
-#: Standard deviations of a station: of the lift (mm), and of the force as a share of it.
-LIFT_NOISE, FORCE_NOISE = 3e-3, 2e-3
+#: Standard deviation of the force of a station, as a share of it.
+FORCE_NOISE = 2e-3
 
 
 def progressive_spring() -> SpringDefinition:
@@ -60,28 +60,31 @@ def stations_of_tester(
     )
 
 
-def stations_of_lobe(seed: int = 7) -> NDArray[np.float64]:
-    """Cam angles (deg) and valve lifts (mm), (181, 2), of a lobe of 9 mm over 120 cam degrees, with
-    noise.
+def stations_of_lobe() -> list[tuple[str, str]]:
+    """Cam angles (deg) and valve lifts (in) as a dial gauge on a degree wheel gives them: every 5 degrees, read to 0.001 in.
+
+    The lobe is 9 (1 - u^2)^3 (1 + 1.2 u^2) mm over 60 degrees on either side of 130.3.
     """
-    angles = np.arange(90.0, 271.0)
-    lifts = 9.0 * np.clip(1 - ((angles - 180) / 60) ** 2, 0, None) ** 3
-    return np.column_stack(
-        [angles, lifts + np.random.default_rng(seed).normal(0, LIFT_NOISE, len(angles))]
-    )
+    angles = np.arange(40.0, 221.0, 5.0)
+    square = np.minimum(((angles - 130.3) / 60) ** 2, 1.0)
+    lifts = 9.0 * (1 - square) ** 3 * (1 + 1.2 * square) / 25.4
+    return [(f"{angle:.0f}", f"{lift:.3f}") for angle, lift in zip(angles, lifts, strict=True)]
 
 
 def main(folder: Path) -> None:
     """Write both tables."""
     folder.mkdir(parents=True, exist_ok=True)
     tables = {
-        "lobe.csv": ("cam angle [deg],valve lift [mm]", stations_of_lobe()),
-        "tester.csv": ("height [mm],force [N]", stations_of_tester()),
+        "lobe.csv": ("Cam deg,valve lift (in)", stations_of_lobe()),
+        "tester.csv": (
+            "height [mm],force [N]",
+            [tuple(f"{value:.4f}" for value in row) for row in stations_of_tester()],
+        ),
     }
     for name, (head, rows) in tables.items():
         write_text(
             folder / name,
-            "\n".join([head, *(",".join(f"{value:.4f}" for value in row) for row in rows)]) + "\n",
+            "\n".join([head, *map(",".join, rows)]) + "\n",
         )
 
 
