@@ -16,6 +16,8 @@ EVENT_SHARE, EVENT_ANGLE = 0.04, np.radians(8)
 REST = np.radians(30)
 #: Widest dust (rad), window (rad, stations) in which it is looked for, and standard deviations from which it is some.
 DUST_ANGLE, WINDOW_ANGLE, MAX_WINDOW, DUST = np.radians(4), np.radians(24), 160, 6.0
+#: Least dust, as a share of the lift: where the acceleration of a lobe of arcs jumps, its neighbours foretell it no closer.
+DUST_SHARE = 1.5e-3
 #: Jerk that lobes have, of peak lift over the cube of half their width, and the angle (rad) over which it changes.
 JERK, JERK_ANGLE = 12.0, np.radians(4)
 
@@ -119,7 +121,12 @@ def dust_of(angles: Array, lifts: Array) -> tuple[Dust, ...]:
     for begin in sorted({*range(0, len(lifts) - count, count // 2), len(lifts) - count}):
         window = slice(begin, begin + count)
         alike = _covariance(angles[window] - angles[begin], noise, jerk**2 * JERK_ANGLE)
-        out = _standing_out(alike, lifts[window], widths, max(DUST * noise, 2 * rounding))
+        out = _standing_out(
+            alike,
+            lifts[window],
+            widths,
+            max(DUST * noise, 2 * rounding, DUST_SHARE * float(np.ptp(lifts))),
+        )
         # at the edges the next window knows more
         inner = slice(edge * (begin > 0), count - edge * (begin + count < len(lifts)))
         height[window][inner] = np.maximum(height[window][inner], out[inner])
