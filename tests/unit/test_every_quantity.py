@@ -21,8 +21,9 @@ ELSEWHERE = {
     "maximum_lift_cam_angle",
     "peak_cam_contact_pressure",
     "driver_difference_force",  # to its channels, by tests/limits/test_solid_in_train.py
+    "closing_ramp_begin_cam_angle", "closing_ramp_end_cam_angle",  # by tests/unit/test_red_line.py
     *(one.name for one in CAM),  # by tests/unit/test_check_of_the_cam.py
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("group", GROUPS, ids=lambda group: group.__name__)

@@ -69,7 +69,7 @@ def test_a_contact_that_opens_on_a_ramp_alone_is_no_loss_in_run_or_sweep():
     found = findings_of(study_of(calm, events=(ramp,)))
     assert found.verdict.code in ("C103", "C104") and found.by("C120")
     assert findings_of(study_of(calm, "sweep", events=(ramp,))).verdict.code in ("C103", "C104")
-    lost, nose = train(loss_of_contact_duration=2e-4, loft_gap=2.4e-6), loss("loft", 180.0, 2.4e-6)
+    lost, nose = train(loft_duration=2e-4, loft_gap=2.4e-6), loss("loft", 180.0, 2.4e-6)
     verdict = findings_of(study_of(lost, events=(nose,))).verdict
     assert verdict.code == "C102" and verdict.value == 2e-4
     assert verdict.fields["gap"].value == 2.4e-6

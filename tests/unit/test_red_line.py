@@ -8,10 +8,12 @@ from dataclasses import replace
 import pytest
 
 from synthetic_study import train_study
+from valvetrain.cam.cam_card import CamCard
 from valvetrain.cli.case_facts import case_quantities
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.templates import template_text
+from valvetrain.quantities.valve_events import closing_ramp
 from valvetrain.runs.run import sweep_speeds
 from valvetrain.solution.critical import (
     CriticalSpeed,
@@ -86,3 +88,10 @@ def test_a_sweep_goes_a_fifth_beyond_the_speeds_of_its_case(operation, last, cou
     case = parse_case("\n".join(lines).replace("[operation]", f"[operation]\n{operation}"), "own")
     speeds = sweep_speeds(case)
     assert len(speeds) == count and speeds[-1] * 30 / math.pi == pytest.approx(last)
+
+
+def test_the_closing_ramp_is_from_its_lift_to_rest():
+    card = CamCard(maximum_lift=8e-3, nose=math.pi, duration=math.radians(118))
+    begin, end = closing_ramp(card).values()
+    assert math.pi < begin < end and card.lift(begin) == pytest.approx(card.ramp_lift, rel=1e-9)
+    assert 0 <= card.lift(end) < 1e-15 and card.lift(end - 1e-3) > 1e-11
