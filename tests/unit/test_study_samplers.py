@@ -1,6 +1,4 @@
-"""Samplers: strata, levels, design, refinement; and Sobol indices beside closed forms and another
-implementation.
-"""
+"""Samplers: strata, levels, design, refinement."""
 
 from __future__ import annotations
 

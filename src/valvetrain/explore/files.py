@@ -259,13 +259,11 @@ def case_words(text: FileText[Any]) -> list[str]:
     name = text.model.case
     words = [name if name in library_names() or not path.is_file() else str(path)]
     rows = [("", text.model.changes)]
-    while rows:
-        head, value = rows.pop()
+    for head, value in rows:  # a table adds its own rows
         if isinstance(value, dict):
             rows += [(f"{head}.{key}".lstrip("."), one) for key, one in value.items()]
         else:
-            told = value if isinstance(value, str) else json.dumps(value)
-            words += ["--set", f"{head}={told}"]
+            words += ["--set", f"{head}={value if isinstance(value, str) else json.dumps(value)}"]
     return words
 
 

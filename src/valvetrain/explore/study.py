@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from valvetrain.explore.engine import Array, Engine, Evaluation, PointJob
 from valvetrain.explore.files import (
@@ -34,7 +34,7 @@ from valvetrain.explore.study_limits import ends_of, refuse_limits, refuse_missi
 from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.explore.unavailable import refuse_outputs
-from valvetrain.parameters.schema_types import Line, StrictModel, problem
+from valvetrain.parameters.schema_types import Line, StrictModel
 from valvetrain.registry import find
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
@@ -310,21 +310,8 @@ def seconds_of(plan: Evaluation, run: Run) -> float:
 Kind = Literal["points", "tolerance", "surrogate"]
 
 
-class PointsModel(StrictModel):
-    """The ``[points]`` table: the sampler, and its options, which it checks itself."""
-
-    sampler: str = ""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _known_keys(cls, raw: Any) -> Any:
-        if not isinstance(raw, dict):
-            raise problem("a table with sampler and its options is needed here")
-        return {key: value for key, value in raw.items() if key == "sampler"}
-
-
 class StudyModel(StrictModel):
-    """The whole file."""
+    """The whole file; ``points`` holds the sampler, and its options, which it checks itself."""
 
     kind: Kind = "points"
     title: Line = ""
@@ -337,18 +324,16 @@ class StudyModel(StrictModel):
     outputs: Names = Field(default_factory=list)
     limit_speed: list[LimitSpeedModel] = Field(default_factory=list, max_length=MAX_LIMITS)
     rest_model: str = ""
-    points: PointsModel = PointsModel()
+    points: dict[str, Any] = Field(default_factory=dict)
     vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
     correlation: list[CorrelationModel] = Field(default_factory=list, max_length=MAX_VARIED)
 
 
 class StudyText(FileText[StudyModel]):
-    """A study file read, with the options of its sampler."""
+    """A study file read."""
 
     def __init__(self, text: str, where: str, folder: Path) -> None:
         super().__init__(text, where, folder, StudyModel, "study file")
-        points = self.tree.get("points", {})
-        self.sampler_options = {key: value for key, value in points.items() if key != "sampler"}
 
 
 def read_study_file(path: Path) -> StudyText:
@@ -361,7 +346,7 @@ def _default_sampler(text: StudyText, space: Space) -> str:
     unless draws are counted. Raises :class:`InputError` where they can be combined in two ways.
     """
     listed = all(isinstance(one.distribution, Values) for one in space)
-    if not listed or text.sampler_options or space.correlation is not None:
+    if not listed or text.model.points or space.correlation is not None:
         return "sobol"
     if len(space) == 1:
         return "list"
@@ -377,9 +362,9 @@ def read_plan(text: StudyText) -> StudyPlan:
     model = text.model
     case = text.guarded(("case",), lambda: case_of_file(model.case, model.changes, text.folder))
     space = space_of_file(text, model.vary, case, model.correlation)
-    word = model.points.sampler or _default_sampler(text, space)
+    given = dict(model.points)
+    word = str(given.pop("sampler", "") or _default_sampler(text, space))[:40]
     spec = text.guarded(("points", "sampler"), lambda: sampler(word, ""))
-    given = dict(text.sampler_options)
     if isinstance(file := given.get("file"), str):  # of draws, next to this file
         given["file"] = str(text.folder / file)
     options = text.guarded(("points",), lambda: spec.read_options(given))
