@@ -60,7 +60,7 @@ def stations_of_tester(
     )
 
 
-def stations_of_lobe() -> list[tuple[str, str]]:
+def stations_of_lobe() -> list[tuple[str, ...]]:
     """Cam angles (deg) and valve lifts (in) as a dial gauge on a degree wheel gives them: every 5 degrees, read to 0.001 in.
 
     The lobe is 9 (1 - u^2)^3 (1 + 1.2 u^2) mm over 60 degrees on either side of 130.3.

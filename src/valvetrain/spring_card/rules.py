@@ -80,10 +80,9 @@ def missed(facts: CardFacts) -> Iterator[Hit]:
 
 def other_height(facts: CardFacts) -> Iterator[Hit]:
     """The solid height of the card is more than 1 % off that of the wire."""
-    if facts.wire.solid_heights_differ:
-        yield Hit(
-            Amount("solid_height", facts.wire.computed_solid_height), None, facts.wire.solid_height
-        )
+    wire = facts.wire
+    if wire is not None and wire.solid_heights_differ:
+        yield Hit(Amount("solid_height", wire.computed_solid_height), None, wire.solid_height)
 
 
 def off_table(facts: CardFacts) -> Iterator[Hit]:
@@ -97,7 +96,7 @@ def of_card(facts: CardFacts) -> Iterator[Hit]:
         apart_by = [
             abs(apart(one)) for one in fit.held if one.requested and one.quantity != "solid_height"
         ]
-        bind = "" if "turns" in fit.free else Amount("solid_height", facts.wire.solid_height)
+        bind = "" if "turns" in fit.free else Amount("solid_height", fit.definition.solid_height)
         yield Hit(Amount("rate", fit.held[2].found), fields={
             "force": Amount("preload", fit.held[0].found), "bind": bind, "count": str(len(apart_by)), "share": percent(max(1e-3, *apart_by)),
         })  # fmt: skip
