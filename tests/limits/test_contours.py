@@ -54,7 +54,10 @@ def test_the_lift_of_an_eccentric_circle_makes_that_circle(name):
     )
     rise = found + (RADIUS if name == "flat" else 0.0) - reach
     contour = contour_of_lift((rise, slope, bend), theta, RADIUS - OFF, FOLLOWERS[name])
-    x, y = contour.radii * np.cos(contour.angles), contour.radii * np.sin(contour.angles)
+    x, y = (
+        contour.radii * np.cos(contour.polar_angles),
+        contour.radii * np.sin(contour.polar_angles),
+    )
     np.testing.assert_allclose(np.hypot(x - OFF, y), RADIUS, atol=1e-8)
     np.testing.assert_allclose(contour.curvature_radii, RADIUS, rtol=1e-4)
     assert not contour.undercut
@@ -102,9 +105,9 @@ def test_there_and_back_within_a_micrometre():
     lift = 5e-3 * np.array([w**3, -6 * u * w**2 / scale, w * (30 * u**2 - 6) / scale**2])
     for follower in (Follower(), Follower(9e-3), Follower(9e-3, 2e-3), Follower(200e-3)):
         contour = contour_of_lift(lift, theta, 20e-3, follower)
-        order = np.argsort(np.mod(contour.angles, 2 * np.pi))
+        order = np.argsort(np.mod(contour.polar_angles, 2 * np.pi))
         again, lifts = lift_of_contour(
-            np.mod(contour.angles, 2 * np.pi)[order], contour.radii[order], follower
+            np.mod(contour.polar_angles, 2 * np.pi)[order], contour.radii[order], follower
         )
         np.testing.assert_allclose(lifts, np.interp(again, theta, lift[0]), atol=1.5e-6)
 

@@ -73,25 +73,27 @@ class Follower:
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """A contour: polar ``angles`` (rad) and ``radii`` (m) at each station of the lift, ``curvature_radii`` (m), negative in a
+    """A contour: ``polar_angles`` (rad) and ``radii`` (m) at each station of the lift, ``curvature_radii`` (m), negative in a
     hollow, and ``pressure_angles`` (rad), zero under a flat face.
 
     ``undercut``: the path of a roller bends closer than the roller, or a flat face would need a hollow.
     """
 
-    angles: Array
+    polar_angles: Array
     radii: Array
     curvature_radii: Array
     pressure_angles: Array
     undercut: bool
 
 
-def lift_of_contour(angles: ArrayLike, radii: ArrayLike, follower: Follower) -> tuple[Array, Array]:
+def lift_of_contour(
+    polar_angles: ArrayLike, radii: ArrayLike, follower: Follower
+) -> tuple[Array, Array]:
     """Cam angles (rad) over one turn and lifts (m) above the least of them.
 
     Parameters
     ----------
-    angles, radii : (points,) polar angle (rad, rising, within one turn) and radius (m) of the contour, all round
+    polar_angles, radii : (points,) polar angle (rad, rising, within one turn) and radius (m) of the contour, all round
     follower : what the contour lifts
 
     Raises
@@ -107,7 +109,7 @@ def lift_of_contour(angles: ArrayLike, radii: ArrayLike, follower: Follower) -> 
     """
     from scipy.interpolate import CubicSpline
 
-    theta, radius = np.asarray(angles, dtype=float), np.asarray(radii, dtype=float)
+    theta, radius = np.asarray(polar_angles, dtype=float), np.asarray(radii, dtype=float)
     if theta[-1] - theta[0] > TURN - 1e-9:
         theta, radius = theta[:-1], radius[:-1]
     if len(theta) < 30 or np.max(np.diff(theta, append=theta[0] + TURN)) > np.radians(15):
@@ -133,13 +135,13 @@ def lift_of_contour(angles: ArrayLike, radii: ArrayLike, follower: Follower) -> 
 
 
 def contour_of_lift(
-    lift: ArrayLike, cam_angles: ArrayLike, base_radius: float, follower: Follower
+    lifts: ArrayLike, cam_angles: ArrayLike, base_radius: float, follower: Follower
 ) -> Contour:
     """The contour that gives ``follower`` this lift.
 
     Parameters
     ----------
-    lift : (3, stations) lift (m), its first and second derivative (m/rad, m/rad2)
+    lifts : (3, stations) lift (m), its first and second derivative (m/rad, m/rad2)
     cam_angles : (stations,) rad
     base_radius : of the base circle (m)
     follower : flat, or a roller or dome on a line; no finger
@@ -155,7 +157,7 @@ def contour_of_lift(
     >>> bool(np.allclose(circle.curvature_radii, 18e-3))
     True
     """
-    rise, slope, bend = np.asarray(lift, dtype=float)
+    rise, slope, bend = np.asarray(lifts, dtype=float)
     theta, reach = np.asarray(cam_angles, dtype=float), base_radius + follower.radius
     if follower.arm or base_radius <= 0 or abs(follower.offset) >= reach:
         raise InputError(

@@ -50,16 +50,16 @@ def base_of(lifts: Array) -> float:
     return float(np.median(lifts[lifts <= lifts.min() + EVENT_SHARE * np.ptp(lifts)]))
 
 
-def turned(angles: Array, lifts: Array) -> tuple[Array, Array]:
+def turned(cam_angles: Array, lifts: Array) -> tuple[Array, Array]:
     """A table of one whole turn, begun where its longest rest is; any other table as it is."""
-    step = float(np.median(np.diff(angles)))
-    if angles[-1] - angles[0] < TURN - 1.5 * step:
-        return angles, lifts
-    if angles[-1] - angles[0] > TURN - 0.5 * step:
-        angles, lifts = angles[:-1], lifts[:-1]
+    step = float(np.median(np.diff(cam_angles)))
+    if cam_angles[-1] - cam_angles[0] < TURN - 1.5 * step:
+        return cam_angles, lifts
+    if cam_angles[-1] - cam_angles[0] > TURN - 0.5 * step:
+        cam_angles, lifts = cam_angles[:-1], lifts[:-1]
     high = np.flatnonzero(lifts > lifts.min() + EVENT_SHARE * np.ptp(lifts))
     if not len(high):
-        return angles, lifts
+        return cam_angles, lifts
     gaps = np.diff([*high, high[0] + len(lifts)])
     place = int(np.argmax(gaps))
     if gaps[place] <= gaps[-1] + 1:
@@ -67,34 +67,36 @@ def turned(angles: Array, lifts: Array) -> tuple[Array, Array]:
     if place < len(gaps) - 1 or min(high[0], len(lifts) - 1 - high[-1]) * step < REST:
         begin = int(high[place] + gaps[place] // 2) % len(lifts)
         late = 2 * begin > len(lifts)
-        angles = np.concatenate([angles[begin:] - late * TURN, angles[:begin] + (not late) * TURN])
+        cam_angles = np.concatenate(
+            [cam_angles[begin:] - late * TURN, cam_angles[:begin] + (not late) * TURN]
+        )
         lifts = np.roll(lifts, -begin)
     if gaps[place] * step < REST:  # the last event ends where the first begins
-        angles, lifts = np.append(angles, angles[0] + TURN), np.append(lifts, lifts[0])
-    return angles, lifts
+        cam_angles, lifts = np.append(cam_angles, cam_angles[0] + TURN), np.append(lifts, lifts[0])
+    return cam_angles, lifts
 
 
-def events_of(angles: Array, lifts: Array) -> list[slice]:
+def events_of(cam_angles: Array, lifts: Array) -> list[slice]:
     """The stations of each event: of all rises above the base circle that are too wide for dust."""
     high = np.append(lifts > base_of(lifts) + EVENT_SHARE * np.ptp(lifts), False)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], high])))
     runs = [
         (int(begin), int(end))
         for begin, end in edges.reshape(-1, 2)
-        if angles[end - 1] - angles[begin] > EVENT_ANGLE
+        if cam_angles[end - 1] - cam_angles[begin] > EVENT_ANGLE
     ]
     cuts = [(before[1] + after[0]) // 2 for before, after in pairwise(runs)]
     begins, ends = [0, *cuts], [*(cut + 1 for cut in cuts), len(lifts)]
     return [slice(*one) for one in zip(begins, ends, strict=True)]
 
 
-def dust_of(angles: Array, lifts: Array) -> tuple[Dust, ...]:
+def dust_of(cam_angles: Array, lifts: Array) -> tuple[Dust, ...]:
     """Bumps of one to many stations, up to 4 deg wide, which a smooth lift does not have.
 
     Every block of stations is compared with what those around it foretell: a lift whose jerk is white noise of the size that
     lobes have, and the noise of a station (leave-out residuals of a Gaussian process: Rasmussen and Williams 2006, eq. 5.12).
     """
-    step = float(np.median(np.diff(angles)))
+    step = float(np.median(np.diff(cam_angles)))
     count = min(round(WINDOW_ANGLE / step), MAX_WINDOW, len(lifts))
     if count < 12:
         return ()
@@ -120,7 +122,7 @@ def dust_of(angles: Array, lifts: Array) -> tuple[Dust, ...]:
     height, edge = np.zeros(len(lifts)), count // 6
     for begin in sorted({*range(0, len(lifts) - count, count // 2), len(lifts) - count}):
         window = slice(begin, begin + count)
-        alike = _covariance(angles[window] - angles[begin], noise, jerk**2 * JERK_ANGLE)
+        alike = _covariance(cam_angles[window] - cam_angles[begin], noise, jerk**2 * JERK_ANGLE)
         out = _standing_out(
             alike,
             lifts[window],
@@ -133,8 +135,8 @@ def dust_of(angles: Array, lifts: Array) -> tuple[Dust, ...]:
     marked = np.flatnonzero(np.diff(np.concatenate([[0], height > 0, [0]]))).reshape(-1, 2)
     return tuple(
         Dust(
-            float(angles[first]),
-            float(angles[last - 1]),
+            float(cam_angles[first]),
+            float(cam_angles[last - 1]),
             float(height[first:last].max()),
             int(last - first),
         )
@@ -142,14 +144,16 @@ def dust_of(angles: Array, lifts: Array) -> tuple[Dust, ...]:
     )
 
 
-def _covariance(angles: Array, noise: float, density: float) -> Array:
+def _covariance(cam_angles: Array, noise: float, density: float) -> Array:
     """Covariance of stations (rad from the first): noise, a lift whose jerk has that density, and any parabola."""
-    low = np.minimum(angles[:, None], angles)
-    apart = np.abs(angles[:, None] - angles)
+    low = np.minimum(cam_angles[:, None], cam_angles)
+    apart = np.abs(cam_angles[:, None] - cam_angles)
     # integral of (a - t)^2 (b - t)^2 / 4 from 0 to the lower of both
     jerk = low**5 / 20 + low**4 * apart / 8 + low**3 * apart**2 / 12
-    parabola = np.vander(angles / angles[-1], 3)
-    found: Array = density * jerk + noise**2 * np.eye(len(angles)) + 1e-4 * parabola @ parabola.T
+    parabola = np.vander(cam_angles / cam_angles[-1], 3)
+    found: Array = (
+        density * jerk + noise**2 * np.eye(len(cam_angles)) + 1e-4 * parabola @ parabola.T
+    )
     return found
 
 
