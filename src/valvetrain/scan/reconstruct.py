@@ -19,7 +19,6 @@ from valvetrain.scan.fit import (
     PER_TURN,
     FittedSpring,
     fit_spring,
-    flats_of,
     seen_around,
     unseen_sector,
 )
@@ -192,10 +191,11 @@ def spring_from_scan(
             "sides of the spring"
         ) from error
     broken = [f"{drawn.broken} points left out that are no numbers"] if drawn.broken else []
-    flats = flats_of(
-        dict(zip((-1, 1), fitted.faces, strict=True)), fitted.tube.noise, fitted.points
-    )
-    on_wire = (np.abs(fitted.on.left) < TUKEY * fitted.tube.noise) | flats
+    near = TUKEY * fitted.tube.noise
+    on_wire = np.abs(fitted.on.left) < near
+    for side, face in zip((-1, 1), fitted.faces, strict=True):
+        if face is not None:
+            on_wire |= np.abs(face.above(fitted.points, side)) < near
     left = 1e-3 * fitted.on.left[np.abs(fitted.on.left) < 8 * fitted.tube.noise]
     ends = [_end(fitted, definition, place, wire.turned_over) for place in (0, 1)]
     across_tips = float(np.hypot(*fitted.tip_spread))
