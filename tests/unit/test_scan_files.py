@@ -117,6 +117,7 @@ STL = b"\0" * 80 + (2).to_bytes(4, "little")
         ("a.ply", head(count=0)), ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\n"), ("a.ply", b"ply\nformat ascii 1.0\nend_header\n"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float u\nend_header\n1\n"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int x\nend_header\n"),
+        ("a.ply", head("ascii").replace(b"float z", b"float z\nproperty float w") + rows().encode() * 2),
         ("a.stl", STL + b"\0" * 60), ("a.stl", b"\0" * 50), ("a.obj", b"v 1 2 3\nv 1 2\n"), ("a.obj", b"# nothing\n"),
         ("a.xyz", b"hello\nworld\n"), ("a.xyz", b"1 2\n3 4\n"), ("a.xyz", b"1 2 3\n4 5 six\n"), ("a.xyz", b"1 2 3\n4 5\n6 7 8 9\n"),
         ("a.xyz", b"\0\1\2\3" * 40), ("a.xyz", b"1 2 3\n" + b"7" * 200_000),

@@ -215,6 +215,15 @@ def open_cloud(file: str | Path) -> Cloud:
         raise InputError(
             f"'{name}' is cut off: its header states {stated[1].decode()[:20]} points, {len(corners)} are there; export it again"
         )
+    rows = re.search(
+        rb"format ascii.*element vertex[^\n]*\n(.*?)(?:element.*?)?end_header\s*\n([^\n]*)",
+        head,
+        re.DOTALL,
+    )
+    if form == "PLY" and rows and rows[1].count(b"property") != len(rows[2].split()):
+        raise InputError(
+            f"'{name}' has {len(rows[2].split())} numbers in its first row, its header states {rows[1].count(b'property')}; export it again"
+        )
     word = re.search(_UNIT, head)
     return Cloud(name, form, _unit(word[1].decode().lower()) if word else "", [corners], surface)
 
