@@ -167,7 +167,7 @@ def test_a_table_of_forces_beyond_coil_bind_gives_rate_and_bind(answer):
     text = answer("spring-card", "tester.csv", *wire, "--installed-height", "48 mm")
     assert value(text, "rate at the installed height") == pytest.approx(40, rel=0.02)
     assert value(text, "force at the installed height") == pytest.approx(280, rel=0.01)
-    assert value(text, "coil bind begins at") == pytest.approx(34, abs=0.2)
+    assert value(text, "solid height") == pytest.approx(34, abs=0.2)
 
 
 @pytest.mark.parametrize(
