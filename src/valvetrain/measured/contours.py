@@ -77,6 +77,11 @@ class Contour:
     hollow, and ``pressure_angles`` (rad), zero under a flat face.
 
     ``undercut``: the path of a roller bends closer than the roller, or a flat face would need a hollow.
+
+    >>> turn = np.linspace(0, 2 * np.pi, 361)
+    >>> lift = 5e-3 * np.array([1 + np.cos(turn), -np.sin(turn), -np.cos(turn)])
+    >>> contour_of_lift(lift, turn, 13e-3, Follower()).undercut
+    False
     """
 
     polar_angles: Array
