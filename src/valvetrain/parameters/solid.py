@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,7 +77,6 @@ def computed_solid_height(spring: WireShape) -> float:
     ----------
     spring : its laws over the coil number, ends and material count
     """
-    from scipy.interpolate import BSpline
     from scipy.optimize import nnls
 
     first, last = spring.free_coils
@@ -91,9 +90,7 @@ def computed_solid_height(spring: WireShape) -> float:
 
     def basis(coil: Array, derivative: int = 0) -> Array:
         """Splines (n, count) at ``coil``, derivatives by the angle."""
-        splines: Any = BSpline(knots, np.eye(count), 3)
-        values: Array = splines(np.clip(coil, first, last), nu=derivative)
-        return values / (2 * np.pi) ** derivative
+        return _splines(knots, np.clip(coil, first, last), derivative) / (2 * np.pi) ** derivative
 
     # columns: displacement without value and slope at both ends, travel of the upper end, twist without value at both ends
     held = np.zeros((count, 2 * count - 5))
@@ -135,6 +132,21 @@ def computed_solid_height(spring: WireShape) -> float:
         free = free - left[:-1] / left[-1] * scale
     travel = float(np.linalg.solve(root.T, free)[count - 4])
     return spring.free_length - travel
+
+
+def _splines(knots: Array, place: Array, derivative: int) -> Array:
+    """Cubic B-splines (places, knots - 4), or their first or second derivative (Cox and de Boor)."""
+    x = np.minimum(place, np.nextafter(knots[-1], knots[0]))[:, None]
+    values = np.where((knots[:-1] <= x) & (x < knots[1:]), 1.0, 0.0)
+    for degree in (1, 2, 3):
+        width = knots[degree:] - knots[:-degree]
+        share = 1.0 / np.where(width > 0.0, width, np.inf)
+        if degree <= 3 - derivative:
+            rising, falling = x - knots[: -degree - 1], knots[degree + 1 :] - x
+        else:
+            rising, falling = np.array([float(degree)]), np.array([-float(degree)])
+        values = rising * share[:-1] * values[:, :-1] + falling * share[1:] * values[:, 1:]
+    return values
 
 
 def _free_gaps(spring: WireShape, upper: Array) -> tuple[Array, Array]:

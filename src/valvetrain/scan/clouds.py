@@ -206,6 +206,10 @@ def open_cloud(file: str | Path) -> Cloud:
     most = MAX_BYTES if form == "text" else MAX_MESH
     if size > most:
         raise InputError(f"'{name}' is larger than {most / 1e9:g} GB; thin the scan out")
+    if form == "STL" and size != 84 + 50 * int.from_bytes(head[80:84], "little"):
+        raise InputError(
+            f"'{name}' is no whole STL file: it has not as many bytes as its header states triangles; export it again"
+        )
     if form == "text":
         unit, blocks = columns_of_text(path, name, head)
         return Cloud(name, form, unit, blocks)
