@@ -241,7 +241,7 @@ def _unknown(
 ) -> tuple[Unknown, tuple[Varied, ...]]:
     """A quantity with its prior, and its keys of the case; without any for an evaluator."""
     table = file.model.vary[place]
-    keys = [table.key] if isinstance(table.key, str) else table.key
+    keys = [table.key] if isinstance(table.key, str) else table.key or [""]
     name = table.label or keys[0]
     if file.model.evaluator and any(keys):
         raise file.located(("vary", place, "key"), "is no key of an evaluator; give a label alone")
