@@ -42,12 +42,9 @@ def test_a_card_gives_a_spring_that_a_case_takes(tmp_path, monkeypatch):
         ).stdout
     )
     assert data["card"]["installed_load"] == pytest.approx({"asked": 350, "found": 350}, rel=1e-3)
-    assert data["card"]["solid_height"] == {
-        "asked": 29e-3,
-        "found": pytest.approx(30.76e-3, abs=0.02e-3),
-    }
+    assert data["card"]["solid_height"]["found"] == pytest.approx(29e-3, rel=1e-3)
     verdict = data["findings"][0]
-    assert (verdict["code"], verdict["fields"]["count"]) == ("Z110", "3")
+    assert (verdict["code"], verdict["fields"]["count"]) == ("Z110", "4")
     assert verdict["value"]["value"] == pytest.approx(40e3, rel=1e-3)
     assert {path.rsplit("/")[-1] for path in data["files"]} >= {
         "spring.toml",

@@ -236,7 +236,6 @@ class Winding:
             end,
             end,
             name=card.name,
-            stated_solid_height=card.solid_height,
         )
 
 
