@@ -142,7 +142,7 @@ def sweep_speeds(case: Case, step: int = 100) -> tuple[float, ...]:
     >>> import valvetrain as vt
     >>> speeds = sweep_speeds(vt.parameters.loading.load_case("tdi-pushrod"))
     >>> round(speeds[-1] * 30 / np.pi)
-    9000
+    4800
     """
     top = 1.2 * case.operation.top_speed / RPM or 9000
     step *= math.ceil(top / (100 * step))
