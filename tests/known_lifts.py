@@ -144,3 +144,33 @@ def known_file(seed: int) -> KnownFile:
         rows.reverse()
     names = mark.join(HEADINGS[language]).format(turn=TURNS[language][turn], unit=unit)
     return KnownFile("\n".join([names, *rows]) + "\n", true, spacing, step, noise)
+
+
+def three_arc(angles, base=15e-3, flank=60e-3, nose=4e-3, rise=8e-3):
+    """Polar radius of base circle, flank and nose arcs (m) at angles from the nose."""
+    far, beyond = base + rise - nose, flank - base
+    opening = np.arccos(((flank - nose) ** 2 - far**2 - beyond**2) / (2 * far * beyond))
+    away = np.abs(np.mod(angles + np.pi, 2 * np.pi) - np.pi)
+
+    def arc(distance, radius, off):
+        return distance * np.cos(off) + np.sqrt(radius**2 - (distance * np.sin(off)) ** 2)
+
+    # the flank's centre lies beyond the cam's, opposite to where the flank begins
+    centre = -beyond * np.array([np.cos(opening), np.sin(opening)])
+    towards = (np.array([far, 0.0]) - centre) / (flank - nose)
+    touch = centre + flank * towards
+    meets = np.arctan2(touch[1], touch[0])
+    return np.select(
+        [away < meets, away < opening],
+        [arc(far, nose, away), arc(-beyond, flank, away - opening)],
+        base,
+    )
+
+
+def polar_table(angles, radii) -> bytes:
+    """A contour (rad, m) as a file of degrees and millimetres."""
+    rows = [
+        f"{angle:g},{1e3 * radius:.5f}"
+        for angle, radius in zip(np.degrees(angles), radii, strict=True)
+    ]
+    return "\n".join(["angle (deg),radius (mm)", *rows]).encode()

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from known_lifts import polar_table, three_arc
 from valvetrain.errors import InputError
+from valvetrain.lift.figures import lift_figures
 from valvetrain.measured.contours import Follower, contour_of_lift, lift_of_contour
 from valvetrain.measured.lift_file import LiftAnswers, lifts_in
+from valvetrain.measured.lift_smoothing import BAND, smooth_lift
 
 TURN = np.linspace(0, 2 * np.pi, 721)[:-1]
 #: A circle of 18 mm whose centre is 5 mm off the cam's, at polar angle 0.
@@ -65,30 +68,9 @@ def test_the_lift_of_an_eccentric_circle_makes_that_circle(name):
         assert np.degrees(np.abs(contour.pressure_angles).max()) == pytest.approx(10.2866, abs=1e-4)
 
 
-def three_arc(angles, base=15e-3, flank=60e-3, nose=4e-3, rise=8e-3):
-    """Polar radius of base circle, flank and nose arcs (m) at angles from the nose."""
-    far, beyond = base + rise - nose, flank - base
-    opening = np.arccos(((flank - nose) ** 2 - far**2 - beyond**2) / (2 * far * beyond))
-    away = np.abs(np.mod(angles + np.pi, 2 * np.pi) - np.pi)
-
-    def arc(distance, radius, off):
-        return distance * np.cos(off) + np.sqrt(radius**2 - (distance * np.sin(off)) ** 2)
-
-    # the flank's centre lies beyond the cam's, opposite to where the flank begins
-    centre = -beyond * np.array([np.cos(opening), np.sin(opening)])
-    towards = (np.array([far, 0.0]) - centre) / (flank - nose)
-    touch = centre + flank * towards
-    meets = np.arctan2(touch[1], touch[0])
-    return np.select(
-        [away < meets, away < opening],
-        [arc(far, nose, away), arc(-beyond, flank, away - opening)],
-        base,
-    ), opening
-
-
 def test_three_arcs_under_a_flat_tappet():
     """15 / 60 / 4 mm, rise 8: 100.7 cam degrees at 0.050 in, 8 mm of lift."""
-    radii, _ = three_arc(TURN)
+    radii = three_arc(TURN)
     theta, lifts = lift_of_contour(TURN, radii, Follower())
     assert lifts.max() == pytest.approx(8e-3, abs=1e-6)
     away = np.degrees(np.mod(theta + np.pi, 2 * np.pi) - np.pi)
@@ -122,12 +104,8 @@ def test_undercutting_is_said():
 
 
 def test_a_contour_in_a_file_is_a_lift_by_its_follower():
-    radii, _ = three_arc(TURN)
-    rows = [
-        f"{angle:g},{1e3 * radius:.5f}"
-        for angle, radius in zip(np.degrees(TURN), radii, strict=True)
-    ]
-    text = "\n".join(["angle (deg),radius (mm)", *rows]).encode()
+    radii = three_arc(TURN)
+    text = polar_table(TURN, radii)
     with pytest.raises(InputError, match="follower"):
         lifts_in(text, "own.csv", LiftAnswers())
     x, y = 1e3 * radii * np.cos(TURN), 1e3 * radii * np.sin(TURN)
@@ -139,6 +117,11 @@ def test_a_contour_in_a_file_is_a_lift_by_its_follower():
     )
     np.testing.assert_allclose(lobe.lifts, again.lifts, atol=1e-7)
     assert lobe.lift_of == "tappet" and lobe.lifts.max() == pytest.approx(8e-3, abs=1e-6)
+    # under a flat face arcs accelerate by their distance from the cam's centre: at most the flank's as it begins
+    law = smooth_lift(lobe.cam_angles, lobe.lifts)
+    figures = {figure.name: figure for figure in lift_figures(law)}
+    for name, true in (("largest_acceleration", 45e-3), ("nose_acceleration", -19e-3)):
+        assert abs(figures[name].value - true) < BAND * figures[name].spread < 0.05
     for wrong in ("ball", "roller", "roller -3 mm"):
         with pytest.raises(InputError):
             Follower.of(wrong)

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from known_lifts import polar_table, three_arc
 from valvetrain.findings.words import Words
 from valvetrain.lift.answer import LiftAnswer, answer_of_band, answer_of_law, answer_of_stations
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
@@ -85,6 +86,11 @@ def answers() -> dict[str, LiftAnswer]:
         "both": LiftFacts(both, pair_figures(law, law)), "case": LiftFacts((lobe(),), carried=CARRIED, file="case.toml"),
         "failed": LiftFacts((lobe(),), carried=failed), "told": LiftFacts((lobe(direction="forward", zero="file"),)),
     }  # fmt: skip
+    turn = np.linspace(0, 2 * np.pi, 721)[:-1]
+    contour = polar_table(turn, three_arc(turn))
+    (arcs,) = lifts_in(contour, "contour.csv", LiftAnswers(follower="flat"))
+    law = smooth_lift(arcs.cam_angles, arcs.lifts)
+    facts["arcs"] = LiftFacts((LobeResult(arcs, law, lift_figures(law)),))
     clean = replace(facts["good"].lobes[0].smoothed, base=0.0, runout=0.0)
     facts["clean"] = LiftFacts((replace(facts["good"].lobes[0], smoothed=clean),))
     steep = tuple(
@@ -100,7 +106,8 @@ def answers() -> dict[str, LiftAnswer]:
 #: Code -> where it holds, where it does not.
 HOLDS = {
     "L201": ("failed", "case"), "L202": ("slip", "good"), "L203": ("wrong", "right"), "L204": ("noisy", "good"), "L205": ("dusty", "mended"),
-    "L206": ("far", "noisy"), "L207": ("steep", "good"), "L210": ("case", "good"), "L211": ("good", "slip"), "L220": ("tight", "good"),
+    "L206": ("far", "noisy"), "L207": ("steep", "good"), "L208": ("arcs", "good"), "L210": ("case", "good"),
+    "L211": ("good", "slip"), "L220": ("tight", "good"),
     "L230": ("good", "clean"), "L231": ("right", "good"), "L232": ("good", "told"), "L233": ("falling", "good"), "L234": ("mended", "dusty"),
     "L235": ("events", "good"),
 }  # fmt: skip

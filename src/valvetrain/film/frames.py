@@ -319,7 +319,14 @@ def _next(video: Any, shown: str) -> tuple[bool, Picture | None]:
 def _folder(path: Path, shown: str) -> Film:
     files = sorted(
         (one for one in path.iterdir() if one.suffix.lower() in PICTURES and one.is_file()),
-        key=_order,
+        key=lambda path: (
+            tuple(
+                (int(part), "") if part.isdigit() else (-1, part)
+                for part in re.split(r"([0-9]+)", path.stem)
+                if part
+            ),
+            path.name,
+        ),
     )
     if not files:
         raise InputError(
@@ -334,14 +341,6 @@ def _folder(path: Path, shown: str) -> Film:
     return FolderFilm(
         shown, rows, columns, claimed=len(files), numbers=numbers, notes=notes, files=tuple(files)
     )
-
-
-def _order(path: Path) -> tuple[Any, ...]:
-    return tuple(
-        (int(part), "") if part.isdigit() else (-1, part)
-        for part in re.split(r"([0-9]+)", path.stem)
-        if part
-    ), path.name
 
 
 def _numbers(files: list[Path]) -> tuple[list[int], tuple[str, ...]]:

@@ -27,7 +27,9 @@ HEIGHTS = (1e-3, CARD)
 RAMP_HEIGHT = 0.006 * 25.4e-3
 #: Stations of the grid on which figures are read, and number of draws behind a standard deviation.
 STATIONS, DRAWS = 8001, 200
-
+#: Share by which the acceleration around its largest value falls short of it where it jumps, and how far (rad) around is;
+#: spacing (rad) of stations above which finer ones tell more than a better probe, and no jump is seen.
+JUMP, AROUND, COARSE = 0.15, np.radians(1), np.radians(2.5)
 
 #: Standard deviations from which a station is off the law.
 OFF = 4.0
@@ -140,13 +142,40 @@ def lift_figures(
     found += [
         _figure("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg"),
         _figure("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg"),
-        _figure("largest_acceleration", "acceleration, flanks", curves[2].max(axis=1), "um/deg2"),
-        _figure("nose_acceleration", "acceleration, nose", curves[2].min(axis=1), "um/deg2"),
+        _figure(
+            "largest_acceleration",
+            "acceleration, flanks",
+            curves[2].max(axis=1),
+            "um/deg2",
+            overshoot(smoothed, 1)[1],
+        ),
+        _figure(
+            "nose_acceleration",
+            "acceleration, nose",
+            curves[2].min(axis=1),
+            "um/deg2",
+            overshoot(smoothed, -1)[1],
+        ),
         _figure(
             "largest_jerk", "largest jerk, either way", np.abs(curves[3]).max(axis=1), "mm/deg3"
         ),
     ]
     return tuple(found)
+
+
+def overshoot(smoothed: SmoothedLift, sign: int) -> tuple[float, float]:
+    """Cam angle (rad) of the largest acceleration of a ``sign``, and by how much (m/rad2) it may overshoot there; zero where
+    the acceleration around it is nearly as large, or the stations are too far apart to show a jump.
+    """
+    grid, spacing = (
+        np.linspace(*smoothed.event, STATIONS),
+        float(np.median(np.diff(smoothed.cam_angles))),
+    )
+    accelerations, near = sign * smoothed.lift(grid, 2), max(AROUND, spacing)
+    place, largest = float(grid[np.argmax(accelerations)]), float(np.max(accelerations))
+    before, after = smoothed.lift(place + near * np.array([-1, 1]), 1)
+    around = float(sign * (after - before) / (2 * near))
+    return place, largest - around if spacing <= COARSE and around < (1 - JUMP) * largest else 0.0
 
 
 def pair_figures(
@@ -230,8 +259,9 @@ def _peak(grid: Array, curves: Array) -> Array:
     return np.asarray(grid[place] + np.clip(share, -1.0, 1.0) * (grid[1] - grid[0]))
 
 
-def _figure(name: str, label: str, values: Array, unit: str) -> LiftFigure:
-    return LiftFigure(name, label, float(values[0]), float(np.std(values[1:])), unit)
+def _figure(name: str, label: str, values: Array, unit: str, beyond: float = 0.0) -> LiftFigure:
+    spread = float(np.hypot(np.std(values[1:]), beyond / BAND))
+    return LiftFigure(name, label, float(values[0]), spread, unit)
 
 
 #: Unit of a figure -> unit of its text, where that is otherwise; and as readers of inches have it, with its size.

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import Amount, Said, percent
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
-from valvetrain.lift.figures import LiftFigure, LobeResult
-from valvetrain.measured.lift_file import MeasuredLift
+from valvetrain.lift.figures import COARSE, LiftFigure, LobeResult, overshoot
 from valvetrain.measured.lift_smoothing import BAND
 from valvetrain.solution.definition import label_of
 
 #: Share of the acceleration from which its 95 % interval is a doubt, and share of its peak by which a column may differ.
 LOOSE, AGREES = 0.2, 0.05
-#: Largest acceleration of a lobe next to its lift over the square of half its width, and the spacing (rad) above which
-#: finer stations tell more than a better probe.
-STEEP, COARSE = 20.0, np.radians(2.5)
+#: Largest acceleration of a lobe next to its lift over the square of half its width.
+STEEP = 20.0
 #: Question of a table -> what is assumed where it gives no answer.
 ASSUMED = {
     "angle_unit": "angles in degrees", "zero": "zero of the angle as in the file", "direction": "a cam that turns with rising angle"
@@ -103,7 +102,8 @@ def misfit(facts: LiftFacts) -> Iterator[Hit]:
                 yield Hit(fields={"column": column})
 
 
-def _loose(facts: LiftFacts, coarse: bool) -> Iterator[Hit]:
+def loose(facts: LiftFacts, coarse: bool) -> Iterator[Hit]:
+    """Noise, or stations that are ``coarse``, leave more than a fifth of the acceleration open."""
     for lobe in facts.lobes:
         spacing = float(np.median(np.diff(lobe.smoothed.cam_angles)))
         share = looseness(lobe)
@@ -121,35 +121,16 @@ def _loose(facts: LiftFacts, coarse: bool) -> Iterator[Hit]:
             )  # fmt: skip
 
 
-def loose(facts: LiftFacts) -> Iterator[Hit]:
-    """The noise leaves more than a fifth of the acceleration open."""
-    return _loose(facts, coarse=False)
-
-
-def coarse(facts: LiftFacts) -> Iterator[Hit]:
-    """The stations are too far apart to say the acceleration within a fifth."""
-    return _loose(facts, coarse=True)
-
-
-def dust(facts: LiftFacts) -> Iterator[Hit]:
-    """Stations stand out of a smooth lift on one side."""
+def dusty(facts: LiftFacts, mended: bool) -> Iterator[Hit]:
+    """Stations stand out of a smooth lift on one side, or were taken out (``mended``)."""
     for table in (lobe.measured for lobe in facts.lobes):
-        if table.dust and not table.mended:
-            yield _dusty(table)
-
-
-def mended(facts: LiftFacts) -> Iterator[Hit]:
-    """Stations that stood out were taken out."""
-    for table in (lobe.measured for lobe in facts.lobes):
-        if table.mended:
-            yield _dusty(table)
-
-
-def _dusty(table: MeasuredLift) -> Hit:
-    worst = max(table.dust, key=lambda one: one.height)
-    angle = Amount("station_cam_angle", (worst.first + worst.last) / 2)
-    fields: dict[str, Said] = {"count": str(len(table.dust)), "lobe": table.name, "angle": angle}
-    return Hit(Amount("station_lift", worst.height), fields=fields)
+        if table.dust and table.mended == mended:
+            worst = max(table.dust, key=lambda bump: bump.height)
+            angle = Amount("station_cam_angle", (worst.first + worst.last) / 2)
+            fields: dict[str, Said] = {
+                "count": str(len(table.dust)), "lobe": table.name, "angle": angle
+            }  # fmt: skip
+            yield Hit(Amount("station_lift", worst.height), fields=fields)
 
 
 def steep(facts: LiftFacts) -> Iterator[Hit]:
@@ -164,6 +145,15 @@ def steep(facts: LiftFacts) -> Iterator[Hit]:
             yield Hit(
                 fields={"lobe": lobe.measured.name, "times": f"{worst / usual:.0f}"}, severity=worst
             )
+
+
+def jumps(facts: LiftFacts) -> Iterator[Hit]:
+    """The acceleration jumps, and a smooth lift through the stations overshoots there."""
+    for lobe in facts.lobes:
+        for place, beyond in (overshoot(lobe.smoothed, sign) for sign in (1, -1)):
+            if beyond:
+                angle = Amount("station_cam_angle", place)
+                yield Hit(fields={"lobe": lobe.measured.name, "angle": angle}, severity=beyond)
 
 
 def carried(facts: LiftFacts) -> Iterator[Hit]:
@@ -232,19 +222,23 @@ def assumed(facts: LiftFacts) -> Iterator[Hit]:
 
 RULES = (
     Rule("L201", "decides", "the case did not run with this lift: {said}", failed),
-    Rule("L205", "decides", "{count} bumps in the {lobe} are no lift", dust, ("station_lift",), "the highest at {angle:4}, by {value:2}",
+    Rule("L205", "decides", "{count} bumps in the {lobe} are no lift", partial(dusty, mended=False), ("station_lift",),
+         "the highest at {angle:4}, by {value:2}",
          "clean the probe and measure again, or repeat this command with --mend", "bumps, the highest at {angle:4}",
          "measured-lifts.md", "warn"),
     Rule("L202", "decides", "a smooth {lobe} misses {count}", off, ("station_lift",), "most at {angle:4}, by {value}",
          "correct these stations in the table, then repeat this command", "most at {angle:4}", "measured-lifts.md", "warn", ("L205",)),
     Rule("L203", "decides", "the column of {column} is not the derivative of the lift", misfit, (),
          "the unit, the zero or the direction may be wrong", "correct the table or --columns, then repeat this command", mark="warn"),
-    Rule("L204", "decides", "too much noise in the {lobe}: {share} of the acceleration is open", loose, ("station_noise_lift",),
+    Rule("L208", "decides", "the acceleration of the {lobe} jumps, so its largest value is not resolved", jumps, (),
+         "the jump is near {angle:4}", "use the lift, but no largest acceleration; a cam made of arcs has such jumps", mark="warn", unless=("L205",)),
+    Rule("L204", "decides", "too much noise in the {lobe}: {share} of the acceleration is open", partial(loose, coarse=False),
+         ("station_noise_lift",),
          "{value:2} of noise with stations {spacing} apart", "measure again: average several turns, or reduce the noise of the probe",
-         "{share} of the acceleration is open", "measured-lifts.md", "warn", ("L205",)),
-    Rule("L206", "decides", "the stations of the {lobe} are too far apart: {share} of the acceleration is open", coarse,
+         "{share} of the acceleration is open", "measured-lifts.md", "warn", ("L205", "L208")),
+    Rule("L206", "decides", "the stations of the {lobe} are too far apart: {share} of the acceleration is open", partial(loose, coarse=True),
          ("station_noise_lift",), "they are {spacing} apart", "measure again with stations {finer} apart or closer",
-         "{share} of the acceleration is open", "measured-lifts.md", "warn", ("L205",)),
+         "{share} of the acceleration is open", "measured-lifts.md", "warn", ("L205", "L208")),
     Rule("L207", "decides", "no lobe accelerates as the {lobe} does: {times} times lift over the square of half its width", steep, (),
          "stations that are off make such accelerations", "correct the table, then repeat this command", mark="warn", unless=("L205",)),
     Rule("L210", "decides", "{name} is {value:4} in the case", carried, IN_CASE, "[the noise of the lift moves it by ± {spread:2}]",
@@ -258,6 +252,6 @@ RULES = (
     Rule("L231", "notes", "columns that are not used: {said}", unused, unless=("L203",)),
     Rule("L232", "notes", "assumed: {said}", assumed, remark="{said}"),
     Rule("L233", "notes", "as read: {said}", changed),
-    Rule("L234", "notes", "{count} bumps were taken out of the {lobe}", mended, (), "the highest at {angle:4}, by {value:2}"),
+    Rule("L234", "notes", "{count} bumps were taken out of the {lobe}", partial(dusty, mended=True), (), "the highest at {angle:4}, by {value:2}"),
     Rule("L235", "notes", "the table holds {names}, one event each", events, (), "--lobe chooses one of them")
 )  # fmt: skip

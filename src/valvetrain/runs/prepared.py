@@ -247,18 +247,13 @@ def integrate_from(
         nose=ready.nose,
         start=start,
         coil_contacts=plan.coil_contacts,
-        watch=plan.watch or _goes_on,
+        watch=plan.watch or (lambda share: not noted()),  # until a signal asks it to stop
     )
     try:
         return run_to_orbit(ready.system, engine_speed / 2, until, options, provenance)
     except FAILURES as error:
         status = Status("diverged", reason(error), remedy="look at this run alone")
         return without_channels(status, provenance), None
-
-
-def _goes_on(share: float) -> bool:
-    """Whether a long run, so far done, shall continue: until a signal has requested to stop."""
-    return not noted()
 
 
 def _without_end(member: Member) -> int | None:

@@ -84,11 +84,6 @@ def one_thread() -> Iterator[None]:
                 _LIMIT.close()
 
 
-def stay_on_one_thread() -> None:
-    """The same for good: this is a worker process, which computes runs and nothing else."""
-    _limited()
-
-
 def _limited() -> AbstractContextManager[object]:
     import scipy.linalg  # noqa: F401  a library that is loaded later has threads of its own again
     from threadpoolctl import threadpool_limits
@@ -208,7 +203,7 @@ def _end(pool: ProcessPoolExecutor) -> None:
 
 def _begin(parent: int, function: Any, shared: Any) -> None:
     quiet_worker(parent)
-    stay_on_one_thread()
+    _limited()  # for good: a worker process computes runs and nothing else
     _SHARED[:] = [function, shared]
 
 
