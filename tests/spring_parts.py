@@ -136,3 +136,19 @@ def raised_cosine(
     return lift * np.sin(phase) ** 4, 4 * lift * np.pi / duration * np.sin(phase) ** 3 * np.cos(
         phase
     )
+
+
+#: A spring that buckles before it is solid, and the same in a bore.
+SLENDER = """
+[spring]
+wire_diameter = "1 mm"
+mean_diameter = "10 mm"
+pitch = "4 mm"
+total_coils = 20
+ends = "open"
+material = { youngs_modulus = "206 GPa", shear_modulus = "79.6 GPa", density = "7850 kg/m^3" }
+precompression = "8 mm"
+[spring.options.finite-element]
+elements_per_coil = 8
+"""
+GUIDED = SLENDER + '[spring.guide]\nbore = "12 mm"\n'

@@ -82,3 +82,39 @@ KINDS = {"direct": direct, "finger": finger, "rocker": rocker, "pushrod": pushro
 def system(train: TrainParameters, law=LAW, lift_of: str = "tappet", spring=None) -> TrainSystem:
     chosen = MasslessSpring(30e3, 300.0, 0.04) if spring is None else spring
     return TrainSystem(build_mechanism(train, law, lift_of), (chosen,), name=train.kind)
+
+
+#: A case file: one mass, one spring known by its card.
+SINGLE_MASS = """
+title = "One mass, one spring"
+[lift_law]
+kind = "polynomial"
+lift_of = "valve"
+maximum_lift = "9 mm"
+opening_start = "110 deg"
+opening_end = "180 deg"
+closing_start = "180 deg"
+closing_end = "250 deg"
+exponents = "3-4-5"
+[operation]
+engine_speeds = "6000 rpm"
+[train]
+kind = "direct"
+model = "single-mass"
+spring_set = "card"
+spring_model = "massless"
+contacts = "steel"
+[train.cam]
+base_radius = "40 mm"
+width = "14 mm"
+[train.follower]
+shape = "flat"
+mass = "45 g"
+[train.valve]
+mass = "80 g"
+[[train.springs.card]]
+preload = "300 N"
+open_load = "700 N"
+open_lift = "9 mm"
+mass = "30 g"
+"""

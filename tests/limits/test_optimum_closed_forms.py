@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from train_parts import SINGLE_MASS
 from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND, find_limit
 from valvetrain.explore.outputs import LimitSearch
 
@@ -139,47 +140,12 @@ def test_bounds_that_are_never_or_always_left_are_told_apart():
     )  # a run that fails counts as beyond the bound
 
 
-TRAIN = """
-title = "One mass, one spring"
-[lift_law]
-kind = "polynomial"
-lift_of = "valve"
-maximum_lift = "9 mm"
-opening_start = "110 deg"
-opening_end = "180 deg"
-closing_start = "180 deg"
-closing_end = "250 deg"
-exponents = "3-4-5"
-[operation]
-engine_speeds = "6000 rpm"
-[train]
-kind = "direct"
-model = "single-mass"
-spring_set = "card"
-spring_model = "massless"
-contacts = "steel"
-[train.cam]
-base_radius = "40 mm"
-width = "14 mm"
-[train.follower]
-shape = "flat"
-mass = "45 g"
-[train.valve]
-mass = "80 g"
-[[train.springs.card]]
-preload = "300 N"
-open_load = "700 N"
-open_lift = "9 mm"
-mass = "30 g"
-"""
-
-
 @pytest.mark.long
 def test_the_least_open_load_is_that_of_rigid_theory(tmp_path):
     """Spring force P + k x over inertia m a(x) of the 3-4-5 polynomial, 1.3 at its least: with P
     given, k follows from the worst place.
     """
-    (tmp_path / "train.toml").write_text(TRAIN)
+    (tmp_path / "train.toml").write_text(SINGLE_MASS)
     (tmp_path / "search.toml").write_text("""
 case = "train.toml"
 objective = [{ quantity = "card_open_force", direction = "minimise" }]

@@ -6,19 +6,10 @@ import json
 
 import pytest
 
+from spring_parts import GUIDED, SLENDER
 from unit.cli_parts import call
 
-SLENDER = """
-[spring]
-wire_diameter = "1 mm"
-mean_diameter = "10 mm"
-pitch = "4 mm"
-total_coils = 20
-ends = "open"
-material = { youngs_modulus = "206 GPa", shear_modulus = "79.6 GPa", density = "7850 kg/m^3" }
-precompression = "8 mm"
-[spring.options.finite-element]
-elements_per_coil = 8
+LIFT = """
 [lift_law]
 kind = "sine-power"
 maximum_lift = "4 mm"
@@ -26,14 +17,13 @@ opening_start = "100 deg"
 closing_end = "260 deg"
 power = 4
 """
-GUIDED = SLENDER + '[spring.guide]\nbore = "12 mm"\n'
 
 
 @pytest.fixture
 def slender(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "slender.toml").write_text(SLENDER)
-    (tmp_path / "guided.toml").write_text(GUIDED)
+    (tmp_path / "slender.toml").write_text(SLENDER + LIFT)
+    (tmp_path / "guided.toml").write_text(GUIDED + LIFT)
 
 
 def test_a_curve_beyond_buckling_fails_with_the_place_and_what_to_do(slender):

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import valvetrain as vt
+from spring_parts import GUIDED, SLENDER
 from valvetrain.findings.table import findings_of
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.statics import static_study
@@ -20,19 +21,6 @@ from valvetrain.views.results import figures_of
 
 LS = str(Path(__file__).resolve().parents[1] / "net" / "ls-v8.toml")
 TEMPLATE = str(Path(vt.__file__).parent / "templates" / "pushrod.toml")
-SLENDER = """
-[spring]
-wire_diameter = "1 mm"
-mean_diameter = "10 mm"
-pitch = "4 mm"
-total_coils = 20
-ends = "open"
-material = { youngs_modulus = "206 GPa", shear_modulus = "79.6 GPa", density = "7850 kg/m^3" }
-precompression = "8 mm"
-[spring.options.finite-element]
-elements_per_coil = 8
-"""
-GUIDED = SLENDER + '[spring.guide]\nbore = "12 mm"\n'
 MODES = {"command": "modes", "modes": 6}
 TO = {"largest_compression": 18e-3}
 

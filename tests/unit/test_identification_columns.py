@@ -61,33 +61,17 @@ def test_a_curve_is_over_height_or_compression_as_its_headings_say(tmp_path, tab
 @pytest.mark.parametrize(
     ("table", "more", "words"),
     [
-        (
-            "s [mm], force [N]\n3, 90\n5, 150\n",
-            "",
-            r"'tester.csv' does not say which of its columns is force and which height, or compression",
-        ),
+        ("s [mm], force [N]\n3, 90\n5, 150\n", "", r"'tester.csv' does not say which of its columns is force and which height, or compression"),
         ("3 90\n5 150\n", 'units = ["mm", "N"]\n', "does not say which of its columns is force"),
-        (
-            "height [mm], compression [mm], force [N]\n3, 1, 90\n5, 2, 150\n",
-            "",
-            "does not say which of its columns",
-        ),
-        (
-            "height [mm], force [N]\n3, 90\n",
-            'columns = ["height", "load"]\n',
-            "a column is one of height, compression, force, ignore, not 'load'",
-        ),
-        (
-            "height [mm], force [N]\n3, 90\n",
-            'columns = ["height"]\n',
-            "has 2 columns and columns names 1; say what each is",
-        ),
+        ("height [mm], compression [mm], force [N]\n3, 1, 90\n5, 2, 150\n", "", "does not say which of its columns"),
+        ("height [mm], force [N]\n3, 90\n", 'columns = ["height", "load"]\n', "a column is one of height, compression, force, ignore, not 'load'"),
+        ("height [mm], force [N]\n3, 90\n", 'columns = ["height"]\n', "has 2 columns and columns names 1; say what each is"),
         ("height, force\n3, 90\n", "", "has no units; write them in its headings"),
         ("height [N], force [mm]\n3, 90\n", "", "'N' is no unit of length"),
         ("height [mm], force [mm]\n3, 90\n", "", "'mm' is no unit of force"),
         ("height [mm]\n3\n", "", "has one column"),
     ],
-)
+)  # fmt: skip
 def test_a_curve_whose_columns_are_not_told_is_refused_at_its_file(tmp_path, table, more, words):
     with pytest.raises(vt.InputError, match=words) as refusal:
         read(tmp_path, table, more)
@@ -103,14 +87,11 @@ def test_a_trace_is_over_the_cam_angle_and_its_channel_in_the_units_of_its_headi
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        (
-            "crank angle [deg]; force [N]\n90; 200\n180; 500\n",
-            "calls its angles 'crank angle'; a trace is over the cam angle, so halve them",
-        ),
+        ("crank angle [deg]; force [N]\n90; 200\n180; 500\n", "calls its angles 'crank angle'; a trace is over the cam angle, so halve them"),
         ("force [N]; cam angle [deg]\n200; 90\n500; 180\n", "angle"),
         ("cam angle; force\n90; 200\n", "has no units"),
     ],
-)
+)  # fmt: skip
 def test_a_trace_over_something_else_is_refused(tmp_path, table, words):
     with pytest.raises(vt.InputError, match=words):
         read(tmp_path, table, head=TRACE)

@@ -26,6 +26,9 @@ WIRE = {
     "standard_deviation": "0.1 mm",
 }
 BASE = {"case": "job-t", "quantities": {"wire": WIRE}}
+PRELOAD = {
+    "one": {"quantity": "preload", "value": "212 N", "scatter": "1 N", "spring_model": "wave-rod"}
+}
 
 
 def request_of(measurements: dict[str, object], folder, **more: object):
@@ -137,48 +140,24 @@ def test_what_no_point_can_tell_is_refused_before_the_search(tmp_path, measured,
 
 
 def test_a_request_that_is_too_large_is_refused_with_its_cost(tmp_path) -> None:
-    measured = {
-        "one": {
-            "quantity": "preload",
-            "value": "212 N",
-            "scatter": "1 N",
-            "spring_model": "wave-rod",
-        }
-    }
-    request = request_of(measured, tmp_path, search={"method": "nested", "live_points": 9_000_000})
+    request = request_of(PRELOAD, tmp_path, search={"method": "nested", "live_points": 9_000_000})
     with pytest.raises(InputError, match=r"beyond the bound of .* raise the bound with --limit"):
         identify_request(request, workers=1)
 
 
 def test_the_case_s_own_values_are_a_start(tmp_path) -> None:
     """A prior far from the case: with one start from the case the search ends where the case is."""
-    measured = {
-        "one": {
-            "quantity": "preload",
-            "value": "212 N",
-            "scatter": "1 N",
-            "spring_model": "wave-rod",
-        }
-    }
-    request = request_of(measured, tmp_path, search={"from_case": True, "draws": 1})
+    request = request_of(PRELOAD, tmp_path, search={"from_case": True, "draws": 1})
     found = identify_request(request, workers=1)
     assert found.best["wire"] == pytest.approx(4e-3, rel=5e-3)
 
 
 def test_the_case_alone_is_searched_from_with_keep_0(tmp_path) -> None:
     """No other start is computed, and the estimate counts the case among the starts."""
-    measured = {
-        "one": {
-            "quantity": "preload",
-            "value": "212 N",
-            "scatter": "1 N",
-            "spring_model": "wave-rod",
-        }
-    }
     both, alone = (
         identify_request(
             request_of(
-                measured,
+                PRELOAD,
                 tmp_path,
                 search={"from_case": True, "draws": 1, "starts": 30, "keep": keep},
             ),
@@ -194,7 +173,7 @@ def test_the_case_alone_is_searched_from_with_keep_0(tmp_path) -> None:
         InputError,
         match=r"search.keep: keep is 0, so that nothing is searched from; set from_case = true",
     ):
-        request_of(measured, tmp_path, search={"keep": 0})
+        request_of(PRELOAD, tmp_path, search={"keep": 0})
     search = Search(starts=24, keep=0, from_case=True)
     both = replace(search, keep=1, from_case=False)
     assert search.evaluations_of(3) == both.evaluations_of(3) - 24

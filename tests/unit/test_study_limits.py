@@ -8,45 +8,13 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from train_parts import SINGLE_MASS
 from valvetrain.explore.engine import Engine
 from valvetrain.explore.study import StudyText, estimate_study, read_plan
 from valvetrain.explore.study_answer import StudyAnswer
 from valvetrain.explore.study_files import points_csv
 
 RPM = np.pi / 30
-TRAIN = """
-title = "One mass, one spring"
-[lift_law]
-kind = "polynomial"
-lift_of = "valve"
-maximum_lift = "9 mm"
-opening_start = "110 deg"
-opening_end = "180 deg"
-closing_start = "180 deg"
-closing_end = "250 deg"
-exponents = "3-4-5"
-[operation]
-engine_speeds = "6000 rpm"
-[train]
-kind = "direct"
-model = "single-mass"
-spring_set = "card"
-spring_model = "massless"
-contacts = "steel"
-[train.cam]
-base_radius = "40 mm"
-width = "14 mm"
-[train.follower]
-shape = "flat"
-mass = "45 g"
-[train.valve]
-mass = "80 g"
-[[train.springs.card]]
-preload = "300 N"
-open_load = "700 N"
-open_lift = "9 mm"
-mass = "30 g"
-"""
 PRELOAD = 'vary = [{ key = "train.springs.card.0.preload", values = "250, 300 N" }]\n'
 LIMIT = '[[limit_speed]]\nkind = "{}"\nengine_speeds = "{}"\n'
 
@@ -54,7 +22,7 @@ LIMIT = '[[limit_speed]]\nkind = "{}"\nengine_speeds = "{}"\n'
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("limits")
-    (place / "train.toml").write_text(TRAIN)
+    (place / "train.toml").write_text(SINGLE_MASS)
     return place
 
 

@@ -289,14 +289,11 @@ def test_the_damping_of_a_trains_spring_is_felt(word):
         ('shape = "domed"', 'shape = "dome"', "train.follower.shape"),
         ("[train.pushrod]", "[train.push_rod]", "pushrod"),
         ('law = "impact"\ncontact_stiffness', "contact_stiffness", "needs its law"),
-        (
-            'spring_set = "stock"\nspring_model = "multi-mass"',
-            'spring_set = "stocky"\nspring_model = "multi-mass"',
-            "spring set 'stocky' is unknown",
-        ),
+        ('spring_set = "stock"\nspring_model = "multi-mass"', 'spring_set = "stocky"\nspring_model = "multi-mass"',
+         "spring set 'stocky' is unknown"),
         ('pivot = "25, 220 mm"', 'pivot = "25 mm"', "two lengths"),
     ],
-)
+)  # fmt: skip
 def test_case_files_say_where_they_are_wrong(old, new, words):
     from valvetrain.parameters.loading import LIBRARY
 
