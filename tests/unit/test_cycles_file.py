@@ -56,6 +56,32 @@ def test_a_table_of_ones_own_is_made_si(tmp_path):
     assert np.isnan(found.values[1]).all() and not found.synthetic
 
 
+@pytest.mark.parametrize(
+    ("mark", "decimal", "gap"),
+    [(";", ".", ""), (";", ",", "nan"), ("\t", ",", ""), ("|", ".", ""), (",", ".", "NaN"), (" ", ",", "nan")],
+)  # fmt: skip
+@pytest.mark.parametrize("count", [12, 12_000])
+def test_a_table_of_any_delimiter_and_decimal_mark_has_the_same_numbers(
+    tmp_path, mark, decimal, gap, count
+):
+    """Short files line by line, long ones by the form of their first lines."""
+    angle = np.arange(count) * 360 / count
+    values = np.column_stack([angle, np.round(angle / 7, 4), 1 + np.round(angle / 9, 3)])
+    lines = [mark.join(f"{value:.6f}".replace(".", decimal) for value in row) for row in values]
+    lines[3] = mark.join([f"{angle[3]:.6f}".replace(".", decimal), "1", gap])
+    head = [
+        "# quantity: valve_lift",
+        "# unit: mm",
+        "# note: a – b",
+        mark.join(["angle", "c1", "c2"]),
+    ]
+    (tmp_path / "own.txt").write_text("\n".join(head + lines), encoding="utf-8")
+    (found,) = read_cycles(tmp_path / "own.txt")
+    values[3, 1:] = 1, np.nan
+    np.testing.assert_allclose(found.values, 1e-3 * values[:, 1:].T, rtol=1e-12)
+    assert found.notes == ("a – b",)
+
+
 ROWS = "\n".join(f"{angle},1" for angle in range(0, 360, 30))
 
 
@@ -67,9 +93,10 @@ ROWS = "\n".join(f"{angle},1" for angle in range(0, 360, 30))
         ("# quantity: a\n# unit: furlong\n" + ROWS, "furlong"),
         ("# quantity: a\n# unit: N\n" + ROWS + "\n1,2,3", "line 15 .* has 3 numbers"),
         ("# quantity: a\n# unit: N\n" + ROWS + "\nx,2", "no row of numbers"),
-        ("# quantity: a\n# unit: N\n0,1\n9,inf\n", "beyond all bounds"),
+        ("# quantity: a\n# unit: N\n0,1\n9,inf\n", "no row of numbers"),
         ("# quantity: a\n# unit: N\n" + "\n".join(["0,1"] * 9), "must rise"),
         ("# quantity: a\n# unit: N\n", "no row of numbers"),
+        ("# quantity: a\n# unit: N\n0,1\n9,1e999\n", "beyond all bounds"),
         ("# quantity: a\n# unit: N\n# cam speed: 9\n" + ROWS, "has no unit"),
         ("", "is empty"),
         ("a\0b", "no text"),

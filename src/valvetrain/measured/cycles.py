@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measured.ranges import refuse_beyond
-from valvetrain.measured.tables import read_content, text_of
+from valvetrain.measured.door import refuse_beyond
+from valvetrain.measured.tables import comments_in, read_content, read_text_table, text_of
 from valvetrain.solution.atomic import checked_content, closing_line, write_bytes, write_text
 from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.display import Shown
@@ -193,11 +193,8 @@ def _word(value: object) -> str:
 
 #: Larger files are no cycles of a few channels.
 MAX_BYTES = 500_000_000
-#: Most cycles (columns) of a text, most of its rows and most numbers of all.
-MAX_CYCLES, MAX_ANGLES, MAX_NUMBERS = 20_000, 100_000, 20_000_000
-_NOUN = "file of measured cycles"
-#: Keys of the comments that are read.
-_KEYS = ("quantity", "unit", "cam speed", "engine speed", "synthetic", "source", "note")
+#: Most cycles (columns) of a text, and most of its lines.
+MAX_CYCLES, MAX_ANGLES = 20_000, 100_000
 
 
 def write_cycles(path: str | Path, cycles: Sequence[MeasuredCycles]) -> Path:
@@ -270,7 +267,7 @@ def read_cycles(path: str | Path) -> tuple[MeasuredCycles, ...]:
     'm'
     """
     place = Path(path)
-    content = read_content(place, MAX_BYTES, _NOUN)
+    content = read_content(place, MAX_BYTES, "file of measured cycles")
     if content.startswith(HDF5_MARK):
         return netcdf_cycles(place)
     return (_from_text(text_of(content, place.name), place.name[:80]),)
@@ -294,76 +291,33 @@ def _text(one: MeasuredCycles) -> str:
 
 
 def _from_text(text: str, name: str) -> MeasuredCycles:
-    said: dict[str, list[str]] = {key: [] for key in _KEYS}
-    rows: list[list[float]] = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        content = line.strip()
-        if content.startswith("#"):
-            key, _, value = content.lstrip("# ").partition(":")
-            if key.strip().lower().replace("_", " ") in said:
-                said[key.strip().lower().replace("_", " ")].append(value.strip())
-        elif content:
-            row = _row(content, number, name, first=not rows)
-            if row:
-                rows.append(row)
-                _check_row(rows, number, name)
-    if not rows:
+    said = comments_in(text)
+    table = read_text_table(text, name, MAX_CYCLES + 1, MAX_ANGLES, gaps=True).rows
+    if table.shape[1] < 2:
         raise InputError(
-            f"{name} holds no row of numbers; write cam angles in degrees and one value a cycle"
+            f"{name} has one column; write cam angles in degrees and one value a cycle"
         )
-    for key in ("quantity", "unit"):
-        if not said[key] or (not NETCDF_NAME.fullmatch(said[key][0]) and key == "quantity"):
+    quantity, unit, source, synthetic = (
+        said.get(key, [""])[0] for key in ("quantity", "unit", "source", "synthetic")
+    )
+    for key, answer in (("quantity", NETCDF_NAME.fullmatch(quantity)), ("unit", unit)):
+        if not answer:
             raise InputError(
                 f"{name} does not say its {key}; write a line '# {key}: {'valve_lift' if key == 'quantity' else 'mm'}'"
             )
-    table = np.array(rows)
     if not np.isfinite(table[:, 0]).all():
         raise InputError(f"{name} holds a cam angle that is no number; correct it")
-    factor, unit = _si_unit(said["unit"][0], name)
-    source, synthetic = ((said[key] or [""])[0] for key in ("source", "synthetic"))
+    factor, unit = _si_unit(unit, name)
     return MeasuredCycles(
-        said["quantity"][0],
+        quantity,
         unit,
         np.radians(table[:, 0]),
         np.ascontiguousarray(table[:, 1:].T) * factor,
-        _cam_speed(said, name),
+        stated_speed(said, name) / 2,
         source,
         synthetic.lower() in ("yes", "true", "1"),
-        tuple(said["note"]),
+        tuple(said.get("note", ())),
     )
-
-
-def _row(line: str, number: int, name: str, first: bool) -> list[float]:
-    """Numbers of a line; none for the heading."""
-    cells = [
-        cell.strip() for cell in line.split(";" if ";" in line else "\t" if "\t" in line else ",")
-    ]
-    try:
-        return [float(cell) if cell else math.nan for cell in cells]
-    except ValueError as error:
-        if first:
-            return []
-        raise InputError(
-            f"line {number} of {name} is no row of numbers: '{line[:40]}'; correct it or mark it with #"
-        ) from error
-
-
-def _check_row(rows: list[list[float]], number: int, name: str) -> None:
-    if len(rows[-1]) != len(rows[0]) or len(rows[0]) < 2:
-        due = f"the first row {len(rows[0])}" if len(rows[0]) > 1 else "two are the fewest"
-        raise InputError(
-            f"line {number} of {name} has {len(rows[-1])} numbers, {due}; make the rows alike"
-        )
-    if len(rows) > MAX_ANGLES or len(rows[0]) > MAX_CYCLES + 1:
-        raise InputError(
-            f"{name} holds more than {MAX_ANGLES} angles or {MAX_CYCLES} cycles; give fewer"
-        )
-    if len(rows) * len(rows[0]) > MAX_NUMBERS:
-        raise InputError(
-            f"{name} holds more than {MAX_NUMBERS // 1_000_000} million numbers; give every tenth cycle"
-        )
-    if any(math.isinf(value) for value in rows[-1]):
-        raise InputError(f"line {number} of {name} holds a number beyond all bounds; correct it")
 
 
 def _si_unit(unit: str, name: str) -> tuple[float, str]:
@@ -380,11 +334,12 @@ def _si_unit(unit: str, name: str) -> tuple[float, str]:
     return factor, DIMENSIONS[dimension].si_unit or "1"
 
 
-def _cam_speed(said: dict[str, list[str]], name: str) -> float:
-    for key, ratio in (("cam speed", 1.0), ("engine speed", 0.5)):
-        if said[key]:
-            found = parse_quantity(said[key][0], "angular speed", f"{key} of {name}")
-            if found < 0:
+def stated_speed(said: Mapping[str, list[str]], name: str) -> float:
+    """Speed of the crank (rad/s) that comments ``engine speed`` or ``cam speed`` state; 0 without."""
+    for key, ratio in (("engine speed", 1.0), ("cam speed", 2.0)):
+        if said.get(key):
+            speed = parse_quantity(said[key][0], "angular speed", f"{key} of {name}")
+            if speed < 0:
                 raise InputError(f"{key} of {name} is below zero; give it as it turns")
-            return ratio * found
+            return ratio * speed
     return 0.0

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
 from valvetrain.errors import InputError
-from valvetrain.measured.door import Doubt
+from valvetrain.measured.door import Doubt, refuse_beyond
 from valvetrain.measured.force_curve import Estimate, ForceCurve, force_curve
-from valvetrain.measured.ranges import refuse_beyond
 from valvetrain.measured.tables import TextTable, read_content, read_text_table, text_of
 from valvetrain.units import dimension_of, unit_factor
 
@@ -216,20 +215,12 @@ def force_height_in(
     falls = (
         kind == "height" or float(np.sum((places - places.mean()) * (forces - forces.mean()))) < 0
     )
-    steps = _last_digit(table.rows[:, pressed]) * force, _last_digit(table.rows[:, along]) * length
+    steps = table.last_digit(pressed) * force, table.last_digit(along) * length
     read = _branches(-places if falls else places, forces, name, notes)
     read = replace(read, scatter=_rounding(read, *steps), digit=steps[1])
     read = _tared(read) if kind == "height" else _from_contact(read, kind, free_length)
     read = replace(read, free_length=free_length)
     return replace(read, doubts=tuple(_doubts(read, name)))
-
-
-def _last_digit(column: Array) -> float:
-    """Value of the last digit that a column is written with; 0 of one with more than six decimals."""
-    for decimals in range(7):
-        if np.allclose(column, np.round(column, decimals), rtol=0, atol=1e-9):
-            return float(10.0**-decimals)
-    return 0.0
 
 
 def _rounding(read: ForceHeight, force_step: float, length_step: float) -> float:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.measured.contours import Follower, lift_of_contour
+from valvetrain.measured.door import refuse_beyond
 from valvetrain.measured.lift_formats import COLUMN_NAMES, LIFTS, LiftColumns, LiftFormat
-from valvetrain.measured.ranges import refuse_beyond
 from valvetrain.measured.stations import Dust, base_of, dust_of, events_of, turned
 from valvetrain.measured.tables import read_content
 from valvetrain.solution.display import Shown

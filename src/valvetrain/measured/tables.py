@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import codecs
 import contextlib
+import io
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,8 +23,10 @@ Array = NDArray[np.float64]
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
 _STRONG = re.compile(r"[;\t|,]")
 _MARKS = re.compile(r"[;\t|,\s\x01]+")
-#: A cell in quotes, and what stands for a comma within it; a whole number parted in thousands.
-_QUOTED, _INNER = re.compile(r'"([^"]*)"'), "\x01"
+#: A cell in quotes, and what stands for the marks within it, the first for a comma.
+_QUOTED, _INNER = re.compile(r'"([^"]*)"'), "\x01\x02\x03\x04"
+_HIDE, _SHOW = str.maketrans(",;\t|", _INNER), str.maketrans(_INNER, ",;\t|")
+#: A whole number parted in thousands.
 _GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([.,])\d{3}(?:\1\d{3})*")
 #: Blanks and apostrophes that part thousands; signs that look like a minus.
 _THIN = re.compile(r"(?<=\d)[\u00a0\u202f\u2009'\u2019](?=\d{3}(?!\d))")
@@ -39,6 +42,11 @@ COMMENTS = ("#", "%", "!", "//", "*", "'")
 MAX_COLUMNS = 12
 #: Most lines of such a table; longer texts are refused before any line is read.
 MAX_LINES = 50_000
+#: Characters from which on a text is read by the form that its first ones show; most numbers of
+#: one that is not alike throughout, which is read line by line.
+LONG, MAX_UNLIKE_NUMBERS = 200_000, 20_000_000
+#: Pattern that separates columns -> the delimiter that numpy reads by, where it can.
+_DELIMITERS = {";": ";", r"\|": "|", "\t": "\t", r"\s+": None, ",": ",", r",\s+": ","}
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,43 +64,87 @@ class TextTable:
     units: tuple[str, ...]
     first_line: int
 
+    def last_digit(self, column: int) -> float:
+        """Value of the last digit that a column is written with; 0 of one with more than six decimals."""
+        values = self.rows[:, column]
+        for decimals in range(7):
+            if np.allclose(values, np.round(values, decimals), rtol=0, atol=1e-9):
+                return float(10.0**-decimals)
+        return 0.0
+
 
 def read_text_table(
-    text: str, name: str, max_columns: int = MAX_COLUMNS, max_lines: int = MAX_LINES
+    text: str,
+    name: str,
+    max_columns: int = MAX_COLUMNS,
+    max_lines: int = MAX_LINES,
+    gaps: bool = False,
 ) -> TextTable:
     """The table of numbers in ``text``; lines of text may precede it and, marked as comments, be in it.
 
     Semicolons, tabs, bars, commas or blanks part the columns; a decimal comma is read where
-    something else does. ``name`` of the file is for messages. Raises :class:`InputError` naming the
-    line that is not as long as the others or not numbers, and for a text of more than
-    ``max_lines``.
+    something else does. ``name`` of the file is for messages. ``gaps``: an empty cell, or ``nan``,
+    holds NaN. Raises :class:`InputError` naming the line that is not as long as the others or not
+    numbers, and for a text of more than ``max_lines``.
     """
+    count = text.rstrip("\n").count("\n") + 1
+    if count > max_lines:
+        raise InputError(
+            f"{name} has {count} lines, more than {max_lines}; thin it out, or cut it to one cycle"
+        )
+    if len(text) > LONG:
+        with contextlib.suppress(InputError, ValueError, KeyError):
+            return _long_table(text, name, max_columns, gaps)
+    return _table_by_lines(text, name, max_columns, gaps)[0]
+
+
+def _long_table(text: str, name: str, max_columns: int, gaps: bool) -> TextTable:
+    """The table of a long text by the form of its first lines. Raises an error where the rest has another."""
+    first = text[: text.index("\n", LONG // 2) + 1]
+    head, separator = _table_by_lines(first, name, max_columns, gaps)
+    delimiter = _DELIMITERS[separator]
+    body: Array = np.loadtxt(
+        io.StringIO(text if delimiter == "," else text.replace(",", ".")),
+        delimiter=delimiter,
+        comments=list(COMMENTS),
+        skiprows=head.first_line - 1,
+        ndmin=2,
+        converters=(lambda cell: float(cell.strip() or "nan")) if gaps else None,
+    )
+    unknown = np.isinf(body) if gaps else ~np.isfinite(body)
+    if unknown.any() or not np.array_equal(body[: len(head.rows)], head.rows, equal_nan=True):
+        raise ValueError(name)
+    return replace(head, rows=body)
+
+
+def _table_by_lines(text: str, name: str, max_columns: int, gaps: bool) -> tuple[TextTable, str]:
+    """The table, and the pattern that separates its columns."""
     headings: list[str] = []
     lines: list[tuple[int, str]] = []
     every = text.splitlines()
-    if len(every) > max_lines:
-        raise InputError(
-            f"{name} has {len(every)} lines, more than {max_lines}; thin it out, or cut it to one cycle"
-        )
     for number, line in enumerate(every, start=1):
-        content = _plain(line)
-        if not content:
+        content = _plain(line, gaps)
+        if not content.strip():
             continue
-        if not _is_row(content) or content.startswith(COMMENTS):
+        if not _is_row(content, gaps) or content.lstrip().startswith(COMMENTS):
             if lines and not line.strip().startswith(COMMENTS):
                 raise InputError(
                     f"line {number} of {name} is no row of numbers: '{content[:40]}'; correct it or mark it with #"
                 )
-            headings.append(content.lstrip("#%!/*'\" ").rstrip("'\""))
+            headings.append(content.strip().lstrip("#%!/*'\" ").rstrip("'\""))
             continue
-        lines.append((number, content))
+        lines.append((number, content if gaps else content.strip(",;| \t")))
     if not lines:
         raise InputError(
             f"{name} holds no row of numbers; export the table as text with one station a line"
         )
     separator = column_separator([content for _, content in lines])
-    rows = [re.split(separator, content.strip(",;| \t")) for _, content in lines]
-    width = len(rows[0])
+    width = len(re.split(separator, lines[0][1]))
+    if len(lines) * width > MAX_UNLIKE_NUMBERS:
+        raise InputError(
+            f"{name} holds more than {MAX_UNLIKE_NUMBERS} numbers in rows that are not alike; correct those that differ, or cut it"
+        )
+    rows = [re.split(separator, content) for _, content in lines]
     for (number, _), row in zip(lines, rows, strict=True):
         if len(row) != width:
             raise InputError(
@@ -101,27 +153,53 @@ def read_text_table(
     if width > max_columns:
         what = "a table of lifts" if max_columns == MAX_COLUMNS else "a table of channels"
         raise InputError(f"{name} has {width} columns; {what} has at most {max_columns}")
+    if gaps:
+        rows = [[cell.strip() or "nan" for cell in row] for row in rows]
     values = _values(rows, [number for number, _ in lines], name)
-    if not np.all(np.isfinite(values)):
+    beyond = np.isinf(values).any(axis=1)
+    if beyond.any():
         raise InputError(
-            f"{name} holds a number beyond all bounds in line {lines[int(np.argmin(np.isfinite(values).all(axis=1)))][0]}"
+            f"{name} holds a number beyond all bounds in line {lines[int(np.argmax(beyond))][0]}"
         )
-    names, units = _columns(headings, width)
-    return TextTable(values, tuple(headings), names, units, lines[0][0])
+    return TextTable(values, tuple(headings), *_columns(headings, width), lines[0][0]), separator
 
 
-def _plain(line: str) -> str:
-    """The line without quotes; a comma within a quoted cell is no separator."""
-    content = line.strip().translate(_MINUS)
+def comments_in(text: str) -> dict[str, list[str]]:
+    """Values by key, in small letters, of the lines ``# key: value``."""
+    values: dict[str, list[str]] = {}
+    for line in text.splitlines():
+        if line.lstrip().startswith("#"):
+            key, _, value = line.strip().lstrip("# ").partition(":")
+            values.setdefault(key.strip().lower().replace("_", " "), []).append(value.strip())
+    return values
+
+
+def rows_of_words(text: str) -> list[tuple[int, list[str]]]:
+    """Line number and cells of each line that is no comment; the strongest mark of the first parts them."""
+    lines = [
+        (number, _plain(line, gaps=True))
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    mark = next((mark for mark in ";\t|," if lines and mark in lines[0][1]), ",")
+    return [
+        (number, [cell.strip().translate(_SHOW) for cell in line.split(mark)])
+        for number, line in lines
+    ]
+
+
+def _plain(line: str, gaps: bool) -> str:
+    """The line without quotes; a mark within a quoted cell is no separator, tabs at the ends may be."""
+    content = line.strip(" " if gaps else None).translate(_MINUS)
     if '"' in content:
-        content = _QUOTED.sub(lambda cell: cell[1].strip().replace(",", _INNER), content)
+        content = _QUOTED.sub(lambda cell: cell[1].strip().translate(_HIDE), content)
     return _BLANKS.sub(r"\1", _THIN.sub("", content))
 
 
-def _is_row(line: str) -> bool:
+def _is_row(line: str, gaps: bool) -> bool:
     """Whether a line holds numbers and marks alone; in one pass, whatever it holds."""
-    parts = [part for part in _MARKS.split(line) if part]
-    return bool(parts) and all(map(_NUMBER.fullmatch, parts))
+    parts = [part for part in _MARKS.split(line) if part and not (gaps and part.lower() == "nan")]
+    return (bool(parts) or gaps) and all(map(_NUMBER.fullmatch, parts))
 
 
 def column_separator(lines: list[str]) -> str:
@@ -150,7 +228,7 @@ def column_separator(lines: list[str]) -> str:
 
 def _values(rows: list[list[str]], numbers: list[int], name: str) -> Array:
     """The numbers in cells, once it is clear which mark is decimal and which parts thousands."""
-    cells = [[_GAP.sub("", cell.strip()).replace(_INNER, ",") for cell in row] for row in rows]
+    cells = [[_GAP.sub("", cell.strip()).translate(_SHOW) for cell in row] for row in rows]
     every = [cell for row in cells for cell in row]
     thousands = ""
     for mark, other in (",.", ".,"):
@@ -166,7 +244,7 @@ def _values(rows: list[list[str]], numbers: list[int], name: str) -> Array:
     values = []
     for number, row in zip(numbers, cells, strict=True):
         try:
-            values.append([_number(cell.replace(thousands, "")) for cell in row])
+            values.append([number_of(cell.replace(thousands, "")) for cell in row])
         except ValueError as error:
             raise InputError(
                 f"line {number} of {name} is not separated as the others are: '{' '.join(row)[:40]}'; make the rows alike"
@@ -174,7 +252,8 @@ def _values(rows: list[list[str]], numbers: list[int], name: str) -> Array:
     return np.array(values)
 
 
-def _number(cell: str) -> float:
+def number_of(cell: str) -> float:
+    """A number with a decimal point or comma. Raises ValueError for another text."""
     return float(cell.replace(",", ".").replace("D", "e").replace("d", "e"))
 
 
@@ -182,7 +261,7 @@ def _smoother(cells: list[list[str]], mark: str) -> bool:
     """Whether the columns change more evenly with ``mark`` parting thousands than as a decimal."""
 
     def jump(column: list[str]) -> float:
-        values = np.array(list(map(_number, column)))
+        values = np.array(list(map(number_of, column)))
         return float(np.max(np.abs(np.diff(values)), initial=0.0) / (np.ptp(values) or 1.0))
 
     columns = [
@@ -204,7 +283,7 @@ def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[st
         )
         if parts is None:
             continue
-        names, units = zip(*(_name_and_unit(part) for part in parts), strict=True)
+        names, units = zip(*map(name_and_unit, parts), strict=True)
         alike = place > 0 and bool(_STRONG.search(headings[place - 1])) == bool(
             _STRONG.search(headings[place])
         )
@@ -218,13 +297,14 @@ def _columns(headings: list[str], width: int) -> tuple[tuple[str, ...], tuple[st
 
 def _parts(heading: str, width: int) -> list[str] | None:
     for pattern in (r"[;\t|]", r",", r"\s{2,}", r"\s+"):
-        parts = [part.strip().replace(_INNER, ",") for part in re.split(pattern, heading.strip())]
+        parts = [part.strip().translate(_SHOW) for part in re.split(pattern, heading.strip())]
         if len(parts) == width and all(parts):
             return parts
     return None
 
 
-def _name_and_unit(part: str) -> tuple[str, str]:
+def name_and_unit(part: str) -> tuple[str, str]:
+    """Name and unit of a heading such as ``lift [mm]``, ``lift in mm`` or ``lift / mm``."""
     found = re.fullmatch(r"(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|\bin\s+(\S+)|/\s*(\S+))\s*", part)
     return (
         (part, "")

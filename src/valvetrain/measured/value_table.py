@@ -4,7 +4,6 @@ them instead of curves.
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from dataclasses import dataclass
@@ -14,17 +13,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measured.ranges import refuse_beyond
-from valvetrain.measured.tables import read_content, text_of
+from valvetrain.measured.cycles import stated_speed
+from valvetrain.measured.door import refuse_beyond
+from valvetrain.measured.tables import (
+    comments_in,
+    name_and_unit,
+    number_of,
+    read_content,
+    rows_of_words,
+    text_of,
+)
 from valvetrain.units import DIMENSIONS, dimension_of, dimension_powers, parse_quantity, unit_factor
 from valvetrain.units.text import clipped
 
 Array = NDArray[np.float64]
 #: Larger files, and longer tables, are none of values.
 MAX_BYTES, MAX_ROWS, MAX_REPEATS = 5_000_000, 2000, 200
-_NOUN = "table of measured values"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.]{0,119}")
-_HEAD = re.compile(r"(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*")
 #: Columns of one number whose unit is in the heading -> dimension.
 _AMOUNTS = {
     "cam angle": "angle",
@@ -32,6 +37,8 @@ _AMOUNTS = {
     "engine speed": "angular speed",
     "cam speed": "angular speed",
 }
+#: What a column may be, but for repeats.
+_COLUMNS = ("quantity", "unit", "value", "scatter", "source", *_AMOUNTS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +95,7 @@ def is_value_table(text: str) -> bool:
     """Whether a text is a table of values: its first line that is no comment begins with the
     heading ``quantity``.
     """
-    for line in text.splitlines():
-        if line.strip() and not line.lstrip().startswith("#"):
-            return re.split(r"[,;\t]", line, maxsplit=1)[0].strip().strip('"').lower() in (
-                "quantity",
-                "name",
-            )
-    return False
+    return any(cells[0].lower() in ("quantity", "name") for _, cells in rows_of_words(text)[:1])
 
 
 def read_value_table(path: str | Path) -> ValueTable:
@@ -127,75 +128,54 @@ def read_value_table(path: str | Path) -> ValueTable:
     8.06
     """
     place = Path(path)
-    return values_in(text_of(read_content(place, MAX_BYTES, _NOUN), place.name), place.name[:80])
+    content = read_content(place, MAX_BYTES, "table of measured values")
+    return values_in(text_of(content, place.name), place.name[:80])
 
 
 def values_in(text: str, name: str) -> ValueTable:
     """The table in ``text``; as :func:`read_value_table`."""
-    said: dict[str, list[str]] = {}
-    lines: list[tuple[int, str]] = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        if line.lstrip().startswith("#"):
-            key, _, value = line.strip().lstrip("# ").partition(":")
-            said.setdefault(key.strip().lower(), []).append(value.strip())
-        elif line.strip():
-            lines.append((number, line))
-    if len(lines) < 2 or not is_value_table(text):
+    said, rows = comments_in(text), rows_of_words(text)
+    if len(rows) < 2 or not is_value_table(text):
         raise InputError(
             f"{name} holds no table of values; write a line of headings 'quantity,unit,value,scatter' and a row a value"
         )
-    if len(lines) > MAX_ROWS + 1:
+    if len(rows) > MAX_ROWS + 1:
         raise InputError(f"{name} holds more than {MAX_ROWS} values; give fewer")
-    mark = max(",;\t", key=lines[0][1].count)
-    heads = _heads(_cells(lines[0][1], mark, lines[0][0], name), name)
-    overall = _speed(said, name)
+    heads, speed = _heads(rows[0][1], name), stated_speed(said, name)
     values = tuple(
-        _value(heads, _cells(line, mark, number, name), overall, f"line {number} of {name}")
-        for number, line in lines[1:]
+        _value(heads, cells, speed, f"line {number} of {name}") for number, cells in rows[1:]
     )
-    if len({len(one.repeats) for one in values}) > 1:
+    if len({len(value.repeats) for value in values}) > 1:
         raise InputError(
             f"{name} holds rows with more repeats than others; give every value as many repeats"
         )
     return ValueTable(
         values,
-        (said.get("source") or [name])[0],
-        (said.get("synthetic") or [""])[0].lower() in ("yes", "true", "1"),
+        said.get("source", [name])[0],
+        said.get("synthetic", [""])[0].lower() in ("yes", "true", "1"),
         tuple(said.get("note", ())),
     )
 
 
-def _cells(line: str, mark: str, number: int, name: str) -> list[str]:
-    try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=mark, strict=True), [])]
-    except csv.Error as error:
-        raise InputError(
-            f"line {number} of {name} is no row of a table: '{clipped(line)}'; correct it or mark it with #"
-        ) from error
-
-
-def _heads(cells: list[str], name: str) -> list[tuple[str, str]]:
-    """(word, unit) of every column."""
-    heads: list[tuple[str, str]] = []
+def _heads(cells: list[str], name: str) -> dict[str, str]:
+    """Word -> unit of every column."""
+    heads: dict[str, str] = {}
     for cell in cells:
-        found = _HEAD.fullmatch(cell)
-        word, unit = (found[1].lower().replace("_", " "), found[2] or "") if found else (cell, "")
-        word = "quantity" if word == "name" else word
-        known = ("quantity", "unit", "value", "scatter", "source", *_AMOUNTS)
-        if word not in known and not re.fullmatch(r"repeat \d+", word):
+        word, unit = name_and_unit(cell)
+        word = word.lower().replace("_", " ").replace("name", "quantity")
+        if word not in _COLUMNS and not re.fullmatch(r"repeat \d+", word):
             raise InputError(
-                f"{name} has a column '{clipped(cell)}', which is none of {', '.join(known)}, repeat 1, repeat 2; rename it"
+                f"{name} has a column '{clipped(cell)}', which is none of {', '.join(_COLUMNS)}, repeat 1, repeat 2; rename it"
             )
-        if (word, unit) in heads or word in (one for one, _ in heads):
+        if word in heads:
             raise InputError(f"{name} has two columns '{word}'; leave one out")
         if word in _AMOUNTS:
             parse_quantity(
                 f"1 {unit}".strip(), _AMOUNTS[word], f"heading '{clipped(cell)}' of {name}"
             )
-        heads.append((word, unit))
-    headings = [word for word, _ in heads]
-    repeats = sum(word.startswith("repeat ") for word in headings)
-    if "unit" not in headings or ("value" in headings) == (repeats > 0):
+        heads[word] = unit
+    repeats = sum(word.startswith("repeat ") for word in heads)
+    if "unit" not in heads or ("value" in heads) == (repeats > 0):
         raise InputError(
             f"{name} needs a column 'unit', and either 'value' with 'scatter' or 'repeat 1', 'repeat 2' and so on; add them"
         )
@@ -204,15 +184,12 @@ def _heads(cells: list[str], name: str) -> list[tuple[str, str]]:
     return heads
 
 
-def _value(
-    heads: list[tuple[str, str]], cells: list[str], overall: float, where: str
-) -> MeasuredValue:
+def _value(heads: dict[str, str], cells: list[str], overall: float, where: str) -> MeasuredValue:
     if len(cells) != len(heads):
         raise InputError(
             f"{where} has {len(cells)} cells, the headings {len(heads)}; make them alike"
         )
-    row = dict(zip((word for word, _ in heads), cells, strict=True))
-    units = dict(heads)
+    row = dict(zip(heads, cells, strict=True))
     quantity = row["quantity"]
     if not _NAME.fullmatch(quantity):
         raise InputError(
@@ -224,31 +201,27 @@ def _value(
         dimension_powers(f"1 {unit}".strip())
     except InputError as error:
         raise InputError(error.reason, where) from None
-    cells_of_value = [
-        cell for word, cell in row.items() if word == "value" or word.startswith("repeat ")
-    ]
-    repeats = np.array([_number(cell, where) for cell in cells_of_value]) * factor
+    repeats = factor * np.array(
+        [_number(row[word], where) for word in row if word == "value" or word.startswith("repeat ")]
+    )
     refuse_beyond(
         repeats, DIMENSIONS[dimension_of(unit) or "ratio"].si_unit, f"{quantity} in {where}"
     )
     scatter = math.nan
     if "value" in row:
-        scatter = _scatter(row.get("scatter", ""), float(repeats[0]), unit, factor, where)
+        scatter = _scatter(row.get("scatter", ""), float(repeats[0]), factor, where)
     elif len(repeats) < 2:
         raise InputError(
             f"{where} has one repeat, which shows no scatter; give two or more, or a column 'scatter'"
         )
     amounts = {
-        word: _number(row[word], where) * unit_factor(units[word]) if row.get(word) else math.nan
+        word: _number(row[word], where) * unit_factor(heads[word]) if row.get(word) else math.nan
         for word in _AMOUNTS
     }
     if amounts["angle scatter"] <= 0:
         raise InputError("a standard deviation is positive; correct the angle scatter", where)
-    speed = (
-        amounts["engine speed"]
-        if math.isfinite(amounts["engine speed"])
-        else 2 * amounts["cam speed"]
-    )
+    engine_speed = amounts["engine speed"]
+    speed = engine_speed if math.isfinite(engine_speed) else 2 * amounts["cam speed"]
     if speed <= 0:
         raise InputError("a speed is positive; correct it", where)
     return MeasuredValue(
@@ -264,39 +237,29 @@ def _value(
 
 def _number(cell: str, where: str) -> float:
     try:
-        found = float(cell)
+        number = number_of(cell)
     except ValueError:
-        found = math.nan
-    if not abs(found) < 1e30:
+        number = math.nan
+    if not abs(number) < 1e30:
         raise InputError(f"'{clipped(cell)}' is no number; correct it", where)
-    return found
+    return number
 
 
-def _scatter(cell: str, value: float, unit: str, factor: float, where: str) -> float:
-    """Standard deviation (SI): a number in the unit of the value, an amount, or a share of the
-    value in per cent.
-    """
+def _scatter(cell: str, value: float, factor: float, where: str) -> float:
+    """Standard deviation (SI): a number in the unit of the value, or a share of the value in per cent."""
     if not cell:
         raise InputError(
             "the scatter is missing; give one standard deviation of the value, such as '2' or '1 %'",
             where,
         )
-    if cell.endswith("%"):
-        found = abs(value) * parse_quantity(cell, "ratio", where)
-    else:
-        found = _number(cell, where) * factor
-    if not found > 0:
+    share = cell.endswith("%")
+    scatter = (
+        abs(value) * parse_quantity(cell, "ratio", where)
+        if share
+        else _number(cell, where) * factor
+    )
+    if not scatter > 0:
         raise InputError(
             f"the scatter is '{clipped(cell)}'; a standard deviation is positive", where
         )
-    return found
-
-
-def _speed(said: dict[str, list[str]], name: str) -> float:
-    for key, ratio in (("engine speed", 1.0), ("cam speed", 2.0)):
-        if said.get(key):
-            found = parse_quantity(said[key][0], "angular speed", f"{key} of {name}")
-            if not found > 0:
-                raise InputError(f"{key} of {name} is not positive; give it as it turns")
-            return ratio * found
-    return 0.0
+    return scatter

@@ -5,7 +5,6 @@ Which array holds the times of which is found by name and length.
 
 from __future__ import annotations
 
-import io
 import re
 import warnings
 from collections.abc import Iterable, Mapping
@@ -15,14 +14,8 @@ from typing import Any
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.measured.tables import (
-    COMMENTS,
-    TextTable,
-    column_separator,
-    read_content,
-    read_text_table,
-    text_of,
-)
+from valvetrain.measured.cycles import HDF5_MARK
+from valvetrain.measured.tables import read_content, read_text_table, text_of
 from valvetrain.rig.reader import (
     Array,
     Budget,
@@ -185,7 +178,6 @@ NETCDF3_SPEC = RigFormat("NetCDF", recognise_netcdf3, read_netcdf3)
 
 # HDF5, MAT 7.3 and NetCDF 4
 
-_HDF5_MARK = b"\x89HDF\r\n\x1a\n"
 #: Groups within groups, and members of all groups, at most.
 _MAX_DEPTH, _MAX_MEMBERS = 6, 5000
 #: Bytes up to which an attribute is read, and an array may claim whatever it stores.
@@ -199,7 +191,7 @@ _RATES, _STEPS = (
 
 def recognise_hdf5(head: bytes, file_name: str) -> bool:
     """Whether an HDF5 file begins here, or behind the 512 bytes that MAT 7.3 puts before it."""
-    return head.startswith(_HDF5_MARK) or head[512:520] == _HDF5_MARK
+    return head.startswith(HDF5_MARK) or head[512:520] == HDF5_MARK
 
 
 def read_hdf5(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
@@ -320,17 +312,12 @@ HDF5_SPEC = RigFormat("HDF5", recognise_hdf5, read_hdf5)
 
 # text of columns
 
-#: Larger texts are no recordings; of longer ones the first lines show the form. Most lines of one
-#: that is not alike throughout, which is read line by line.
-MAX_BYTES, HEAD_LINES, MAX_LINES = 500_000_000, 400, 2_000_000
+#: Larger texts are no recordings.
+MAX_BYTES = 500_000_000
 _RATE = re.compile(
     r"\s*(sampling rate|sample rate|fs|rate)\s*[:=]\s*([\d.]+(?:[eE][+-]?\d+)?)\s*(k?)(?:Hz|1/s|S/s)",
     re.I,
 )
-#: Pattern that separates columns -> the delimiter that numpy reads by, where it can.
-_DELIMITERS = {
-    ";": ";", "\\|": "|", "\t": "\t", "\\\t": "\t", r"\s+": None, ",": ",", r",\s+": ","
-}  # fmt: skip
 
 
 def recognise_text(head: bytes, file_name: str) -> bool:
@@ -342,7 +329,10 @@ def read_text(path: Path, file_name: str, selected: tuple[str, ...]) -> Recordin
     """The columns of the text: times where a heading says so, channels else."""
     text = text_of(read_content(path, MAX_BYTES, "recording"), file_name)
     Budget(file_name).take(text.count("\n"))  # a sample a line at least, before any is read
-    table, budget = _table(text, file_name), Budget(file_name, selected)
+    table, budget = (
+        read_text_table(text, file_name, MAX_COLUMNS, Budget.SAMPLES),
+        Budget(file_name, selected),
+    )
     budget.take(table.rows.size)
     times: Array | None = None
     channels = []
@@ -364,31 +354,6 @@ def read_text(path: Path, file_name: str, selected: tuple[str, ...]) -> Recordin
         {"sampling_rate": rates[0]} if rates else {},
         says_synthetic(*table.headings),
     )
-
-
-def _table(text: str, name: str) -> TextTable:
-    """The whole table; its form is found in the first lines and the rest is read by that form."""
-    first = "".join(line for _, line in zip(range(HEAD_LINES), io.StringIO(text), strict=False))
-    if len(first) < len(text):
-        try:
-            head = read_text_table(first, name, MAX_COLUMNS)
-            lines = [line.strip() for line in first.splitlines()[head.first_line - 1 :]]
-            separator = column_separator(
-                [line for line in lines if line and not line.startswith(COMMENTS)]
-            )
-            delimiter = _DELIMITERS[separator]
-            body: Array = np.loadtxt(
-                io.StringIO(text if delimiter == "," else text.replace(",", ".")),
-                delimiter=delimiter,
-                comments=list(COMMENTS),
-                skiprows=head.first_line - 1,
-                ndmin=2,
-            )
-            if body.shape[1] == head.rows.shape[1] and np.isfinite(body).all():
-                return TextTable(body, head.headings, head.names, head.units, head.first_line)
-        except (InputError, ValueError, KeyError):
-            pass  # read line by line, which names the line at fault
-    return read_text_table(text, name, MAX_COLUMNS, MAX_LINES)
 
 
 TEXT_SPEC = RigFormat("text", recognise_text, read_text, isolated=False)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.measured.ranges import refuse_beyond
+from valvetrain.measured.door import refuse_beyond
 from valvetrain.rig.reader import Recording, RigChannel
 from valvetrain.solution.definition import BY_LAST_WORD
 from valvetrain.units import DIMENSIONS, Given, dimension_of, parse_quantity, si, unit_factor
