@@ -10,7 +10,12 @@ import numpy as np
 import pytest
 
 from synthetic_spring import bump, run
-from valvetrain.compare_test.comparison import RunAgainstTest, Stage, against_cycles
+from valvetrain.compare_test.comparison import (
+    ComparisonRequest,
+    RunAgainstTest,
+    Stage,
+    against_cycles,
+)
 from valvetrain.measured.cycles import MeasuredCycles
 
 ANGLES = 360
@@ -46,7 +51,7 @@ def judged(*stages: Stage) -> RunAgainstTest:
     solution = run(
         {"valve_lift": lambda degrees: 9e-3 * bump(degrees, 180, 106), "seat_force": force}
     )
-    return against_cycles(solution, cycles, stages, None, 0, 0.95)
+    return against_cycles(solution, cycles, ComparisonRequest(cycles, level=0.95), stages)
 
 
 def stage(word: str) -> Stage:

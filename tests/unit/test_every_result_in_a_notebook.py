@@ -53,7 +53,7 @@ def against_test() -> object:
     values = ValueTable(test_told_beside_a_test.TABLES["two values"])
     speed = test_told_beside_a_test.SPEED
     study = test_told_beside_a_test.study()
-    return compare_test._with_values(study, values, (speed,), 0, 0.05, (), {})
+    return compare_test.judge_study(study, compare_test.ComparisonRequest(values, (speed,)), {})
 
 
 def train_modes() -> TrainModes:

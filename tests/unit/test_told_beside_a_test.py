@@ -14,7 +14,7 @@ from scipy import stats
 from synthetic_study import SPEED, modal_run, own_study, rod_run
 from valvetrain.compare_test import compare as compare_test
 from valvetrain.compare_test.answer import AgainstTestAnswer
-from valvetrain.compare_test.comparison import SharedErrors
+from valvetrain.compare_test.comparison import ComparisonRequest
 from valvetrain.compare_test.files import write_compare_test
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import MeasuredValue, ValueTable
@@ -65,7 +65,7 @@ TABLES = {
 def test_two_runs_are_compared_at_every_value_that_both_tell_and_at_no_angle(name):
     """Student's paired t, by scipy, of the squares that each repeat shows of either run."""
     test = ValueTable(TABLES[name])
-    found = compare_test._with_values(study(), test, (SPEED,), 0, 0.05, (), {})
+    found = compare_test.judge_study(study(), ComparisonRequest(test, (SPEED,)), {})
     place = {"peak_spring_force": 0, "minimum_spring_force": 1}
     shared = [one for one in test.values if one.quantity in place]
     repeats = np.array([one.repeats for one in shared])
@@ -99,13 +99,9 @@ def test_numbers_at_rest_are_those_of_all_springs_below_those_of_the_run_s_own_s
             replace(run, provenance=replace(run.provenance, spring_set="race"))
             for run in base.solutions
         )
-        found = compare_test._with_values(
+        found = compare_test.judge_study(
             replace(base, solutions=runs, still=still),
-            ValueTable((measured("preload", 300.0),)),
-            (SPEED,),
-            0,
-            0.05,
-            (),
+            ComparisonRequest(ValueTable((measured("preload", 300.0),)), (SPEED,)),
             {},
         )
         assert [row.model for one in found.runs for row in one.values] == [due, due]
@@ -120,7 +116,7 @@ def test_the_files_of_cycles_hold_the_cam_angle_in_degrees_the_mean_and_every_ru
         + np.outer(DRAWN[1], np.sin(3 * angle))
     )
     test = MeasuredCycles("spring_force", "N", angle, values, SPEED / 2)
-    found = compare_test._with_cycles(study(), test, None, 0, 0.05, (), {}, SharedErrors())
+    found = compare_test.judge_study(study(), ComparisonRequest(test, (SPEED,)), {})
     paths = {path.name: path for path in write_compare_test(found, tmp_path)}
     head, *rows = csv.reader(paths["curves.csv"].read_text().splitlines())
     told = dict(zip(head, np.array(rows, dtype=float).T, strict=True))

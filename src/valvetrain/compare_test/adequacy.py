@@ -14,14 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.special import chdtrc, chdtri, fdtrc, fdtri, stdtr, stdtrit
+from scipy.special import chdtri, fdtrc, fdtri, stdtr, stdtrit
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.summary import number
 
 Array = NDArray[np.float64]
-#: Degrees of freedom from which on Fisher's ratio is chi square over its own: they differ by some
-#: 1e-8 there.
+#: Degrees of freedom from which on more make no difference beyond some 1e-8.
 MANY = 1e8
 #: Share of adequate models that a test may refute.
 LEVEL = 0.05
@@ -125,20 +124,6 @@ class AdequacyTest:
         return chance(self.ratio, *self.degrees)
 
     @property
-    def counted_p_value(self) -> float:
-        """The same if every place counted as independent of its neighbours, as in a table of
-        separate trials.
-        """
-        if self.fitted >= self.places:
-            return math.nan
-        ratio = self.mean_square * self.places / (self.places - self.fitted) / self.reproducibility
-        return chance(
-            ratio,
-            self.places - self.fitted,
-            self.places * (self.repeats - 1) if self.repeats else math.inf,
-        )
-
-    @property
     def adequate(self) -> bool:
         """Whether the test does not refute the model."""
         return self.ratio <= self.critical
@@ -159,18 +144,12 @@ def chance_text(p_value: float) -> str:
 
 def critical_ratio(first: float, second: float, level: float) -> float:
     """Ratio that the chance ``level`` exceeds; ``second`` may be infinite."""
-    return (
-        float(chdtri(first, level) / first)
-        if second > MANY
-        else float(fdtri(first, second, 1 - level))
-    )
+    return float(fdtri(first, min(second, MANY), 1 - level))
 
 
 def chance(ratio: float, first: float, second: float) -> float:
     """Chance that Fisher's ratio with such degrees of freedom is larger than ``ratio``."""
-    return (
-        float(chdtrc(first, first * ratio)) if second > MANY else float(fdtrc(first, second, ratio))
-    )
+    return float(fdtrc(first, min(second, MANY), ratio))
 
 
 def adequacy_test(
@@ -293,6 +272,8 @@ def ring_weights(cam_angle: Array) -> tuple[Array, bool]:
 #: Fewest repeats that make a band worth drawing.
 MIN_REPEATS = 3
 _MAX_FACTOR = 1e6
+#: No error that all repeats share.
+NO_ERRORS = np.zeros((0, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,7 +305,7 @@ class DifferenceBand:
 
 
 def difference_band(
-    values: Array, model: Array, level: float = LEVEL, shared: Array | None = None
+    values: Array, model: Array, level: float = LEVEL, shared: Array = NO_ERRORS
 ) -> DifferenceBand:
     """The band for ``values`` (repeats, angles) round one cam revolution and ``model`` (angles,);
     ``shared`` (errors, angles): standard deviations of errors that all repeats share, each in step
@@ -342,13 +323,12 @@ def difference_band(
     residuals = values - mean
     size = np.sqrt(np.sum(residuals**2, axis=0))
     moving = size > 1e-12 * float(size.max(initial=0.0))
-    count = 0 if shared is None else len(shared)
+    count = len(shared)
     factor = band_factor(residuals[:, moving] / size[moving], 0.5 * level if count else level)
     half = factor * size / math.sqrt((repeats - 1) * repeats)
-    if shared is not None and count:
-        half = half + math.sqrt(float(chdtri(count, 0.5 * level))) * np.sqrt(
-            np.sum(shared**2, axis=0)
-        )
+    if count:
+        common = np.sqrt(np.sum(shared**2, axis=0))
+        half = half + math.sqrt(float(chdtri(count, 0.5 * level))) * common
     return DifferenceBand(model - mean, half, factor, level)
 
 

@@ -14,8 +14,8 @@ from valvetrain import registry
 from valvetrain.compare_test.adequacy import LEVEL, ring_weights
 from valvetrain.compare_test.comparison import (
     CloserRow,
+    ComparisonRequest,
     RunAgainstTest,
-    SharedErrors,
     Stage,
     against_cycles,
     against_values,
@@ -93,17 +93,6 @@ class ModelAgainstTest(Reported):
         """What was measured, empty for a table of several."""
         return self.test.quantity if isinstance(self.test, MeasuredCycles) else ""
 
-    def run(self, label: str = "") -> RunAgainstTest:
-        """The run of that label, the nearest for none. Raises :class:`InputError` for one that is
-        not there.
-        """
-        fits = [one for one in self.runs if label in ("", one.label)]
-        if not fits:
-            raise InputError(
-                f"no run is called '{label[:40]}'; there are {', '.join(one.label for one in self.runs) or 'none'}"
-            )
-        return fits[0]
-
     def __repr__(self) -> str:
         lines = [f"ModelAgainstTest: {self.study.record.name} against {self.test!r}"]
         return verdict_first(self, [*lines, *(f"not completed: {one}" for one in self.failures)])
@@ -172,12 +161,12 @@ def compare_with_test(
     True
     """
     chosen = case_of(case)
-    request = _read_request(
-        chosen, test, quantity, channel, engine_speed, sensor, fitted, shared, level
-    )
+    measured, speeds, notes = _read(chosen, test, quantity, channel, engine_speed)
+    errors = read_shared(shared, measured.unit if isinstance(measured, MeasuredCycles) else "")
+    request = ComparisonRequest(measured, speeds, notes, errors, sensor, fitted, level)
     study = simulate(
         chosen,
-        tuple(f"{speed!r} rad/s" for speed in request.engine_speeds),
+        tuple(f"{speed!r} rad/s" for speed in speeds),
         spring_models=spring_models,
         spring_set=spring_set,
         workers=workers,
@@ -185,11 +174,8 @@ def compare_with_test(
         limit=limit,
         implausible=implausible,
     )
-    return _answer(
-        study,
-        request,
-        active_wire(build(chosen, spring_models=spring_models, spring_set=spring_set)),
-    )
+    problem = build(chosen, spring_models=spring_models, spring_set=spring_set)
+    return judge_study(study, request, active_wire(problem))
 
 
 def compare_study_with_test(
@@ -225,7 +211,7 @@ def compare_study_with_test(
     False
     """
     chosen = case_of(case)
-    request = _read_request(chosen, test, quantity, channel, engine_speed, None, 0, (), LEVEL)
+    request = ComparisonRequest(*_read(chosen, test, quantity, channel, engine_speed))
     near = tuple(
         run
         for run in study.solutions
@@ -243,79 +229,29 @@ def compare_study_with_test(
             for name in ("model", "spring_set")
         )
         problem = build(chosen, spring_models=models, spring_set=sets)
-    return _answer(replace(study, solutions=near), request, active_wire(problem))
+    return judge_study(replace(study, solutions=near), request, active_wire(problem))
 
 
-@dataclass(frozen=True)
-class _Request:
-    """A test as it is compared, at which speeds (rad/s of the crank) and how."""
-
-    test: MeasuredCycles | ValueTable
-    engine_speeds: tuple[float, ...]
-    notes: tuple[str, ...]
-    shared: SharedErrors
-    sensor: Sensor | None
-    fitted: int
-    level: float
-
-
-def _read_request(
-    case: Case,
-    test: AnyTest,
-    quantity: str,
-    channel: int,
-    engine_speed: Given | None,
-    sensor: Sensor | None,
-    fitted: int,
-    shared: str | Sequence[str],
-    level: float,
-) -> _Request:
-    """The request, checked."""
-    own = read_test(test, quantity, channel)
-    if not 0 < level < 1:
-        raise InputError(f"the level {level!r:.20} is no chance; give one such as 0.05", "level")
-    if isinstance(fitted, bool) or not isinstance(fitted, int) or fitted < 0:
-        raise InputError(
-            f"'{fitted!s:.20}' is no number of fitted parameters; give 0, 1, 2 ...", "fitted"
-        )
+def _read(
+    case: Case, test: AnyTest, quantity: str, channel: int, engine_speed: Given | None
+) -> tuple[MeasuredCycles | ValueTable, tuple[float, ...], tuple[str, ...]]:
+    """The test, the crank speeds (rad/s) that are run for it, and what was assumed."""
     speed = None if engine_speed is None else si(engine_speed, "engine_speed", "engine_speed")
-    own, speeds, notes = at_speeds(case, own, speed)
-    known = SharedErrors()
-    if shared and isinstance(own, ValueTable):
-        raise InputError(
-            "a table states the scatter of each value; put what they share into it, or leave it out",
-            "shared",
-        )
-    if isinstance(own, MeasuredCycles):
-        known = read_shared(shared, own.unit)
-    if sensor is not None and isinstance(own, ValueTable):
-        raise InputError(
-            "a table holds named quantities; give the bandwidth of the load cell as [operation] force_bandwidth of the case",
-            "sensor",
-        )
-    return _Request(own, speeds, notes, known, sensor, fitted, level)
+    return at_speeds(case, read_test(test, quantity, channel), speed)
 
 
-def _answer(study: Study, request: _Request, active: Mapping[str, Active]) -> ModelAgainstTest:
-    if isinstance(request.test, ValueTable):
-        return _with_values(
-            study,
-            request.test,
-            request.engine_speeds,
-            request.fitted,
-            request.level,
-            request.notes,
-            active,
-        )
-    return _with_cycles(
-        study,
-        request.test,
-        request.sensor,
-        request.fitted,
-        request.level,
-        request.notes,
-        active,
-        request.shared,
+def judge_study(
+    study: Study, request: ComparisonRequest, active: Mapping[str, Active]
+) -> ModelAgainstTest:
+    """The runs of ``study`` against the test of ``request``; ``active``: label -> active wire of each spring."""
+    good = [run for run in study.solutions if run.status.completed and len(run.time) > 2]
+    lost = [run for run in study.solutions if run not in good]
+    judged = _with_values if isinstance(request.test, ValueTable) else _with_cycles
+    return replace(
+        judged(study, good, request, active),
+        failures=tuple(
+            f"{run.label} at {rpm_text(run.engine_speed)}: {run.status.sentence()}" for run in lost
+        ),
     )
 
 
@@ -334,48 +270,38 @@ def active_wire(problem: Problem) -> dict[str, Active]:
     }
 
 
-def _completed(study: Study) -> tuple[list[Solution], tuple[str, ...]]:
-    """Runs that have a curve, and a sentence on each of the others."""
-    good = [run for run in study.solutions if run.status.completed and len(run.time) > 2]
-    lost = [run for run in study.solutions if run not in good]
-    return good, tuple(
-        f"{run.label} at {rpm_text(run.engine_speed)}: {run.status.sentence()}" for run in lost
-    )
-
-
 def _with_cycles(
     study: Study,
-    test: MeasuredCycles,
-    sensor: Sensor | None,
-    fitted: int,
-    level: float,
-    notes: tuple[str, ...],
+    runs: Sequence[Solution],
+    request: ComparisonRequest,
     active: Mapping[str, Active],
-    shared: SharedErrors,
 ) -> ModelAgainstTest:
-    whole = whole_cycles(test)
-    runs, failures = _completed(study)
-    runs_with_curve = _with_curve(runs, whole, active)
-    stages = _stages(study)
-    found = [
-        against_cycles(run, whole, stages, sensor, fitted, level, active.get(run.label, {}), shared)
-        for run in runs_with_curve
+    assert isinstance(request.test, MeasuredCycles)
+    whole, stages = whole_cycles(request.test), _stages(study)
+    judged = [
+        against_cycles(run, whole, request, stages, active.get(run.label, {}))
+        for run in _with_curve(runs, whole, active)
     ]
-    found.sort(key=lambda one: one.agreement.rms if one.agreement is not None else math.inf)
+    judged.sort(key=lambda run: run.agreement.rms if run.agreement is not None else math.inf)
     weights, _ = ring_weights(whole.cam_angle)
     rows = tuple(
-        closer(found[0], other, whole.values, weights, (found[0].curve, other.curve))
-        for other in found[1:]
-        if found[0].curve is not None and other.curve is not None
+        closer(judged[0], other, whole.values, weights, (judged[0].curve, other.curve))
+        for other in judged[1:]
+        if judged[0].curve is not None and other.curve is not None
     )
-    if shared:
+    notes = request.notes
+    if request.shared:
         notes = (
             *notes,
-            f"all cycles are taken to share errors of {shared.text(whole.unit)} (standard deviations), in addition to their scatter",
+            f"all cycles are taken to share errors of {request.shared.text(whole.unit)} (standard deviations), in addition to their scatter",
         )
-    said = (*notes, *whole.notes)
     return ModelAgainstTest(
-        study, whole, tuple(found), rows, said, failures, separate_cycles(whole)
+        study,
+        whole,
+        tuple(judged),
+        rows,
+        (*notes, *whole.notes),
+        separate=separate_cycles(whole),
     )
 
 
@@ -411,41 +337,38 @@ def _stages(study: Study) -> tuple[Stage, ...]:
 
 def _with_values(
     study: Study,
-    test: ValueTable,
-    speeds: tuple[float, ...],
-    fitted: int,
-    level: float,
-    notes: tuple[str, ...],
+    runs: Sequence[Solution],
+    request: ComparisonRequest,
     active: Mapping[str, Active],
 ) -> ModelAgainstTest:
-    runs, failures = _completed(study)
-    found, said = [], list(notes) + list(test.notes)
+    test = request.test
+    assert isinstance(test, ValueTable)
+    judged = []
     for label in dict.fromkeys(run.label for run in runs):
         mine = {
             speed: run
-            for speed in speeds
+            for speed in request.engine_speeds
             for run in runs
             if run.label == label and same_speed(run.engine_speed, speed)
         }
-        if any(one.engine_speed not in mine for one in test.values):
+        if any(value.engine_speed not in mine for value in test.values):
             continue
-        still = {
-            **study.still.get("", {}),
-            **study.still.get(mine[test.values[0].engine_speed].spring_set, {}),
-        }
-        found.append(against_values(mine, still, test.values, fitted, level, active.get(label, {})))
-    found.sort(key=lambda one: math.inf if one.adequacy is None else one.adequacy.ratio)
-    rows: tuple[CloserRow, ...] = ()
-    if test.repeats > 1 and found:
-        matrix = np.array([one.repeats for one in test.values]).T
-        curves = [
-            np.array([row.model for row in one.values if row.kind == "value"]) for one in found
-        ]
-        known = np.all(np.isfinite(curves), axis=0)
-        even = np.full(int(known.sum()), 1 / max(1, int(known.sum())))
-        rows = tuple(
-            closer(found[0], other, matrix[:, known], even, (curves[0][known], curve[known]))
-            for other, curve in zip(found[1:], curves[1:], strict=True)
-            if known.any()
+        spring_set = mine[test.values[0].engine_speed].spring_set
+        still = {**study.still.get("", {}), **study.still.get(spring_set, {})}
+        judged.append(against_values(mine, still, request, test.values, active.get(label, {})))
+    judged.sort(key=lambda run: math.inf if run.adequacy is None else run.adequacy.ratio)
+    rows: list[CloserRow] = []
+    if test.repeats > 1 and judged:
+        curves = np.array(
+            [[row.model for row in run.values if row.kind == "value"] for run in judged]
         )
-    return ModelAgainstTest(study, test, tuple(found), rows, tuple(said), failures)
+        common = np.isfinite(curves).all(axis=0)
+        matrix = np.array([value.repeats for value in test.values])[common].T
+        even = np.full(int(common.sum()), 1 / max(1, int(common.sum())))
+        rows = [
+            closer(judged[0], other, matrix, even, (curves[0][common], curve[common]))
+            for other, curve in zip(judged[1:], curves[1:], strict=True)
+            if common.any()
+        ]
+    notes = (*request.notes, *test.notes)
+    return ModelAgainstTest(study, test, tuple(judged), tuple(rows), notes)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtr
 
 from valvetrain.compare_test.adequacy import (
+    LEVEL,
     MIN_REPEATS,
     AdequacyTest,
     DifferenceBand,
@@ -32,7 +33,7 @@ from valvetrain.compare_test.events import (
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.sensor import Sensor
-from valvetrain.measured.value_table import MeasuredValue
+from valvetrain.measured.value_table import MeasuredValue, ValueTable
 from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.traces import WHOLE, Active, trace_of
 from valvetrain.solution.definition import angle_name
@@ -118,8 +119,57 @@ def read_shared(texts: str | Sequence[str], unit: str) -> SharedErrors:
     return SharedErrors(**found)
 
 
-#: A test without stated errors of calibration.
-NONE_SHARED = SharedErrors()
+@dataclass(frozen=True)
+class ComparisonRequest:
+    """A ``test`` and how runs are judged by it.
+
+    Parameters
+    ----------
+    test : measured cycles or values
+    engine_speeds : of the crank at which the case runs, rad/s
+    notes : what was found or assumed, a sentence each
+    shared : errors that all cycles share
+    sensor : gauge through which the model is seen
+    fitted : parameters of the model that were found from this test
+    level : share of adequate models that the test may refute
+
+    Raises
+    ------
+    InputError : a level or a number that is none, a gauge or shared errors of a table
+    """
+
+    test: MeasuredCycles | ValueTable
+    engine_speeds: tuple[float, ...] = ()
+    notes: tuple[str, ...] = ()
+    shared: SharedErrors = SharedErrors()
+    sensor: Sensor | None = None
+    fitted: int = 0
+    level: float = LEVEL
+
+    def __post_init__(self) -> None:
+        if not 0 < self.level < 1:
+            raise InputError(
+                f"the level {self.level!r:.20} is no chance; give one such as 0.05", "level"
+            )
+        if isinstance(self.fitted, bool) or not isinstance(self.fitted, int) or self.fitted < 0:
+            raise InputError(
+                f"'{self.fitted!s:.20}' is no number of fitted parameters; give 0, 1, 2 ...",
+                "fitted",
+            )
+        if isinstance(self.test, MeasuredCycles):
+            return
+        if self.shared:
+            raise InputError(
+                "a table states the scatter of each value; put what they share into it, or leave it out",
+                "shared",
+            )
+        if self.sensor is not None:
+            raise InputError(
+                "a table holds named quantities; give the bandwidth of the load cell as [operation] force_bandwidth of the case",
+                "sensor",
+            )
+
+
 #: Begin and end (cam rad) of a stretch of the turn, and its name.
 Stage = tuple[str, float, float]
 _TURN = 2 * math.pi
@@ -206,22 +256,19 @@ class CloserRow:
 def against_cycles(
     run: Solution,
     cycles: MeasuredCycles,
+    request: ComparisonRequest,
     stages: Sequence[Stage],
-    sensor: Sensor | None,
-    fitted: int,
-    level: float,
     active: Active = WHOLE,
-    shared: SharedErrors = NONE_SHARED,
 ) -> RunAgainstTest:
     """A run against whole ``cycles`` (no value missing). Raises :class:`InputError` for a curve
     that the run does not have.
     """
-    trace = trace_of(run, cycles.quantity, active)
-    if sensor is not None:
-        trace = trace.through(sensor)
+    trace, level = trace_of(run, cycles.quantity, active), request.level
+    if request.sensor is not None:
+        trace = trace.through(request.sensor)
     curve, values, angle = trace.at(cycles.cam_angle), cycles.values, cycles.cam_angle
     weights, even = ring_weights(angle)
-    common = shared.shapes(angle, curve)
+    common = request.shared.shapes(angle, curve)
     band = difference_band(values, curve, level, common) if len(values) >= MIN_REPEATS else None
     adequacy, without = None, ""
     try:
@@ -230,7 +277,7 @@ def against_cycles(
             curve,
             weights,
             ring=even,
-            fitted=fitted,
+            fitted=request.fitted,
             level=level,
             shared=tuple((common**2 @ weights).tolist()),
         )
@@ -252,7 +299,7 @@ def against_cycles(
     after = stages[-1][1:] if len(stages) > 1 else (0.0, _TURN)
     interval = interval_row(spikes, after[0], after[1])
     events += [] if interval is None else [interval]
-    events = [_with_shared(one, shared) for one in events]
+    events = [_with_shared(event, request.shared) for event in events]
     agreed = agreement(angle, values, curve, weights, even)
     return RunAgainstTest(
         run.label, run.model, adequacy, without, curve, agreed, band, tuple(events), tuple(rows)
@@ -296,9 +343,8 @@ def _stage(
 def against_values(
     runs: Mapping[float, Solution],
     still: Mapping[str, float],
+    request: ComparisonRequest,
     values: Sequence[MeasuredValue],
-    fitted: int,
-    level: float,
     active: Active = WHOLE,
 ) -> RunAgainstTest:
     """Runs of one label, by crank speed (rad/s, as in ``values``), against a table."""
@@ -327,7 +373,7 @@ def against_values(
             )
     adequacy, without = None, ""
     try:
-        adequacy = _adequacy(values, [model for model, _ in modelled], rows, fitted, level)
+        adequacy = _adequacy(values, [model for model, _ in modelled], rows, request)
     except InputError as error:
         without = error.reason
     return RunAgainstTest(first.label, first.model, adequacy, without, values=tuple(rows))
@@ -369,8 +415,7 @@ def _adequacy(
     values: Sequence[MeasuredValue],
     modelled: Sequence[float],
     rows: Sequence[ValueRow],
-    fitted: int,
-    level: float,
+    request: ComparisonRequest,
 ) -> AdequacyTest:
     """With repeats Fisher's test over values of one unit; with stated scatters the mean square of
     what the rows are off by in these.
@@ -386,14 +431,18 @@ def _adequacy(
                 "values in several units have no common variance, so there is no F-test; give a table per unit"
             )
         matrix = np.array([one.repeats for one in values])[known].T
-        return adequacy_test(matrix, np.array(modelled)[known], fitted=fitted, level=level)
+        return adequacy_test(
+            matrix, np.array(modelled)[known], fitted=request.fitted, level=request.level
+        )
     off = np.array([row.in_scatters for row in rows if math.isfinite(row.model)])
     if not len(off):
         raise InputError(
             "the run has none of these values, so there is no test; docs/quantities.md lists what it has"
         )
     count = len(off)
-    return AdequacyTest(float(np.mean(off**2)), 1.0, 0, count, float(count), fitted, level)
+    return AdequacyTest(
+        float(np.mean(off**2)), 1.0, 0, count, float(count), request.fitted, request.level
+    )
 
 
 def _model_of(
@@ -401,20 +450,16 @@ def _model_of(
 ) -> tuple[float, float]:
     """Value of the run for a measured one and the cam angle of it; NaN where it gives none."""
     named = {**still, **run.quantities}
-    if one.quantity in named:
-        place = math.nan
-        if math.isfinite(one.cam_angle):
-            try:
-                place = named.get(angle_name(one.quantity), math.nan)
-            except InputError:
-                place = math.nan
-        return named[one.quantity], place
     kind, _, rest = one.quantity.partition("_")
+    extreme = kind in ("peak", "least") and bool(rest)
     try:
-        trace = trace_of(run, rest if kind in ("peak", "least") and rest else one.quantity, active)
+        if one.quantity in named:
+            at = angle_name(one.quantity) if math.isfinite(one.cam_angle) else ""
+            return named[one.quantity], named.get(at, math.nan)
+        trace = trace_of(run, rest if extreme else one.quantity, active)
     except InputError:
-        return math.nan, math.nan
-    if kind in ("peak", "least") and rest:
+        return named.get(one.quantity, math.nan), math.nan
+    if extreme:
         top = int(np.argmax(trace.values) if kind == "peak" else np.argmin(trace.values))
         return float(trace.values[top]), float(trace.cam_angle[top])
     if not math.isfinite(one.cam_angle):

@@ -103,10 +103,6 @@ def at_speeds(
                 f"the table gives the speeds of its values, {rpm_text(off[0])} among them; leave it out",
                 "engine_speed",
             )
-        if off:
-            notes.append(
-                f"the test ran at {rpm_text(off[0])} and the model at {rpm_text(engine_speed)}: the speed is part of the difference"
-            )
         silent = engine_speed
     elif 0.0 in stated:
         if len(own) != 1:

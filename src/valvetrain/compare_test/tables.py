@@ -62,7 +62,7 @@ ADEQUACY: Columns = (
         for name, heading, key in (
             ("adequacy", "variance of adequacy, SI", "adequacy_variance"), ("reproducibility", "of reproducibility", "reproducibility_variance"),
             ("adequate", "agrees", ""), ("places", "places", ""), ("independent", "independent", "independent_places"), ("repeats", "repeats", ""),
-            ("fitted", "fitted", ""), ("level", "level", ""), ("counted_p_value", "p if every place counted", "p_value_if_every_place_counted"),
+            ("fitted", "fitted", ""), ("level", "level", ""),
             ("refutable", "", "refutable_rms")
         )
     )
