@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.rig.reader import MAX_MEMORY, MAX_SECONDS, form_of, read_into
-from valvetrain.solution.read_apart import bound_process
+from valvetrain.rig.reader import MAX_SECONDS, form_of, read_here
+from valvetrain.solution.read_apart import MAX_MEMORY, bound_process
 
 
 def damaged(whole: bytes, random: np.random.Generator) -> tuple[str, bytes]:
@@ -51,7 +51,7 @@ def outcome(content: bytes, name: str) -> str:
         path = Path(folder, name)
         path.write_bytes(content)
         try:
-            form = form_of(path, name)
+            form_of(path, name)
         except InputError as error:
             return str(error)
         told = Path(folder, "told")
@@ -61,12 +61,10 @@ def outcome(content: bytes, name: str) -> str:
                 bound_process(MAX_MEMORY, MAX_SECONDS)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
-                answer = read_into(Path(folder), path, name, form, ())
-                sizes = [
-                    len(np.load(Path(folder, f"{place}.npy"), allow_pickle=False))
-                    for place in range(answer.get("arrays", 0))
-                ]
-                told.write_text(answer.get("error") or f"read {sum(sizes)}", encoding="utf-8")
+                sizes = [len(channel.values) for channel in read_here(path).channels]
+                told.write_text(f"read {sum(sizes)}", encoding="utf-8")
+            except InputError as error:
+                told.write_text(str(error), encoding="utf-8")
             except BaseException as error:
                 told.write_text(f"raised {type(error).__name__}: {error}", encoding="utf-8")
             finally:

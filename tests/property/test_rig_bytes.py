@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.rig import reader as reader_process
 from valvetrain.rig.channels import RigAnswers
 from valvetrain.rig.cycles import cycles_in
 from valvetrain.rig.reader import Recording, RigFormat, form_of, read_recording
+from valvetrain.solution import read_apart
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -151,18 +151,18 @@ def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
     changed = (
         "from valvetrain import registry; registry.BUILT_IN['rig_formats']['mdf'] = 'fatal:SPEC'"
     )
-    apart = f"{changed}; from {reader_process.__name__} import serve; serve()"
+    apart = f"{changed}; from {read_apart.__name__} import serve; serve()"
     real = subprocess.run
     monkeypatch.setattr(
-        reader_process.subprocess,
+        read_apart.subprocess,
         "run",
-        lambda command, **more: real([command[0], "-P", "-c", apart, command[-1]], **more),
+        lambda command, **more: real([command[0], "-P", "-c", apart, *command[4:]], **more),
     )
     (tmp_path / "it").write_bytes(b"fatal")
     try:
         with pytest.raises(
             InputError,
-            match="cannot be read as fatal: it is damaged, was cut short, or is too large",
+            match="is damaged",
         ):
             read_recording(tmp_path / "it")
     finally:
@@ -296,7 +296,7 @@ def test_a_library_that_is_not_installed_is_named(form, library, monkeypatch, fi
     with pytest.raises(
         InputError, match=r"install the extra 'measure' \(pip install 'valvetrain\[measure\]'\)"
     ):
-        reader.read(files / name, name, ())
+        reader.read(files / name, name)
 
 
 def test_pieces_of_a_file_and_of_the_work_move_no_bit(tmp_path, monkeypatch):
@@ -312,7 +312,7 @@ def test_pieces_of_a_file_and_of_the_work_move_no_bit(tmp_path, monkeypatch):
     for segments, at_once in ((1, 2_000_000), (7, 2_000_000), (1, 5_000)):
         monkeypatch.setattr(angle_grid, "_AT_ONCE", at_once)
         write_tdms(tmp_path / "rig.tdms", records, segments)
-        found.append(cycles_in(reader.read(tmp_path / "rig.tdms", "rig", ()), "rig", answers))
+        found.append(cycles_in(reader.read(tmp_path / "rig.tdms", "rig"), "rig", answers))
     for other in found[1:]:
         for one, two in zip(found[0].cycles, other.cycles, strict=True):
             np.testing.assert_array_equal(one.values, two.values)
@@ -323,8 +323,8 @@ def test_every_form_says_the_same(files):
     true = small()
     for name in WRITERS:
         path = files / name
-        reader: RigFormat = registry.find("rig_formats", form_of(path, name))
-        found = read_recording(path) if name == "rig.tdms" else reader.read(path, name, ())
+        reader: RigFormat = form_of(path, name)
+        found = read_recording(path) if name == "rig.tdms" else reader.read(path, name)
         assert isinstance(found, Recording) and found.synthetic
         channels = {one.name.replace("_", " "): one for one in found.channels}
         assert set(channels) == {
@@ -371,7 +371,7 @@ def test_times_of_mdf_by_formula_are_not_evaluated(tmp_path, monkeypatch, versio
     for module in (v2_v3_blocks, v4_blocks):
         monkeypatch.setattr(module, "evaluate", evaluate)
     reader: RigFormat = registry.find("rig_formats", "mdf")
-    found = reader.read(Path(path), "it", ())
+    found = reader.read(Path(path), "it")
     assert not found.channels and sum("formula" in note for note in found.notes) == 2
 
 

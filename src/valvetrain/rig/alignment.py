@@ -9,12 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import curve_fit
 
 from valvetrain.errors import InputError
 from valvetrain.rig.shaft import REVOLUTION
 
 Array = NDArray[np.float64]
 Lift = Callable[[Array], Array]
+#: Cam angle (rad) to either side by which a lift rises or falls; sizes of the offsets (rad), gain and base (m).
+SLOPE_STEP, STEPS = 1e-4, (1e-2, 1e-2, 1.0, 1e-3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +73,40 @@ def align_lift(rig_angle: Array, measured: Array, case_lift: Lift) -> LiftAlignm
     correlation = np.fft.irfft(
         np.conj(np.fft.rfft(lift - lift.mean())) * np.fft.rfft(model - model.mean()), count
     )
-    flanks, gain, base, deviations = _fit(
-        grid, lift, case_lift, float(grid[int(np.argmax(correlation))])
+    start = float(grid[int(np.argmax(correlation))])
+
+    def placed_lift(
+        angles: Array, opening: float, closing: float, gain: float, base: float
+    ) -> Array:
+        """The lift of the case with an offset for either flank, which is where it rises or falls."""
+        middle = angles + (opening + closing) / 2
+        rising = np.asarray(case_lift(middle + SLOPE_STEP) >= case_lift(middle - SLOPE_STEP))
+        placed = np.asarray(case_lift(angles + np.where(rising, opening, closing)))
+        return np.asarray(gain * placed + base, dtype=np.float64)
+
+    fitted, covariance = curve_fit(
+        placed_lift,
+        grid,
+        lift,
+        (start, start, 1.0, 0.0),
+        ftol=1e-14,
+        xtol=1e-14,
+        x_scale=STEPS,
+        method="trf",
     )
-    offset, half = sum(flanks) / 2, (flanks[0] - flanks[1]) / 2
+    residual = lift - placed_lift(grid, *fitted)
+    square = max(float(residual @ residual), 1e-300)
+    alike = float(np.clip(residual[1:] @ residual[:-1] / square, 0.0, 0.999))
+    # neighbours that err alike count once
+    covariance *= (count - 4) / max(count * (1 - alike) / (1 + alike) - 4, 1.0)
+    half_sum, half_difference = np.array([[0.5, 0.5], [0.5, -0.5]])
+    sum_variance, difference_variance = (
+        float(row @ covariance[:2, :2] @ row) for row in (half_sum, half_difference)
+    )
+    opening, closing, gain, base = map(float, fitted)
+    offset, half = (opening + closing) / 2, (opening - closing) / 2
     # flanks that are further apart than noise moves them show that the lift is not that of the case
-    excess = np.sqrt(max(half**2 - deviations[1] ** 2, 0.0))
-    uncertainty = float(np.hypot(deviations[0], excess))
+    uncertainty = float(np.sqrt(sum_variance + max(half**2 - difference_variance, 0.0)))
     order = np.argsort((grid + offset) % REVOLUTION)
     placed: Array = ((grid + offset) % REVOLUTION)[order]
     wrapped = float((offset + np.pi) % REVOLUTION - np.pi)
@@ -91,45 +121,3 @@ def align_lift(rig_angle: Array, measured: Array, case_lift: Lift) -> LiftAlignm
         lift[order],
         np.asarray(case_lift(placed), dtype=np.float64),
     )
-
-
-def _fit(
-    grid: Array, measured: Array, lift: Lift, offset: float
-) -> tuple[tuple[float, float], float, float, tuple[float, float]]:
-    """Offsets of opening and closing flank, gain, base, and standard deviations of half the sum and
-    half the difference of the offsets.
-
-    Gauss-Newton steps of least squares in all four; a flank is where the lift of the case rises or
-    falls.
-    """
-
-    def slope_at(angles: Array) -> Array:
-        step = 1e-4
-        slope: Array = (np.asarray(lift(angles + step)) - np.asarray(lift(angles - step))) / (
-            2 * step
-        )
-        return slope
-
-    solution = np.array([offset, offset, 1.0, 0.0])
-    for _ in range(20):
-        rising = slope_at(grid + (solution[0] + solution[1]) / 2) >= 0
-        angles = grid + np.where(rising, solution[0], solution[1])
-        model, slope = np.asarray(lift(angles)), solution[2] * slope_at(angles)
-        columns = np.column_stack([slope * rising, slope * ~rising, model, np.ones(len(model))])
-        residual = measured - solution[2] * model - solution[3]
-        change, *_ = np.linalg.lstsq(columns, residual, rcond=None)
-        solution += np.concatenate([np.clip(change[:2], -0.1, 0.1), change[2:]])
-        if np.max(np.abs(change[:2])) < 1e-10:
-            break
-    square = max(float(np.dot(residual, residual)), 1e-300)
-    alike = float(np.clip(np.dot(residual[1:], residual[:-1]) / square, 0.0, 0.999))
-    # neighbours that err alike count once
-    freedom = max(len(residual) * (1 - alike) / (1 + alike) - 4, 1.0)
-    scale = np.mean(residual**2) * len(residual) / freedom
-    covariance = np.linalg.pinv(columns.T @ columns) * scale
-    variances = covariance[0, 0] + covariance[1, 1]
-    of_sum, of_difference = (
-        float(np.sqrt(max(variances + sign * 2 * covariance[0, 1], 0.0)) / 2) for sign in (1, -1)
-    )
-    opening, closing, gain, base = map(float, solution)
-    return (opening, closing), gain, base, (of_sum, of_difference)

@@ -17,7 +17,6 @@ from valvetrain.errors import InputError
 from valvetrain.measured.cycles import HDF5_MARK
 from valvetrain.measured.tables import read_content, read_text_table, text_of
 from valvetrain.rig.reader import (
-    Array,
     Budget,
     Recording,
     RigChannel,
@@ -61,7 +60,7 @@ def _bare_unit(unit: str) -> str:
 
 
 def channels_of(
-    arrays: Mapping[str, Any], units: Mapping[str, str], budget: Budget
+    arrays: Mapping[str, Any], units: Mapping[str, str]
 ) -> tuple[tuple[RigChannel, ...], dict[str, float]]:
     """Channels of one- and two-dimensional arrays, each with the times of the same length, and the
     single numbers by name.
@@ -89,7 +88,7 @@ def channels_of(
             one_line(name), one_line(units.get(name, "")), values, times=times.get(len(values))
         )
         for name, values in columns.items()
-        if not is_time(name, units.get(name, "")) and budget.selects(one_line(name))
+        if not is_time(name, units.get(name, ""))
     ]
     return tuple(channels), scalars
 
@@ -108,7 +107,7 @@ def recognise_mat5(head: bytes, file_name: str) -> bool:
     return head.startswith(b"MATLAB 5.0 MAT-file") and len(head) >= 128
 
 
-def read_mat5(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
+def read_mat5(path: Path, file_name: str) -> Recording:
     """Arrays of numbers; a text ``<name>_unit`` gives a unit, a number ``fs`` or ``sampling_rate``
     the rate.
     """
@@ -118,7 +117,7 @@ def read_mat5(path: Path, file_name: str, selected: tuple[str, ...]) -> Recordin
         options = {"struct_as_record": True, "verify_compressed_data_integrity": True}
         return io.loadmat(str(path), variable_names=[name], **options)[name]
 
-    budget, size = Budget(file_name, selected), path.stat().st_size
+    budget, size = Budget(file_name), path.stat().st_size
     arrays: dict[str, Any] = {}
     texts: dict[str, str] = {}
     notes = []
@@ -140,7 +139,7 @@ def read_mat5(path: Path, file_name: str, selected: tuple[str, ...]) -> Recordin
     units = {
         name.removesuffix("_unit"): text for name, text in texts.items() if name.endswith("_unit")
     }
-    channels, scalars = channels_of(arrays, units, budget)
+    channels, scalars = channels_of(arrays, units)
     return Recording("MAT", channels, scalars, says_synthetic(*texts.values()), tuple(notes))
 
 
@@ -155,11 +154,11 @@ def recognise_netcdf3(head: bytes, file_name: str) -> bool:
     return head[:4] in (b"CDF\x01", b"CDF\x02")
 
 
-def read_netcdf3(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
+def read_netcdf3(path: Path, file_name: str) -> Recording:
     """Every variable of numbers; units from the attribute ``units``."""
     from scipy.io import netcdf_file
 
-    budget = Budget(file_name, selected)
+    budget = Budget(file_name)
     arrays, units = {}, {}
     with warnings.catch_warnings(action="ignore"), netcdf_file(str(path), "r", mmap=True) as file:
         descriptions = [one_line(value) for value in file._attributes.values()]
@@ -169,7 +168,7 @@ def read_netcdf3(path: Path, file_name: str, selected: tuple[str, ...]) -> Recor
                 arrays[str(name)] = np.array(variable.data, dtype=float)
                 units[str(name)] = one_line(getattr(variable, "units", ""))
             del variable
-    channels, scalars = channels_of(arrays, units, budget)
+    channels, scalars = channels_of(arrays, units)
     return Recording("NetCDF", channels, scalars, says_synthetic(*descriptions))
 
 
@@ -194,11 +193,11 @@ def recognise_hdf5(head: bytes, file_name: str) -> bool:
     return head.startswith(HDF5_MARK) or head[512:520] == HDF5_MARK
 
 
-def read_hdf5(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
+def read_hdf5(path: Path, file_name: str) -> Recording:
     """Every array of numbers in the file; units from the attribute ``units`` or ``unit``."""
     import h5py
 
-    walk = _Hdf5Walk(Budget(file_name, selected), path.stat().st_size)
+    walk = _Hdf5Walk(Budget(file_name), path.stat().st_size)
     with h5py.File(path, "r", locking=False) as file:
         descriptions = [
             one_line(value)
@@ -206,7 +205,7 @@ def read_hdf5(path: Path, file_name: str, selected: tuple[str, ...]) -> Recordin
             if isinstance(value, (str, bytes))
         ]
         walk.enter(h5py, file, "", 0)
-    channels, scalars = channels_of(walk.arrays, walk.units, walk.budget)
+    channels, scalars = channels_of(walk.arrays, walk.units)
     channels = tuple(
         one
         if one.times is not None
@@ -325,35 +324,27 @@ def recognise_text(head: bytes, file_name: str) -> bool:
     return b"\0" not in head or head[:2] in (b"\xff\xfe", b"\xfe\xff")
 
 
-def read_text(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
+def read_text(path: Path, file_name: str) -> Recording:
     """The columns of the text: times where a heading says so, channels else."""
-    text = text_of(read_content(path, MAX_BYTES, "recording"), file_name)
-    Budget(file_name).take(text.count("\n"))  # a sample a line at least, before any is read
-    table, budget = (
-        read_text_table(text, file_name, MAX_COLUMNS, Budget.SAMPLES),
-        Budget(file_name, selected),
-    )
+    text, budget = text_of(read_content(path, MAX_BYTES, "recording"), file_name), Budget(file_name)
+    budget.take(text.count("\n"))  # a sample a line at least, before any is read
+    table = read_text_table(text, file_name, MAX_COLUMNS, Budget.SAMPLES)
     budget.take(table.rows.size)
-    times: Array | None = None
-    channels = []
-    for index, (heading, unit) in enumerate(zip(table.names, table.units, strict=True)):
-        name, column = one_line(heading) or f"column {index + 1}", table.rows[:, index]
-        if not is_time(name, unit):
-            if budget.selects(name):
-                channels.append((name, one_line(unit), np.ascontiguousarray(column)))
-        elif times is None:
-            times = column * seconds_of(unit)
+    words = [one_line(name) for name in table.names]
+    names = [
+        word if word and words.count(word) == 1 else f"{word or 'column'} {place}"
+        for place, word in enumerate(words, start=1)
+    ]
+    columns = dict(zip(names, np.ascontiguousarray(table.rows.T), strict=True))
+    units = dict(zip(names, table.units, strict=True))
     rates = [
         float(match[2]) * (1e3 if match[3] else 1.0)
         for line in table.headings
         if (match := _RATE.match(line))
     ]
-    return Recording(
-        "text",
-        tuple(RigChannel(*channel, times=times) for channel in channels),
-        {"sampling_rate": rates[0]} if rates else {},
-        says_synthetic(*table.headings),
-    )
+    channels, _ = channels_of(columns, units)
+    scalars = {"sampling_rate": rates[0]} if rates else {}
+    return Recording("text", channels, scalars, says_synthetic(*table.headings))
 
 
 TEXT_SPEC = RigFormat("text", recognise_text, read_text, isolated=False)

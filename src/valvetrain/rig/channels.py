@@ -6,7 +6,7 @@ All questions that the file and the user leave open are listed in one sentence.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import NamedTuple
@@ -16,9 +16,18 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.measured.door import refuse_beyond
+from valvetrain.measured.tables import UNIT_NAMES
 from valvetrain.rig.reader import Recording, RigChannel
 from valvetrain.solution.definition import BY_LAST_WORD
-from valvetrain.units import DIMENSIONS, Given, dimension_of, parse_quantity, si, unit_factor
+from valvetrain.units import (
+    DIMENSIONS,
+    Given,
+    dimension_of,
+    parse_quantities,
+    parse_quantity,
+    si,
+    unit_factor,
+)
 
 Array = NDArray[np.float64]
 #: Question -> how it reads in a refusal.
@@ -58,14 +67,14 @@ class RigAnswers:
         ``{"spring_force": "412, 1000 N"}``
     zero : quantity -> its value in the dwell, such as ``{"spring_force": "240 N"}``; a lift is
         zero there unless specified otherwise
-    dwell : first and last cam angle of the dwell; found from the lift, where there is one
+    dwell : first and last cam angle of the dwell, such as "-30, 30 deg"; found from the lift, where there is one
     band : Hz, or text; the highest frequency retained of every channel, such as the bandwidth
         of the gauge
     angle_count : points per cam revolution; enough for the band, where None
     offset : cam angle of the case at the mark of the rig; found from the lift, where a case is
         given
     sampling_rate : 1/s, or text; where the file has no times
-    span : first and last time that are used, s or text
+    span : first and last time that are used, such as "2, 5 s"
     keep_outliers : retain cycles that differ from all others
 
     >>> RigAnswers(angle_of="crank", teeth=60, missing=2, band="20 kHz").band
@@ -84,12 +93,12 @@ class RigAnswers:
     calibration: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
     shunt: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
     zero: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
-    dwell: tuple[Given, Given] | None = None
+    dwell: Sequence[Given] | str | None = None
     band: Given | None = None
     angle_count: int | None = None
     offset: Given | None = None
     sampling_rate: Given | None = None
-    span: tuple[Given, Given] | None = None
+    span: Sequence[Given] | str | None = None
     keep_outliers: bool = False
 
     def __post_init__(self) -> None:
@@ -117,25 +126,22 @@ class RigAnswers:
                 object.__setattr__(self, name, frequency)
         if self.offset is not None:
             object.__setattr__(self, "offset", si(self.offset, "angle", "offset"))
-        if self.dwell is not None:
-            if len(self.dwell) != 2:
-                raise InputError(
-                    "the dwell has two angles, first and last, such as '-30 deg' and '30 deg'; give both",
-                    "dwell",
+        for name, dimension, example in (
+            ("dwell", "angle", "-30, 30 deg"),
+            ("span", "time", "2, 5 s"),
+        ):
+            if (given := getattr(self, name)) is not None:
+                words = (
+                    parse_quantities(given, dimension, name) if isinstance(given, str) else given
                 )
-            object.__setattr__(
-                self, "dwell", tuple(si(angle, "angle", "dwell") for angle in self.dwell)
-            )
-        if self.span is not None:
-            if len(self.span) != 2:
-                raise InputError(
-                    "the span has two times, first and last, such as '2 s' and '5 s'; give both",
-                    "span",
-                )
-            first, last = (si(time, "time", "span") for time in self.span)
-            if not first < last:
-                raise InputError("the span ends before it begins; give first and last time", "span")
-            object.__setattr__(self, "span", (first, last))
+                ends = tuple(si(word, dimension, name) for word in words)
+                if len(ends) != 2:
+                    raise InputError(f"the {name} has two ends, first and last: '{example}'", name)
+                if name == "span" and not ends[0] < ends[1]:
+                    raise InputError(
+                        "the span ends before it begins; give first and last time", name
+                    )
+                object.__setattr__(self, name, ends)
         if self.teeth is not None and self.missing >= self.teeth:
             raise InputError(
                 f"{self.missing} missing teeth of {self.teeth} leave none; teeth counts those that are missing too",
@@ -154,12 +160,9 @@ _SHAFT = (
     (r"once|trigger|cam.?pulse|tdc|\bot\b|index", "once"), (r"wheel|teeth|tooth|pulses|encoder.?track", "pulses"),
     (r"angle|encoder|winkel|°", "encoder")
 )  # fmt: skip
-#: Units as rigs write them -> SI value and dimension, in addition to those of the package.
+#: Units as rigs write them -> units of the package.
 _UNITS = {
-    "um/m": (1e-6, "ratio"), "µm/m": (1e-6, "ratio"), "μm/m": (1e-6, "ratio"), "ustrain": (1e-6, "ratio"), "µε": (1e-6, "ratio"),
-    "uε": (1e-6, "ratio"), "microstrain": (1e-6, "ratio"), "m/m": (1.0, "ratio"), "1": (1.0, "ratio"), "mm/m": (1e-3, "ratio"),
-    "m/s2": (1.0, "acceleration"), "°": (np.pi / 180, "angle"), "degrees": (np.pi / 180, "angle"), "grad": (np.pi / 180, "angle"),
-    "°CA": (np.pi / 180, "angle"), "degCA": (np.pi / 180, "angle"), "Deg": (np.pi / 180, "angle")
+    **UNIT_NAMES, "ustrain": "um/m", "µε": "um/m", "uε": "um/m", "με": "um/m", "microstrain": "um/m", "m/s2": "m/s^2"
 }  # fmt: skip
 _STANDARD_GRAVITY = 9.80665
 #: Times that differ from even ones by less than this (steps) are even ones, rounded; a gap is
@@ -376,8 +379,8 @@ def _dimension(unit: str, due: str) -> str | None:
 
 def _unit_scale(unit: str) -> tuple[float, str | None]:
     """SI value and dimension of a unit as rigs write it."""
-    bare = unit.strip()
-    return _UNITS[bare] if bare in _UNITS else (unit_factor(bare), dimension_of(bare))
+    bare = _UNITS.get(unit.strip().lower(), unit.strip())
+    return unit_factor(bare), dimension_of(bare)
 
 
 def _scale(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[float, str]:

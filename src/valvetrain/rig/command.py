@@ -20,6 +20,8 @@ from valvetrain.cli.options import (
     SpeedOption,
     SpringOption,
     asks,
+    choose_case,
+    folder_of,
     read_engine_speeds,
     read_models,
     read_sensor,
@@ -30,6 +32,7 @@ from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
     from valvetrain.measured.sensor import Sensor
+    from valvetrain.parameters.case import Case
     from valvetrain.rig.channels import RigAnswers
     from valvetrain.views.shown import Shown
 
@@ -140,21 +143,25 @@ def rig(
     """Recordings of a test rig as cycles over the cam angle, aligned to a case by the lift; or a
     computed force as a gauge records it.
     """
+    from valvetrain.cli.outcome import deliver
     from valvetrain.session import call_case
 
     call_case(
-        [*filter(None, (case,)), *(one for text in settings or () for one in ("--set", text))]
+        [*filter(None, (case,)), *(part for text in settings or () for part in ("--set", text))]
     )
     take_folder(output)
+    if settings and case is None:
+        raise InputError("values are changed of a case; name it with --case", "--set")
+    chosen = None if case is None else choose_case(case, settings)
     if file is None:
-        if case is None or (bandwidth is None and sensor is None):
+        if chosen is None or (bandwidth is None and sensor is None):
             raise InputError(
                 "give the recording as a file, or a case and the gauge that shall record it (--case, --bandwidth)",
                 "FILE",
             )
         gauge = read_sensor(bandwidth, sensor, sampling_rate)
-        speeds, models = read_engine_speeds(engine_speed), read_models(spring)
-        answer = _case_answer(case, settings, speeds, models, gauge)
+        speeds, models = read_engine_speeds(engine_speed) or (), read_models(spring)
+        saved = _case_answer(chosen, speeds, models, gauge)
     else:
         if engine_speed or bandwidth or sensor or spring:
             raise InputError(
@@ -176,16 +183,19 @@ def rig(
             calibration=read_pairs(calibration, "--calibration"),
             shunt=read_pairs(shunt, "--shunt"),
             zero=read_pairs(zero, "--zero"),
-            dwell=_two(dwell, "angle", "--dwell"),
+            dwell=dwell,
             band=band,
             angle_count=angle_count,
             offset=offset,
             sampling_rate=sampling_rate,
-            span=_two(span, "time", "--span"),
+            span=span,
             keep_outliers=keep_outliers,
         )
-        answer = _recording_answer(file, answers, case, settings, write)
-    _deliver(answer, output, open_page)
+        saved = _recording_answer(file, answers, chosen, write)
+    now = datetime.now(UTC).replace(microsecond=0)
+    home = Path() if case is None else folder_of(case)
+    request = SavedRequest("rig", saved, output, now, home)
+    deliver(saved_result(request, *saved[1:], open_page))
 
 
 def read_pairs(texts: Sequence[str] | None, option: str) -> dict[str, str]:
@@ -206,57 +216,23 @@ def read_pairs(texts: Sequence[str] | None, option: str) -> dict[str, str]:
     return pairs
 
 
-def _two(text: str | None, dimension: str, option: str) -> tuple[float, float] | None:
-    """First and last value of an interval."""
-    if text is None:
-        return None
-    from valvetrain.units import parse_quantities
-
-    values = parse_quantities(text, dimension, option)
-    if len(values) != 2:
-        example = "-30, 30 deg" if dimension == "angle" else "2, 5 s"
-        raise InputError(f"an interval has two ends, first and last: '{example}'", option)
-    return values[0], values[1]
-
-
-class _Answer(NamedTuple):
-    """An answer to be saved and printed: ``name`` of the run, ``text`` of the case, what is ``shown`` of the result with
-    cycles in ``folder``, files that ``write(folder)`` writes, ``choices`` in which saved runs differ, ``home`` of the case.
-    """
+class _Saved(NamedTuple):
+    """What is saved of an answer under a ``name``: the other fields are those of :func:`saved_result`."""
 
     name: str
     text: str
-    shown: Callable[[Path], Shown]
     data: dict[str, Any]
+    show: Callable[[Path], Shown]
     write: Callable[[Path], list[Path]]
     choices: dict[str, str]
-    home: Path
-
-
-def _deliver(answer: _Answer, output: Path | None, open_page: bool) -> None:
-    """Save the folder (page, files, run.json) and print the answer."""
-    from valvetrain.cli.outcome import deliver
-
-    now = datetime.now(UTC).replace(microsecond=0)
-    request = SavedRequest("rig", answer, output, now, folder=answer.home)
-    deliver(
-        saved_result(
-            request, answer.text, answer.data, answer.shown, answer.write, answer.choices, open_page
-        )
-    )
 
 
 def _recording_answer(
-    file: Path,
-    answers: RigAnswers,
-    case: str | None,
-    settings: list[str] | None,
-    write: Path | None,
-) -> _Answer:
+    file: Path, answers: RigAnswers, case: Case | None, write: Path | None
+) -> _Saved:
     """Cycles of a recording."""
     from hashlib import file_digest
 
-    from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.progress import busy
     from valvetrain.measured.cycles import write_cycles
     from valvetrain.rig.answer import RigAnswer
@@ -265,13 +241,10 @@ def _recording_answer(
     from valvetrain.solution.atomic import check_target
     from valvetrain.views.files import FreeNames
 
-    if settings and case is None:
-        raise InputError("values are changed of a case; name it with --case", "--set")
     if write is not None:
         check_target(write, "--write")
-    chosen = None if case is None else choose_case(case, settings)
     with busy("cutting the recording into cycles"):
-        result = rig_cycles(file, answers, chosen)
+        result = rig_cycles(file, answers, case)
     name = FreeNames().free(f"rig-{file.stem}")
 
     def write_files(folder: Path) -> list[Path]:
@@ -281,51 +254,34 @@ def _recording_answer(
         return files
 
     # two saved runs are the same where the request and the bytes of the file are
-    choices = {
-        key: str(value)
-        for key, value in vars(answers).items()
-        if value not in (None, "", 0, False) and value != {}
-    }
+    choices = {key: str(value) for key, value in vars(answers).items() if value}
     with file.open("rb") as stream:
         choices |= {"file": file.name, "digest": file_digest(stream, "blake2b").hexdigest()[:32]}
-    return _Answer(
+    return _Saved(
         name,
-        f'name = "{name}"\n' if chosen is None else chosen.text,
+        f'name = "{name}"\n' if case is None else case.text,
+        data_of(result) | {"case": case.name if case else ""},
         lambda folder: RigAnswer(result, folder=folder),
-        data_of(result) | {"case": chosen.name if chosen else ""},
         write_files,
         choices,
-        Path() if case is None else folder_of(case),
     )
 
 
 def _case_answer(
-    case: str,
-    settings: Sequence[str] | None,
-    engine_speeds: tuple[float, ...] | None,
-    spring_models: tuple[str, ...],
-    sensor: Sensor,
-) -> _Answer:
+    case: Case, speeds: Sequence[float], spring_models: Sequence[str], sensor: Sensor
+) -> _Saved:
     """True and recorded peaks of the runs of a case."""
-    from valvetrain.cli.options import choose_case, folder_of
     from valvetrain.cli.progress import busy
     from valvetrain.rig.gauge import case_response
     from valvetrain.rig.gauge_answer import GaugeAnswer, data_of, sensor_text, write_responses
 
-    chosen = choose_case(case, list(settings or ()))
     with busy("running the case for the gauge"):
-        responses = case_response(chosen, sensor, engine_speeds or (), spring_models)
-    choices = {
-        "gauge": sensor_text(sensor),
-        "speeds": str(engine_speeds or ""),
-        "models": ", ".join(spring_models),
-    }
-    return _Answer(
-        chosen.name,
-        chosen.text,
-        lambda folder: GaugeAnswer(chosen.name, responses, sensor),
-        data_of(responses, sensor, chosen.name),
+        responses = case_response(case, sensor, speeds, spring_models)
+    return _Saved(
+        case.name,
+        case.text,
+        data_of(responses, sensor, case.name),
+        lambda folder: GaugeAnswer(case.name, responses, sensor),
         lambda folder: write_responses(responses, folder),
-        choices,
-        folder_of(case),
+        {"gauge": sensor_text(sensor), "speeds": str(speeds), "models": ", ".join(spring_models)},
     )

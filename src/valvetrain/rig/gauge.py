@@ -10,13 +10,10 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor, SensorResponse
-from valvetrain.parameters.loading import AnyCase
-from valvetrain.runs.prepared import Plan, PreparedRun, integrate_point, prepare, provenance_of
-from valvetrain.runs.train_runs import member_statics, prepare_trains
-from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.runs.api import simulate
 from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
-from valvetrain.system.contract import TRAIN
 
 Array = NDArray[np.float64]
 #: Channels that a gauge may measure, in this order.
@@ -160,42 +157,38 @@ def case_response(
     ``engine_speeds`` in rad/s of the crank (empty: the case's own). Raises :class:`InputError` for
     a case that cannot run; a run that fails gives no channels.
     """
-    problem = build(case, spring_models=tuple(spring_models)).settled()
-    problem.must_run()
-    speeds = tuple(engine_speeds) or problem.engine_speeds
+    chosen = case_of(case)
+    speeds = tuple(engine_speeds) or build(chosen).engine_speeds
     if not speeds:
         raise InputError("the case names no engine speed; give one", "--engine-speed")
-    prepared: tuple[PreparedRun, ...]
-    if problem.kind == TRAIN:
-        prepared = prepare_trains(problem, speeds, PartialFailures())[0]
-    else:
-        prepared = tuple(
-            prepare(problem, member, member_statics(problem, member), problem.record.study)
-            for member in problem.members
-        )
 
-    def solve(run: PreparedRun, engine_speed: float, samples: float) -> Solution:
-        count = int(np.clip(samples, MIN_SAMPLES, MAX_SAMPLES))
-        plan = Plan("ends", count, True, problem.cycles, problem.cycles_to_settle)
-        origin = provenance_of(problem, run.member, engine_speed, "")
-        return integrate_point(run, engine_speed, plan, origin)
+    def responses_at(speed: float, samples: float) -> list[ChannelResponse]:
+        step = 2 * np.pi / float(np.clip(samples, MIN_SAMPLES, MAX_SAMPLES))
+        study = simulate(
+            chosen.replace({"operation.output_step": step}),
+            f"{speed!r} rad/s",
+            spring_models=spring_models,
+            progress=lambda *_: None,
+        )
+        channels: list[ChannelResponse] = []
+        for run in study.solutions:
+            if run.status.code in ("completed", "not-converged"):
+                channels += sensor_response(run, sensor)
+            else:
+                failed.append(run.status.message)
+        return [channel for channel in channels if np.any(channel.values)]
 
     responses: list[ChannelResponse] = []
-    why = ""
+    failed: list[str] = []
     for speed in speeds:
         need = 4 * np.pi / speed * sensor.highest_frequency * POINTS
-        for run in prepared:
-            solution = solve(run, speed, need / (1 if problem.kind == TRAIN else STORED))
-            if solution.status.code not in ("completed", "not-converged"):
-                why = why or solution.status.message
-                continue
-            channels = sensor_response(solution, sensor)
-            # a model that stores nothing between its samples
-            if any(channel.coarse for channel in channels):
-                channels = sensor_response(solve(run, speed, need), sensor)
-            responses += [channel for channel in channels if np.any(channel.values)]
+        channels = responses_at(speed, need / (STORED if chosen.train is None else 1))
+        # a model that stores nothing between its samples
+        coarse = chosen.train is None and any(channel.coarse for channel in channels)
+        responses += responses_at(speed, need) if coarse else channels
     if not responses:
         raise InputError(
-            f"no run of the case was completed ({why}); examine it with 'valvetrain run'", "case"
+            f"no run of the case was completed ({failed[0]}); examine it with 'valvetrain run'",
+            "case",
         )
     return tuple(responses)

@@ -1,6 +1,6 @@
 """Reads recordings of data loggers: MDF 4 (and 3), TDMS and universal files 58.
 
-Conversions of MDF are applied here; formulas are not evaluated.
+Conversions of MDF by numbers are applied; formulas are not evaluated.
 """
 
 from __future__ import annotations
@@ -24,12 +24,9 @@ from valvetrain.rig.reader import (
     says_synthetic,
 )
 
-#: Kinds of conversions that are not applied.
-FORMULA = "a formula or words"
-#: Numbers of the kinds: ASAM MDF 4.1, CCBLOCK, and MDF 3.3, CCBLOCK, whose rational one runs
-#: backward.
-_KINDS = {0: "none", 1: "linear", 2: "rational", 4: "line", 5: "table"}
-_KINDS_OF_MDF_3 = {65535: "none", 0: "linear", 1: "line", 2: "table"}
+#: Kinds of conversions by numbers alone: ASAM MDF 4.1 and MDF 3.3, CCBLOCK.
+_BY_NUMBERS, _BY_NUMBERS_IN_MDF_3 = (0, 1, 2, 4, 5), (65535, 0, 1, 2)
+_FORMULA = "a formula or words"
 
 
 def recognise_mdf4(head: bytes, file_name: str) -> bool:
@@ -37,13 +34,13 @@ def recognise_mdf4(head: bytes, file_name: str) -> bool:
     return head.startswith((b"MDF     ", b"UnFinMF "))
 
 
-def read_mdf4(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
+def read_mdf4(path: Path, file_name: str) -> Recording:
     """Channels with the times of their group. Attachments and bus messages are left alone."""
     try:
         import asammdf
     except ImportError as error:
         raise missing_library(file_name, "MDF", "asammdf") from error
-    budget, notes = Budget(file_name, selected), []
+    budget, notes = Budget(file_name), []
     channels: list[RigChannel] = []
     with tempfile.TemporaryDirectory() as folder:
         options: dict[str, Any] = {"process_bus_logging": False, "temporary_folder": folder}
@@ -69,13 +66,12 @@ def _mdf_group(file: Any, group: int, budget: Budget) -> tuple[list[RigChannel],
         for index, channel in enumerate(blocks.channels)
         if index != master
     ]
-    names = [(index, name) for index, name in names if budget.selects(name)]
     if not names or not cycles:
         return [], []
     times = None
-    if master is not None and _kind(blocks.channels[master].conversion) == FORMULA:
+    if master is not None and not _by_numbers(blocks.channels[master].conversion):
         return [], [
-            f"{len(names)} channels, '{names[0][1]}' the first, are left out: the conversion of their times is {FORMULA}"
+            f"{len(names)} channels, '{names[0][1]}' the first, are left out: the conversion of their times is {_FORMULA}"
         ]
     budget.take(cycles)
     if master is not None:
@@ -87,16 +83,16 @@ def _mdf_group(file: Any, group: int, budget: Budget) -> tuple[list[RigChannel],
         raw, conversion = _numbers(signal.samples), signal.conversion
         if raw is None:
             continue
-        values = _converted(raw, conversion)
-        if values is None:
+        if not _by_numbers(conversion):
             notes.append(
-                f"channel '{name}' is left out: its conversion is {_kind(conversion)}, and nothing in a file is evaluated; store "
+                f"channel '{name}' is left out: its conversion is {_FORMULA}, and nothing in a file is evaluated; store "
                 "converted values"
             )
             continue
+        values = raw if conversion is None else np.asarray(conversion.convert(raw))
         unit = one_line(getattr(conversion, "unit", "") or signal.unit or "")
-        own = times if times is not None and len(times) == len(values) else None
-        channels.append(RigChannel(name, unit, values, times=own))
+        of_group = times if times is not None and len(times) == len(values) else None
+        channels.append(RigChannel(name, unit, values, times=of_group))
     return channels, notes
 
 
@@ -106,41 +102,12 @@ def _numbers(samples: Any) -> np.ndarray[Any, Any] | None:
     return np.asarray(samples, dtype=float) if numeric else None
 
 
-def _converted(values: Any, conversion: Any) -> Any:
-    """Raw values in physical units by linear, rational and tabular conversions; None by others."""
-    kind = _kind(conversion)
-    if kind == "none":
-        return values
-    if kind == "linear":
-        return values * float(conversion.a) + float(conversion.b)
-    if kind == "rational":
-        p1, p2, p3, p4, p5, p6 = (float(getattr(conversion, f"P{index}")) for index in range(1, 7))
-        with np.errstate(all="ignore"):
-            return (p1 * values**2 + p2 * values + p3) / (p4 * values**2 + p5 * values + p6)
-    if kind not in ("line", "table"):
-        return None
-    older = _is_mdf_3(conversion)
-    count = conversion.ref_param_nr if older else conversion.val_param_nr // 2
-    raw, physical = (
-        np.array([float(getattr(conversion, f"{name}_{index}")) for index in range(count)])
-        for name in ("raw", "phys")
-    )
-    if kind == "line":
-        return np.interp(values, raw, physical)
-    nearest = np.searchsorted((raw[1:] + raw[:-1]) / 2, values)
-    return physical[np.clip(nearest, 0, count - 1)]
-
-
-def _is_mdf_3(conversion: Any) -> bool:
-    return type(conversion).__module__.endswith("v2_v3_blocks")
-
-
-def _kind(conversion: Any) -> str:
-    """What a conversion does."""
+def _by_numbers(conversion: Any) -> bool:
+    """Whether a conversion is one by numbers alone, in which nothing of the file is evaluated."""
     if conversion is None:
-        return "none"
-    kinds = _KINDS_OF_MDF_3 if _is_mdf_3(conversion) else _KINDS
-    return kinds.get(int(conversion.conversion_type), FORMULA)
+        return True
+    older = type(conversion).__module__.endswith("v2_v3_blocks")
+    return int(conversion.conversion_type) in (_BY_NUMBERS_IN_MDF_3 if older else _BY_NUMBERS)
 
 
 MDF4_SPEC = RigFormat("MDF", recognise_mdf4, read_mdf4)
@@ -151,7 +118,7 @@ def recognise_tdms(head: bytes, file_name: str) -> bool:
     return head.startswith(b"TDSm")
 
 
-def read_tdms(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
+def read_tdms(path: Path, file_name: str) -> Recording:
     """Channels of numbers with the increments of their waveforms; an index file next to it is not
     opened.
     """
@@ -159,7 +126,7 @@ def read_tdms(path: Path, file_name: str, selected: tuple[str, ...]) -> Recordin
         from nptdms import TdmsFile
     except ImportError as error:
         raise missing_library(file_name, "TDMS", "npTDMS") from error
-    budget, channels, notes = Budget(file_name, selected), [], []
+    budget, channels, notes = Budget(file_name), [], []
     size = path.stat().st_size
     with (
         path.open("rb") as stream,
@@ -174,8 +141,6 @@ def read_tdms(path: Path, file_name: str, selected: tuple[str, ...]) -> Recordin
             descriptions += [str(value) for value in group.properties.values()]
             for channel in group.channels():
                 name = one_line(channel.name)
-                if not budget.selects(name):
-                    continue
                 if len(channel) > size:
                     raise InputError(
                         f"'{file_name[:80]}' is damaged: channel '{name}' claims more samples than it has bytes"
@@ -214,13 +179,13 @@ def recognise_uff58(head: bytes, file_name: str) -> bool:
     return re.match(first, head) is not None
 
 
-def read_uff58(path: Path, file_name: str, selected: tuple[str, ...]) -> Recording:
+def read_uff58(path: Path, file_name: str) -> Recording:
     """Every function of time of the file."""
     try:
         import pyuff
     except ImportError as error:
         raise missing_library(file_name, "a universal file (UFF58)", "pyuff") from error
-    budget, notes = Budget(file_name, selected), []
+    budget, notes = Budget(file_name), []
     channels: list[RigChannel] = []
     descriptions: list[str] = []
     size = path.stat().st_size
@@ -251,7 +216,7 @@ def read_uff58(path: Path, file_name: str, selected: tuple[str, ...]) -> Recordi
                 notes.append(
                     f"data set {index + 1} is left out: it is no row of real numbers over time"
                 )
-            elif budget.selects(channel.name):
+            else:
                 channels.append(channel)
     return Recording(
         "universal file 58",

@@ -1,32 +1,27 @@
 """Reads recordings of a test rig: channels over time, in whatever registered form the file has.
 
-Readers whose libraries are not made for damaged bytes run in a process of their own.
+Readers whose libraries are not made for damaged bytes are tried in a process of their own first.
 """
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.solution.read_apart import apart_environment, bound_process, no_interpreter
+from valvetrain.solution.read_apart import tried_apart
 
 Array = NDArray[np.float64]
 #: Bytes at the beginning of a file by which its form is recognised.
 HEAD = 4096
-#: Bytes of memory and seconds (of the processor, of the clock) that reading one file may take.
-MAX_MEMORY, MAX_SECONDS, MAX_WAIT = 4_000_000_000, 120, 300
+#: Seconds of the processor that reading one file may take, at least.
+MAX_SECONDS = 60
 #: Larger files are not opened.
 MAX_BYTES = 4_000_000_000
 
@@ -95,13 +90,9 @@ class Budget:
     #: Samples of one recording that are read at once, and channels, at most.
     SAMPLES, CHANNELS = 60_000_000, 2_000
 
-    def __init__(self, file_name: str, selected: tuple[str, ...] = ()) -> None:
-        self.file_name, self.selected = file_name, selected
+    def __init__(self, file_name: str) -> None:
+        self.file_name = file_name
         self.samples = self.channels = 0
-
-    def selects(self, channel: str) -> bool:
-        """Whether a channel is read: all are where none is named."""
-        return not self.selected or channel in self.selected
 
     def take(self, samples: int) -> None:
         """Count the samples of a channel. Raises :class:`InputError` beyond the bounds."""
@@ -118,14 +109,13 @@ class RigFormat:
     """A form of recordings.
 
     ``recognise(head, file_name)`` examines the first bytes alone (the name is for messages).
-    ``read(path, file_name, selected)`` returns the channels whose names are in ``selected``, all
-    where it is empty. ``isolated``: read in a process of its own, since the library behind it is
-    not made for damaged bytes.
+    ``read(path, file_name)`` returns the channels. ``isolated``: tried in a process of its own, since
+    the library behind it is not made for damaged bytes.
     """
 
     label: str
     recognise: Callable[[bytes, str], bool]
-    read: Callable[[Path, str, tuple[str, ...]], Recording]
+    read: Callable[[Path, str], Recording]
     isolated: bool = True
 
 
@@ -146,31 +136,42 @@ def one_line(value: object) -> str:
     return " ".join("".join(char if char.isprintable() else " " for char in text).split())[:120]
 
 
-def read_recording(path: Path, selected: tuple[str, ...] = ()) -> Recording:
+def read_recording(path: Path) -> Recording:
     """The channels of a recording, in whatever registered form it is.
 
-    Parameters: ``path`` of the file, ``selected`` names of channels (all where empty). Raises
-    :class:`InputError` for a file that is missing, empty, special, of no known form, damaged or too
+    Raises :class:`InputError` for a file that is missing, empty, special, of no known form, damaged or too
     large.
     """
     name = path.name[:80] or str(path)[:80]
-    form = form_of(path, name)
-    reader: RigFormat = registry.find("rig_formats", form)
+    reader = form_of(path, name)
     if reader.isolated:
-        recording = _read_isolated(path, name, form, selected)
-    else:
-        recording = reader.read(path, name, selected)
+        tried_apart(f"{__name__}:read_here", path, f"'{name}'", _damaged(reader), MAX_SECONDS)
+    recording = read_here(path)
     if not recording.channels:
         why = f" ({recording.notes[0]})" if recording.notes else ""
-        which = f" called {', '.join(selected)[:80]}" if selected else " of numbers over time"
         raise InputError(
-            f"'{name}' ({reader.label}) holds no channel{which}{why}; look at it with its own program"
+            f"'{name}' ({reader.label}) holds no channel of numbers over time{why}; look at it with its own program"
         )
     return recording
 
 
-def form_of(path: Path, name: str) -> str:
-    """Registry name of the form that recognises the content."""
+def read_here(path: Path) -> Recording:
+    """As :func:`read_recording`, in this process: its library may crash or hang it."""
+    reader = form_of(path, path.name)
+    try:
+        return reader.read(path, path.name)
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # each library raises its own kinds for bytes it cannot parse
+        raise InputError(_damaged(reader), f"'{path.name[:80]}'") from error
+
+
+def _damaged(reader: RigFormat) -> str:
+    return f"cannot be read as {reader.label}: it is damaged, was cut short or is of a kind that is not read; export it again"
+
+
+def form_of(path: Path, name: str) -> RigFormat:
+    """The form that recognises the content."""
     try:
         if path.exists() and not path.is_file():
             raise InputError(f"'{name}' is no regular file; give the recording as a file")
@@ -186,111 +187,11 @@ def form_of(path: Path, name: str) -> str:
         raise InputError(f"'{name}' is larger than {MAX_BYTES / 1e9:g} GB; cut the recording")
     if not head.strip():
         raise InputError(f"'{name}' is empty; export the recording again")
-    readers = {form: registry.find("rig_formats", form) for form in registry.names("rig_formats")}
-    form = next((form for form, reader in readers.items() if reader.recognise(head, name)), None)
-    if form is None:
-        labels = ", ".join(reader.label for reader in readers.values())
-        raise InputError(f"'{name}' is none of {labels}; export the recording in one of them")
-    return form
-
-
-def _read_isolated(path: Path, name: str, form: str, selected: tuple[str, ...]) -> Recording:
-    """The recording, read by :func:`serve` in a process of its own."""
-    request = {"path": str(path.absolute()), "name": name, "form": form, "selected": selected}
-    environment = apart_environment()
-    with tempfile.TemporaryDirectory(prefix="valvetrain.") as folder:
-        # -P: a module in the folder of the recording is none of ours
-        command = [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()", folder]
-        try:
-            done = subprocess.run(
-                command,
-                input=json.dumps(request),
-                text=True,
-                capture_output=True,
-                timeout=MAX_WAIT,
-                env=environment,
-                check=False,
-            )
-        except subprocess.TimeoutExpired as error:
-            raise InputError(
-                f"'{name}' was not read within {MAX_WAIT} s; it is damaged or too long, so cut it"
-            ) from error
-        except (OSError, TypeError) as error:
-            raise InputError(
-                f"'{name}' is not read, for recordings are read in a process of their own, and {no_interpreter()}"
-            ) from error
-        file = Path(folder, "answer.json")
-        if done.returncode or not file.is_file():
-            reader: RigFormat = registry.find("rig_formats", form)
-            raise InputError(
-                f"'{name}' cannot be read as {reader.label}: it is damaged, was cut short, or is too large; export it again"
-            )
-        answer = json.loads(file.read_text(encoding="utf-8"))
-        if "error" in answer:
-            raise InputError(answer["error"])
-        arrays = [
-            np.load(Path(folder, f"{index}.npy"), allow_pickle=False)
-            for index in range(answer["arrays"])
-        ]
-    for one in answer["channels"]:
-        one["values"] = arrays[one["values"]]
-        one["times"] = None if one["times"] is None else arrays[one["times"]]
-    channels = tuple(RigChannel(**one) for one in answer["channels"])
-    return Recording(
-        answer["form"], channels, answer["scalars"], answer["synthetic"], tuple(answer["notes"])
-    )
-
-
-def serve() -> None:
-    """Read the file that standard input requests into the folder named by the first argument: the
-    child's side of :func:`read_recording`.
-    """
-    bound_process(MAX_MEMORY, MAX_SECONDS)
-    request, folder = json.loads(sys.stdin.read()), Path(sys.argv[1])
-    selected = tuple(request["selected"])
-    answer = read_into(folder, Path(request["path"]), request["name"], request["form"], selected)
-    Path(folder, "answer.json").write_text(json.dumps(answer), encoding="utf-8")
-
-
-def read_into(
-    folder: Path, path: Path, name: str, form: str, selected: tuple[str, ...]
-) -> dict[str, Any]:
-    """The channels of a file for JSON, their numbers as arrays in ``folder``; an error as one
-    sentence.
-    """
-    reader: RigFormat = registry.find("rig_formats", form)
-    try:
-        recording = reader.read(path, name, selected)
-    except InputError as error:
-        return {"error": str(error)}
-    except MemoryError:
-        return {
-            "error": f"'{name}' claims more than the memory that reading may take; it is damaged, or cut it"
-        }
-    except Exception as error:  # each library raises its own kinds for bytes it cannot parse
-        hint = "it is damaged or was cut short"
-        hint = (
-            "it is of a kind that is not read" if isinstance(error, NotImplementedError) else hint
-        )
-        return {"error": f"'{name}' cannot be read as {reader.label}: {hint}; export it again"}
-    arrays = {
-        id(values): values
-        for one in recording.channels
-        for values in (one.values, one.times)
-        if values is not None
-    }
-    for index, values in enumerate(arrays.values()):
-        np.save(Path(folder, f"{index}.npy"), np.asarray(values, dtype=float), allow_pickle=False)
-    index_of = {key: index for index, key in enumerate(arrays)} | {id(None): None}
-    channels = [
-        vars(one) | {"values": index_of[id(one.values)], "times": index_of[id(one.times)]}
-        for one in recording.channels
+    readers: list[RigFormat] = [
+        registry.find("rig_formats", word) for word in registry.names("rig_formats")
     ]
-    return {
-        "form": recording.form,
-        "channels": channels,
-        "scalars": dict(recording.scalars),
-        "synthetic": recording.synthetic,
-        "notes": list(recording.notes),
-        "arrays": len(arrays),
-    }
+    for reader in readers:
+        if reader.recognise(head, name):
+            return reader
+    labels = ", ".join(reader.label for reader in readers)
+    raise InputError(f"'{name}' is none of {labels}; export the recording in one of them")

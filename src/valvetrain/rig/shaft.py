@@ -239,16 +239,10 @@ def shaft_through(
 
 def _smooth(times: Array, angles: Array, smoothing: float) -> BSpline:
     """Cubic smoothing spline (C. H. Reinsch, "Smoothing by spline functions", Numerische Mathematik
-    10, 1967), in steps of the knots.
+    10, 1967), its cost of bending in steps of the knots.
     """
     step = float(times[-1] - times[0]) / (len(times) - 1)
-    trend = (angles[-1] - angles[0]) / (len(times) - 1)
-    places = (times - times[0]) / step
-    spline = make_smoothing_spline(places, angles - angles[0] - trend * places, lam=smoothing)
-    coefficients = (
-        spline.c + angles[0] + trend * np.convolve(spline.t[1:-1], np.ones(3) / 3, "valid")
-    )  # a straight line, by its Greville points
-    return BSpline(times[0] + step * spline.t, coefficients, 3)
+    return make_smoothing_spline(times, angles, lam=smoothing * step**3)
 
 
 def _best_smoothing(times: Array, angles: Array) -> float:

@@ -28,7 +28,9 @@ _READ, _TOO_LARGE, _UNREADABLE, _ENDED = 0, 3, 4, -1
 _BEGUN = b"begun"
 
 
-def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
+def tried_apart(
+    reader: str, path: Path, where: str, unreadable: str, seconds: int = MAX_SECONDS
+) -> None:
     """Call a reader (``module:function``, of one path) in a process of its own, and refuse a file
     from which it does not return.
 
@@ -37,7 +39,7 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str) -> None:
     need more than :data:`MAX_MEMORY`, with the sentence ``unreadable`` for those at which the
     reader raises anything else, and where no such process can be started.
     """
-    seconds = MAX_SECONDS + path.stat().st_size // BYTES_A_SECOND
+    seconds += path.stat().st_size // BYTES_A_SECOND
     end = _in_a_new_process(reader, path, seconds)
     if isinstance(end, str):
         raise InputError(
