@@ -302,20 +302,22 @@ def at_rest() -> Known:
 
 
 def design() -> Known:
-    """A plain helix of six turns with open ends, pressed by 5 mm."""
+    """A plain helix of six turns with open ends, pressed by 5 mm; a card states its solid height."""
     d, mean, pitch, turns = 4e-3, 24e-3, 7e-3, 6.0
     wire = cylindrical(
         d, mean, pitch, turns, closed_coils=0.0, lower_end=OPEN_END, upper_end=OPEN_END
     )
+    wire = wire.replace(stated_solid_height=27.2e-3)
     length = turns * np.hypot(np.pi * mean, pitch)
     mass = np.pi / 4 * d**2 * length * wire.material.density
     rate = wire.material.shear_modulus * d**4 / (8 * mean**3 * turns)
-    free, solid = turns * pitch + d, (turns + 1) * d
+    free, solid = turns * pitch + d, 27.2e-3
     return design_quantities(InstalledSpring(wire=wire, precompression=5e-3)), {
         "total_coil_count": turns,
         "active_coil_count": turns,
         "free_length": free,
         "solid_height": solid,
+        "computed_solid_height": (d + turns * d * np.hypot(1.0, d / (np.pi * mean)), 1e-6),
         "solid_compression": free - solid,
         "wire_length": length,
         "wire_mass": mass,

@@ -52,7 +52,6 @@ def closed_wire() -> Known:
         "solid_force": force,
         "solid_nominal_shear_stress": 6.5 / 5.25 * 8 * force * 24e-3 / (np.pi * 4e-3**3),
         "largest_pitch": 44e-3 / 6,
-        "solid_compression": (20e-3, 1e-8),
     }
 
 

@@ -73,7 +73,7 @@ def takes(read: TypeAdapter, unit: str, number: float) -> bool:
 
 #: Lengths, masses, stiffnesses and the like that mean nothing at zero.
 ABOVE_ZERO = """
-spring: free_length installed_height total_coils; material: youngs_modulus shear_modulus density; spring.damping: ratio_frequency
+spring: free_length installed_height solid_height total_coils; material: youngs_modulus shear_modulus density; spring.damping: ratio_frequency
 card: preload_height rate open_lift open_height free_length mass installed_height solid_height wire_diameter mean_diameter outer_diameter active_coils
 guide: bore rod stiffness; options.finite-element: time_step
 train.follower: face_diameter; operation: red_line

@@ -44,9 +44,9 @@ def test_two_loads_at_heights_make_rate_preload_and_lift():
     assert card.surge_frequency == pytest.approx(0.5 * math.sqrt(card.rate / 0.096))
 
 
-@pytest.mark.parametrize(
-    ("apart", "refused"), [(-0.021, True), (-0.019, False), (0.019, False), (0.021, True)]
-)
+@pytest.mark.parametrize(("apart", "refused"), [
+    (-0.021, True), (-0.019, False), (0.019, False), (0.021, True),
+])  # fmt: skip
 def test_a_told_rate_may_lie_two_per_cent_from_that_of_the_loads_and_is_the_one_that_counts(
     apart, refused
 ):
@@ -94,18 +94,12 @@ def test_the_mass_of_the_active_turns_gives_the_surge_frequency_of_the_wire():
     assert spring(**LOADS, **WIRE, active_coils=1.1 * turns).mass == pytest.approx(1.1 * card.mass)
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"open_height": "1.85 in"}, "open_height is not below"),
-        ({"open_lift": "0.5 in"}, "open_lift and open_height"),
-        ({"open_load": "120 lbf"}, "does not exceed preload"),
-        ({"active_coils": 9, **WIRE}, "takes .* active coils"),
-        ({"outer_diameter": "1.30 in"}, "needs wire_diameter"),
-        ({"wire_diameter": "0.177 in"}, "mean_diameter or outer_diameter"),
-        ({"solid_height": "1.9 in"}, "solid_height is not below"),
-    ],
-)
+@pytest.mark.parametrize(("changes", "words"), [
+    ({"open_height": "1.85 in"}, "open_height is not below"), ({"open_lift": "0.5 in"}, "open_lift and open_height"),
+    ({"open_load": "120 lbf"}, "does not exceed preload"), ({"active_coils": 9, **WIRE}, "takes .* active coils"),
+    ({"outer_diameter": "1.30 in"}, "needs wire_diameter"), ({"wire_diameter": "0.177 in"}, "mean_diameter or outer_diameter"),
+    ({"solid_height": "1.9 in"}, "solid_height is not below"),
+])  # fmt: skip
 def test_cards_that_contradict_themselves_are_refused(changes, words):
     with pytest.raises(InputError, match=words):
         spring(**LOADS | changes)

@@ -111,7 +111,9 @@ def test_step_change_travels_undistorted():
     assert np.allclose(force[cells:, 1][1:], 2.0, atol=1e-9)
 
 
-@pytest.mark.parametrize(("cells", "overshoot", "front"), [(250, 0.11, 2), (60, 0.11, 2)])
+@pytest.mark.parametrize(("cells", "overshoot", "front"), [
+    (250, 0.11, 2), (60, 0.11, 2),
+])  # fmt: skip
 def test_dispersion_at_a_step_that_whole_cells_do_not_fit(cells, overshoot, front):
     """The worst train step for the grid (half a cell off): how far the front overshoots and smears
     at the seat is stated here.
@@ -197,28 +199,12 @@ def test_static_chain_gives_the_rate_integral_of_a_cone():
 OPEN_ENDS = {"lower_end": OPEN_END, "upper_end": OPEN_END}
 
 
-@pytest.mark.parametrize(
-    ("spring", "on_seat", "under_retainer"),
-    [
-        (OPEN_SPRING, lambda u: u < 1, lambda u: u >= 5),
-        (
-            conical(2e-3, 50e-3, 18e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS),
-            lambda u: u > 0,
-            lambda u: u > 0,
-        ),
-        (
-            conical(2e-3, 18e-3, 50e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS),
-            lambda u: u > 0,
-            lambda u: u > 0,
-        ),
-        (
-            beehive(2e-3, 40e-3, 25e-3, 3.0, Constant(7e-3), 6.0, **OPEN_ENDS),
-            lambda u: (u < 1) | (u > 3.79),
-            lambda u: u > 2.79,
-        ),
-    ],
-    ids=["cylinder", "narrow above", "narrow below", "beehive"],
-)
+@pytest.mark.parametrize(("spring", "on_seat", "under_retainer"), [
+    (OPEN_SPRING, lambda u: u < 1, lambda u: u >= 5),
+    (conical(2e-3, 50e-3, 18e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
+    (conical(2e-3, 18e-3, 50e-3, 7e-3, 6.0, closed_coils=0, **OPEN_ENDS), lambda u: u > 0, lambda u: u > 0),
+    (beehive(2e-3, 40e-3, 25e-3, 3.0, Constant(7e-3), 6.0, **OPEN_ENDS), lambda u: (u < 1) | (u > 3.79), lambda u: u > 2.79),
+], ids=["cylinder", "narrow above", "narrow below", "beehive"])  # fmt: skip
 def test_the_first_turn_and_coils_that_telescope_can_meet_the_planes(
     spring, on_seat, under_retainer
 ):
@@ -240,7 +226,9 @@ def test_the_first_turn_and_coils_that_telescope_can_meet_the_planes(
     assert found.gap[above] == pytest.approx(rise, abs=1e-9)
 
 
-@pytest.mark.parametrize("share", [0.75, 0.9])
+@pytest.mark.parametrize("share", [
+    0.75, 0.9,
+])  # fmt: skip
 def test_coils_of_a_telescoping_cone_land_on_the_seat(share):
     """Each turn sinks by 64 F R**3 / (G d**4) until it lies on the seat, after its own pitch: the
     closing law of cones.
@@ -291,7 +279,9 @@ def varied(modes: int, damping_ratio: float = 0.0) -> ModalVaried:
     return ModalVaried(frequencies, damping_ratio, (0.0, 40e-3), (0.0, 40e-3 * RATE), 8e-3)
 
 
-@pytest.mark.parametrize("harmonic", [3, 9, 21])
+@pytest.mark.parametrize("harmonic", [
+    3, 9, 21,
+])  # fmt: skip
 def test_modal_varied_reaches_the_exact_wave_solution_for_harmonics(harmonic):
     """Constant k: transfer k b / sin b at the fixed end, k b cot b at the moving one, as modes are
     added.

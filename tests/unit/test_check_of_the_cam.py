@@ -178,6 +178,7 @@ def test_lash_face_and_solid_height_are_looked_at(tmp_path):
     words = [part for key, value in ramp for part in ("--set", f"lift_law.{key}={value}")]
     assert of(template_text("direct", cards=True), *words)[0] == "Q111"
     assert "Q120" in codes(checked("tdi-pushrod")) and "Q120" not in codes(checked("job-c"))
+    assert "Q123" in codes(checked("job-c", "--set", "spring.solid_height=26 mm"))
     law = bucket_text[bucket_text.index("[lift_law]") : bucket_text.index("[train]")]
     assert of(law) == ["Q102"]
 

@@ -74,13 +74,14 @@ RESULTS = {
     "other speed": lambda: filmed(cam_speed=1.02 * made.CAM_SPEED), "same speed": lambda: filmed(cam_speed=made.CAM_SPEED),
     "no zero": lambda: filmed(marker_angle=None), "lost": without_frames, "silent": lambda: replace(decay(), surge=None),
     "fast": lambda: with_lines((900.0, 1e-3), (400.0, 1e-4)), "weak and fast": lambda: with_lines((900.0, 1e-4), (400.0, 1e-3)),
-    "near": lambda: model(0.01), "far": lambda: model(0.5),
+    "cut": lambda: replace(decay(), seen=replace(decay().seen, missing=39)), "near": lambda: model(0.01), "far": lambda: model(0.5),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize(
     ("code", "holds", "holds_not"),
     [
+        ("Y210", "cut", "decay"),
         ("Y201", "lost", "turning"), ("Y202", "fast", "weak and fast"), ("Y211", "other speed", "same speed"), ("Y212", "short", "turning"),
         ("Y213", "no zero", "turning"), ("Y214", "weak and fast", "fast"), ("Y221", "far", "near"), ("Y222", "near", "far"),
         ("Y231", "turning", "near"), ("Y232", "decay", "turning"), ("Y233", "silent", "decay"),

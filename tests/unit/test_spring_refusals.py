@@ -41,64 +41,25 @@ def installed(**options):
     return InstalledSpring(wire=WIRE, precompression=3e-3, options={"finite-element": options})
 
 
-@pytest.mark.parametrize(
-    ("slip", "reason"),
-    [
-        (
-            lambda: definition(wire="thin"),
-            "'thin' is not a number with a unit; a length is needed here",
-        ),
-        (lambda: definition(mean=24.0), "can only be meant as 24 mm"),
-        (
-            lambda: variable_pitch("4 mm", "24 mm", "7 N", 6),
-            "'7 N' is a force, but a length is needed",
-        ),
-        (lambda: definition(material="steel"), "is no Material"),
-        (lambda: definition(lower_end="open"), "lower_end of spring 'spring' is no EndCoil"),
-        (
-            lambda: definition(
-                mean=PiecewiseLinear((0, 3, 3.001, 6), (24e-3, 24e-3, 34e-3, 34e-3))
-            ),
-            "coil 3.00 .* coil diameter jumps",
-        ),
-        (
-            lambda: definition(wire=FunctionCurve(lambda u: np.where(u < 2, 4e-3, 3e-3))),
-            "at coil 2.00 .* wire diameter jumps",
-        ),
-        (
-            lambda: definition(mean=FunctionCurve(lambda u: np.where(u < 0, np.nan, 24e-3))),
-            "at coil -0.50 .* not a finite number",
-        ),
-        (
-            lambda: definition(mean=FunctionCurve(lambda u: 24e-3 + np.where(u > 6, np.nan, 0.0))),
-            "past both tips",
-        ),
-        (lambda: cylindrical("4 mm", "24 mm", "7 mm", 6, closed_coils=-1), "closed_coils is -1"),
-        (
-            lambda: InstalledSpring(wire=WIRE, precompression=3e-3, seats="clamp"),
-            "seats 'clamp' .* use planes or clamps",
-        ),
-        (
-            lambda: FiniteElementRod(WIRE, 3e-3, seats="clamp"),
-            "seats 'clamp' .* use planes or clamps",
-        ),
-        (lambda: InstalledSpring(card=SpringCard(-1.0, 100.0)), "the rate must be positive"),
-        (lambda: InstalledSpring(card=SpringCard(0.0, 100.0)), "the rate must be positive"),
-        (
-            lambda: spring_model("finite-element").build(installed(elements_per_coil=24.5)),
-            "elements_per_coil .* is 24.5",
-        ),
-        (
-            lambda: spring_model("finite-element").build(installed(elements_per_coil=2)),
-            "elements_per_coil .* is 2",
-        ),
-        (lambda: mesh_spring(WIRE, 24.5), "give a whole number"),
-        (
-            lambda: MultiMassSpring.from_definition(WIRE, 3e-3, masses_per_coil=3.5),
-            "give a whole number",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("slip", "reason"), [
+    (lambda: definition(wire="thin"), "'thin' is not a number with a unit; a length is needed here"),
+    (lambda: definition(mean=24.0), "can only be meant as 24 mm"),
+    (lambda: variable_pitch("4 mm", "24 mm", "7 N", 6), "'7 N' is a force, but a length is needed"),
+    (lambda: definition(material="steel"), "is no Material"), (lambda: definition(lower_end="open"), "lower_end of spring 'spring' is no EndCoil"),
+    (lambda: definition(mean=PiecewiseLinear((0, 3, 3.001, 6), (24e-3, 24e-3, 34e-3, 34e-3))), "coil 3.00 .* coil diameter jumps"),
+    (lambda: definition(wire=FunctionCurve(lambda u: np.where(u < 2, 4e-3, 3e-3))), "at coil 2.00 .* wire diameter jumps"),
+    (lambda: definition(mean=FunctionCurve(lambda u: np.where(u < 0, np.nan, 24e-3))), "at coil -0.50 .* not a finite number"),
+    (lambda: definition(mean=FunctionCurve(lambda u: 24e-3 + np.where(u > 6, np.nan, 0.0))), "past both tips"),
+    (lambda: cylindrical("4 mm", "24 mm", "7 mm", 6, closed_coils=-1), "closed_coils is -1"),
+    (lambda: InstalledSpring(wire=WIRE, precompression=3e-3, seats="clamp"), "seats 'clamp' .* use planes or clamps"),
+    (lambda: FiniteElementRod(WIRE, 3e-3, seats="clamp"), "seats 'clamp' .* use planes or clamps"),
+    (lambda: InstalledSpring(card=SpringCard(-1.0, 100.0)), "the rate must be positive"),
+    (lambda: InstalledSpring(card=SpringCard(0.0, 100.0)), "the rate must be positive"),
+    (lambda: spring_model("finite-element").build(installed(elements_per_coil=24.5)), "elements_per_coil .* is 24.5"),
+    (lambda: spring_model("finite-element").build(installed(elements_per_coil=2)), "elements_per_coil .* is 2"),
+    (lambda: mesh_spring(WIRE, 24.5), "give a whole number"),
+    (lambda: MultiMassSpring.from_definition(WIRE, 3e-3, masses_per_coil=3.5), "give a whole number"),
+])  # fmt: skip
 def test_a_slip_about_a_spring_gets_one_sentence(slip, reason):
     with pytest.raises(InputError, match=reason):
         slip()
@@ -118,18 +79,18 @@ def test_no_spring_is_installed_beyond_solid(build):
     assert WIRE.solid_compression == pytest.approx(room)
     assert build(0.9 * room)
     for depth in (room, 1.1 * room, 2 * room, -1e-3, float("nan")):
-        with pytest.raises(InputError, match="precompression"):
+        with pytest.raises(InputError, match="compression"):
             build(depth)
 
 
 def test_no_static_curve_goes_beyond_solid():
     """It gave forces of tens of kilonewtons."""
     spring, beyond = InstalledSpring(wire=WIRE, precompression=3e-3), 1.1 * WIRE.solid_compression
-    with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
+    with pytest.raises(InputError, match="solid"):
         rod_statics(FiniteElementRod(WIRE, 3e-3, 12), beyond, 4)
     for word in ("multi-mass", "wave-rod", "massless"):
         model = spring_model(word).build(spring)
-        with pytest.raises(InputError, match=r"solid at 10\.5 mm"):
+        with pytest.raises(InputError, match="solid"):
             statics_by_model(spring, word, model, np.linspace(0.0, beyond, 5))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+import warnings
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -24,7 +25,7 @@ from valvetrain.cli.options import (
     take_folder,
     take_units,
 )
-from valvetrain.errors import InputError
+from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.templates import KINDS, template_kind, template_text
 
 if TYPE_CHECKING:
@@ -191,7 +192,7 @@ def check(
 
 def put_together(case: Case, models: tuple[str, ...], implausible: bool = False) -> Problem | None:
     """Build everything that ``run`` builds, the springs of every set too, since some errors appear
-    only there. None for a lift law alone.
+    only there; a set that no run uses is warned of. None for a lift law alone.
 
     ``implausible``: values pass that no valvetrain can have.
     """
@@ -206,10 +207,20 @@ def put_together(case: Case, models: tuple[str, ...], implausible: bool = False)
     refused = refusals_before_run(problem, implausible)
     if refused and (models or len(refused) == len(problem.members)):
         raise InputError(next(iter(refused.values())), "--spring" if models else "")
-    sets = tuple(case.train.springs) if case.train is not None else ()
-    for member in build(case, spring_models=models, spring_set=sets).members if sets else ():
-        if not member.refusal and not member.model.needs_rest:
-            member.system(built=problem.built)
+    used = {member.spring_set for member in problem.members}
+    for name in () if case.train is None else case.train.springs:
+        try:
+            for member in build(case, spring_models=models, spring_set=(name,)).members:
+                if not member.refusal and not member.model.needs_rest:
+                    member.system(built=problem.built)
+        except InputError as error:
+            if name in used:
+                raise
+            warnings.warn(
+                f"spring set '{name}', which is not in use, cannot run: {error.reason}",
+                UnusualValueWarning,
+                stacklevel=2,
+            )
     return problem
 
 

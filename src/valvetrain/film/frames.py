@@ -281,6 +281,10 @@ def _video(path: Path, shown: str, begin: bytes) -> Film:
         )
     rate = rate if np.isfinite(rate) and 0 < rate < 1e8 else 0.0
     count = int(claimed) if np.isfinite(claimed) and 0 < claimed < 1e9 else 0
+    if (
+        begin[24:28] == b"avih"
+    ):  # of a cut AVI the decoder counts what is left, its head what there was
+        count = max(count, int.from_bytes(begin[48:52], "little"))
     return VideoFilm(shown, rows, columns, rate, count, path=path)
 
 

@@ -169,6 +169,14 @@ def no_zero(facts: FilmFacts) -> Iterator[Hit]:
         yield Hit()
 
 
+def cut(facts: FilmFacts) -> Iterator[Hit]:
+    """The file claims more frames than it holds."""
+    seen = facts.motion.seen
+    if seen.missing:
+        read = len(seen.picture)
+        yield Hit(fields={"read": f"{read}", "claimed": f"{read + seen.missing}"})
+
+
 AGAINST = "valvetrain compare-test {case} --test {file} --spring {model}[ --shared '{shared}']"
 RULES = (
     Rule("Y201", "decides", "coil {coil} is lost in {share} of the frames", lost, (), "its highlight leaves the line or runs into another",
@@ -185,6 +193,8 @@ RULES = (
          "valvetrain run job-t --set springs.0.damping.ratio={ratio} --set 'springs.0.damping.ratio_frequency={value:5}'", mark="ok"),
     Rule("Y233", "decides", "no surge is found in the decay or with the valve closed", no_surge, (), "too few frames, or nothing rings",
          "film longer", mark="warn"),
+    Rule("Y210", "warns", "the film is cut short: {read} of {claimed} frames could be read", cut, (),
+         "what follows is of these frames alone", "export or copy the film again"),
     Rule("Y211", "warns", "the {by} shows {speed} of the cam, {given} was given: check the frame rate", disagrees),
     Rule("Y212", "warns", "the film shows {turns} cam revolutions, so peaks have no scatter[; {unseen}]", few_turns),
     Rule("Y214", "warns", "the weaker surge line at {value:4} may be one of {other:4}: too few frames show a cycle of it", also_mirrored),

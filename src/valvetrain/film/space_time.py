@@ -186,7 +186,8 @@ MARKER_RADIUS = 3.0
 class SpaceTime:
     """``picture`` (frames, stations) grey levels; ``number`` (frames,) of each frame, lost ones
     counted; ``frame_rate`` 1/s;
-    ``marker`` (frames,) brightness of the spot, empty without one; ``notes`` a sentence each."""
+    ``marker`` (frames,) brightness of the spot, empty without one; ``notes`` a sentence each;
+    ``missing``: frames that the file claims and does not hold."""
 
     picture: NDArray[np.float32]
     number: NDArray[np.int64]
@@ -196,6 +197,7 @@ class SpaceTime:
     name: str
     size: tuple[int, int]
     notes: tuple[str, ...] = ()
+    missing: int = 0
 
     @property
     def time(self) -> Array:
@@ -257,10 +259,7 @@ def read_space_time(
         raise InputError(
             f"a motion shows in {MIN_FRAMES} frames or more, of '{film.name}' only {len(rows)} can be read; give a longer film"
         )
-    if not (first or last is not None) and 0 < len(rows) < film.claimed - 1:
-        notes += (
-            f"the file claims {film.claimed} frames, {len(rows)} of them could be read: it is cut short or damaged",
-        )
+    short = 0 if first or last is not None else film.claimed - len(rows)  # some count one too many
     if white > 0.05 * len(rows):
         notes += (
             f"the glare is as white as the camera can record in {white} of {len(rows)} frames; its middle is lost there, so film darker",
@@ -276,6 +275,7 @@ def read_space_time(
         film.name,
         (film.rows, film.columns),
         film.notes + notes + said,
+        short if short > 1 else 0,
     )
 
 

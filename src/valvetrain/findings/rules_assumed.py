@@ -43,6 +43,11 @@ def _spring(fact: Fact) -> Fields:
     return {"spring": str(fact.fields["spring"])}
 
 
+def _heights(fact: Fact) -> Fields:
+    both = {one: Amount("solid_height", float(fact.fields[one])) for one in ("stated", "computed")}
+    return {**_spring(fact), **both}
+
+
 def _buckles(fact: Fact) -> Fields:
     return {"at": Amount("compression", float(fact.fields["compression"])), **_spring(fact)}
 
@@ -75,6 +80,8 @@ RULES = (
          rests_on("no-damping", read=_spring), step="give the spring a damping", guide="how-to/15-damping.md"),
     Rule("A107", "warns", "the spring {spring} buckles at {at}, before full lift", rests_on("buckles", read=_buckles),
          guide="how-to/05-coil-bind.md"),
+    Rule("A116", "warns", "solid at {stated:4} is stated for {spring}, and its wire binds at {computed:4}",
+         rests_on("other-solid-height", read=_heights), ("coil_bind_clearance",), "the stated height counts", guide="how-to/05-coil-bind.md"),
     Rule("A101", "notes", "the ramp of the cam is assumed ({ramp} mm per cam deg)", rests_on("assumed-ramp", read=_ramp),
          SEAT, step="measure your ramp: ramp_velocity, ramp_lift", remark="assumed ramp"),
     Rule("A102", "notes", "contacts at {places} have usual steel values", rests_on("default-contacts", read=_places),

@@ -169,6 +169,15 @@ def recut(facts: CaseFacts) -> Iterator[Hit]:
         yield Hit()
 
 
+def other_height(facts: CaseFacts) -> Iterator[Hit]:
+    """A stated solid height is more than 1 % off that of the wire."""
+    for one in SPRINGS:
+        computed = facts.amount(f"{one}computed_solid_height")
+        if computed is not None:
+            stated = Amount("solid_height", facts.values[f"{one}solid_height"])
+            yield Hit(computed, fields={"stated": stated, "spring": one.rstrip("_")})
+
+
 BIND = ("coil_bind_clearance",)
 RULES = (
     Rule("Q111", "decides", "the lash takes {value} of the lobe, above its ramp of {limit}", high_lash,
@@ -188,5 +197,7 @@ RULES = (
     Rule("Q120", "notes", "coil bind of {spring} is not checked: no solid height is known", unchecked, BIND,
          remark="not known of {spring}"),
     Rule("Q122", "warns", RECUT, recut, step="set train.lash"),
+    Rule("Q123", "warns", "solid at {stated:4} is stated, and the wire binds at {value:4}[, {spring} spring]", other_height, BIND,
+         "the stated height counts", remark="wire binds at {value:4}", guide="how-to/05-coil-bind.md"),
     Rule("Q121", "notes", "the follower's face needs a diameter of {value}", face_needed, ("cam_contact_face_radius",)),
 )  # fmt: skip

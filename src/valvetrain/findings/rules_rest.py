@@ -40,6 +40,17 @@ def unknown_solid(facts: Facts) -> Iterator[Hit]:
             yield Hit(fields={"spring": one.one.spring})
 
 
+def other_height(facts: Facts) -> Iterator[Hit]:
+    """A stated solid height is more than 1 % off that of the wire."""
+    for one in states_of(facts.study):
+        if "computed_solid_height" in one.values:
+            fields: Fields = {
+                "stated": Amount("solid_height", one.values["solid_height"]),
+                "spring": one.name,
+            }
+            yield Hit(Amount("solid_height", one.values["computed_solid_height"]), fields=fields)
+
+
 def fails(facts: Facts) -> Iterator[Hit]:
     """A static curve ends before it should, or passes the compression at which the spring buckles."""
     for one in states_of(facts.study):
@@ -207,6 +218,8 @@ STATIC = (
          "valvetrain modes {case}", mark=""),
     Rule("F110", "warns", "only {value} left to coil bind[, {spring}]", near, BIND, remark="close",
          guide="how-to/05-coil-bind.md"),
+    Rule("F113", "warns", "solid at {stated:4} is stated, and the wire binds at {value:4}[, {spring}]", other_height, BIND,
+         "the stated height counts", guide="how-to/05-coil-bind.md"),
     Rule("F111", "notes", "[{spring} ]leans on its guide from {value} of compression, in the end with {force}",
          leans, guide="how-to/05-coil-bind.md"),
     Rule("F112", "notes", "coil bind of {spring} is not checked: no solid height is known", unknown_solid, BIND,

@@ -208,7 +208,7 @@ def cylindrical(
     0.0391
     >>> spring = cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm", ends="closed-ground")
     >>> float(spring.pitch.value(4.0).round(6)), round(spring.solid_height, 6)
-    (0.007333, 0.032)
+    (0.007333, 0.032639)
     """
     wound = _wound(
         total_coils, wire_diameter, pitch, free_length, ends, closed_coils, lower_end, upper_end

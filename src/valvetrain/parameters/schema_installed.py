@@ -202,7 +202,7 @@ class WireBlock(SpringModel):
         if compression < 0:
             remedy = f"its free length is {wire.free_length * 1e3:.4g} mm; lower installed_height or raise precompression"
             raise problem(f"the spring would be stretched, not compressed: {remedy}", (given,))
-        room = wire.free_length - wire.solid_height
+        room = wire.solid_compression
         if compression >= room:
             raise problem(
                 f"the spring is solid before this compression; it has {room * 1e3:.4g} mm of travel left: compress it less",

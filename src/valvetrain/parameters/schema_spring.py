@@ -137,6 +137,9 @@ class SpringModel(StrictModel):
     )
     lower_end: EndField | None = None
     upper_end: EndField | None = None
+    solid_height: PositiveLength | None = Field(
+        default=None, description="at coil bind, as a card states it; without it computed"
+    )
 
     def build(self, name: str) -> SpringDefinition:
         """The spring this table defines; raises pydantic's located error or :class:`InputError`."""
@@ -159,6 +162,7 @@ class SpringModel(StrictModel):
                 upper_end=upper,
                 hand=self.hand,
                 name=self.name or name,
+                stated_solid_height=self.solid_height,
             )
         )
         return spring

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Constant, Curve
 from valvetrain.parameters.material import Material
+from valvetrain.parameters.solid import WireShape, computed_solid_height
 from valvetrain.units import si
 
 #: Depth, as a share of the wire diameter, up to which free coils may overlap (drawing and rounding
@@ -19,35 +20,10 @@ from valvetrain.units import si
 OVERLAP_SLACK = 0.02
 #: Turns by which meshes run past both tips, where every curve must still hold a number.
 BEYOND_TIPS = 0.5
+#: Share by which a stated solid height may be off the computed one without a word.
+SAME_HEIGHT = 0.01
 #: Thinner is no wire (m): its mass and stiffness vanish from the numbers of a computer.
 MIN_LENGTH = 1e-6
-
-
-class WireShape(Protocol):
-    """Input of the checks on a spring; lengths in m over the coil number."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def hand(self) -> str: ...
-    @property
-    def total_coils(self) -> float: ...
-    @property
-    def free_coils(self) -> tuple[float, float]: ...
-    @property
-    def wire_diameter(self) -> Curve: ...
-    @property
-    def mean_diameter(self) -> Curve: ...
-    @property
-    def pitch(self) -> Curve: ...
-    @property
-    def material(self) -> Material: ...
-
-    def index(self, coil: ArrayLike) -> Array:
-        """Mean coil diameter over wire diameter."""
-
-    def coil_gap(self, coil: ArrayLike) -> Array:
-        """Free-state gap (m) to the wire one turn below."""
 
 
 def check_spring(spring: WireShape) -> None:
@@ -227,8 +203,9 @@ class SpringDefinition:
     wire tip.
 
     ``wire_diameter`` and ``mean_diameter`` in m, ``pitch`` = rise of the wire axis per turn dz/du
-    in m; a length is taken as a constant. The pitch must be continuous (its slope may jump). Raises
-    :class:`InputError` with the reason for a spring that cannot exist.
+    in m; a length is taken as a constant. The pitch must be continuous (its slope may jump).
+    ``stated_solid_height``: the solid height (m) of a card or drawing, in place of the computed one.
+    Raises :class:`InputError` with the reason for a spring that cannot exist.
 
     >>> import valvetrain as vt
     >>> steel = vt.parameters.Material("steel", 206e9, 79.5e9, 7850.0)
@@ -246,6 +223,7 @@ class SpringDefinition:
     upper_end: EndCoil = EndCoil()
     hand: Literal["right", "left"] = "right"
     name: str = "spring"
+    stated_solid_height: float | None = None
 
     def __post_init__(self) -> None:
         for place in ("lower_end", "upper_end"):
@@ -259,6 +237,10 @@ class SpringDefinition:
                     self, key, Constant(si(law, key, f"{key} of spring '{self.name}'"))
                 )
         check_spring(self)
+        if (solid := self.stated_solid_height) is not None and not 0 < solid < self.free_length:
+            raise InputError(
+                f"spring '{self.name}' is {self.free_length * 1e3:.4g} mm long, so it is not solid at {solid * 1e3:.4g} mm; check solid_height"
+            )
         for end, tip in ((self.lower_end, 0.0), (self.upper_end, self.total_coils)):
             if isinstance(self.pitch, Constant):
                 refuse_lost_tip(
@@ -400,30 +382,35 @@ class SpringDefinition:
 
     @cached_property
     def solid_height(self) -> float:
-        """Length between the seat planes (m) when every coil touches the one below (nested coils
-        counted).
-        """
-        coil = np.linspace(0.0, self.total_coils, 64 * int(np.ceil(self.total_coils)) + 1)
-        rise = self.solid_rise(coil)
-        steps = np.diff(coil) * (rise[1:] + rise[:-1]) / 2
-        height = np.concatenate(([0.0], np.cumsum(steps)))
-        lower, upper = self.lower_end.ground_coils, self.total_coils - self.upper_end.ground_coils
-        wire = (self.wire_diameter.value(lower) + self.wire_diameter.value(upper)) / 2
-        return float(np.interp(upper, coil, height) - np.interp(lower, coil, height) + wire)
+        """Length between the seat planes (m) at coil bind: the stated one, else :attr:`computed_solid_height`."""
+        stated = self.stated_solid_height
+        return self.computed_solid_height if stated is None else stated
+
+    @cached_property
+    def computed_solid_height(self) -> float:
+        """Length (m) under the force that closes the last coil; see :func:`~valvetrain.parameters.solid.computed_solid_height`."""
+        return computed_solid_height(self)
+
+    @property
+    def solid_heights_differ(self) -> bool:
+        """Whether the stated solid height is off the computed one by more than :data:`SAME_HEIGHT`."""
+        stated = self.stated_solid_height
+        return stated is not None and abs(self.computed_solid_height / stated - 1) > SAME_HEIGHT
 
     @property
     def solid_compression(self) -> float:
         """Shortening (m) from the free length at which every coil touches the one below."""
         return self.free_length - self.solid_height
 
-    def refuse_solid(self, compression: float) -> None:
-        """Raise :class:`InputError` for a compression (m from the free length) that is negative, no
-        number or solid.
+    def refuse_solid(self, compression: float, where: str = "") -> None:
+        """Raise :class:`InputError`, of the option ``where``, for a compression (m from the free
+        length) that is negative, no number or solid.
         """
         if not 0 <= compression < self.solid_compression:
             raise InputError(
-                f"spring '{self.name}' takes no precompression of {compression * 1e3:.4g} mm: it is free at 0 and solid at "
-                f"{self.solid_compression * 1e3:.4g} mm; choose a height between solid and free"
+                f"spring '{self.name}' takes no compression of {compression * 1e3:.4g} mm: it is free at 0 and solid at "
+                f"{self.solid_compression * 1e3:.4g} mm; choose a height between solid and free",
+                where,
             )
 
     def solid_rise(self, coil: ArrayLike) -> Array:

@@ -20,7 +20,7 @@ LIGHT = frozenset((
 AT_REST = (
     "preload", "installed_", "mode_", "natural_", "stiffness_change_", "solid_", "free_length", "coil_1_2_installed_gap", "buckling_",
     "rigid_", "largest_pitch", "wire_mass", "wire_length", "smallest_i", "largest_index", "largest_outer", "estimated_", "card_",
-    "total_coil", "active_coil", "coil_bind_lift", "formula_buckling",
+    "total_coil", "active_coil", "coil_bind_lift", "formula_buckling", "computed_solid",
 )  # fmt: skip
 #: Of these, what follows without a static curve from the dimensions of the spring or its card.
 BY_SIZE = (
@@ -28,7 +28,7 @@ BY_SIZE = (
     "wire_length", "smallest_index_ratio", "largest_index_ratio", "largest_outer_diameter", "smallest_inner_diameter", "estimated_rate",
     "estimated_surge_frequency", "total_coil_count", "active_coil_count", "coil_bind_lift", "installed_compression", "installed_height",
     "formula_buckling_compression", "card_rate", "card_preload", "card_mass", "card_installed_height", "card_open_force", "card_open_lift",
-    "card_solid_height", "card_surge_frequency",
+    "card_solid_height", "card_surge_frequency", "computed_solid_height",
 )  # fmt: skip
 #: Quantities of rigid theory for a train.
 RIGID = "rigid_"

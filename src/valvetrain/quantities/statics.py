@@ -10,6 +10,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.material import OTEVA_90_SC, Material
+from valvetrain.parameters.solid import closing_forces
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.static import Array, SpringAtRest, StaticCurve, named
@@ -202,7 +203,7 @@ def formula_compression(wire: SpringDefinition) -> float | None:
         return None
     ends = wire.centreline(np.array(wire.free_coils))[:, 2]
     found = buckling_compression(float(ends[1] - ends[0]), float(diameter[0]), wire.material)
-    return found if found < wire.free_length - wire.solid_height else None
+    return found if found < wire.solid_compression else None
 
 
 def buckling_quantities(
@@ -260,7 +261,7 @@ def size_quantities(spring: InstalledSpring) -> dict[str, float]:
     """Sizes of a wire that its static curve is compared with, and what closes it."""
     if spring.wire is None:
         return {}
-    names = ("free_length", "solid_height", "largest_pitch")
+    names = ("free_length", "solid_height", "computed_solid_height", "largest_pitch")
     return {
         name: value for name, value in definition_quantities(spring.wire).items() if name in names
     } | solid_quantities(spring.wire)
@@ -275,12 +276,8 @@ def solid_quantities(wire: SpringDefinition) -> dict[str, float]:
     compression to solid.
     """
     coil = np.linspace(*wire.free_coils, _SAMPLES)
-    diameter, mean, pitch = (
-        law.value(coil) for law in (wire.wire_diameter, wire.mean_diameter, wire.pitch)
-    )
-    force = (
-        (pitch - wire.solid_rise(coil)) * wire.material.shear_modulus * diameter**4 / (8 * mean**3)
-    )
+    diameter, mean = wire.wire_diameter.value(coil), wire.mean_diameter.value(coil)
+    force = closing_forces(wire, coil)
     shear = bergstraesser(mean / diameter) * 8 * force * mean / (np.pi * diameter**3)
     return {"solid_force": float(np.max(force)), "solid_nominal_shear_stress": float(np.max(shear))}
 
@@ -290,12 +287,14 @@ def definition_quantities(spring: SpringDefinition) -> dict[str, float]:
     coil = np.linspace(0.0, spring.total_coils, _SAMPLES)
     index = spring.index(coil)
     rate, active_mass = estimated_rate(spring)
-    return {
+    differs = spring.solid_heights_differ
+    other = {"computed_solid_height": spring.computed_solid_height} if differs else {}
+    return other | {
         "total_coil_count": spring.total_coils,
         "active_coil_count": spring.active_coils,
         "free_length": spring.free_length,
         "solid_height": spring.solid_height,
-        "solid_compression": spring.free_length - spring.solid_height,
+        "solid_compression": spring.solid_compression,
         "largest_pitch": float(np.max(spring.pitch.value(coil))),
         "wire_length": spring.wire_length,
         "wire_mass": spring.mass,

@@ -94,7 +94,10 @@ AT_REST: tuple[QuantityRow, ...] = (
     both("total_coil_count", "coils in all", "Turns of wire."),
     both("active_coil_count", "active coils", "Turns between the inactive ends that are not closed on a neighbour."),
     both("free_length", "free length", "Length between the seat planes unloaded."),
-    both("solid_height", "solid height", "Length between the seat planes with all coils closed."),
+    both("solid_height", "solid height",
+        "Length between the seat planes at coil bind: as stated, else under the force that closes the last coil, by the wire as a ring "
+        "beam with end turns that keep their shape and coils that touch."),
+    both("computed_solid_height", "solid height by the wire", "Solid height by the wire, where a card states another."),
     both("solid_compression", "compression to solid", "Free length less the solid height."),
     both("largest_pitch", "largest pitch",
         "Largest rise of the wire's axis per turn: of a spring given by its free length, the pitch between its ends.",

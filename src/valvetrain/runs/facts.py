@@ -64,6 +64,10 @@ def _spring_facts(member: Member, spring: InstalledSpring) -> Iterator[Fact]:
         yield from _chain_of_wire(member, spring)
     if spring.room is None and any(one.room is not None for one in member.springs):
         yield Fact("unknown-solid-height", name)
+    wire = spring.wire
+    if wire is not None and wire.solid_heights_differ:
+        heights: Fields = {"stated": wire.solid_height, "computed": wire.computed_solid_height}
+        yield Fact("other-solid-height", {**name, **heights})
 
 
 def _chain_of_wire(member: Member, spring: InstalledSpring) -> Iterator[Fact]:

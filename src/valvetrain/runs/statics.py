@@ -494,7 +494,7 @@ def reach_of(spring: InstalledSpring, maximum_lift: float) -> float:
     installed = spring.precompression
     if spring.wire is None:
         return installed + max(1.06 * maximum_lift, 0.2 * installed)
-    travel = spring.wire.free_length - spring.wire.solid_height
+    travel = spring.wire.solid_compression
     top = maximum_lift if maximum_lift > 0 else 0.8 * travel
     reach = float(min(installed + 1.06 * top, 0.98 * travel))
     if maximum_lift > 0 or spring.guide is not None:
@@ -534,7 +534,7 @@ def _compressed(spring: InstalledSpring, compression: float) -> InstalledSpring:
             f"spring '{spring.name}' is known by its card, so only its installed state is; leave the option out",
             "--compression",
         )
-    _refuse_solid(spring, compression, "--compression")
+    spring.wire.refuse_solid(compression, "--compression")
     return replace(spring, precompression=compression)
 
 
@@ -548,16 +548,6 @@ def _curve_end(
             f"a static curve needs a positive compression; it is {largest_compression * 1e3:g} mm",
             option,
         )
-    _refuse_solid(spring, largest_compression, option)
+    if spring.wire is not None:
+        spring.wire.refuse_solid(largest_compression, option)
     return largest_compression
-
-
-def _refuse_solid(spring: InstalledSpring, compression: float, option: str) -> None:
-    if spring.wire is None:
-        return
-    travel = spring.wire.free_length - spring.wire.solid_height
-    if compression >= travel:
-        raise InputError(
-            f"{compression * 1e3:g} mm is too much for '{spring.name}', which is solid at {travel * 1e3:.4g} mm; give less",
-            option,
-        )

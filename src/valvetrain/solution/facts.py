@@ -21,6 +21,7 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "chain-of-wire": ("spring", "surge_frequency", "force_error", "second_frequency_error", "better"),
     "buckles": ("spring", "compression", "open_compression"),
     "unknown-solid-height": ("spring",),
+    "other-solid-height": ("spring", "stated", "computed"),
     "card-alone": ("spring",),
     "ends-pull": ("label", "engine_speed"),
     "ends-bonded": ("label", "engine_speed"),

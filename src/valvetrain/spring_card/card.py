@@ -236,6 +236,7 @@ class Winding:
             end,
             end,
             name=card.name,
+            stated_solid_height=card.solid_height,
         )
 
 

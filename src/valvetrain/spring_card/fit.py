@@ -174,7 +174,7 @@ def _fit(
         CardDeviation("installed_load", card.installed_load.force, low),
         CardDeviation("open_load", card.open_load.force, high),
         CardDeviation("rate", card.rate, rate),
-        CardDeviation("solid_height", card.solid_height, definition.solid_height),
+        CardDeviation("solid_height", card.solid_height, definition.computed_solid_height),
         CardDeviation("mass", card.mass, weight(definition)),
         CardDeviation("free_length", card.free_length, definition.free_length),
         CardDeviation("total_coils", card.total_coils, definition.total_coils),

@@ -69,11 +69,20 @@ def doubted(facts: CardFacts) -> Iterator[Hit]:
 
 
 def missed(facts: CardFacts) -> Iterator[Hit]:
-    """A number of the card is more than 1 % off what the others make."""
-    for one in (held for fit in facts.by_card for held in fit.held):
+    """A number of the card, but its solid height, is more than 1 % off what the others make."""
+    for one in (
+        held for fit in facts.by_card for held in fit.held if held.quantity != "solid_height"
+    ):
         if one.requested and abs(apart(one)) > MISSED:
             name, limit = {"name": label_of(one.quantity)}, one.requested
             yield Hit(Amount(one.quantity, one.found), None, limit, name, abs(apart(one)))
+
+
+def other_height(facts: CardFacts) -> Iterator[Hit]:
+    """The solid height of the card is more than 1 % off that of the wire."""
+    wire = facts.wire
+    if wire is not None and wire.solid_heights_differ:
+        yield Hit(Amount("solid_height", wire.computed_solid_height), None, wire.solid_height)
 
 
 def off_table(facts: CardFacts) -> Iterator[Hit]:
@@ -84,7 +93,9 @@ def off_table(facts: CardFacts) -> Iterator[Hit]:
 def of_card(facts: CardFacts) -> Iterator[Hit]:
     """A wire has the numbers of the card."""
     for fit in facts.by_card:
-        apart_by = [abs(apart(one)) for one in fit.held if one.requested]
+        apart_by = [
+            abs(apart(one)) for one in fit.held if one.requested and one.quantity != "solid_height"
+        ]
         bind = "" if "turns" in fit.free else Amount("solid_height", fit.definition.solid_height)
         yield Hit(Amount("rate", fit.held[2].found), fields={
             "force": Amount("preload", fit.held[0].found), "bind": bind, "count": str(len(apart_by)), "share": percent(max(1e-3, *apart_by)),
@@ -177,6 +188,8 @@ RULES = (
          "the wire meets the table within {off:2}, {share} of its largest force", CHECK, mark="ok", unless=("Z10",)),
     Rule("Z112", "decides", "the table makes a rate of {value:4}, {force:4}[, coil bind at {bind:3}]", by_table, (),
          "no wire is known", "give --wire-diameter and --outer-diameter for the wire", mark="ok", unless=("Z10", "Z111")),
+    Rule("Z119", "warns", "the card says solid at {limit:4}, and its wire binds at {value:4}", other_height, ("solid_height",),
+         "the height of the card counts", guide=GUIDE),
     Rule("Z120", "notes", "in an engine the wire moves {value:2} of end turns too and surges at {surge:3}; "
          "the card alone moves {mass:3} and surges at {alone:3}", in_engine),
     Rule("Z121", "notes", "{said}", noted),

@@ -166,7 +166,7 @@ class RodModel:
         if not result.converged:
             raise InputError(
                 f"spring '{self.definition.name}' finds no equilibrium at {compression * 1e3:.3g} mm compression "
-                f"(it is solid at {(self.definition.free_length - self.definition.solid_height) * 1e3:.3g} mm); compress it less"
+                f"(it is solid at {self.definition.solid_compression * 1e3:.3g} mm); compress it less"
             )
         return result
 

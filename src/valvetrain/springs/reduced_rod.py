@@ -133,9 +133,7 @@ class ReducedRod:
 
     def _made(self) -> ReducedTables:
         rod = self.rod
-        top = NEARLY_SOLID * (
-            rod.definition.free_length - rod.definition.solid_height - rod.precompression
-        )
+        top = NEARLY_SOLID * (rod.definition.solid_compression - rod.precompression)
         if self.largest_lift is not None:
             top = min(top, (1 + BEYOND) * self.largest_lift + MORE)
         coarse = max(2, int(np.ceil((top + BELOW) / SPACING)))

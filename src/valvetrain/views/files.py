@@ -110,6 +110,8 @@ def spring_text(name: str, spring: InstalledSpring, source: str) -> str:
     }  # fmt: skip
     if wire.hand != "right":
         block["hand"] = wire.hand
+    if wire.stated_solid_height is not None:
+        block["solid_height"] = f"{wire.stated_solid_height!r} m"
     return toml_text({"name": name, "title": f"{wire.name}, {source}", "spring": block})
 
 
