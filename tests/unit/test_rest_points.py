@@ -118,7 +118,7 @@ def test_the_command_writes_them(case, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("command", "words"),
     [
-        (["static", "--height", "30 mm"], "solid at 32 mm"),
+        (["static", "--height", "30 mm"], "solid at 32.6"),
         (["static", "--height", "53 mm"], "free at 52 mm"),
         (["static", "--load", "90000 N"], "beyond it, give less"),
         (["static", "--load", "-5 N"], "zero or more"),

@@ -38,144 +38,47 @@ def vaz_with_contact_stiffness(value: str):
     )
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: ValveParameters(0.0), "mass of the valve must be positive"),
-        (lambda: ValveParameters(-0.1), "mass of the valve must be positive"),
-        (lambda: ValveParameters(float("nan")), "mass of the valve: nan is not a finite number"),
-        (lambda: ValveParameters(0.1, friction=-1.0), "friction"),
-        (lambda: ValveParameters(0.1, head_fraction=1.0), "head_fraction"),
-        (lambda: PushrodParameters(-0.2, (0, 0)), "mass of the pushrod"),
-        (lambda: SupportParameters(0.0, 0.1), "stiffness of the support"),
-        (lambda: LeverParameters((0, 0), 0.03, 0.04, 0.0), "inertia of the lever"),
-        (lambda: CamParameters(0.0), "base_radius"),
-        (lambda: CamParameters(0.01, rotation=0), "rotation"),
-        (lambda: FollowerParameters("square"), "use flat, domed, roller or knife"),
-        (lambda: FollowerParameters("roller"), "positive radius"),
-        (lambda: FollowerParameters("flat", radius=0.01), "has no radius"),
-        (lambda: GasLoad((0.0, 1.0), (1.0, 2.0)), "at least three"),
-        (lambda: GasLoad((0.0, 2.0, 1.0), (1.0, 2.0, 3.0)), "must increase"),
-        (lambda: CrankParameters(0.05, 0.04, 0.001, 0.0), "connecting rod must be longer"),
-        (lambda: direct(lash=-1e-4), "lash must be zero or positive"),
-        (
-            lambda: build_mechanism(direct(follower=FollowerParameters("flat")), LAW),
-            "needs a positive mass",
-        ),
-        (lambda: direct(kind="desmodromic"), "use direct (a bucket tappet), finger"),
-        (lambda: direct(model="solid"), "planar, lumped or single-mass"),
-        (
-            lambda: build_mechanism(finger(lever=None), LAW),
-            "train.lever: a finger train needs a lever",
-        ),
-        (lambda: build_mechanism(pushrod(pushrod=None), LAW), "needs a pushrod"),
-        (lambda: build_mechanism(direct(lash=6e-3), LAW), "not smaller than the valve lift"),
-        (lambda: build_mechanism(direct(cam=CamParameters(0.004)), LAW), "cusp"),
-        (
-            lambda: build_mechanism(
-                direct(cam=CamParameters(0.004), follower=FollowerParameters("roller", 0.03, 0.05)),
-                LAW,
-            ),
-            "undercut",
-        ),
-        (
-            lambda: build_mechanism(direct(contacts={}), LAW),
-            "contact law for 'cam', 'valve_tip' and 'seat', and has none",
-        ),
-        (
-            lambda: build_mechanism(pushrod(contacts={"cam": STIFF, "seat": STIFF}), LAW),
-            "needs a contact law for 'tappet', 'rocker' and "
-            "'valve_tip', and has cam, seat; add [train.contacts.tappet], [train.contacts.rocker], [train.contacts.valve_tip]",
-        ),
-        (
-            lambda: build_mechanism(
-                direct(
-                    contacts=dict.fromkeys(
-                        ("cam", "valve_tip", "seat"), ContactParameters("linaer")
-                    )
-                ),
-                LAW,
-            ),
-            "did you mean linear",
-        ),
-        (
-            lambda: build_mechanism(
-                finger(lever=LeverParameters((-0.2, 0.0), 0.03, 0.047, 1e-4)), LAW
-            ),
-            "cannot rest on a base circle",
-        ),
-        (
-            lambda: build_mechanism(
-                finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, math.pi)), LAW
-            ),
-            "close the valve",
-        ),
-        (
-            lambda: build_mechanism(
-                finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, -math.pi / 2)),
-                LAW,
-            ),
-            "parallel to the valve axis",
-        ),
-        (
-            lambda: ContactParameters("linear", {}, -0.1),
-            "friction_coefficient of the contact must not be negative",
-        ),
-        (
-            lambda: build_mechanism(direct(contacts=contacts(ROUGH)), LAW),
-            "contact 'valve_tip' of a direct train takes no friction",
-        ),
-        (
-            lambda: build_mechanism(direct(contacts={**contacts(), "seat": ROUGH}), LAW),
-            "move along one line",
-        ),
-        (
-            lambda: build_mechanism(rocker(contacts={**contacts(), "cam": ROUGH}), LAW),
-            "a roller, which rolls",
-        ),
-        (
-            lambda: build_mechanism(pushrod(contacts={**contacts(), "rocker": ROUGH}), LAW),
-            "meet in a ball",
-        ),
-        (
-            lambda: build_mechanism(
-                finger(contacts={**contacts(), "cam": ROUGH}, model="lumped"), LAW
-            ),
-            "knows no tangent",
-        ),
-        (
-            lambda: build_mechanism(
-                finger(contacts={**contacts(), "cam": ROUGH}, model="single-mass"), LAW
-            ),
-            "needs model = 'planar'",
-        ),
-        (lambda: runner(system(direct()), 0.0), "cam speed must be positive"),
-        (lambda: runner(system(direct()), -10.0), "cam speed must be positive"),
-        (
-            lambda: runner(system(direct()), 200.0, TrainOptions(time_step=1e-3)),
-            "cannot resolve the stiffest contact",
-        ),
-        (lambda: runner(vaz_with_contact_stiffness("2e11 N/mm"), 200.0), "100 kN/mm"),
-        (
-            lambda: build(
-                load_case("vaz-ohc", {"train.springs.nested.0.installed_height": "26 mm"})
-            ),
-            "spring 'outer' of set 'nested' reaches coil bind: 26 mm",
-        ),
-        (
-            lambda: build(
-                load_case(
-                    "tdi-pushrod",
-                    {
-                        "train.springs.stock.0.installed_height": "40 mm",
-                        "train.springs.stock.0.solid_height": "33 mm",
-                    },
-                )
-            ),
-            "solid at 33 mm",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: ValveParameters(0.0), "mass of the valve must be positive"), (lambda: ValveParameters(-0.1), "mass of the valve must be positive"),
+    (lambda: ValveParameters(float("nan")), "mass of the valve: nan is not a finite number"),
+    (lambda: ValveParameters(0.1, friction=-1.0), "friction"), (lambda: ValveParameters(0.1, head_fraction=1.0), "head_fraction"),
+    (lambda: PushrodParameters(-0.2, (0, 0)), "mass of the pushrod"), (lambda: SupportParameters(0.0, 0.1), "stiffness of the support"),
+    (lambda: LeverParameters((0, 0), 0.03, 0.04, 0.0), "inertia of the lever"), (lambda: CamParameters(0.0), "base_radius"),
+    (lambda: CamParameters(0.01, rotation=0), "rotation"), (lambda: FollowerParameters("square"), "use flat, domed, roller or knife"),
+    (lambda: FollowerParameters("roller"), "positive radius"), (lambda: FollowerParameters("flat", radius=0.01), "has no radius"),
+    (lambda: GasLoad((0.0, 1.0), (1.0, 2.0)), "at least three"), (lambda: GasLoad((0.0, 2.0, 1.0), (1.0, 2.0, 3.0)), "must increase"),
+    (lambda: CrankParameters(0.05, 0.04, 0.001, 0.0), "connecting rod must be longer"),
+    (lambda: direct(lash=-1e-4), "lash must be zero or positive"),
+    (lambda: build_mechanism(direct(follower=FollowerParameters("flat")), LAW), "needs a positive mass"),
+    (lambda: direct(kind="desmodromic"), "use direct (a bucket tappet), finger"), (lambda: direct(model="solid"), "planar, lumped or single-mass"),
+    (lambda: build_mechanism(finger(lever=None), LAW), "train.lever: a finger train needs a lever"),
+    (lambda: build_mechanism(pushrod(pushrod=None), LAW), "needs a pushrod"),
+    (lambda: build_mechanism(direct(lash=6e-3), LAW), "not smaller than the valve lift"),
+    (lambda: build_mechanism(direct(cam=CamParameters(0.004)), LAW), "cusp"),
+    (lambda: build_mechanism(direct(cam=CamParameters(0.004), follower=FollowerParameters("roller", 0.03, 0.05)), LAW), "undercut"),
+    (lambda: build_mechanism(direct(contacts={}), LAW), "contact law for 'cam', 'valve_tip' and 'seat', and has none"),
+    (lambda: build_mechanism(pushrod(contacts={"cam": STIFF, "seat": STIFF}), LAW),
+     "needs a contact law for 'tappet', 'rocker' and 'valve_tip', and has cam, seat; add [train.contacts.tappet], "
+     "[train.contacts.rocker], [train.contacts.valve_tip]"),
+    (lambda: build_mechanism(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), ContactParameters("linaer"))), LAW), "did you mean linear"),
+    (lambda: build_mechanism(finger(lever=LeverParameters((-0.2, 0.0), 0.03, 0.047, 1e-4)), LAW), "cannot rest on a base circle"),
+    (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, math.pi)), LAW), "close the valve"),
+    (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, -math.pi / 2)), LAW), "parallel to the valve axis"),
+    (lambda: ContactParameters("linear", {}, -0.1), "friction_coefficient of the contact must not be negative"),
+    (lambda: build_mechanism(direct(contacts=contacts(ROUGH)), LAW), "contact 'valve_tip' of a direct train takes no friction"),
+    (lambda: build_mechanism(direct(contacts={**contacts(), "seat": ROUGH}), LAW), "move along one line"),
+    (lambda: build_mechanism(rocker(contacts={**contacts(), "cam": ROUGH}), LAW), "a roller, which rolls"),
+    (lambda: build_mechanism(pushrod(contacts={**contacts(), "rocker": ROUGH}), LAW), "meet in a ball"),
+    (lambda: build_mechanism(finger(contacts={**contacts(), "cam": ROUGH}, model="lumped"), LAW), "knows no tangent"),
+    (lambda: build_mechanism(finger(contacts={**contacts(), "cam": ROUGH}, model="single-mass"), LAW), "needs model = 'planar'"),
+    (lambda: runner(system(direct()), 0.0), "cam speed must be positive"), (lambda: runner(system(direct()), -10.0), "cam speed must be positive"),
+    (lambda: runner(system(direct()), 200.0, TrainOptions(time_step=1e-3)), "cannot resolve the stiffest contact"),
+    (lambda: runner(vaz_with_contact_stiffness("2e11 N/mm"), 200.0), "100 kN/mm"),
+    (lambda: build(load_case("vaz-ohc", {"train.springs.nested.0.installed_height": "26 mm"})),
+     "spring 'outer' of set 'nested' reaches coil bind: 26 mm"),
+    (lambda: build(load_case("tdi-pushrod", {"train.springs.stock.0.installed_height": "40 mm", "train.springs.stock.0.solid_height": "33 mm"})),
+     "solid at 33 mm"),
+])  # fmt: skip
 def test_the_impossible_is_refused_in_one_sentence(make, words):
     with pytest.raises(InputError) as error:
         make()
@@ -259,7 +162,9 @@ def test_a_spring_that_no_train_would_carry_is_refused():
         parse_case(text)
 
 
-@pytest.mark.parametrize("word", ["multi-mass", "modal-uniform", "wave-rod"])
+@pytest.mark.parametrize("word", [
+    "multi-mass", "modal-uniform", "wave-rod",
+])  # fmt: skip
 def test_the_damping_of_a_trains_spring_is_felt(word):
     """Energy per cycle: damping per mass times a third of the mass times the square of the
     retainer's velocity, where no coil surges.
@@ -281,19 +186,13 @@ def test_the_damping_of_a_trains_spring_is_felt(word):
     assert abs(lost[0]) < lost[1] / 3 and lost[1] == pytest.approx(expected[1], rel=0.35)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ('mass = { value = "30.49 g"', 'mass = { value = "-30.49 g"', "train.valve.mass"),
-        ('lash = "0 mm"', 'lash = "9 N"', "train.lash"),
-        ('shape = "domed"', 'shape = "dome"', "train.follower.shape"),
-        ("[train.pushrod]", "[train.push_rod]", "pushrod"),
-        ('law = "impact"\ncontact_stiffness', "contact_stiffness", "needs its law"),
-        ('spring_set = "stock"\nspring_model = "multi-mass"', 'spring_set = "stocky"\nspring_model = "multi-mass"',
-         "spring set 'stocky' is unknown"),
-        ('pivot = "25, 220 mm"', 'pivot = "25 mm"', "two lengths"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("old", "new", "words"), [
+    ('mass = {value = "30.49 g"', 'mass = {value = "-30.49 g"', "train.valve.mass"), ('lash = "0 mm"', 'lash = "9 N"', "train.lash"),
+    ('shape = "domed"', 'shape = "dome"', "train.follower.shape"), ("[train.pushrod]", "[train.push_rod]", "pushrod"),
+    ('law = "impact"\ncontact_stiffness', "contact_stiffness", "needs its law"),
+    ('spring_set = "stock"\nspring_model = "multi-mass"', 'spring_set = "stocky"\nspring_model = "multi-mass"', "spring set 'stocky' is unknown"),
+    ('pivot = "25, 220 mm"', 'pivot = "25 mm"', "two lengths"),
+])  # fmt: skip
 def test_case_files_say_where_they_are_wrong(old, new, words):
     from valvetrain.parameters.loading import LIBRARY
 
