@@ -57,10 +57,7 @@ def test_the_lift_of_an_eccentric_circle_makes_that_circle(name):
     )
     rise = found + (RADIUS if name == "flat" else 0.0) - reach
     contour = contour_of_lift((rise, slope, bend), theta, RADIUS - OFF, FOLLOWERS[name])
-    x, y = (
-        contour.radii * np.cos(contour.polar_angles),
-        contour.radii * np.sin(contour.polar_angles),
-    )
+    x, y = contour.radii * [np.cos(contour.polar_angles), np.sin(contour.polar_angles)]
     np.testing.assert_allclose(np.hypot(x - OFF, y), RADIUS, atol=1e-8)
     np.testing.assert_allclose(contour.curvature_radii, RADIUS, rtol=1e-4)
     assert not contour.undercut

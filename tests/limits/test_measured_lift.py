@@ -38,11 +38,9 @@ def test_the_closed_form_is_its_own_derivative():
     grid = np.linspace(NOSE - 0.99 * HALF, NOSE + 0.99 * HALF, 4001)
     for derivative in (1, 2, 3):
         slope = np.gradient(law(grid, derivative - 1), grid)[2:-2]
-        np.testing.assert_allclose(
-            slope,
-            law(grid, derivative)[2:-2],
-            atol=2e-5 * np.abs(law(grid, derivative)).max() + 1e-9,
-        )
+        expected = law(grid, derivative)
+        within = 2e-5 * np.abs(expected).max() + 1e-9
+        np.testing.assert_allclose(slope, expected[2:-2], atol=within)
 
 
 def test_figures_of_clean_stations_are_those_of_the_closed_form():
@@ -71,11 +69,8 @@ def flat_start(cam_angle, derivative=0):
     """
     x = (NOSE - np.abs(np.asarray(cam_angle) - NOSE) - NOSE) / np.radians(65) + 1
     s = np.clip(x, 0.0, 1.0)
-    found = (
-        35 * s**4 - 84 * s**5 + 70 * s**6 - 20 * s**7,
-        None,
-        420 * s**2 - 1680 * s**3 + 2100 * s**4 - 840 * s**5,
-    )[derivative]
+    rise = 35 * s**4 - 84 * s**5 + 70 * s**6 - 20 * s**7
+    found = rise if not derivative else 420 * s**2 - 1680 * s**3 + 2100 * s**4 - 840 * s**5
     return HEIGHT / np.radians(65) ** derivative * found
 
 
@@ -92,12 +87,9 @@ def test_the_acceleration_depends_little_on_how_many_stations_a_turn_has(count):
     assert lobe.noise == pytest.approx(2e-6, rel=0.2) and len(lobe.knots) < 420
     grid = np.linspace(*lobe.event, 1501)[1:-1]
     off, spread = lobe.lift(grid, 2) - flat_start(grid, 2), lobe.spread(grid, 2)
-    assert (
-        np.sqrt(np.mean(off**2))
-        < np.sqrt(np.mean(spread**2))
-        < 0.07 * np.abs(flat_start(grid, 2)).max()
-    )
-    assert np.abs(off).max() < 0.12 * np.abs(flat_start(grid, 2)).max()
+    peak = np.abs(flat_start(grid, 2)).max()
+    assert np.sqrt(np.mean(off**2)) < np.sqrt(np.mean(spread**2)) < 0.07 * peak
+    assert np.abs(off).max() < 0.12 * peak
 
 
 @pytest.mark.parametrize("noise", [1e-6, 3e-6, 10e-6])
@@ -113,10 +105,8 @@ def test_bands_hold_the_true_law(noise):
     assert np.all(covered.mean(axis=0) > 0.88), covered.mean(axis=0)
     assert np.mean(found) == pytest.approx(noise, rel=0.15)
     # and they tell something: the acceleration is known to a few percent of its peak
-    assert (
-        np.median(lift.spread(grid, 2))
-        < {1e-6: 0.05, 3e-6: 0.08, 10e-6: 0.15}[noise] * np.abs(law(grid, 2)).max()
-    )
+    share = {1e-6: 0.05, 3e-6: 0.08, 10e-6: 0.15}[noise]
+    assert np.median(lift.spread(grid, 2)) < share * np.abs(law(grid, 2)).max()
 
 
 def test_the_nose_moves_no_further_than_said():
@@ -168,10 +158,8 @@ def test_separation_and_overlap():
     exhaust_nose = NOSE - np.radians(110.0)
     stations = np.radians(np.arange(0.0, 160.0))
     exhaust = smooth_lift(stations, law(stations, nose=exhaust_nose), noise=2e-9)
-    found = {
-        one.name: one.value
-        for one in pair_figures(smooth_lift(STATIONS, law(STATIONS), noise=2e-9), exhaust)
-    }
+    intake = smooth_lift(STATIONS, law(STATIONS), noise=2e-9)
+    found = {one.name: one.value for one in pair_figures(intake, exhaust)}
     assert np.degrees(found["lobe_separation"]) == pytest.approx(110.0, abs=1e-3)
     half = HALF * np.sqrt(1 - (1e-3 / HEIGHT) ** (1 / 3))
     assert found["overlap_at_1_mm"] == pytest.approx(2 * (2 * half - np.radians(110.0)), abs=1e-5)
@@ -185,12 +173,10 @@ def test_as_a_law_it_rests_exactly_and_is_smooth():
     )
     assert np.all(measured.lift(outside) == 0.0) and np.all(measured.lift(outside, 2) == 0.0)
     for edge in (first, last):
-        assert np.abs(np.diff(measured.lift(np.array([edge - 1e-9, edge + 1e-9]), 2)))[
-            0
-        ] < 1e-3 * np.abs(law(NOSE, 2))
-    np.testing.assert_allclose(
-        measured.lift(STATIONS), measured.smoothed.lift(STATIONS), atol=1e-15
-    )
+        jump = np.diff(measured.lift(np.array([edge - 1e-9, edge + 1e-9]), 2))
+        assert np.abs(jump)[0] < 1e-3 * np.abs(law(NOSE, 2))
+    smoothed = measured.smoothed.lift(STATIONS)
+    np.testing.assert_allclose(measured.lift(STATIONS), smoothed, atol=1e-15)
     other = Measured(cam_angles=tuple(STATIONS), lifts=tuple(noisy(3e-6, 6)), draw=2)
     apart = np.abs(other.lift(STATIONS, 2) - measured.lift(STATIONS, 2))
     assert 0 < np.median(apart) < 4 * np.median(measured.smoothed.spread(STATIONS[35:-35], 2))

@@ -152,15 +152,8 @@ ROWS = "\n".join(f"{angle},{{0}}" for angle in range(0, 360, 30))
 
 @pytest.mark.parametrize(
     ("unit", "value"),
-    [
-        ("N", "3.7e8"),
-        ("kN", "3.7e5"),
-        ("N", "3.7e-7"),
-        ("mm", "9e6"),
-        ("MPa", "6e8"),
-        ("m/s", "1e7"),
-    ],
-)
+    [("N", "3.7e8"), ("kN", "3.7e5"), ("N", "3.7e-7"), ("mm", "9e6"), ("MPa", "6e8"), ("m/s", "1e7")],
+)  # fmt: skip
 def test_values_that_no_valvetrain_has_are_refused_on_reading(tmp_path, unit, value):
     (tmp_path / "a.csv").write_text(f"# quantity: a\n# unit: {unit}\n{ROWS.format(value)}")
     with pytest.raises(InputError, match=r"outside .* of valvetrains"):
@@ -169,12 +162,8 @@ def test_values_that_no_valvetrain_has_are_refused_on_reading(tmp_path, unit, va
         values_in(f"quantity,unit,value,scatter\nraw_peak_spring_force,{unit},{value},1 %", "a.csv")
 
 
-LIFT = LiftAnswers(
-    angle_of="cam",
-    lift_of="tappet",
-    lift_unit="mm",
-    columns=("angle", "lift", "velocity", "acceleration"),
-)
+COLUMNS = ("angle", "lift", "velocity", "acceleration")
+LIFT = LiftAnswers(angle_of="cam", lift_of="tappet", lift_unit="mm", columns=COLUMNS)
 
 
 @pytest.mark.parametrize("column", [0, 1, 2, 3])

@@ -71,18 +71,15 @@ def test_the_same_lobe_in_every_form_of_text(form):
     ],
 )
 def test_headings_answer_what_they_say(heading, factor, turn):
-    (lobe,) = read(
-        heading + "\n" + rows("{:g};{:.5f}", scale=1.0)
+    radians = zip(np.radians(ANGLES), LIFTS, strict=True)
+    text = (
+        rows("{:g};{:.5f}", scale=1.0)
         if turn < 50
-        else heading
-        + "\n"
-        + "\n".join(
-            f"{np.radians(angle):.9f};{lift:.5f}" for angle, lift in zip(ANGLES, LIFTS, strict=True)
-        )
+        else "\n".join(f"{x:.9f};{y:.5f}" for x, y in radians)
     )
-    np.testing.assert_allclose(
-        np.degrees(lobe.cam_angles), ANGLES * (turn if turn < 50 else 1.0), atol=1e-6
-    )
+    (lobe,) = read(f"{heading}\n{text}")
+    expected = ANGLES * (turn if turn < 50 else 1.0)
+    np.testing.assert_allclose(np.degrees(lobe.cam_angles), expected, atol=1e-6)
     np.testing.assert_allclose(lobe.lifts, LIFTS * factor, atol=6e-6 * factor)
     assert {answer.question: answer.by for answer in lobe.answers}["angle_of"] == "file"
 
@@ -101,19 +98,10 @@ def test_an_answer_against_the_file_is_refused():
 
 
 def test_crank_angles_are_halved_and_the_nose_can_be_zero():
-    (lobe,) = read(
-        "\n".join(
-            f"{220 + 2 * angle:g} {lift:.5f}" for angle, lift in zip(ANGLES, LIFTS, strict=True)
-        ),
-        **ALL | {"angle_of": "crank"},
-    )
-    np.testing.assert_allclose(np.degrees(lobe.cam_angles), ANGLES + 110, atol=1e-9)
-    (lobe,) = read(
-        "\n".join(f"{110 + angle:g} {lift:.5f}" for angle, lift in zip(ANGLES, LIFTS, strict=True)),
-        **ALL,
-        zero="nose",
-    )
-    np.testing.assert_allclose(np.degrees(lobe.cam_angles), ANGLES, atol=1e-9)
+    text = "\n".join(f"{220 + 2 * at:g} {lift:.5f}" for at, lift in zip(ANGLES, LIFTS, strict=True))
+    for more, first in (({}, 110), ({"zero": "nose"}, 0)):
+        (lobe,) = read(text, **ALL | {"angle_of": "crank"} | more)
+        np.testing.assert_allclose(np.degrees(lobe.cam_angles), ANGLES + first, atol=1e-9)
 
 
 def test_a_table_taken_against_the_rotation_is_mirrored():
@@ -174,14 +162,8 @@ def test_fractions_need_lift_duration_and_begin():
     with pytest.raises(InputError) as caught:
         read(text)
     assert all(word in str(caught.value) for word in ("peak_lift", "duration", "opening"))
-    (lobe,) = read(
-        text,
-        angle_of="crank",
-        lift_of="valve",
-        peak_lift=0.01,
-        duration=np.radians(240),
-        opening=0.0,
-    )
+    words = {"angle_of": "crank", "lift_of": "valve", "peak_lift": 0.01, "opening": 0.0}
+    (lobe,) = read(text, **words, duration=np.radians(240))
     assert lobe.form == "fractions"
     np.testing.assert_allclose(np.degrees(lobe.cam_angles), 120 * place, atol=1e-9)
     np.testing.assert_allclose(lobe.lifts, 0.01 * np.sin(np.pi * place) ** 2, atol=1e-8)
@@ -198,14 +180,8 @@ def test_what_is_written_is_read_again(form):
     content = found.write(TABLE)
     more = {
         "s96": {"lift_of": "valve", "lift_unit": "mm"},
-        "fractions": {
-            "angle_of": "cam",
-            "lift_of": "valve",
-            "peak_lift": 9e-3,
-            "duration": np.radians(120),
-            "opening": np.radians(120),
-        },
-    }
+        "fractions": {"angle_of": "cam", "lift_of": "valve", "peak_lift": 9e-3, "duration": np.radians(120), "opening": np.radians(120)},
+    }  # fmt: skip
     (lobe,) = lifts_in(content, "written", LiftAnswers(**more.get(form, {})))
     assert lobe.form == form
     np.testing.assert_allclose(
@@ -229,12 +205,9 @@ BAD = {
     "a number beyond bounds": ("1 1e400\n" * 9, "beyond all bounds"),
     "too few stations": ("1 0\n2 1\n3 0\n", "needs eight or more"),
     "angles both ways": ("\n".join(f"{x % 5} 1" for x in range(20)), "do not run one way at row 6"),
-    "more than a revolution": (
-        "\n".join(f"{x} {x % 7}" for x in range(0, 720, 5)),
-        "more than one cam revolution",
-    ),
+    "more than a revolution": ("\n".join(f"{x} {x % 7}" for x in range(0, 720, 5)), "more than one cam revolution"),
     "too many columns": ("\n".join(" ".join(["1"] * 20) for _ in range(9)), "has 20 columns"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("fault", BAD)
@@ -247,11 +220,12 @@ def test_a_faulty_file_gets_one_sentence(fault):
 
 
 def test_files_that_are_no_files(tmp_path):
-    for name, words in (
-        (tmp_path, "is a folder"),
-        (tmp_path / "none", "cannot be read"),
-        ("/dev/zero", "is a device"),
-    ):
+    faults = {
+        tmp_path: "is a folder",
+        tmp_path / "none": "cannot be read",
+        "/dev/zero": "is a device",
+    }
+    for name, words in faults.items():
         with pytest.raises(InputError, match=words):
             read_lift(name)
     (tmp_path / "empty").write_text("  \n")
@@ -266,14 +240,12 @@ def test_a_workbook_without_its_reader_is_said(monkeypatch):
     import builtins
 
     real = builtins.__import__
-    monkeypatch.setattr(
-        builtins,
-        "__import__",
-        lambda name, *more: (
-            (_ for _ in ()).throw(ImportError(name))
-            if name == "python_calamine"
-            else real(name, *more)
-        ),
-    )
+
+    def without(name, *more):
+        if name == "python_calamine":
+            raise ImportError(name)
+        return real(name, *more)
+
+    monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(InputError, match=r"needs python-calamine; install the extra 'measure'"):
         read(b"PK\x03\x04" + io.BytesIO(b"x").getvalue())

@@ -18,11 +18,14 @@ from valvetrain.cam.contract import Array, LiftSpec
 from valvetrain.cam.flanks import DEFAULT_SHARE, SHARES, HalfLobe, joined
 from valvetrain.cam.pieces import PeriodicPieces, solve
 from valvetrain.errors import InputError, UnusualValueWarning
+from valvetrain.measured.cam_events import KEYS, CamEvents
 from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_types import (
     Angle,
     Lash,
+    Line,
     PositiveLength,
+    guarded,
     problem,
     quantity,
 )
@@ -70,7 +73,15 @@ class CamCardModel(LiftModel):
     lash: Lash | None = Field(
         default=None, description="at the valve; also sets the lash of [train] where it gives none"
     )
-    duration: PositiveAngle
+    duration: PositiveAngle | None = Field(
+        default=None, description="in angle_of; or where the valve opens and closes"
+    )
+    intake_opens: Line | None = Field(
+        default=None, description="crank angle at duration_lift, such as '5 deg before top'"
+    )
+    intake_closes: Line | None = Field(default=None, description="such as '32.5 deg after bottom'")
+    exhaust_opens: Line | None = Field(default=None, description="such as '40 deg before bottom'")
+    exhaust_closes: Line | None = Field(default=None, description="such as '10 deg after top'")
     duration_lift: PositiveLength = Field(
         default=DURATION_LIFT, description="lobe lift at which duration is given"
     )
@@ -111,22 +122,21 @@ class CamCardModel(LiftModel):
         """Keyword arguments of the law's class, in cam rad; refuses a lift given twice that
         disagrees, or none.
         """
-        turn = 0.5 if self.angle_of == "crank" else 1.0
-        if 2 * self.duration * turn > MAX_DURATION and self.duration_lift >= 5e-4:
+        turn, events = 0.5 if self.angle_of == "crank" else 1.0, self.events()
+        duration = (self.duration or 0.0) * turn if events is None else events.duration / 2
+        if 2 * duration > MAX_DURATION and self.duration_lift >= 5e-4:
             warnings.warn(
-                f"a duration of {math.degrees(2 * self.duration * turn):.4g} crank deg at {_mm(self.duration_lift)} is longer than that of any "
+                f"a duration of {math.degrees(2 * duration):.4g} crank deg at {_mm(self.duration_lift)} is longer than that of any "
                 "engine; are these crank degrees (angle_of)?",
                 UnusualValueWarning,
                 stacklevel=2,
             )
-        away = (
-            None
-            if self.lobe_centre is None
-            else self.lobe_centre * turn * (1 if self.valve == "intake" else -1)
-        )
+        away = None if self.lobe_centre is None else self.lobe_centre * turn
+        valve, away = (self.valve, away) if events is None else (events.valve, events.centre / 2)
+        away = -away if away is not None and valve == "exhaust" else away
         own: dict[str, Any] = {
             "maximum_lift": self._lobe_lift(), "nose": math.pi if away is None else self.top_dead_centre + away,
-            "duration": self.duration * turn, "duration_lift": self.duration_lift,
+            "duration": duration, "duration_lift": self.duration_lift,
             "ramp_lift": self._ramp_lift(), "ramp_velocity": self.ramp_velocity, "ramp_blend": self.ramp_blend,
         }  # fmt: skip
         for name in ("advertised", "upper"):
@@ -136,6 +146,23 @@ class CamCardModel(LiftModel):
                     f"{name}_lift": getattr(self, f"{name}_lift"),
                 }
         return own
+
+    def dead_centre(self) -> float | None:
+        """Cam angle (rad) of top dead centre; None of a card without a place of its lobe."""
+        timed = self.lobe_centre is not None or self.events() is not None
+        return self.top_dead_centre if timed else None
+
+    def events(self) -> CamEvents | None:
+        """Where the valve opens and closes by the card; None of a card with a duration."""
+        texts = {event: text for key, event in KEYS.items() if (text := getattr(self, key))}
+        if (self.duration is None) == (not texts) or (texts and self.lobe_centre is not None):
+            raise problem(
+                "a cam card needs either duration, with or without lobe_centre, or where its valve opens and closes, such as intake_opens = "
+                "'5 deg before top' and intake_closes = '40 deg after bottom'; give one of both"
+            )
+        named = {"intake" if event[0] == "I" else "exhaust" for event in texts}
+        valve = self.valve if self.valve in named or not named else named.pop()
+        return guarded(CamEvents.of, texts, valve) if texts else None
 
     def _lobe_lift(self) -> float:
         whole = self.lift_of == "valve" and self.lobe_lift is None and self.rocker_ratio is None

@@ -29,7 +29,10 @@ AXES = (
     ("jerk, mm/deg³", 1e3 * (np.pi / 180) ** 3)
 )  # fmt: skip
 #: Beginnings of the figures that are rows.
-ROWS = ("peak_lift", "duration", "lift_area", "largest_acceleration", "nose_acceleration", "lobe_separation", "overlap")  # fmt: skip
+ROWS = (
+    "peak_lift", "duration", "lift_area", "largest_acceleration", "nose_acceleration", "lobe_separation", "overlap",
+    "event", "ivo_at_50", "ivc_at_50", "evo_at_50", "evc_at_50"
+)  # fmt: skip
 BAND_HINT = "the band holds 95 % of the lifts that the stations allow"
 OFF_HINT = f"red: more than {OFF:g} standard deviations off; a run of stations on one side is a fault of the table"
 
@@ -90,8 +93,8 @@ class LiftAnswer(Shown):
         for one in lobes[0].figures if lobes else ():
             found = [fig for lobe in lobes for fig in lobe.figures if fig.name == one.name]
             yield one.name, one.label, *(figure_text(fig, units) for fig in found)
-        for one in self.facts.pair:
-            yield one.name, one.label, figure_text(one, units), ""
+        for one in (*self.facts.pair, *self.facts.timing):
+            yield one.name, one.label, figure_text(one, units), *[""] * (len(self.headings) - 1)
 
     def _spread(self, one: CarriedSpread) -> tuple[str, ...]:
         """A quantity of a case: its label, its run, and its value with half of its 95 % interval."""
@@ -107,7 +110,7 @@ class LiftAnswer(Shown):
     def tables(self) -> Mapping[str, TextTable]:
         """Every figure, the stations off the law, the case, and what the table means."""
         study, lobes = self.facts.carried, self.facts.lobes
-        values = ("value", "") if self.headings == [""] else self.headings
+        values = ["value"] if self.headings == [""] else self.headings
         figures = tuple(tuple(cells) for _, *cells in self._figures())
         off = tuple(
             (self.words.amount(Amount("cam_angle", float(angle)), 4), self.words.amount(Amount("lift", float(left)), 2))

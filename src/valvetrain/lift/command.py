@@ -52,12 +52,12 @@ def register(app: typer.Typer) -> None:
 
 def lift(
     file: Annotated[
-        Path,
+        Path | None,
         typer.Argument(
             metavar="FILE",
-            help="Table of lifts: text of columns, s96, fractions, XLSX; read by content.",
+            help="Table of lifts or contour: text, s96, fractions, XLSX; read by content. Or a case.",
         ),
-    ],
+    ] = None,
     exhaust: Annotated[
         Path | None,
         asks("--exhaust", "FILE", "Table of the exhaust lobe on the same zero: gives overlap."),
@@ -89,6 +89,19 @@ def lift(
         ),
     ] = "",
     lobe: Annotated[str, asks("--lobe", "NAME", "Which of the lobes or events of the table.")] = "",
+    events: Annotated[
+        str, asks("--events", "TEXT", "Of a cam card: 'IVO 5 before top, IVC 32.5 after bottom'.")
+    ] = "",
+    top_dead_centre: Annotated[
+        str | None,
+        asks("--top-dead-centre", "ANGLE", "Cam angle of it on the page: gives IVO to EVC."),
+    ] = None,
+    lobe_centre: Annotated[
+        str | None,
+        asks(
+            "--lobe-centre", "ANGLE", "Crank angle of the lobe after (−: before) top dead centre."
+        ),
+    ] = None,
     follower: Annotated[
         str,
         asks(
@@ -172,6 +185,13 @@ def lift(
     from valvetrain.lift.answer import LiftAnswer
     from valvetrain.lift.files import lift_case, lift_parameters, write_lift, write_table
     from valvetrain.lift.rules import LiftFacts
+    from valvetrain.lift.timing import (
+        cams_of,
+        dead_centre_of,
+        lift_of_case,
+        read_off,
+        typed_figures,
+    )
     from valvetrain.measured.lift_file import LiftAnswers, chosen_lobe, read_lift
     from valvetrain.runs.cost import read_limits
     from valvetrain.solution.atomic import write_text
@@ -193,19 +213,40 @@ def lift(
         "spring_models": read_models(spring), "spring_set": read_names(spring_set), "workers": read_workers(workers),
         "limit": ", ".join(limit or ())
     }  # fmt: skip
-    named = [(one, read_lift(one, answers)) for one in (file, exhaust) if one is not None]
+    is_case = file is not None and file.suffix == ".toml"
+    top, centre = (
+        _si(top_dead_centre, "angle", "--top-dead-centre"), _si(lobe_centre, "angle", "--lobe-centre")
+    )  # fmt: skip
+    tables = [one for one in (file, exhaust) if one is not None]
+    named = [(one, read_lift(one, answers)) for one in tables[is_case:]]
+    if is_case and file is not None:
+        sampled, own_top = lift_of_case(file)
+        top, named = own_top if top is None else top, [(file, (sampled,)), *named]
+    cams = cams_of(events, file if is_case else None)
+    if not (named or cams):
+        raise InputError("a cam comes as a table of lifts, a case or --events; give one", "FILE")
     if lobe or case is not None or exhaust is not None:
         named = [(one, (chosen_lobe(found, lobe, one.name),)) for one, found in named]
     lobes, pair = _lobes(
         [one for _, found in named for one in found], exhaust is not None, stated,
         (heights, _si(lash, "length", "--lash") or 0.0)
     )  # fmt: skip
-    law = lift_parameters(lobes[0], *stated)
-    carried = None if case is None else _carried(case, law, options, limits)
-    own = lift_case(f"lift-{file.stem}", lobes[0], *stated)
-    title = " and ".join(one.name for one in (file, exhaust) if one is not None)
-    facts = LiftFacts(tuple(lobes), pair, carried)
-    name = "case" if carried is not None else lobes[0].measured.name
+    if not lobes and case is not None:
+        raise InputError("a case takes a lift, not events alone; give a table of lifts", "--case")
+    if lobes and top is None and centre is not None:
+        top = dead_centre_of(lobes[0], centre)
+    timing = {one.name: one for one in typed_figures(cams)}
+    if top is not None:
+        timing |= {one.name: one for one in read_off(lobes, top)}
+    carried = None
+    if case is not None:
+        carried = _carried(case, lift_parameters(lobes[0], *stated), options, limits)
+    own = lift_case(
+        f"lift-{'events' if file is None else file.stem}", lobes[0] if lobes else None, *stated
+    )
+    title = " and ".join(one.name for one in tables)
+    facts = LiftFacts(tuple(lobes), pair, tuple(timing.values()), carried)
+    name = "case" if carried is not None else lobes[0].measured.name if lobes else "events"
 
     def fill(folder: Path) -> list[Path]:
         files = write_lift(lobes, folder, *stated)
@@ -299,6 +340,8 @@ def _data(facts: LiftFacts) -> dict[str, Any]:
     ]  # fmt: skip
     if facts.pair:
         data["both_lobes"] = figures(facts.pair)
+    if facts.timing:
+        data["timing"] = figures(facts.timing)
     if carried is not None:
         data["carried"] = [
             {

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.findings.words import Amount
+from valvetrain.measured.cam_events import EVENTS, side_of
 from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import BAND, DEGREE, SmoothedLift
 from valvetrain.units import unit_factor
@@ -33,6 +34,8 @@ JUMP, AROUND, COARSE = 0.15, np.radians(1), np.radians(2.5)
 
 #: Standard deviations from which a station is off the law.
 OFF = 4.0
+#: Beginnings of the figures whose angle is of the crank.
+OF_CRANK = ("overlap", "event_", *map(str.lower, EVENTS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +51,7 @@ class LiftFigure:
     @property
     def amount(self) -> Amount:
         """The figure, a length or an angle, with half of its 95 % interval."""
-        turns = "crank_angle" if self.name.startswith("overlap") else "cam_angle"
+        turns = "crank_angle" if self.name.startswith(OF_CRANK) else "cam_angle"
         return Amount("lift" if self.unit == "mm" else turns, self.value, BAND * self.spread)
 
 
@@ -99,7 +102,7 @@ def lift_figures(
     every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, seed)])
     curves = [_curves(smoothed, every, grid, derivative) for derivative in range(4)]
     peak = float(curves[0][0].max())
-    levels = {_height_text(height): height for height in _every(heights)}
+    levels = {height_text(height): height for height in _every(heights)}
     for label, height in levels.items():
         if not 0 < height < peak:
             if height in HEIGHTS:
@@ -120,7 +123,7 @@ def lift_figures(
                 found.append(_figure("lobe_centre", words, (opening + closing) / 2, "deg"))
             ends = {"duration": closing - opening, "opening": opening, "closing": closing}
             for name, values in ends.items():
-                found.append(_figure(f"{name}_at_{_key(label)}", f"{name} at {label}", values, "deg"))  # fmt: skip
+                found.append(_figure(f"{name}_at_{height_key(label)}", f"{name} at {label}", values, "deg"))  # fmt: skip
     found.append(
         _figure(
             "lift_area",
@@ -130,7 +133,7 @@ def lift_figures(
         )
     )
     if lash < peak:
-        at = _height_text(lash)
+        at = height_text(lash)
         for side, angle in zip(
             ("opening", "closing"), crossings(grid, curves[0], lash), strict=True
         ):
@@ -210,9 +213,11 @@ def pair_figures(
     ]
     for height in _every(heights):
         if all(height in found for found in ends.values()):
-            label = _height_text(height)
+            label = height_text(height)
             lap = 2 * (ends["exhaust"][height][1] + ahead - ends["intake"][height][0])
-            figures.append(_figure(f"overlap_at_{_key(label)}", f"overlap at {label}", lap, "deg"))
+            figures.append(
+                _figure(f"overlap_at_{height_key(label)}", f"overlap at {label}", lap, "deg")
+            )
     return tuple(figures)
 
 
@@ -289,11 +294,18 @@ def figure_text(figure: LiftFigure, units: str = "si") -> str:
     if units == "imperial" and figure.unit in INCH_TEXTS:
         unit, inches = INCH_TEXTS[figure.unit]
         size *= inches
-    if figure.name.startswith("overlap_at_"):
+    if figure.name.startswith(OF_CRANK):
         unit = "crank deg"
     value, spread = figure.value / size, BAND * figure.spread / size
+    if (event := figure.name[:3].upper()) in EVENTS:
+        value, side = abs(value), side_of(event, value)
+        unit = f"crank deg {side}"
     digits = max(0, min(6, 1 - int(np.floor(np.log10(spread))))) if spread > 0 else 4
-    text = f"{value:.{digits}f}"
+    text = (
+        f"{value:.{digits}f}"
+        if spread > 0 or not figure.name.startswith(OF_CRANK)
+        else f"{value:.7g}"
+    )
     if (
         figure.name == "largest_jerk" and spread > value
     ):  # a size is not below zero, however wide the band
@@ -306,11 +318,13 @@ def figure_text(figure: LiftFigure, units: str = "si") -> str:
 _NAMED: Mapping[float, str] = {CARD: "0.050 in", RAMP_HEIGHT: "0.006 in"}
 
 
-def _height_text(height: float) -> str:
+def height_text(height: float) -> str:
+    """A height (m) as the trade writes it."""
     return _NAMED.get(height, f"{1e3 * height:.6g} mm")
 
 
-def _key(label: str) -> str:
+def height_key(label: str) -> str:
+    """The text of a height in names of figures."""
     return (
         label.replace("0.050 in", "50_thou")
         .replace("0.006 in", "6_thou")

@@ -36,10 +36,10 @@ def lift_parameters(
 
 
 def lift_case(
-    name: str, lobe: LobeResult, noise: float | None = None, band: float | None = None
+    name: str, lobe: LobeResult | None, noise: float | None = None, band: float | None = None
 ) -> Case:
-    """A case that holds nothing but the lift of ``lobe``; its text can be put into any case file."""
-    law = lift_parameters(lobe, noise, band)
+    """A case that holds nothing but the lift of ``lobe``, if there is one; its text can be put into any case file."""
+    law = LiftLawParameters("zero") if lobe is None else lift_parameters(lobe, noise, band)
     return parse_case(toml_text({"name": name, **resolved({"lift_law": {}}, law)}), name)
 
 

@@ -37,12 +37,14 @@ class LiftFacts(Subject):
     ----------
     lobes : one, or intake and exhaust
     pair : what both lobes have together
+    timing : events against dead centre, where they are known
     carried : a case with the first lobe, and what the noise does to it
     file : the law of the first lobe as part of a case file; of a case the whole of it
     """
 
     lobes: tuple[LobeResult, ...] = ()
     pair: tuple[LiftFigure, ...] = ()
+    timing: tuple[LiftFigure, ...] = ()
     carried: LiftBandStudy | None = None
     file: str = ""
 
@@ -177,6 +179,15 @@ def good(facts: LiftFacts) -> Iterator[Hit]:
         yield Hit(first.amount, fields=fields)
 
 
+def timed(facts: LiftFacts) -> Iterator[Hit]:
+    """The events of a cam were typed in, without a lift."""
+    if not facts.lobes and facts.carried is None:
+        both = [one for one in facts.timing if one.name.startswith(("lobe_sep", "overlap"))]
+        first, second = (both or [one for one in facts.timing if one.name.startswith("event_")])[:2]
+        fields: dict[str, Said] = {"first": first.label, "second": second.label, "more": second.amount}  # fmt: skip
+        yield Hit(first.amount, fields=fields)
+
+
 def widened(facts: LiftFacts) -> Iterator[Hit]:
     """The requested band is tighter than the noise."""
     if any(lobe.smoothed.widened for lobe in facts.lobes):
@@ -246,6 +257,8 @@ RULES = (
     Rule("L211", "decides", "good enough to simulate, {first} {value:4}[, {second} {more:3}]", good, (),
          "its acceleration is known within {share}", "[valvetrain check {case}]",
          mark="ok", unless=("L20", "L210")),
+    Rule("L212", "decides", "{first} {value:4}, {second} {more:4}", timed, (), "of the events as they were typed in",
+         "write them into the [lift_law] of a case, with its lift", mark="ok"),
     Rule("L220", "warns", "the requested band is tighter than the noise", widened, (),
          "the lift follows the stations more closely than they deserve"),
     Rule("L230", "notes", "the base circle was at {value:2} and is now zero[; it scatters by {scatter:2}]", base),

@@ -43,27 +43,19 @@ class LiftLawParameters:
     ``values``: the keyword arguments of that law's class in `valvetrain.cam`, SI (m, cam rad).
     ``lift_of``: where the lift is measured, at the tappet (cam) or the valve.
     ``zero_of_angle``: what the zero of the cam angle means, printed on every plot.
+    ``top_dead_centre``: cam angle (rad) of top dead centre of gas exchange, where the law says it.
     """
 
     kind: str
     values: Mapping[str, Any] = field(default_factory=FrozenMapping)
     lift_of: Literal["valve", "tappet"] = "valve"
     zero_of_angle: str = ""
+    top_dead_centre: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", FrozenMapping(self.values))
 
     def replace(self, **changes: Any) -> LiftLawParameters:
         """A copy with fields changed; a name that is no field is looked up among ``values``."""
-        own = {
-            key: changes.pop(key)
-            for key in list(changes)
-            if key in ("kind", "values", "lift_of", "zero_of_angle")
-        }
-        values = {**own.pop("values", self.values), **changes}
-        merged = {
-            "kind": self.kind,
-            "lift_of": self.lift_of,
-            "zero_of_angle": self.zero_of_angle,
-        } | own
-        return LiftLawParameters(values=values, **merged)
+        own = {name: changes.pop(name, getattr(self, name)) for name in self.__dataclass_fields__}
+        return LiftLawParameters(**own | {"values": {**own["values"], **changes}})

@@ -49,8 +49,16 @@ class LiftModel(StrictModel):
     def parameters(self, folder: Path) -> LiftLawParameters:
         """What the case stores of this table; ``folder`` is where relative file names start."""
         return LiftLawParameters(
-            self.law or self.kind, self.values(folder), self.lift_of, self.zero_of_angle
+            self.law or self.kind,
+            self.values(folder),
+            self.lift_of,
+            self.zero_of_angle,
+            self.dead_centre(),
         )
+
+    def dead_centre(self) -> float | None:
+        """Cam angle (rad) of top dead centre of gas exchange, of a law that says it."""
+        return None
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; raises a located problem when the table contradicts

@@ -414,10 +414,9 @@ def with_cam_card(train: TrainModel, law: LiftModel | None) -> TrainModel:
                 f"lash is {lash * 1e3:.4g} mm here and {train.lash * 1e3:.4g} mm in [train]; correct one, or leave it out of [train]",
                 ("lift_law", "lash"),
             )
-    crank, centre = train.crank, getattr(law, "lobe_centre", None)
-    if centre is not None and crank is not None:
+    crank, top = train.crank, None if law is None else law.dead_centre()
+    if top is not None and crank is not None:
         if crank.top_dead_centre is None and crank.lobe_centre is None:
-            top = getattr(law, "top_dead_centre", None)
             changes["crank"] = crank.model_copy(update={"top_dead_centre": top})
     lever = train.lever
     if ratio is not None and lever is not None:
