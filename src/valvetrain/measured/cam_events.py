@@ -84,10 +84,10 @@ def against_dead_centre(opens: float, closes: float) -> dict[str, float]:
     }
 
 
-def side_of(event: str, angle: float) -> str:
-    """On which side of which dead centre an ``angle`` of :func:`against_dead_centre` is: ``after top``."""
+def side_of(event: str, crank_angle: float) -> str:
+    """On which side of which dead centre a ``crank_angle`` (rad) of :func:`against_dead_centre` is: ``after top``."""
     _, dead, before = EVENTS[event]
-    return f"{'before' if before == (angle >= 0) else 'after'} {dead}"
+    return f"{'before' if before == (crank_angle >= 0) else 'after'} {dead}"
 
 
 def events_in(text: str) -> dict[str, str]:
