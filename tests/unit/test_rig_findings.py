@@ -104,7 +104,7 @@ def test_the_fields_of_a_verdict_are_the_numbers_of_the_recording():
 def test_a_recording_shows_itself_in_a_notebook_and_in_inches():
     found = answer(recording()).result
     assert "<table>" in found._repr_html_() and found.plot().data
-    imperial = RigAnswer(found, Words("imperial"))
+    imperial = RigAnswer(found, words=Words("imperial"))
     assert any("lbf" in cell for line in imperial.lines for cell in line.cells)
 
 

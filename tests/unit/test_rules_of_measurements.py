@@ -98,8 +98,9 @@ def kept(samples: int, parts: int, known: tuple[str, ...]):
         "force_lowest": (at + 0.011) ** 2,
         "force_lowest_time": at + 0.011,
     }
-    variables = {name: SimpleNamespace(values=arrays[name]) for name in ("force", *known)}
-    return SimpleNamespace(time=time, arrays=SimpleNamespace(variables=variables))
+    return SimpleNamespace(
+        time=time, cam_angle=time, has=("force", *known).__contains__, channel=arrays.__getitem__
+    )
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ def saved(root: Path, peak: float = 900.0, minutes: int = 0, rate: int = 30, **m
 
 
 def listed(root: Path) -> SavedAnswer:
-    return SavedAnswer(SavedFacts(list_saved_runs(root=root), unfinished_runs(root=root), root), Words())  # fmt: skip
+    return SavedAnswer(SavedFacts(list_saved_runs(root=root), unfinished_runs(root=root), root), words=Words())  # fmt: skip
 
 
 def killed(root: Path) -> None:
@@ -81,7 +81,7 @@ def test_rows_carry_the_stored_verdict_and_the_next_step_compares_two_inputs(tmp
 
 
 def compared(one: SavedRun, other: SavedRun) -> DifferenceAnswer:
-    return DifferenceAnswer(differences(one, other), Words())
+    return DifferenceAnswer(differences(one, other), words=Words())
 
 
 def bar(force: float) -> dict[str, object]:

@@ -139,7 +139,7 @@ def table(name: str) -> StudyTable:
 
 @cache
 def answer(name: str) -> StudyAnswer:
-    return StudyAnswer(table(name), Words())
+    return StudyAnswer(table(name), words=Words())
 
 
 #: Rule -> a study in which it holds, and one in which it does not. J111 and J133: see below.

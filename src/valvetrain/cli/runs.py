@@ -62,7 +62,7 @@ def runs(
             }
             for one in facts.unfinished
         ],
-        "findings": [one.to_dict() for one in SavedAnswer(facts, Words()).findings],
+        "findings": [one.to_dict() for one in SavedAnswer(facts, words=Words()).findings],
     }  # fmt: skip
     deliver(Outcome(data, lambda console: console.print(screen(SavedAnswer(facts)))))
 
@@ -116,7 +116,7 @@ def compare_runs(
             for row in both.results
         ],
         "failed": {"a": list(both.a.failures), "b": list(both.b.failures)},
-        "findings": [one.to_dict() for one in DifferenceAnswer(both, Words()).findings],
+        "findings": [one.to_dict() for one in DifferenceAnswer(both, words=Words()).findings],
     }  # fmt: skip
 
     def show(console: Console) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -17,16 +17,14 @@ from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.compare_test.comparison import RunAgainstTest
 from valvetrain.compare_test.files import write_compare_test
 from valvetrain.compare_test.rules import OFF, RULES, AgainstTest, furthest, phase
-from valvetrain.findings.engine import Findings, Mark, judge
-from valvetrain.findings.words import Amount, Words, digits_text, speed_text
+from valvetrain.findings.engine import Mark
+from valvetrain.findings.words import Amount, digits_text, speed_text
 from valvetrain.measured.value_table import ValueTable
-from valvetrain.session import called_case
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.display import SHOWN_UNITS
-from valvetrain.units.reader import shown_system
 from valvetrain.views.columns import table_of
 from valvetrain.views.results import report_answer
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.study_files import StudyFiles
 from valvetrain.views.style import (
     ANGLE,
@@ -48,22 +46,18 @@ MAX_RUNS, MAX_VALUES = 4, 10
 
 
 @dataclass(frozen=True)
-class AgainstTestAnswer(Shown):
+class AgainstTestAnswer(ShownByRules):
     """What is shown of a ``result`` of :func:`compare_with_test`; ``test``: its options on the command line."""
 
+    rules = RULES
+
     result: ModelAgainstTest
-    words: Words = field(default_factory=lambda: Words(shown_system(), case=called_case()))
     test: str = "--test FILE"
 
     @cached_property
     def facts(self) -> AgainstTest:
         """The comparison as rules read it."""
         return AgainstTest(self.result, self.words.case, self.test)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """Whether the nearest model agrees, then doubts about the test."""
-        return judge(self.facts, RULES, self.words)
 
     @property
     def title(self) -> str:

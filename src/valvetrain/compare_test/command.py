@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import shlex
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -32,10 +31,6 @@ from valvetrain.cli.options import (
     take_folder,
 )
 from valvetrain.cli.run_answer import SavedRequest, saved_result
-
-if TYPE_CHECKING:
-    from valvetrain.compare_test.compare import ModelAgainstTest
-    from valvetrain.views.shown import Shown
 
 
 def register(app: typer.Typer) -> None:
@@ -101,19 +96,20 @@ def compare_test(
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import announce_compilation, progress_bar
     from valvetrain.compare_test.adequacy import LEVEL
+    from valvetrain.compare_test.answer import AgainstTestAnswer
     from valvetrain.compare_test.compare import compare_with_test
     from valvetrain.compare_test.files import compare_test_json, write_compare_test
     from valvetrain.compare_test.reader import read_test
     from valvetrain.session import call_case
 
-    call_case([case, *(one for text in settings or () for one in ("--set", text))])
+    call_case([case, *(part for text in settings or () for part in ("--set", text))])
     take_folder(output)
     gauge = read_sensor(bandwidth, sensor, None) if bandwidth or sensor else None
     chosen = choose_case(case, settings, elements_per_coil)
     measured = read_test(test, quantity, channel)
     announce_compilation(*(("train",) if chosen.train is not None else ("statics", "transient")))
     with progress_bar(chosen.name) as report:
-        found = compare_with_test(
+        result = compare_with_test(
             chosen,
             measured,
             quantity=quantity,
@@ -137,20 +133,23 @@ def compare_test(
     repeated += [part for text in spring_set or () for part in ("--spring-set", text)]
     now = datetime.now(UTC).replace(microsecond=0)
     request = SavedRequest("compare-test", chosen, output, now, folder_of(case))
-    failed = list(found.failures)
+    failed = list(result.failures)
     data = {
         "command": "compare-test",
         "completed": not failed,
         "failures": failed,
-    } | compare_test_json(found)
-    show = partial(_shown, found, shlex.join(repeated))
-    write = partial(write_compare_test, found)
-    text = found.study.record.text
-    deliver(saved_result(request, text, data, show, write, {"test": str(test)}, open_page, failed))
-
-
-def _shown(found: ModelAgainstTest, test: str, folder: Path) -> Shown:
-    """The answer, with the options of the test to be copied."""
-    from valvetrain.compare_test.answer import AgainstTestAnswer
-
-    return AgainstTestAnswer(found, test=test)
+    } | compare_test_json(result)
+    test_words = shlex.join(repeated)
+    text = result.study.record.text
+    deliver(
+        saved_result(
+            request,
+            text,
+            data,
+            lambda folder: AgainstTestAnswer(result, test=test_words),
+            lambda folder: write_compare_test(result, folder),
+            {"test": str(test)},
+            open_page,
+            failed,
+        )
+    )

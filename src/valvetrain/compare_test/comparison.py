@@ -306,17 +306,17 @@ def against_cycles(
     )
 
 
-def _with_shared(one: EventRow, shared: SharedErrors) -> EventRow:
+def _with_shared(event: EventRow, shared: SharedErrors) -> EventRow:
     """An event with what all repeats share: of its angle, or of its value, where the slope is
     nought.
     """
-    if "interval" in one.name:
-        return one
+    if "interval" in event.name:
+        return event
     return replace(
-        one,
+        event,
         shared=shared.cam_angle
-        if one.dimension == "angle"
-        else math.hypot(shared.offset, shared.gain * one.test),
+        if event.dimension == "angle"
+        else math.hypot(shared.offset, shared.gain * event.test),
     )
 
 
@@ -349,25 +349,34 @@ def against_values(
 ) -> RunAgainstTest:
     """Runs of one label, by crank speed (rad/s, as in ``values``), against a table."""
     first = next(iter(runs.values()))
-    modelled = [_model_of(runs[one.engine_speed], still, one, active) for one in values]
+    modelled = [
+        _model_of(runs[measured.engine_speed], still, measured, active) for measured in values
+    ]
     partners = counted_partners(values, {speed: run.quantities for speed, run in runs.items()})
     modelled = [
         (partners.get(place, model), angle) for place, (model, angle) in enumerate(modelled)
     ]
     rows: list[ValueRow] = []
-    for one, (model, place) in zip(values, modelled, strict=True):
+    for measured, (model, place) in zip(values, modelled, strict=True):
         rows.append(
-            ValueRow(one.quantity, one.unit, one.engine_speed, model, one.value, _error(one))
+            ValueRow(
+                measured.quantity,
+                measured.unit,
+                measured.engine_speed,
+                model,
+                measured.value,
+                _error(measured),
+            )
         )
-        if math.isfinite(one.angle_scatter) and math.isfinite(one.cam_angle):
+        if math.isfinite(measured.angle_scatter) and math.isfinite(measured.cam_angle):
             rows.append(
                 ValueRow(
-                    one.quantity,
+                    measured.quantity,
                     "deg",
-                    one.engine_speed,
+                    measured.engine_speed,
                     place,
-                    one.cam_angle,
-                    one.angle_scatter,
+                    measured.cam_angle,
+                    measured.angle_scatter,
                     "angle",
                 )
             )
@@ -388,15 +397,15 @@ def counted_partners(
     """
     families: dict[tuple[float, str], list[int]] = {}
     for place, one in enumerate(values):
-        if (found := _COUNTED.fullmatch(one.quantity)) is not None:
-            families.setdefault((one.engine_speed, found[1]), []).append(place)
+        if (counted := _COUNTED.fullmatch(one.quantity)) is not None:
+            families.setdefault((one.engine_speed, counted[1]), []).append(place)
     partners: dict[int, float] = {}
     for (speed, word), places in families.items():
         places.sort(key=lambda place: values[place].value)
         mine = [
             value
             for name, value in named[speed].items()
-            if (found := _COUNTED.fullmatch(name)) and found[1] == word
+            if (counted := _COUNTED.fullmatch(name)) and counted[1] == word
         ]
         met = pair_angles([values[place].value for place in places], mine)
         partners |= {
@@ -405,10 +414,14 @@ def counted_partners(
     return partners
 
 
-def _error(one: MeasuredValue) -> float:
+def _error(measured: MeasuredValue) -> float:
     """Standard deviation of the value: stated, or of the mean of its repeats."""
-    count = len(one.repeats)
-    return one.scatter if count < 2 else float(np.std(one.repeats, ddof=1)) / math.sqrt(count)
+    count = len(measured.repeats)
+    return (
+        measured.scatter
+        if count < 2
+        else float(np.std(measured.repeats, ddof=1)) / math.sqrt(count)
+    )
 
 
 def _adequacy(
@@ -421,18 +434,18 @@ def _adequacy(
     what the rows are off by in these.
     """
     if len(values[0].repeats) > 1:
-        known = np.isfinite(modelled)
-        if not known.any():
+        both = np.isfinite(modelled)
+        if not both.any():
             raise InputError(
                 "the run has none of these values, so there is no F-test; docs/quantities.md lists what it has"
             )
-        if len({one.unit for one in values}) > 1:
+        if len({measured.unit for measured in values}) > 1:
             raise InputError(
                 "values in several units have no common variance, so there is no F-test; give a table per unit"
             )
-        matrix = np.array([one.repeats for one in values])[known].T
+        matrix = np.array([measured.repeats for measured in values])[both].T
         return adequacy_test(
-            matrix, np.array(modelled)[known], fitted=request.fitted, level=request.level
+            matrix, np.array(modelled)[both], fitted=request.fitted, level=request.level
         )
     off = np.array([row.in_scatters for row in rows if math.isfinite(row.model)])
     if not len(off):
@@ -446,30 +459,30 @@ def _adequacy(
 
 
 def _model_of(
-    run: Solution, still: Mapping[str, float], one: MeasuredValue, active: Active
+    run: Solution, still: Mapping[str, float], measured: MeasuredValue, active: Active
 ) -> tuple[float, float]:
     """Value of the run for a measured one and the cam angle of it; NaN where it gives none."""
     named = {**still, **run.quantities}
-    kind, _, rest = one.quantity.partition("_")
+    kind, _, rest = measured.quantity.partition("_")
     extreme = kind in ("peak", "least") and bool(rest)
     try:
-        if one.quantity in named:
-            at = angle_name(one.quantity) if math.isfinite(one.cam_angle) else ""
-            return named[one.quantity], named.get(at, math.nan)
-        trace = trace_of(run, rest if extreme else one.quantity, active)
+        if measured.quantity in named:
+            at = angle_name(measured.quantity) if math.isfinite(measured.cam_angle) else ""
+            return named[measured.quantity], named.get(at, math.nan)
+        trace = trace_of(run, rest if extreme else measured.quantity, active)
     except InputError:
-        return named.get(one.quantity, math.nan), math.nan
+        return named.get(measured.quantity, math.nan), math.nan
     if extreme:
         top = int(np.argmax(trace.values) if kind == "peak" else np.argmin(trace.values))
         return float(trace.values[top]), float(trace.cam_angle[top])
-    if not math.isfinite(one.cam_angle):
+    if not math.isfinite(measured.cam_angle):
         return math.nan, math.nan
-    return float(trace.at(np.array([one.cam_angle]))[0]), math.nan
+    return float(trace.at(np.array([measured.cam_angle]))[0]), math.nan
 
 
 def closer(
-    one: RunAgainstTest,
-    other: RunAgainstTest,
+    near: RunAgainstTest,
+    far: RunAgainstTest,
     values: Array,
     weights: Array,
     curves: tuple[Array, Array],
@@ -483,7 +496,7 @@ def closer(
     single = ((first - values) ** 2 - (second - values) ** 2) @ weights
     repeats = len(values)
     if repeats < 2:
-        return CloserRow(one.label, other.label, squares[0], squares[1], math.nan, math.nan)
+        return CloserRow(near.label, far.label, squares[0], squares[1], math.nan, math.nan)
     error = float(np.std(single, ddof=1)) / math.sqrt(repeats)
     student = (
         float(np.mean(single)) / error
@@ -493,8 +506,8 @@ def closer(
     if not np.any(single):
         student = 0.0
     return CloserRow(
-        one.label,
-        other.label,
+        near.label,
+        far.label,
         squares[0],
         squares[1],
         student,

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 from scipy.special import stdtrit
 
 from valvetrain.quantities.compare import pair_angles
@@ -111,14 +112,20 @@ def _row(
     drawn: Array,
     repeats: int,
 ) -> EventRow:
-    own = measure(model)
+    value = measure(model)
     if not len(drawn):
-        return EventRow(name, dimension, own, test, own, math.nan, repeats)
-    moved = np.array([measure(model + one) for one in drawn]) - own
+        return EventRow(name, dimension, value, test, value, math.nan, repeats)
+    moved = np.array([measure(model + one) for one in drawn]) - value
     if dimension == "angle":
         moved = (moved + math.pi) % _TURN - math.pi
     return EventRow(
-        name, dimension, own, test, own + float(moved.mean()), float(np.std(moved, ddof=1)), repeats
+        name,
+        dimension,
+        value,
+        test,
+        value + float(moved.mean()),
+        float(np.std(moved, ddof=1)),
+        repeats,
     )
 
 
@@ -185,8 +192,8 @@ def spike_rows(cam_angle: Array, values: Array, model: Array, drawn: Array) -> l
     )
     least = max(SPIKE_SHARE * float(np.ptp(mean)), SPIKE_ERRORS * error)
     theirs, mine = _spikes(mean, least), _spikes(model, 0.5 * least, 3 * MAX_SPIKES)
-    angles, own = ([float(cam_angle[place]) for place in places] for places in (theirs, mine))
-    partners = pair_angles(angles, own) if angles else []
+    angles, of_model = ([float(cam_angle[place]) for place in places] for places in (theirs, mine))
+    partners = pair_angles(angles, of_model) if angles else []
     rows: list[EventRow] = []
     for count, (angle, partner) in enumerate(zip(angles, partners, strict=True), start=1):
         test = _top(cam_angle, mean, _around(cam_angle, angle, angles))
@@ -205,7 +212,7 @@ def spike_rows(cam_angle: Array, values: Array, model: Array, drawn: Array) -> l
                     )
                 )
                 continue
-            near = _around(cam_angle, partner, own)
+            near = _around(cam_angle, partner, of_model)
             measure = _measure_at(cam_angle, near, place)
             rows.append(
                 _row(f"spike {count}", dimension, measure, model, test[place], drawn, len(values))
@@ -241,21 +248,21 @@ def interval_row(rows: list[EventRow], first: float, last: float) -> EventRow | 
     for fewer than two.
     """
     angles = [
-        one
-        for one in rows
-        if one.dimension == "angle" and math.isfinite(one.model) and first <= one.test < last
+        row
+        for row in rows
+        if row.dimension == "angle" and math.isfinite(row.model) and first <= row.test < last
     ]
     if len(angles) < 2:
         return None
-    count, one, other = len(angles) - 1, angles[0], angles[-1]
-    error = math.hypot(one.error, other.error) / count
+    count, first_angle, last_angle = len(angles) - 1, angles[0], angles[-1]
+    error = math.hypot(first_angle.error, last_angle.error) / count
     model, test, seen = (
-        (other.model - one.model) / count,
-        (other.test - one.test) / count,
-        (other.seen - one.seen) / count,
+        (last_angle.model - first_angle.model) / count,
+        (last_angle.test - first_angle.test) / count,
+        (last_angle.seen - first_angle.seen) / count,
     )
     return EventRow(
-        f"interval of {count + 1} spikes", "angle", model, test, seen, error, one.repeats
+        f"interval of {count + 1} spikes", "angle", model, test, seen, error, first_angle.repeats
     )
 
 
@@ -345,19 +352,13 @@ def best_shift(model: Array, test: Array) -> float:
     near = np.abs(shifts) <= MAX_SHIFT
     place = float(shifts[near][np.argmax(finer[near])])
     harmonics = np.arange(len(cross))
-    for _ in range(8):
-        turned = cross * np.exp(1j * harmonics * place)
-        slope, bend = (
-            -float(np.sum(harmonics * turned.imag)),
-            -float(np.sum(harmonics**2 * turned.real)),
-        )
-        if not bend < 0:
-            break
-        step = float(np.clip(-slope / bend, -2 * np.pi / points, 2 * np.pi / points))
-        place += step
-        if abs(step) < 1e-13:
-            break
-    return place
+
+    def slope(angle: float) -> float:
+        return -float(harmonics @ (cross * np.exp(1j * harmonics * angle)).imag)
+
+    low, high = place - 2 * np.pi / points, place + 2 * np.pi / points
+    rises = slope(low) > 0 > slope(high)
+    return float(brentq(slope, low, high, xtol=1e-14)) if rises else place
 
 
 def shifted(values: Array, later: float) -> Array:

@@ -39,15 +39,15 @@ def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCy
 
     Raises :class:`InputError` where the channel is ambiguous.
     """
-    found: tuple[MeasuredCycles | ValueTable, ...]
+    channels: tuple[MeasuredCycles | ValueTable, ...]
     if isinstance(test, (MeasuredCycles, ValueTable)):
-        found = (test,)
+        channels = (test,)
     else:
         path = Path(test)
-        found = (read_value_table(path),) if _holds_values(path) else read_cycles(path)
-    cycles = [one for one in found if isinstance(one, MeasuredCycles)]
-    if len(cycles) < len(found):
-        return found[0]
+        channels = (read_value_table(path),) if _holds_values(path) else read_cycles(path)
+    cycles = [entry for entry in channels if isinstance(entry, MeasuredCycles)]
+    if len(cycles) < len(channels):
+        return channels[0]
     if not 0 <= channel <= len(cycles):
         raise InputError(
             f"the test holds {len(cycles)} channels, numbered from 1; correct the number", "channel"
@@ -55,11 +55,11 @@ def read_test(test: AnyTest, quantity: str = "", channel: int = 0) -> MeasuredCy
     fits = (
         [cycles[channel - 1]]
         if channel
-        else [one for one in cycles if quantity in ("", one.quantity)] or cycles
+        else [entry for entry in cycles if quantity in ("", entry.quantity)] or cycles
     )
     if len(fits) != 1:
         names = ", ".join(
-            f"{place} {one.quantity}" for place, one in enumerate(cycles[:20], start=1)
+            f"{place} {entry.quantity}" for place, entry in enumerate(cycles[:20], start=1)
         )
         raise InputError(
             f"the test holds {len(cycles)} channels ({names}); say which by its number", "channel"
@@ -87,9 +87,9 @@ def at_speeds(
     ``engine_speed``: the speed to run whatever the test states. Raises :class:`InputError` where no speed,
     or more than one, can be meant.
     """
-    own = build(case).engine_speeds
+    of_case = build(case).engine_speeds
     stated = (
-        [one.engine_speed for one in test.values]
+        [value.engine_speed for value in test.values]
         if isinstance(test, ValueTable)
         else [2 * test.cam_speed]
     )
@@ -103,42 +103,33 @@ def at_speeds(
                 f"the table gives the speeds of its values, {rpm_text(off[0])} among them; leave it out",
                 "engine_speed",
             )
-        silent = engine_speed
-    elif 0.0 in stated:
-        if len(own) != 1:
-            known = ", ".join(map(rpm_text, own)) or "none"
-            raise InputError(
-                f"the test does not state its speed and the case has {known}; give the engine speed",
-                "engine_speed",
-            )
-        silent = own[0]
-        notes.append(
-            f"the test does not state its speed; the model ran at the case's {rpm_text(silent)}"
-        )
+        run = dict.fromkeys(stated, engine_speed)
     else:
-        silent = 0.0
-    run = {speed: engine_speed or _nearest(own, speed) or silent for speed in stated}
-    for speed in sorted(run):
-        if (
-            engine_speed is None
-            and own
-            and not any(abs(speed - one) <= SAME_SPEED * one for one in (*own, 0.0))
-        ):
-            known = ", ".join(map(rpm_text, own))
-            notes.append(
-                f"the test ran at {rpm_text(speed)}, the case names {known}: the model ran at the speed of the test"
-            )
+        listed = ", ".join(map(rpm_text, of_case)) or "none"
+        # the case's speed where it is that of the test but for rounding
+        run = {
+            speed: next((near for near in of_case if same_speed(near, speed)), speed)
+            for speed in stated
+        }
+        if 0.0 in run:
+            if len(of_case) != 1:
+                raise InputError(
+                    f"the test does not state its speed and the case has {listed}; give the engine speed",
+                    "engine_speed",
+                )
+            run[0.0] = of_case[0]
+            notes.append(f"the test does not state its speed; the model ran at the case's {listed}")
+        notes += [
+            f"the test ran at {rpm_text(speed)}, the case names {listed}: the model ran at the speed of the test"
+            for speed in sorted(run)
+            if speed and of_case and all(abs(speed - near) > SAME_SPEED * near for near in of_case)
+        ]
     if isinstance(test, ValueTable):
         test = replace(
             test,
             values=tuple(replace(one, engine_speed=run[one.engine_speed]) for one in test.values),
         )
     return test, tuple(sorted(set(run.values()))), tuple(notes)
-
-
-def _nearest(own: tuple[float, ...], speed: float) -> float:
-    """The case's own speed where it is that of the test but for rounding, else that of the test."""
-    return next((one for one in own if same_speed(one, speed)), speed)
 
 
 def rpm_text(engine_speed: float) -> str:
@@ -159,12 +150,12 @@ def whole_cycles(cycles: MeasuredCycles) -> MeasuredCycles:
             f"{MAX_VALUES // 1_000_000} million values, such as every tenth cycle"
         )
     cycles = _one_turn(cycles)
-    known = np.isfinite(cycles.values)
-    if known.all():
+    measured = np.isfinite(cycles.values)
+    if measured.all():
         return cycles
-    retained = known.mean(axis=1) > 0.5
+    retained = measured.mean(axis=1) > 0.5
     angles = (
-        known[retained].all(axis=0)
+        measured[retained].all(axis=0)
         if retained.any()
         else np.zeros(len(cycles.cam_angle), dtype=bool)
     )
@@ -172,20 +163,20 @@ def whole_cycles(cycles: MeasuredCycles) -> MeasuredCycles:
         raise InputError(
             f"{cycles.source or cycles.quantity}: fewer than 8 angles were measured in every cycle; leave out cycles with many gaps"
         )
-    said = []
+    notes = []
     if not retained.all():
-        said.append(
+        notes.append(
             f"{int((~retained).sum())} cycles lack more than half of their angles and are left out"
         )
     if not angles.all():
-        said.append(
+        notes.append(
             f"{int((~angles).sum())} of {len(angles)} angles were not measured in every cycle and are left out"
         )
     return replace(
         cycles,
         cam_angle=cycles.cam_angle[angles],
         values=np.ascontiguousarray(cycles.values[retained][:, angles]),
-        notes=(*cycles.notes, *said),
+        notes=(*cycles.notes, *notes),
     )
 
 
@@ -208,15 +199,15 @@ def _one_turn(cycles: MeasuredCycles) -> MeasuredCycles:
 def separate_cycles(test: MeasuredCycles) -> float:
     """How many separate cycles the cycles are worth, where they resemble the one before them; NaN where they do not."""
     residuals = test.values - test.values.mean(axis=0)
-    own = float(np.sum(residuals**2))
+    total = float(np.sum(residuals**2))
     count = len(residuals)
-    if count < 6 or not own > 0:
+    if count < 6 or not total > 0:
         return math.nan
-    likeness = float(np.sum(residuals[1:] * residuals[:-1])) / own * count / (count - 1) + 1 / (
+    likeness = float(np.sum(residuals[1:] * residuals[:-1])) / total * count / (count - 1) + 1 / (
         count - 1
     )
     single = np.sum(residuals**2, axis=1)
-    spread = math.sqrt(float(np.sum((residuals @ residuals.T) ** 2) - np.sum(single**2))) / own
+    spread = math.sqrt(float(np.sum((residuals @ residuals.T) ** 2) - np.sum(single**2))) / total
     if likeness < 3 * spread / math.sqrt(count):
         return math.nan
     return max(1.0, count * (1 - likeness) / (1 + likeness))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -13,12 +13,9 @@ from valvetrain.explore.study_facts import PERCENTILES, Effect, StudyFacts
 from valvetrain.explore.study_figures import figures_of_study
 from valvetrain.explore.study_rules import RULES, per_cent
 from valvetrain.explore.table import StudyTable, run_label
-from valvetrain.findings.engine import Findings, judge
-from valvetrain.findings.words import Amount, Words, digits_text
-from valvetrain.session import called_case
+from valvetrain.findings.words import Amount, digits_text
 from valvetrain.solution.definition import label_of
-from valvetrain.units.reader import shown_system
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import FigureSpec
 from valvetrain.views.table import Line, TextTable
 
@@ -27,7 +24,7 @@ ROWS, COLUMNS, LISTED, NAMED = 12, 5, 300, 12
 
 
 @dataclass(frozen=True)
-class StudyAnswer(Shown):
+class StudyAnswer(ShownByRules):
     """What is shown of a study of points, in the units of the reader by default.
 
     >>> import valvetrain as vt
@@ -43,8 +40,9 @@ class StudyAnswer(Shown):
     'J113'
     """
 
+    rules = RULES
+
     table: StudyTable
-    words: Words = field(default_factory=lambda: Words(shown_system(), case=called_case()))
 
     @property
     def title(self) -> str:
@@ -55,11 +53,6 @@ class StudyAnswer(Shown):
     def facts(self) -> StudyFacts:
         """The study as rules read it."""
         return StudyFacts(self.table, self.words.case)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """All findings, the verdict first."""
-        return judge(self.facts, RULES, self.words)
 
     def figures(self) -> Mapping[str, FigureSpec]:
         """Each output over what is varied, what moves it, how it spreads, and its surrogate."""

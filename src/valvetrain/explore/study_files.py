@@ -59,7 +59,7 @@ def points_json(table: StudyTable) -> dict[str, Any]:
     ]
     # with the error bars, which decide whether the best point is resolved
     data["findings"] = [
-        one.to_dict() for one in StudyAnswer(table, Words(case=called_case())).findings
+        one.to_dict() for one in StudyAnswer(table, words=Words(case=called_case())).findings
     ]
     if len(table) <= MAX_ROWS:
         data["rows"] = [

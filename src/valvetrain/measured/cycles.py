@@ -105,8 +105,8 @@ def netcdf_image(cycles: Sequence[MeasuredCycles]) -> bytes:
     """Bytes of a NetCDF file. A second channel of one quantity is named ``<quantity>_2``."""
     variables: dict[str, Variable] = {}
     coords: dict[str, Variable] = {}
-    for one in cycles:
-        name = one.quantity
+    for channel in cycles:
+        name = channel.quantity
         if not NETCDF_NAME.fullmatch(name):
             raise InputError(
                 f"quantity '{name[:40]}' is no name of a variable; use letters, digits and underscores"
@@ -114,14 +114,14 @@ def netcdf_image(cycles: Sequence[MeasuredCycles]) -> bytes:
         count = sum(given.quantity == name for given in cycles[: len(variables)])
         label = f"{name}_{count + 1}" if count else name
         attributes = {
-            "units": one.unit, "long_name": name.replace("_", " "), "quantity": name, "cam_speed": float(one.cam_speed),
-            "cam_speed_units": "rad/s", "source": one.source, "synthetic": "yes" if one.synthetic else "no", "notes": "\n".join(one.notes)
+            "units": channel.unit, "long_name": name.replace("_", " "), "quantity": name, "cam_speed": float(channel.cam_speed),
+            "cam_speed_units": "rad/s", "source": channel.source, "synthetic": "yes" if channel.synthetic else "no", "notes": "\n".join(channel.notes)
         }  # fmt: skip
         dims = f"cycle_of_{label}", f"{_GRID}{label}"
-        variables[label] = Variable(dims, np.asarray(one.values, dtype=float), attributes)
+        variables[label] = Variable(dims, np.asarray(channel.values, dtype=float), attributes)
         coords[dims[1]] = Variable(
             dims[1:],
-            np.asarray(one.cam_angle, dtype=float),
+            np.asarray(channel.cam_angle, dtype=float),
             {"units": "rad", "long_name": "cam angle"},
         )
     with io.BytesIO() as memory:
@@ -273,16 +273,16 @@ def read_cycles(path: str | Path) -> tuple[MeasuredCycles, ...]:
     return (_from_text(text_of(content, place.name), place.name[:80]),)
 
 
-def _text(one: MeasuredCycles) -> str:
+def _text(cycles: MeasuredCycles) -> str:
     head = [
-        f"quantity: {one.quantity}", f"unit: {one.unit}", f"cam speed: {float(one.cam_speed)!r} rad/s",
-        f"synthetic: {'yes' if one.synthetic else 'no'}",
-        *([f"source: {one.source}"] if one.source else []), *(f"note: {note}" for note in one.notes)
+        f"quantity: {cycles.quantity}", f"unit: {cycles.unit}", f"cam speed: {float(cycles.cam_speed)!r} rad/s",
+        f"synthetic: {'yes' if cycles.synthetic else 'no'}",
+        *([f"source: {cycles.source}"] if cycles.source else []), *(f"note: {note}" for note in cycles.notes)
     ]  # fmt: skip
     lines = [f"# {' '.join(line.split())}" for line in head]
-    names = [f"cycle {place} [{one.unit}]" for place in range(1, len(one.values) + 1)]
+    names = [f"cycle {place} [{cycles.unit}]" for place in range(1, len(cycles.values) + 1)]
     lines.append(",".join(["cam angle [deg]", *names]))
-    table = np.column_stack([np.degrees(one.cam_angle), one.values.T])
+    table = np.column_stack([np.degrees(cycles.cam_angle), cycles.values.T])
     lines += [
         ",".join("" if math.isnan(value) else repr(value) for value in row)
         for row in table.tolist()

@@ -15,7 +15,7 @@ from scipy.stats import spearmanr
 from valvetrain.errors import InputError
 from valvetrain.measured.door import Doubt, refuse_beyond
 from valvetrain.measured.force_curve import Estimate, ForceCurve, force_curve
-from valvetrain.measured.tables import TextTable, read_content, read_text_table, text_of
+from valvetrain.measured.tables import UNIT_NAMES, TextTable, read_content, read_text_table, text_of
 from valvetrain.units import dimension_of, unit_factor
 
 Array = NDArray[np.float64]
@@ -33,19 +33,10 @@ _MEANINGS = (
 )  # fmt: skip
 #: What a column may be.
 COLUMNS = ("height", "compression", "travel", "force", "ignore")
-#: Units as testers and scales write them -> a unit of this package and how many of it.
-LENGTH_UNITS = {
-    "zoll": ("inch", 1.0),
-    "pouces": ("inch", 1.0),
-    "pulgadas": ("inch", 1.0),
-    '"': ("inch", 1.0),
-    "thous": ("thou", 1.0),
-}
+#: Units of force as testers and scales write them -> units of the package; masses mean their weight.
 FORCE_UNITS = {
-    "kg": ("kgf", 1.0), "kp": ("kgf", 1.0), "g": ("kgf", 1e-3), "gf": ("kgf", 1e-3), "p": ("kgf", 1e-3), "gram": ("kgf", 1e-3),
-    "grams": ("kgf", 1e-3), "kilograms": ("kgf", 1.0), "lb": ("lbf", 1.0), "lbs": ("lbf", 1.0), "pounds": ("lbf", 1.0),
-    "oz": ("lbf", 1 / 16), "ozf": ("lbf", 1 / 16), "dan": ("N", 10.0), "newton": ("N", 1.0), "newtons": ("N", 1.0), "n": ("N", 1.0),
-    "kn": ("N", 1e3), "mn": ("N", 1e-3),
+    "kg": "kgf", "kilograms": "kgf", "g": "gf", "p": "gf", "gram": "gf", "grams": "gf", "lb": "lbf", "lbs": "lbf", "pounds": "lbf",
+    "oz": "ozf", "dan": "daN", "newton": "N", "newtons": "N", "n": "N", "kn": "kN", "mn": "mN"
 }  # fmt: skip
 #: Fewest stations of a table, and those from which on the shape of the curve is known.
 FEWEST, MIN_STATIONS = 3, 6
@@ -343,8 +334,8 @@ def column_scale(unit: str, dimension: str, question: str, name: str) -> float:
     at ``question`` where it is none.
     """
     unit = unit.strip().rstrip(".")
-    words = FORCE_UNITS if dimension == "force" else LENGTH_UNITS
-    standard, factor = words.get(unit.lower(), (unit.lower() if unit.isupper() else unit, 1.0))
+    words = FORCE_UNITS if dimension == "force" else UNIT_NAMES
+    standard = words.get(unit.lower(), unit.lower() if unit.isupper() else unit)
     if not standard:
         raise InputError(
             f"{name} does not say the unit of its {dimension} ({question}), such as {'mm' if dimension == 'length' else 'N'}; "
@@ -360,7 +351,7 @@ def column_scale(unit: str, dimension: str, question: str, name: str) -> float:
             f"'{unit[:40]}' is no unit of {dimension}; use one such as {'mm' if dimension == 'length' else 'N'}",
             question,
         )
-    return factor * unit_factor(standard)
+    return unit_factor(standard)
 
 
 def _branches(travel: Array, forces: Array, name: str, notes: list[str]) -> ForceHeight:

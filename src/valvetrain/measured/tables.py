@@ -324,7 +324,8 @@ UNIT_NAMES = {
     "°cam": "deg", "degcam": "deg", "deg cam": "deg", "°crank": "deg", "deg crank": "deg", "°kw": "deg", "°nw": "deg", "rad": "rad",
     "mm": "mm", "in": "inch", "inch": "inch", "inches": "inch", '"': "inch", "thou": "thou", "mil": "thou", "m": "m", "cm": "cm",
     "um": "um", "µm": "um", "μm": "um", "micron": "um", "zoll": "inch", "in.": "inch", "pouce": "inch", "pouces": "inch", "pollici": "inch",
-    "pulgadas": "inch", "degre": "deg", "degré": "deg", "degrés": "deg", "grados": "deg", "gradi": "deg", "mm/deg": "mm/deg", "in/deg": "inch/deg"
+    "pulgadas": "inch", "degre": "deg", "degré": "deg", "degrés": "deg", "grados": "deg", "gradi": "deg", "mm/deg": "mm/deg", "in/deg": "inch/deg",
+    "thous": "thou"
 }  # fmt: skip
 #: Further units of recordings.
 _OTHER_UNITS = {

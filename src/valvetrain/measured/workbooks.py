@@ -1,27 +1,24 @@
 """Sheets of a workbook as text. The library ends its process where a sheet claims more than there is
-memory for, so a workbook is read in a process of its own, within bounds.
+memory for, so a workbook is tried in a process of its own first.
 """
 
 from __future__ import annotations
 
 import io
-import json
-import subprocess
-import sys
+import tempfile
 import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.solution.read_apart import apart_environment, bound_process, no_interpreter
+from valvetrain.solution.read_apart import tried_apart
 
 #: How files of workbooks begin: a zip archive, an OLE container.
 MARKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 #: A sheet beyond these is no table of lifts; a workbook that unpacks to more (bytes) holds one.
 MAX_ROWS, MAX_COLUMNS, MAX_UNPACKED = 50_000, 60, 100_000_000
-#: Address space (bytes), seconds of the processor and of the clock for reading one workbook.
-MAX_MEMORY, MAX_SECONDS, MAX_WAIT = 1_000_000_000, 20, 60
 EXTRA = "install the extra 'measure' (pip install 'valvetrain[measure]')"
 _REMEDY = "delete cells far from the table, or export the table as text"
 
@@ -54,33 +51,12 @@ def sheets_of(content: bytes, name: str) -> list[Sheet]:
         raise InputError(
             f"'{shown}' unpacks to {unpacked / 1e6:.0f} MB, so it is no table of lifts; {_REMEDY}"
         )
-    try:
-        done = subprocess.run(
-            [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()"],
-            input=content,
-            capture_output=True,
-            timeout=MAX_WAIT,
-            env=apart_environment(),
-            check=False,
-        )
-    except subprocess.TimeoutExpired as error:
-        raise InputError(
-            f"'{shown}' was not read within {MAX_WAIT} s; export the table as text"
-        ) from error
-    except (OSError, TypeError) as error:
-        raise InputError(
-            f"'{shown}' is not read, for workbooks are read in a process of their own, and {no_interpreter()}"
-        ) from error
-    if done.returncode:
-        raise InputError(
-            f"'{shown}' claims more cells than can be read within {MAX_MEMORY / 1e9:g} GB and {MAX_SECONDS} s; {_REMEDY}"
-        )
-    found = json.loads(done.stdout)
-    if found is None:
-        raise InputError(
-            f"'{shown}' is no workbook that can be read; save it again or export the table as text"
-        )
-    return [Sheet(*entry) for entry in found]
+    unreadable = "is no workbook that can be read; save it again or export the table as text"
+    with tempfile.TemporaryDirectory(prefix="valvetrain.") as folder:
+        path = Path(folder, "workbook")
+        path.write_bytes(content)
+        tried_apart(f"{__name__}:read_sheets", path, f"'{shown}'", unreadable)
+        return read_sheets(path)
 
 
 def _unpacked(content: bytes) -> int:
@@ -92,34 +68,24 @@ def _unpacked(content: bytes) -> int:
         return 0
 
 
-def serve() -> None:
-    """The child's side of :func:`sheets_of`: a workbook on standard input, its sheets as JSON on
-    standard output, null for one that cannot be read.
-    """
+def read_sheets(path: Path) -> list[Sheet]:
+    """The sheets of a workbook; its library may end this process: see :func:`sheets_of`."""
     import python_calamine
 
-    content = sys.stdin.buffer.read()
-    bound_process(MAX_MEMORY, MAX_SECONDS)
-    found: list[tuple[str, str, bool, bool]] | None = []
-    try:
-        book = python_calamine.CalamineWorkbook.from_filelike(io.BytesIO(content))
-        for title in book.sheet_names:
-            found.append(_sheet(str(title), book.get_sheet_by_name(title)))  # type: ignore[union-attr]
-    except (python_calamine.CalamineError, ValueError, OSError):
-        found = None
-    json.dump(found, sys.stdout)
+    book = python_calamine.CalamineWorkbook.from_path(str(path))
+    return [_sheet(str(title), book.get_sheet_by_name(title)) for title in book.sheet_names]
 
 
-def _sheet(title: str, sheet: Any) -> tuple[str, str, bool, bool]:
+def _sheet(title: str, sheet: Any) -> Sheet:
     if sheet.height > MAX_ROWS or sheet.width > MAX_COLUMNS:
-        return title, "", False, True
+        return Sheet(title, too_large=True)
     cells = sheet.to_python(skip_empty_area=True)
     numeric = any(
         isinstance(cell, float | int) and not isinstance(cell, bool)
         for row in cells
         for cell in row
     )
-    return title, "\n".join(line for row in cells if (line := _line(row))), numeric, False
+    return Sheet(title, "\n".join(line for row in cells if (line := _line(row))), numeric)
 
 
 def _line(row: Sequence[object]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 
@@ -12,17 +12,15 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from valvetrain.findings.engine import Findings, Mark, judge
+from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import RPM, Amount, Words, digits_text, speed_text
 from valvetrain.rig.files import COLUMNS, angle_of, deviation, rows_of, write_rig
 from valvetrain.rig.result import RigChannelCycles, RigResult, mean_peak, peaks_of
 from valvetrain.rig.rules import RULES, RigFacts
-from valvetrain.session import called_case
 from valvetrain.solution.definition import label_of
-from valvetrain.units.reader import shown_system
 from valvetrain.views.columns import table_of
 from valvetrain.views.results import report_answer
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.study_files import StudyFiles
 from valvetrain.views.style import (
     ANGLE,
@@ -46,22 +44,18 @@ MARKS = 40
 
 
 @dataclass(frozen=True)
-class RigAnswer(Shown):
+class RigAnswer(ShownByRules):
     """What is shown of a ``result`` of :func:`rig_cycles`; ``folder``: of its files."""
 
+    rules = RULES
+
     result: RigResult
-    words: Words = field(default_factory=lambda: Words(shown_system(), case=called_case()))
     folder: Path = Path()
 
     @cached_property
     def facts(self) -> RigFacts:
         """The recording as rules read it."""
         return RigFacts(self.result, self.words.case, self.folder)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """Whether the recording can be used, doubts first."""
-        return judge(self.facts, RULES, self.words)
 
     @property
     def title(self) -> str:
@@ -97,8 +91,8 @@ class RigAnswer(Shown):
             Line("mark of the rig", ("", _within(error), place[0], ""), *place[1:])
         ]  # fmt: skip
 
-    def _channel(self, one: RigChannelCycles) -> Line:
-        name, peak, (top, least) = one.cycles.quantity, mean_peak(one), peaks_of(one)
+    def _channel(self, channel: RigChannelCycles) -> Line:
+        name, peak, (top, least) = channel.cycles.quantity, mean_peak(channel), peaks_of(channel)
         bar = peak.interval if math.isfinite(peak.interval) else 0.0
         high, low = (
             self.words.amount(amount, 4)
@@ -110,8 +104,12 @@ class RigAnswer(Shown):
             else f"{digits_text(math.degrees(peak.cam_angle), 0, 4)} deg"
         )
         scatter = f"± {self.words.amount(Amount(name, top.scatter), 2)}" if top.scatter else ""
-        mark: Mark = "bad" if one.clipped else "warn" if one in self.facts.drifting() else "ok"
-        remark = {"bad": "clipped", "warn": "drifts", "ok": f"band {one.band / 1e3:.4g} kHz"}[mark]
+        mark: Mark = (
+            "bad" if channel.clipped else "warn" if channel in self.facts.drifting() else "ok"
+        )
+        remark = {"bad": "clipped", "warn": "drifts", "ok": f"band {channel.band / 1e3:.4g} kHz"}[
+            mark
+        ]
         return Line(label_of(name), (high, scatter, at, low), mark, remark)
 
     def tables(self) -> Mapping[str, TextTable]:
@@ -123,10 +121,12 @@ class RigAnswer(Shown):
         """Cycles of every channel, the lift on that of the case, speed, and the recording."""
         hint = "Grey: two scatters of a cycle."
         cycles = {
-            f"cycles-{one.cycles.quantity}": FigureSpec(
-                f"Cycles: {label_of(one.cycles.quantity)}", hint, partial(cycles_figure, one)
+            f"cycles-{channel.cycles.quantity}": FigureSpec(
+                f"Cycles: {label_of(channel.cycles.quantity)}",
+                hint,
+                partial(cycles_figure, channel),
             )
-            for one in self.result.channels
+            for channel in self.result.channels
         }
         return cycles | {
             "alignment": FigureSpec("Lift of the rig and of the case", "", alignment_figure),
@@ -154,10 +154,14 @@ def _axis(quantity: str, values: Array) -> tuple[str, float]:
     return ", ".join(filter(None, (label_of(quantity), unit.text))), unit.size
 
 
-def cycles_figure(one: RigChannelCycles, facts: RigFacts) -> go.Figure:
+def cycles_figure(channel: RigChannelCycles, facts: RigFacts) -> go.Figure:
     """The mean cycle with two scatters; below, the scatter and the half width of the band of the mean, over two degrees each."""
-    angle, mean, scatter = np.degrees(one.cycles.cam_angle), one.cycles.mean, deviation(one)
-    title, size = _axis(one.cycles.quantity, mean)
+    angle, mean, scatter = (
+        np.degrees(channel.cycles.cam_angle),
+        channel.cycles.mean,
+        deviation(channel),
+    )
+    title, size = _axis(channel.cycles.quantity, mean)
     count = max(1, len(angle) // 180)
     whole = len(angle) // count * count
     fig = panels((0.65, 0.35))
@@ -174,12 +178,14 @@ def cycles_figure(one: RigChannelCycles, facts: RigFacts) -> go.Figure:
     fig.add_trace(line(angle, mean / size, "mean cycle", LEAD), 1, 1)
     below = (
         (scatter, "scatter of a cycle", SECOND),
-        (one.spread, "95 % of the mean within", OTHER),
+        (channel.spread, "95 % of the mean within", OTHER),
     )
-    for values, name, colour in below if np.isfinite(one.spread).all() else below[:1]:
+    for values, name, colour in below if np.isfinite(channel.spread).all() else below[:1]:
         pieces = np.sqrt(np.mean(values[:whole].reshape(-1, count) ** 2, axis=1))
         fig.add_trace(line(angle[:whole:count], pieces / size, name, colour), 2, 1)
-    return styled(fig, ANGLE, (title, f"scatter{title[len(label_of(one.cycles.quantity)) :]}"), 440)
+    return styled(
+        fig, ANGLE, (title, f"scatter{title[len(label_of(channel.cycles.quantity)) :]}"), 440
+    )
 
 
 def alignment_figure(facts: RigFacts) -> go.Figure | None:
@@ -227,13 +233,17 @@ def raw_figure(facts: RigFacts) -> go.Figure:
     cuts = result.grid.cut_times
     fig = panels((1.0,) * len(result.channels))
     titles = []
-    for place, one in enumerate(result.channels, 1):
-        title, size = _axis(one.cycles.quantity, one.cycles.mean)
+    for place, channel in enumerate(result.channels, 1):
+        title, size = _axis(channel.cycles.quantity, channel.cycles.mean)
         titles.append(title)
-        times = one.raw.start + one.raw.step * np.arange(len(one.raw.values))
+        times = channel.raw.start + channel.raw.step * np.arange(len(channel.raw.values))
         fig.add_trace(
             line(
-                times, one.raw.values / size, label_of(one.cycles.quantity), LEAD, showlegend=False
+                times,
+                channel.raw.values / size,
+                label_of(channel.cycles.quantity),
+                LEAD,
+                showlegend=False,
             ),
             place,
             1,

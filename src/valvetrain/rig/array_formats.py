@@ -207,10 +207,12 @@ def read_hdf5(path: Path, file_name: str) -> Recording:
         walk.enter(h5py, file, "", 0)
     channels, scalars = channels_of(walk.arrays, walk.units)
     channels = tuple(
-        one
-        if one.times is not None
-        else RigChannel(one.name, one.unit, one.values, step=walk.steps.get(one.name, 0.0))
-        for one in channels
+        channel
+        if channel.times is not None
+        else RigChannel(
+            channel.name, channel.unit, channel.values, step=walk.steps.get(channel.name, 0.0)
+        )
+        for channel in channels
     )
     synthetic = says_synthetic(*descriptions, *walk.texts)
     return Recording("HDF5", channels, scalars, synthetic, tuple(walk.notes))

@@ -229,7 +229,7 @@ def choose_channels(recording: Recording, answers: RigAnswers, file_name: str) -
     angle = even[id(shaft)]
     if kind == "encoder":
         unit = answers.units.get("encoder") or shaft.unit
-        factor, dimension = _unit_scale(unit or "deg")
+        factor, dimension = _unit_scale(unit or "deg", "angle")
         if dimension != "angle":
             raise InputError(
                 f"the encoder '{shaft.name[:40]}' is in {unit[:20]}, which is no angle; give its unit, or another channel",
@@ -305,7 +305,9 @@ def _shaft_channel(
     for kind in ("pulses", "encoder", "once"):
         if name := getattr(answers, kind):
             return kind, _by_name(recording, name, kind, file_name)
-    by_kind = {_first_match(one.name, _SHAFT): one for one in reversed(recording.channels)}
+    by_kind = {
+        _first_match(channel.name, _SHAFT): channel for channel in reversed(recording.channels)
+    }
     order = ("pulses", "encoder", "once") if answers.teeth else ("encoder", "once", "pulses")
     return next(((kind, by_kind[kind]) for kind in order if kind in by_kind), ("", None))
 
@@ -315,7 +317,9 @@ def _by_name(recording: Recording, name: str, question: str, file_name: str) -> 
     for channel in recording.channels:
         if channel.name == name:
             return channel
-    near = [one for one in recording.channels if _plain_name(one.name) == _plain_name(name)]
+    near = [
+        channel for channel in recording.channels if _plain_name(channel.name) == _plain_name(name)
+    ]
     if len(near) == 1:
         return near[0]
     raise InputError(
@@ -346,7 +350,7 @@ def _open_questions(
     if kind == "pulses" and answers.teeth is None:
         questions.append(("teeth", QUESTIONS["teeth"]))
     if (
-        any(one.times is None and one.step <= 0 for one in measured.values())
+        any(sampled.times is None and sampled.step <= 0 for sampled in measured.values())
         and _sampling_rate(recording, answers) <= 0
     ):
         questions.append(("sampling_rate", QUESTIONS["sampling_rate"]))
@@ -357,7 +361,7 @@ def _open_questions(
         label = f"{quantity} ('{channel.name[:40]}'"
         if not unit and due != "ratio":
             questions.append(("unit", QUESTIONS["unit"].format(f"{label})")))
-        elif unit and _dimension(unit, due) != due:
+        elif unit and _unit_scale(unit, due)[1] != due:
             text = QUESTIONS["calibration"].format(f"{label} is in {unit[:20]})")
             questions.append(("calibration", text))
     return questions
@@ -368,19 +372,15 @@ def dimension_due(quantity: str) -> str:
     return BY_LAST_WORD.get(quantity.rsplit("_", 1)[-1], ("ratio", ""))[0]
 
 
-def _dimension(unit: str, due: str) -> str | None:
-    if unit in ("g", "gn") and due == "acceleration":
-        return due
+def _unit_scale(unit: str, due: str) -> tuple[float, str | None]:
+    """SI value and dimension of a unit as rigs write it, of a channel of dimension ``due``; none of an unknown one."""
+    if due == "acceleration" and unit in ("g", "gn"):
+        return _STANDARD_GRAVITY, due
+    word = _UNITS.get(unit.strip().lower(), unit.strip())
     try:
-        return _unit_scale(unit)[1]
+        return unit_factor(word), dimension_of(word)
     except InputError:
-        return None
-
-
-def _unit_scale(unit: str) -> tuple[float, str | None]:
-    """SI value and dimension of a unit as rigs write it."""
-    bare = _UNITS.get(unit.strip().lower(), unit.strip())
-    return unit_factor(bare), dimension_of(bare)
+        return np.nan, None
 
 
 def _scale(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[float, str]:
@@ -404,9 +404,7 @@ def _scale(quantity: str, channel: RigChannel, answers: RigAnswers) -> tuple[flo
             )
         return parse_quantity(load.strip(), due, f"shunt of {quantity}") / step, si_unit
     unit = answers.units.get(quantity) or channel.unit
-    if unit in ("g", "gn") and due == "acceleration":
-        return _STANDARD_GRAVITY, si_unit
-    return (_unit_scale(unit)[0] if unit else 1.0), si_unit
+    return (_unit_scale(unit, due)[0] if unit else 1.0), si_unit
 
 
 def _sampling_rate(recording: Recording, answers: RigAnswers) -> float:

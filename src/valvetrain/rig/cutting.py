@@ -156,26 +156,26 @@ def grid_of(
 
 
 def band_of(
-    one: RigQuantity, band: float | None, angle_count: int | None, min_cam_speed: float
+    measured: RigQuantity, band: float | None, angle_count: int | None, min_cam_speed: float
 ) -> tuple[LowPass, int, str]:
     """The low-pass of a channel, the points per cam revolution that hold its band, and a sentence
     where the band is less than requested.
 
     ``min_cam_speed`` (rad/s): where a given grid of angles holds the lowest frequency.
     """
-    highest = USED_BAND / one.step
+    highest = USED_BAND / measured.step
     requested = min(band or highest, highest)
     rate = min_cam_speed / REVOLUTION
     need = 2 * EDGE * requested / rate
     points = angle_count or next((count for count in GRIDS if count >= need), GRIDS[-1])
-    stop = min(points * rate / 2, 0.5 / one.step)
+    stop = min(points * rate / 2, 0.5 / measured.step)
     pass_band = min(requested, stop / EDGE)
     note = ""
     if band is not None and pass_band < 0.999 * band:
-        by_grid = stop < 0.5 / one.step and pass_band < highest
-        why = f"{points} angles" if by_grid else f"a sampling rate of {1 / one.step:.6g} Hz"
-        note = f"{one.quantity}: the band is {pass_band:.4g} Hz, not the requested {band:.4g} Hz, which {why} cannot hold"
-    return LowPass(one.step, pass_band, pass_band * EDGE), points, note
+        by_grid = stop < 0.5 / measured.step and pass_band < highest
+        why = f"{points} angles" if by_grid else f"a sampling rate of {1 / measured.step:.6g} Hz"
+        note = f"{measured.quantity}: the band is {pass_band:.4g} Hz, not the requested {band:.4g} Hz, which {why} cannot hold"
+    return LowPass(measured.step, pass_band, pass_band * EDGE), points, note
 
 
 def dwell_of(mean_lift: Array, cam_angle: Array) -> tuple[float, float] | None:

@@ -119,27 +119,28 @@ def cycles_in(
     measured, shaft = chosen.measured, shaft_of(chosen, answers)
     notes = [*chosen.notes, *shaft.notes]
     min_cam_speed = float(np.min(np.diff(shaft.cam_angles) / np.diff(shaft.times)))
-    bands = [band_of(one, answers.band, answers.angle_count, min_cam_speed) for one in measured]  # type: ignore[arg-type]
+    band = None if answers.band is None else float(answers.band)
+    bands = [band_of(channel, band, answers.angle_count, min_cam_speed) for channel in measured]
     notes += [note for _, _, note in bands if note]
     angles = max(points for _, points, _ in bands)
     reach = max(low_pass.reach for low_pass, _, _ in bands)
     span = (
-        max(one.start for one in measured),
-        min(one.start + one.step * (len(one.values) - 1) for one in measured),
+        max(channel.start for channel in measured),
+        min(channel.start + channel.step * (len(channel.values) - 1) for channel in measured),
     )
 
     def cut(offset: float) -> tuple[CycleGrid, list[_Filtered]]:
         grid = grid_of(shaft, angles, offset, reach, span)
         return grid, [
-            _Filtered(one, low_pass, low_pass.at(one.values, one.start, grid.times))
-            for one, (low_pass, _, _) in zip(measured, bands, strict=True)
+            _Filtered(channel, low_pass, low_pass.at(channel.values, channel.start, grid.times))
+            for channel, (low_pass, _, _) in zip(measured, bands, strict=True)
         ]
 
     offset, alignment = 0.0, None
     if answers.offset is not None:
         offset = float(answers.offset)
     elif case_lift is not None:
-        if not any(one.quantity.endswith("lift") for one in measured):
+        if not any(channel.quantity.endswith("lift") for channel in measured):
             raise InputError(
                 "there is no lift to align to the case by; name its channel, or state the offset of the mark",
                 "offset",
@@ -148,11 +149,11 @@ def cycles_in(
         offset = alignment.offset
     grid, filtered = cut(offset)
     outliers: dict[int, str] = {}
-    for one in filtered:
+    for channel in filtered:
         # about the median of each cycle, so that a drift makes no outlier
-        about_median = one.values - np.median(one.values, axis=1)[:, np.newaxis]
+        about_median = channel.values - np.median(channel.values, axis=1)[:, np.newaxis]
         for cycle, why in outliers_of(about_median):
-            outliers.setdefault(cycle, f"{why} ({one.raw.quantity})")
+            outliers.setdefault(cycle, f"{why} ({channel.raw.quantity})")
     retained = _retained_cycles(grid.cycles, outliers, answers.keep_outliers)
     if not retained:
         raise InputError(

@@ -63,18 +63,20 @@ def data_of(result: RigResult) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _channel(one: RigChannelCycles, peaks: list[Peak]) -> dict[str, Any]:
-    known = bool(np.isfinite(one.spread).all())
+def _channel(channel: RigChannelCycles, peaks: list[Peak]) -> dict[str, Any]:
+    whole = bool(np.isfinite(channel.spread).all())
     return {
-        "quantity": one.cycles.quantity, "unit": one.cycles.unit, "channel": one.raw.channel, "band": one.band,
-        "clipped": one.clipped, "drift": one.drift, "notes": list(one.cycles.notes),
-        "figures": [json_row(COLUMNS, peak) for peak in peaks], "spread_of_mean": float(np.median(one.spread)) if known else None
+        "quantity": channel.cycles.quantity, "unit": channel.cycles.unit, "channel": channel.raw.channel, "band": channel.band,
+        "clipped": channel.clipped, "drift": channel.drift, "notes": list(channel.cycles.notes),
+        "figures": [json_row(COLUMNS, peak) for peak in peaks], "spread_of_mean": float(np.median(channel.spread)) if whole else None
     }  # fmt: skip
 
 
 def rows_of(result: RigResult) -> list[Peak]:
     """Largest value of the mean, and extremes of the cycles, of every channel."""
-    return [peak for one in result.channels for peak in (mean_peak(one), *peaks_of(one))]
+    return [
+        peak for channel in result.channels for peak in (mean_peak(channel), *peaks_of(channel))
+    ]
 
 
 def write_rig(result: RigResult, folder: Path) -> list[Path]:

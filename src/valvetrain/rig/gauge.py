@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.measured.sensor import Sensor, SensorResponse
 from valvetrain.parameters.loading import AnyCase, case_of
+from valvetrain.quantities.signal import fine_series
 from valvetrain.runs.api import simulate
 from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
@@ -121,22 +122,16 @@ def finest_trace(solution: Solution, name: str) -> tuple[Array, Array, float]:
     """Times (s), values and step (s) of the finest trace of a channel that a run stores: points
     between samples, extremes of steps.
     """
-    arrays = {
-        key: np.asarray(variable.values, dtype=float)
-        for key, variable in solution.arrays.variables.items()
-        if key.startswith(name)
-    }
-    time, values = np.asarray(solution.time, dtype=float), arrays[name]
-    fine = arrays.get(f"{name}_fine")
-    if fine is not None:
-        share = np.arange(fine.shape[1]) / fine.shape[1]
-        step = float(time[1] - time[0])
-        dense = (time[:-1, np.newaxis] + step * share).ravel()
-        time, values = np.append(dense, time[-1]), np.append(fine[:-1].ravel(), values[-1])
+    time, _, values = fine_series(solution, name)
+    if time[-1] < solution.time[-1]:
+        time = np.append(time, solution.time[-1])
+        values = np.append(values, solution.channel(name)[-1])
     spacing = float(np.max(np.diff(time)))
     for kind in ("highest", "lowest"):
-        if f"{name}_{kind}" in arrays:
-            extremes, at = arrays[f"{name}_{kind}"], arrays[f"{name}_{kind}_time"]
+        if solution.has(f"{name}_{kind}"):
+            extremes, at = (
+                solution.channel(word) for word in (f"{name}_{kind}", f"{name}_{kind}_time")
+            )
             inside = np.isfinite(at) & np.isfinite(extremes) & (at > time[0]) & (at < time[-1])
             time = np.concatenate([time, at[inside]])
             values = np.concatenate([values, extremes[inside]])

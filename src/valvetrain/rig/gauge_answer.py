@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -11,18 +11,15 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from valvetrain.findings.engine import Findings, judge
 from valvetrain.findings.words import Amount, Words, speed_text
 from valvetrain.measured.sensor import Sensor
 from valvetrain.rig.gauge import ChannelResponse
 from valvetrain.rig.rules import GAUGE_RULES, WHOLE, GaugeFacts
-from valvetrain.session import called_case
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_of
-from valvetrain.units.reader import shown_system
 from valvetrain.views.columns import RowColumn, csv_text, json_row, table_of
 from valvetrain.views.files import FreeNames
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import LEAD, OTHER, FigureSpec, line, styled
 from valvetrain.views.table import Line, TextTable
 
@@ -30,9 +27,9 @@ from valvetrain.views.table import Line, TextTable
 FIGURES, ROWS = 8, 12
 
 
-def run_label(one: ChannelResponse) -> str:
+def run_label(response: ChannelResponse) -> str:
     """Model and engine speed of a run."""
-    return ", ".join(filter(None, (one.label, speed_text(one.engine_speed))))
+    return ", ".join(filter(None, (response.label, speed_text(response.engine_speed))))
 
 
 #: The table of peaks: a row per run and channel.
@@ -47,23 +44,19 @@ COLUMNS = (
 
 
 @dataclass(frozen=True)
-class GaugeAnswer(Shown):
+class GaugeAnswer(ShownByRules):
     """What is shown of the ``responses`` of runs of a case to the gauge ``sensor``."""
+
+    rules = GAUGE_RULES
 
     name: str
     responses: Sequence[ChannelResponse]
     sensor: Sensor
-    words: Words = field(default_factory=lambda: Words(shown_system(), case=called_case()))
 
     @cached_property
     def facts(self) -> GaugeFacts:
         """The responses as rules read them."""
         return GaugeFacts(self.responses, self.words.case or self.name)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """Whether the gauge records the peaks whole."""
-        return judge(self.facts, GAUGE_RULES, self.words)
 
     @property
     def title(self) -> str:
@@ -78,22 +71,24 @@ class GaugeAnswer(Shown):
     @cached_property
     def lines(self) -> list[Line]:
         """Runs and channels, those first that lose most."""
-        return [self._line(one) for one in self.facts.worst[:ROWS]]
+        return [self._line(response) for response in self.facts.worst[:ROWS]]
 
-    def _line(self, one: ChannelResponse) -> Line:
-        low, high = one.recorded.peaks
+    def _line(self, response: ChannelResponse) -> Line:
+        low, high = response.recorded.peaks
         true, seen = (
-            self.words.amount(Amount(one.channel, value), 4)
-            for value in (one.true_peak, one.recorded_peak)
+            self.words.amount(Amount(response.channel, value), 4)
+            for value in (response.true_peak, response.recorded_peak)
         )
         phase = (
-            f"± {self.words.amount(Amount(one.channel, (high - low) / 2), 2)}" if high > low else ""
+            f"± {self.words.amount(Amount(response.channel, (high - low) / 2), 2)}"
+            if high > low
+            else ""
         )
-        share = sum(one.share) / 2
+        share = sum(response.share) / 2
         whole = abs(share - 1) < WHOLE
-        remark = "too coarse" if one.coarse else ""
+        remark = "too coarse" if response.coarse else ""
         return Line(
-            f"{label_of(one.channel)}, {run_label(one)}",
+            f"{label_of(response.channel)}, {run_label(response)}",
             (true, seen, phase, f"{100 * share:.1f} %"),
             "ok" if whole else "bad",
             remark,
@@ -107,11 +102,11 @@ class GaugeAnswer(Shown):
         """Traces about the true peak."""
         return {
             f"trace-{place}": FigureSpec(
-                f"About the peak: {label_of(one.channel)}, {run_label(one)}",
+                f"About the peak: {label_of(response.channel)}, {run_label(response)}",
                 "",
-                partial(trace_figure, one),
+                partial(trace_figure, response),
             )
-            for place, one in enumerate(self.facts.worst[:FIGURES], 1)
+            for place, response in enumerate(self.facts.worst[:FIGURES], 1)
         }
 
     def computed(self) -> Sequence[str]:
@@ -138,28 +133,31 @@ def sensor_text(sensor: Sensor) -> str:
     return "; ".join(parts) or "ideal"
 
 
-def trace_figure(one: ChannelResponse, facts: GaugeFacts) -> go.Figure:
+def trace_figure(response: ChannelResponse, facts: GaugeFacts) -> go.Figure:
     """True trace and what the gauge records of it, a sixth of the revolution about the true peak."""
-    unit, fig = Words().unit(one.channel, one.true_peak), go.Figure()
-    middle, half = one.time[np.argmax(one.values)], float(one.time[-1] - one.time[0]) / 12
-    seen = one.recorded
+    unit, fig = Words().unit(response.channel, response.true_peak), go.Figure()
+    middle, half = (
+        response.time[np.argmax(response.values)],
+        float(response.time[-1] - response.time[0]) / 12,
+    )
+    seen = response.recorded
     for time, values, name, colour in (
-        (one.time, one.values, "true", OTHER),
+        (response.time, response.values, "true", OTHER),
         (seen.time, seen.values, "recorded", LEAD),
     ):
         there = abs(time - middle) < half
         fig.add_trace(line(1e3 * time[there], values[there] / unit.size, name, colour))
-    title = f"{label_of(one.channel)}, {unit.text}"
+    title = f"{label_of(response.channel)}, {unit.text}"
     return styled(fig, "time from the start of the cam revolution, ms", (title,))
 
 
 def write_responses(responses: Sequence[ChannelResponse], folder: Path) -> list[Path]:
     """``seen-RUN-CHANNEL.csv``: what the gauge records, over time."""
     files, names = [], FreeNames()
-    for one in responses:
-        heads = ("time [s]", f"{one.channel} as recorded [{one.unit}]")
-        samples = np.column_stack([one.recorded.time, one.recorded.values]).tolist()
-        name = names.free(f"seen-{run_label(one)}-{one.channel}")
+    for response in responses:
+        heads = ("time [s]", f"{response.channel} as recorded [{response.unit}]")
+        samples = np.column_stack([response.recorded.time, response.recorded.values]).tolist()
+        name = names.free(f"seen-{run_label(response)}-{response.channel}")
         files.append(write_text(folder / f"{name}.csv", csv_text(heads, samples)))
     return files
 
@@ -167,14 +165,15 @@ def write_responses(responses: Sequence[ChannelResponse], folder: Path) -> list[
 def data_of(responses: Sequence[ChannelResponse], sensor: Sensor, case: str) -> dict[str, Any]:
     """The answer for JSON, SI."""
     quantities: dict[str, dict[str, Any]] = {}
-    for one in responses:
-        both = (("true", one.true_peak), ("recorded", one.recorded_peak))
+    for response in responses:
+        both = (("true", response.true_peak), ("recorded", response.recorded_peak))
         peaks = {
-            f"{kind}_peak_{one.channel}": {"value": peak, "unit": one.unit} for kind, peak in both
+            f"{kind}_peak_{response.channel}": {"value": peak, "unit": response.unit}
+            for kind, peak in both
         }
-        quantities.setdefault(run_label(one), {}).update(peaks)
+        quantities.setdefault(run_label(response), {}).update(peaks)
     gauge = {name: getattr(sensor, name) for name in Sensor.__dataclass_fields__}
     return {
         "command": "rig", "case": case, "completed": True, "gauge": gauge | {"resonance": sensor.resonance},
-        "quantities_by_label": quantities, "seen": [json_row(COLUMNS, one) for one in responses]
+        "quantities_by_label": quantities, "seen": [json_row(COLUMNS, response) for response in responses]
     }  # fmt: skip

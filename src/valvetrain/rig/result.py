@@ -98,12 +98,12 @@ def peaks_of(channel: RigChannelCycles) -> list[Peak]:
 
 def mean_peak(channel: RigChannelCycles) -> Peak:
     """Largest value of the mean cycle, with the half width of its band."""
-    one = channel.cycles
-    top = int(np.argmax(one.mean))
+    cycles = channel.cycles
+    top = int(np.argmax(cycles.mean))
     spread = float(channel.spread[top])
     interval = spread if np.isfinite(spread) else np.nan
-    angle = float(one.cam_angle[top])
-    return Peak(one.quantity, "mean", float(one.mean[top]), interval, np.nan, angle, np.nan)
+    angle = float(cycles.cam_angle[top])
+    return Peak(cycles.quantity, "mean", float(cycles.mean[top]), interval, np.nan, angle, np.nan)
 
 
 @dataclass(frozen=True, eq=False)

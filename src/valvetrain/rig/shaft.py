@@ -301,10 +301,10 @@ def _common_step(steps: Array) -> float:
     """The step (rad) of which all others are multiples, by Euclid's rule; 0 where there is none."""
     common = 0.0
     for step in np.unique(np.round(steps, 6))[:200]:
-        one, two = float(step), common
-        while two > 2e-6:
-            one, two = two, abs(one - two * round(one / two))
-        common = one
+        larger, smaller = float(step), common
+        while smaller > 2e-6:
+            larger, smaller = smaller, abs(larger - smaller * round(larger / smaller))
+        common = larger
         if common < 2e-5:
             return 0.0
     return common

@@ -92,6 +92,7 @@ ounce = pound / 16 = oz
 pound_force = pound * 9.80665 * meter / second ** 2 = lbf
 kilogram_force = kilogram * 9.80665 * meter / second ** 2 = kgf = kp
 gram_force = 0.001 * kilogram_force = gf
+ounce_force = pound_force / 16 = ozf
 decanewton = 10 * newton = daN
 psi = pound_force / inch ** 2
 ksi = 1000 * psi

@@ -12,16 +12,15 @@ import plotly.graph_objects as go
 
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
-from valvetrain.findings.engine import Findings, Mark, judge
+from valvetrain.findings.engine import Mark
 from valvetrain.findings.rules_case import BIND, RULES, CaseFacts
 from valvetrain.findings.rules_train import NEEDED
-from valvetrain.findings.words import Amount, Words, digits_text, speed_text
+from valvetrain.findings.words import Amount, digits_text, speed_text
 from valvetrain.parameters.summary import unit_text
 from valvetrain.solution.definition import is_defined, label_of, shown
 from valvetrain.solution.static import RestPoint
-from valvetrain.units.reader import shown_system
 from valvetrain.views.motion.still import case_picture
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import ANGLE, LEAD, SECOND, FigureSpec, line, panels, styled
 from valvetrain.views.table import Line, TextTable
 
@@ -32,7 +31,7 @@ Loads = Mapping[str, "tuple[RestPoint, RestPoint] | str"]
 
 
 @dataclass(frozen=True)
-class CaseAnswer(Shown):
+class CaseAnswer(ShownByRules):
     """A checked case.
 
     Parameters
@@ -45,12 +44,13 @@ class CaseAnswer(Shown):
     words : units and language
     """
 
+    rules = RULES
+
     checked: CaseFacts
     said: Sequence[tuple[str, str]] = ()
     loads: Loads = field(default_factory=dict)
     durations: Mapping[float, float] = field(default_factory=dict)
     law: LiftLaw | None = None
-    words: Words = field(default_factory=lambda: Words(shown_system()))
 
     @property
     def facts(self) -> CaseFacts:
@@ -64,11 +64,6 @@ class CaseAnswer(Shown):
         red = case.operation.red_line
         line = "" if red is None else f" (red line {speed_text(red, '')})"
         return f"{': '.join(filter(None, (case.name, case.title)))}{line}"
-
-    @cached_property
-    def findings(self) -> Findings:
-        """What is in doubt, or that the case is ready to run."""
-        return judge(self.facts, RULES, self.words)
 
     @property
     def headings(self) -> list[str]:

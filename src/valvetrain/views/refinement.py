@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import plotly.graph_objects as go
 
-from valvetrain.findings.engine import Findings, judge
 from valvetrain.findings.rules_refine import RULES, RefineFacts, share_of
-from valvetrain.findings.words import UNRESOLVED, Amount, Words, digits_text, speed_text
+from valvetrain.findings.words import UNRESOLVED, Amount, digits_text, speed_text
 from valvetrain.runs.error_bars import UncertaintyStudy
-from valvetrain.session import called_case
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.units.reader import shown_system
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import BAD, LEAD, FigureSpec, styled
 from valvetrain.views.table import Line, TextTable
 
@@ -25,11 +22,12 @@ ROWS, DOTS = 10, 30
 
 
 @dataclass(frozen=True)
-class RefineAnswer(Shown):
+class RefineAnswer(ShownByRules):
     """What is shown of a refinement, in the units of the reader by default."""
 
+    rules = RULES
+
     study: UncertaintyStudy
-    words: Words = field(default_factory=lambda: Words(shown_system(), case=called_case()))
 
     @property
     def title(self) -> str:
@@ -42,11 +40,6 @@ class RefineAnswer(Shown):
     def facts(self) -> RefineFacts:
         """The refinement as rules read it."""
         return RefineFacts(self.study, self.words.case)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """All findings, the verdict first."""
-        return judge(self.facts, RULES, self.words)
 
     @property
     def headings(self) -> list[str]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
-from valvetrain.findings.engine import MARKS, Findings, judge
+from valvetrain.findings.engine import MARKS
 from valvetrain.findings.rules_saved import (
     DIFFERENT,
     SAVED,
@@ -22,8 +22,7 @@ from valvetrain.runs.differences import ResultDifference, RunDifferences
 from valvetrain.runs.run_folders import UnfinishedFolder
 from valvetrain.runs.saved_runs import SavedRun
 from valvetrain.solution.definition import is_defined, label_of
-from valvetrain.units.reader import shown_system
-from valvetrain.views.shown import Shown
+from valvetrain.views.shown import ShownByRules
 from valvetrain.views.table import Line, TextTable
 
 #: Rows of the first table.
@@ -31,21 +30,17 @@ ROWS = 12
 
 
 @dataclass(frozen=True)
-class SavedAnswer(Shown):
+class SavedAnswer(ShownByRules):
     """What is shown of a folder of runs."""
 
+    rules = SAVED
+
     listed: SavedFacts
-    words: Words = field(default_factory=lambda: Words(shown_system()))
 
     @property
     def facts(self) -> SavedFacts:
         """The runs as rules read them."""
         return self.listed
-
-    @cached_property
-    def findings(self) -> Findings:
-        """What matters of them."""
-        return judge(self.listed, SAVED, self.words)
 
     @property
     def title(self) -> str:
@@ -95,21 +90,17 @@ def _finished(run: SavedRun, words: Words) -> Line:
 
 
 @dataclass(frozen=True)
-class DifferenceAnswer(Shown):
+class DifferenceAnswer(ShownByRules):
     """What is shown of two saved runs next to each other, in the units of the reader by default."""
 
+    rules = DIFFERENT
+
     both: RunDifferences
-    words: Words = field(default_factory=lambda: Words(shown_system()))
 
     @cached_property
     def facts(self) -> DifferenceFacts:
         """The differences as rules read them."""
         return DifferenceFacts(self.both)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """The largest change and the input that differs, or that there is none."""
-        return judge(self.facts, DIFFERENT, self.words)
 
     @property
     def title(self) -> str:

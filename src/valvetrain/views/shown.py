@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
-from valvetrain.findings.engine import Finding, Findings
+from valvetrain.findings.engine import Finding, Findings, Rule, judge
 from valvetrain.findings.words import Words
+from valvetrain.session import called_case
 from valvetrain.units.reader import shown_system
 from valvetrain.views.table import Line, TextTable
 
@@ -146,6 +148,21 @@ class Shown(ABC):
         if words is None or words.units != "si" or shown_system() == "si":
             return self
         return cast("Shown", replace(cast("Any", self), words=replace(words, units=shown_system())))
+
+
+@dataclass(frozen=True)
+class ShownByRules(Shown):
+    """What is shown of a result whose findings are those of its ``rules``; ``words``: units of the reader."""
+
+    rules: ClassVar[Sequence[Rule]]
+    words: Words = field(
+        default_factory=lambda: Words(shown_system(), case=called_case()), kw_only=True
+    )
+
+    @cached_property
+    def findings(self) -> Findings:
+        """All findings, the verdict first."""
+        return judge(self.facts, self.rules, self.words)
 
 
 class ShownStudy(Shown):
