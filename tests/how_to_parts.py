@@ -16,8 +16,8 @@ from typing import Any
 
 from typer.testing import CliRunner
 
-from valvetrain.cli.cases import write_template
 from valvetrain.cli.main import app
+from valvetrain.cli.new import write_template
 from valvetrain.explore.study import read_plan, read_study_file
 from valvetrain.units import unit_factor
 

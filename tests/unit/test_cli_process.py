@@ -46,17 +46,21 @@ def test_help_starts_quickly_and_loads_nothing_heavy(tmp_path):
     assert "typer" in loaded and not HEAVY & set(loaded)
 
 
-def test_a_sweep_of_a_train_loads_no_units_library_no_tables_and_no_rod(tmp_path):
-    """What a sweep never needs cost it half a second of every start: labelled datasets, pint, the
-    finite-element spring.
-    """
+@pytest.mark.parametrize(
+    ("command", "files", "heavy"),
+    [
+        ("sweep tdi-pushrod --spring-set stock --no-report --workers 1", {"run.json"}, "valvetrain.springs.finite_element"),
+        ("run job-t", {"massless-3000rpm.nc", "massless-3000rpm.csv", "report.html"}, ""),
+    ],
+)  # fmt: skip
+def test_a_run_or_sweep_loads_no_units_library_no_tables_and_no_rod(
+    tmp_path, command, files, heavy
+):
+    """What it never needs cost it half a second of every start, and its files are written without labelled datasets."""
+    words = f"{command} --engine-speed 3000rpm --spring massless --quiet --output out".split()
     code = (
-        "import sys; from valvetrain.cli.main import main\n"
-        "sys.argv = ['valvetrain', 'sweep', 'tdi-pushrod', '--engine-speed', '3000 rpm', '--spring', 'massless', '--spring-set', 'stock',"
-        " '--no-report', '--quiet', '--workers', '1', '--output', 'out']\n"
-        "try: main()\n"
-        "except SystemExit as end: assert not end.code, end.code\n"
-        "print(' '.join(sys.modules))"
+        f"import sys; from valvetrain.cli.main import main\nsys.argv = {['valvetrain', *words]}\n"
+        "try: main()\nexcept SystemExit as end: assert not end.code, end.code\nprint(' '.join(sys.modules))"
     )
     result = subprocess.run(
         [sys.executable, "-c", code],
@@ -67,43 +71,8 @@ def test_a_sweep_of_a_train_loads_no_units_library_no_tables_and_no_rod(tmp_path
     )
     assert result.returncode == 0, result.stderr
     loaded = set(result.stdout.splitlines()[-1].split())
-    assert "numba" in loaded and (tmp_path / "out" / "run.json").is_file()
-    assert (
-        not {
-            "pint",
-            "xarray",
-            "pandas",
-            "tomlkit",
-            "valvetrain.springs.finite_element",
-            "valvetrain.cosserat.buffer",
-        }
-        & loaded
-    )
-
-
-def test_files_of_a_run_are_written_without_labelled_datasets(tmp_path):
-    """Loading xarray and pandas cost a third of a second of each run that only had its files to
-    write.
-    """
-    code = (
-        "import sys; from valvetrain.cli.main import main\n"
-        "sys.argv = ['valvetrain', 'run', 'job-t', '--engine-speed', '2000 rpm', '--spring', 'massless', '--quiet', '--output', 'out']\n"
-        "try: main()\n"
-        "except SystemExit as end: assert not end.code, end.code\n"
-        "print(' '.join(sys.modules))"
-    )
-    result = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        env=process_environment(),
-    )
-    assert result.returncode == 0, result.stderr
-    assert {"massless-2000rpm.nc", "massless-2000rpm.csv", "report.html"} <= {
-        path.name for path in (tmp_path / "out").iterdir()
-    }
-    assert not {"pint", "xarray", "pandas", "tomlkit"} & set(result.stdout.splitlines()[-1].split())
+    assert "numba" in loaded and files <= {path.name for path in (tmp_path / "out").iterdir()}
+    assert not {"pint", "xarray", "pandas", "tomlkit", *heavy.split()} & loaded
 
 
 def test_json_is_alone_on_standard_output_and_words_go_to_standard_error(tmp_path):

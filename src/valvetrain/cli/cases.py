@@ -1,8 +1,7 @@
-"""``valvetrain cases``, ``check`` and ``new``: the library, what a case file says, and templates."""
+"""``valvetrain cases`` and ``check``: the library, and what a case file says."""
 
 from __future__ import annotations
 
-import shlex
 import sys
 import warnings
 from dataclasses import replace
@@ -26,7 +25,6 @@ from valvetrain.cli.options import (
     take_units,
 )
 from valvetrain.errors import InputError, UnusualValueWarning
-from valvetrain.parameters.templates import KINDS, template_kind, template_text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -232,81 +230,3 @@ def _holds(case: Case) -> list[str]:
         ("published", case.published),
     )
     return [name for name, held in named if held]
-
-
-def register_new(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("new")(new)
-
-
-def new(
-    name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Name of the case; NAME.toml is written.")
-    ],
-    kind: Annotated[
-        str,
-        typer.Option(
-            "--kind",
-            "--train",
-            metavar="KIND",
-            help=f"Kind of case: {', '.join(f'{word} ({meaning})' for word, meaning in KINDS.items())}.",
-        ),
-    ] = "spring",
-    cards: Annotated[
-        bool, typer.Option("--cards", help="Cam and springs by their cards, a dual spring too.")
-    ] = False,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
-    """Write NAME.toml, a commented case with plausible values that runs without changes."""
-    from valvetrain.cli.outcome import Outcome, deliver
-
-    kind = template_kind(kind)
-    path = write_template(name, kind, cards)
-    data = {"command": "new", "kind": kind, "files": [str(path)]}
-    label = f"{path}: {KINDS[kind]}\n  {_damping(path)}\n  next: valvetrain check {shlex.quote(str(path))}"
-    deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
-
-
-def _damping(path: Path) -> str:
-    """Sentence on the spring damping of a template, which neither cards nor drawings give."""
-    from valvetrain.parameters.loading import load_case
-
-    case = load_case(path)
-    spring = (case.springs if case.train is None else case.train.spring_parts())[0]
-    ratio, hertz = spring.damping.ratio, spring.damping.ratio_frequency
-    return f"its spring is damped by {ratio:g} of critical at {hertz:g} Hz, an assumption until you measure it"
-
-
-def write_template(name: str, kind: str, cards: bool = False) -> Path:
-    """Write the template of ``kind`` (a key of :data:`KINDS`) to ``name`` with the ending
-    ``.toml``, by ``cards`` on request; returns its path.
-
-    Raises :class:`InputError` for an unknown kind, a name that no file may bear, or a file that is
-    there.
-    """
-    from valvetrain.parameters.loading import library_names
-    from valvetrain.solution.atomic import write_text
-
-    text = template_text(kind, cards)
-    stem = name.removesuffix(".toml")
-    if (
-        not stem.strip()
-        or Path(stem).name in ("", ".", "..")
-        or stem.endswith(("/", "/.", ".."))
-        or not stem.isprintable()
-        or len(Path(stem).name) > 80
-    ):
-        raise InputError(f"'{name[:40]}' cannot be the name of a file; give such as my-spring")
-    if stem in library_names():
-        raise InputError(f"'{stem}' is a case of the library; choose another name")
-    path = Path(f"{stem}.toml")
-    try:
-        taken = path.exists() or path.is_symlink()
-    except OSError as error:
-        raise InputError(
-            f"'{name[:40]}' cannot be the name of a file ({error.strerror}); give such as my-spring"
-        ) from None
-    if taken:
-        raise InputError(f"the file '{path}' is there already; choose another name or remove it")
-    return write_text(path, text.replace("NAME.toml", str(path)))

@@ -1,0 +1,128 @@
+"""``valvetrain new``: a case from a template, or the first file of a study, search or identification of a case."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from valvetrain.cli.options import JsonOption, QuietOption, asks
+from valvetrain.errors import InputError
+from valvetrain.parameters.templates import KINDS, template_kind, template_text
+
+#: Kind of request -> what its file asks of a case.
+REQUESTS = {
+    "study": "what decides in a case",
+    "optimise": "the best spring for it",
+    "identify": "its wire from measured loads",
+}
+
+
+def register_new(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("new")(new)
+
+
+def new(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of the file; NAME.toml is written.")
+    ],
+    kind: Annotated[
+        str,
+        typer.Option(
+            "--kind",
+            "--train",
+            metavar="KIND",
+            help=f"Kind of case: {', '.join(f'{word} ({meaning})' for word, meaning in KINDS.items())}; "
+            f"or with --case: {', '.join(f'{word} ({meaning})' for word, meaning in REQUESTS.items())}.",
+        ),
+    ] = "spring",
+    cards: Annotated[
+        bool, typer.Option("--cards", help="Cam and springs by their cards, a dual spring too.")
+    ] = False,
+    case: Annotated[str, asks("--case", "CASE", "The case that a study is about.")] = "",
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Write NAME.toml, a commented case, or a study of --case, that runs without changes."""
+    from valvetrain.cli.outcome import Outcome, deliver
+
+    if kind in REQUESTS:
+        path = write_request(name, kind, case)
+        label = f"{path}: {REQUESTS[kind]}\n  next: valvetrain {kind} {shlex.quote(str(path))}"
+    elif case:
+        raise InputError(
+            f"a {template_kind(kind)} case is not about another; give --kind {', '.join(REQUESTS)}, or leave --case out",
+            "--case",
+        )
+    else:
+        kind = template_kind(kind)
+        path = write_template(name, kind, cards)
+        label = f"{path}: {KINDS[kind]}\n  {_damping(path)}\n  next: valvetrain check {shlex.quote(str(path))}"
+    data = {"command": "new", "kind": kind, "files": [str(path)]}
+    deliver(Outcome(data, lambda console: console.print(label, soft_wrap=True)))
+
+
+def _damping(path: Path) -> str:
+    """Sentence on the spring damping of a template, which neither cards nor drawings give."""
+    from valvetrain.parameters.loading import load_case
+
+    case = load_case(path)
+    spring = (case.springs if case.train is None else case.train.spring_parts())[0]
+    ratio, hertz = spring.damping.ratio, spring.damping.ratio_frequency
+    return f"its spring is damped by {ratio:g} of critical at {hertz:g} Hz, an assumption until you measure it"
+
+
+def write_template(name: str, kind: str, cards: bool = False) -> Path:
+    """Write the template of ``kind`` (a key of :data:`KINDS`) to ``name`` with the ending
+    ``.toml``, by ``cards`` on request; returns its path.
+
+    Raises :class:`InputError` for an unknown kind, a name that no file may bear, or a file that is
+    there.
+    """
+    return _written(name, template_text(kind, cards))
+
+
+def write_request(name: str, kind: str, case: str) -> Path:
+    """Write the first file of ``kind`` (a key of :data:`REQUESTS`) about a ``case``, the name of
+    one of the library or a path; returns its path.
+
+    Raises :class:`InputError` without a case, for one that cannot be read, and as :func:`write_template`.
+    """
+    from valvetrain.explore.first_files import request_text
+    from valvetrain.parameters.loading import load_case
+
+    if not case:
+        raise InputError(f"which case? give --case my-train.toml, which {kind} is about", "--case")
+    told = os.path.relpath(case, Path(name).parent) if os.path.isfile(case) else case
+    return _written(name, request_text(kind, load_case(case), told))
+
+
+def _written(name: str, text: str) -> Path:
+    from valvetrain.parameters.loading import library_names
+    from valvetrain.solution.atomic import write_text
+
+    stem = name.removesuffix(".toml")
+    if (
+        not stem.strip()
+        or Path(stem).name in ("", ".", "..")
+        or stem.endswith(("/", "/.", ".."))
+        or not stem.isprintable()
+        or len(Path(stem).name) > 80
+    ):
+        raise InputError(f"'{name[:40]}' cannot be the name of a file; give such as my-spring")
+    if stem in library_names():
+        raise InputError(f"'{stem}' is a case of the library; choose another name")
+    path = Path(f"{stem}.toml")
+    try:
+        taken = path.exists() or path.is_symlink()
+    except OSError as error:
+        raise InputError(
+            f"'{name[:40]}' cannot be the name of a file ({error.strerror}); give such as my-spring"
+        ) from None
+    if taken:
+        raise InputError(f"the file '{path}' is there already; choose another name or remove it")
+    return write_text(path, text.replace("NAME.toml", str(path)))

@@ -1,0 +1,157 @@
+"""The first file of a study, a search or an identification of a case of one's own: it asks what people ask first, of the quantities
+that the case has.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+
+from valvetrain.errors import InputError
+from valvetrain.explore.case_paths import unit_in_case, vary
+from valvetrain.explore.sensitivity import ENOUGH_ROWS
+from valvetrain.explore.space import Varied
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.toml_text import inline
+from valvetrain.runs.statics import curve_by_model
+from valvetrain.units import to_unit
+
+#: What people change, by its key in a table of the springs or at the top of the case.
+OF_SPRING = {
+    "preload": "seat load",
+    "open_load": "open load",
+    "rate": "rate",
+    "wire_diameter": "wire",
+    "mean_diameter": "mean coil diameter",
+    "outer_diameter": "outer diameter",
+    "total_coils": "turns",
+    "precompression": "installed compression",
+}
+OF_TRAIN = {
+    "train.valve.mass": "valve mass",
+    "train.follower.mass": "follower mass",
+    "train.lever.inertia": "rocker inertia",
+    "train.pushrod.mass": "pushrod mass",
+    "train.pushrod.outer_diameter": "pushrod",
+    "train.pushrod.stiffness": "pushrod stiffness",
+    "train.lever.stiffness": "rocker stiffness",
+}
+_COIL_BIND = '\n[[constraint]]\nquantity = "coil_bind_clearance"\nat_least = "1 mm"'
+_MOTION = {True: ("minimum_cam_contact_force", "seating_velocity"), False: ("peak_spring_force",)}
+
+
+def levers(case: Case) -> dict[str, str]:
+    """What people change in a case: key -> what it is called, those that the case has as one
+    number that may be a tenth larger.
+
+    >>> import valvetrain as vt
+    >>> list(levers(vt.load_case("job-c")))[:2]
+    ['spring.wire_diameter', 'spring.mean_diameter']
+    """
+    table = f"train.springs.{case.train.spring_set}.0" if case.train else "spring"
+    keys = {f"{table}.{key}": label for key, label in OF_SPRING.items()}
+    return {key: label for key, label in (keys | OF_TRAIN).items() if _moves(case, key)}
+
+
+def _moves(case: Case, key: str) -> bool:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            vary(case, {Varied(key, "", "factor"): 1.1})
+        except InputError:
+            return False
+    return True
+
+
+def request_text(kind: str, case: Case, name: str) -> str:
+    """The file of a ``study``, of ``optimise`` or ``identify`` about a case that it calls ``name``,
+    with ``NAME.toml`` for its own name.
+
+    Raises :class:`InputError` where the case has no lift, no wire or nothing that may be varied.
+    """
+    lines = {"study": _study, "optimise": _search, "identify": _identification}[kind](case)
+    return "\n".join([*lines[:2], f"case = {inline(name)}", *lines[2:]]) + "\n"
+
+
+def _speed(case: Case) -> str:
+    top = case.operation.top_speed
+    if case.lift_law is None or not top:
+        raise InputError(
+            "the case has no lift or no engine speed, so nothing moves; add [lift_law] and operation.engine_speeds",
+            "--case",
+        )
+    return f"{to_unit(top, 'rpm'):.6g} rpm"
+
+
+def _varied(keys: dict[str, str], low: float, high: float) -> Iterator[str]:
+    for key, label in keys.items():
+        yield from ("", "[[vary]]", f"key = {inline(key)}", 'as = "factor" # of the case')
+        yield from (f"low = {low}", f"high = {high}", f"label = {inline(label)}")
+
+
+def _study(case: Case) -> list[str]:
+    keys = levers(case)
+    outputs = inline(list(_MOTION[case.train is not None]))
+    return [
+        "# What decides? Each quantity from 0.9 to 1.1 of its value in the case; the answer ranks them.",
+        "#\n#     valvetrain study NAME.toml\n",
+        'kind = "tolerance"',
+        f'engine_speeds = "{_speed(case)}"',
+        f"outputs = {outputs} # docs/quantities.md has all",
+        f'points = {{ sampler = "saltelli", count = {ENOUGH_ROWS * (len(keys) + 2)}, seed = 1 }} # more for finer ranks',
+        *_varied(keys, 0.9, 1.1),
+    ]
+
+
+def _search(case: Case) -> list[str]:
+    """The lightest load on the cam that keeps control; of a spring alone the least peak force."""
+    names = tuple(OF_SPRING.values())
+    keys = {key: label for key, label in levers(case).items() if label in names}
+    train = case.train is not None
+    spring = (case.train.spring_parts() if case.train else case.springs)[0]
+    bound = "minimum_cam_contact_force" if train else "preload"
+    least = '"50 N" # what is to stay on the cam' if train else '"1.0 x case"'
+    return [
+        "# The best spring within bounds: the least peak force that keeps what is asked.",
+        "#\n#     valvetrain optimise NAME.toml\n",
+        f'engine_speeds = "{_speed(case)}"',
+        "search = { trials = 60 }",
+        "\n[[objective]]",
+        f'quantity = "{"peak_cam_contact_force" if train else "peak_spring_force"}"',
+        'direction = "minimise"',
+        "\n[[constraint]]",
+        f'quantity = "{bound}"\nat_least = {least}',
+        *([] if spring.solid_height is None else [_COIL_BIND]),
+        *_varied(dict(list(keys.items())[:3]), 0.8, 1.25),
+    ]
+
+
+def _identification(case: Case) -> list[str]:
+    spring = (case.train.spring_parts() if case.train else case.springs)[0]
+    if spring.wire is None:
+        raise InputError(
+            "its spring is known by a card, whose loads are what a tester reads; identify finds the wire of one known by its coils",
+            "--case",
+        )
+    table = f"train.springs.{case.train.spring_set}.0" if case.train else "spring"
+    keys = [key for key in ("wire_diameter", "total_coils") if _moves(case, f"{table}.{key}")]
+    curve = curve_by_model(spring, "wave-rod", 0.0, None, 8)
+    places = (1e3 * (spring.wire.free_length - at) for at in curve.compression[3:])
+    heights, forces = (", ".join(f"{at:.4g}" for at in row) for row in (places, curve.force[3:]))
+    lines = [
+        "# Wire and turns of a spring from the loads of a tester.",
+        "#\n#     valvetrain identify NAME.toml\n",
+        "\n# The loads are those of the case: put yours, and their scatter, in their place.",
+        f'[measurements.loads]\nheights = "{heights} mm"\nforces = "{forces} N"\nscatter = "1 %"\nspring_model = "wave-rod"',
+    ]
+    for key in keys:
+        unit = unit_in_case(case, f"{table}.{key}")
+        value = spring.wire.wire_diameter.value(0.0) if unit else spring.wire.total_coils
+        scale = 1e3 if unit else 1.0
+        low, high = (f"{share * value * scale:.4g}{' mm' * bool(unit)}" for share in (0.95, 1.05))
+        lines += [f"\n[quantities.{key}]", f'key = "{table}.{key}"', 'prior = "uniform"']
+        lines += [
+            f"low = {inline(low) if unit else low}",
+            f"high = {inline(high) if unit else high}",
+        ]
+    return lines

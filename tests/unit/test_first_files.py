@@ -1,0 +1,46 @@
+"""The first files of a study, a search and an identification: every kind of case gives ones that their readers take."""
+
+from __future__ import annotations
+
+import pytest
+
+import valvetrain as vt
+from unit.cli_parts import call, sentence
+from valvetrain.explore.first_files import levers
+from valvetrain.explore.identification_file import read_request
+from valvetrain.explore.objective import read_optimum
+from valvetrain.explore.optimum_file import read_optimum_file
+from valvetrain.explore.study import read_plan, read_study_file
+
+CASES = ("spring", "direct", "finger", "rocker", "pushrod")
+READERS = {
+    "study": lambda path: read_plan(read_study_file(path)),
+    "optimise": lambda path: read_optimum(read_optimum_file(path)),
+    "identify": read_request,
+}
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_a_case_has_the_first_file_of_each_request_beside_it(kind, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call("new", "mine", "--kind", kind)
+    (tmp_path / "asked").mkdir()
+    for request, read in READERS.items():
+        made = call("new", f"asked/{request}", "--kind", request, "--case", "mine.toml")
+        if (kind, request) == ("pushrod", "identify"):  # its springs are cards
+            assert made.exit_code == 2 and sentence(made)
+        else:
+            read(tmp_path / "asked" / f"{request}.toml")
+    case = vt.load_case("mine.toml")
+    assert len(levers(case)) >= 3 and ("train.valve.mass" in levers(case)) == (kind != "spring")
+    for words in (("--kind", "study"), ("--kind", kind, "--case", "mine.toml")):
+        assert call("new", "other", *words).exit_code == 2
+
+
+def test_loads_of_the_case_give_its_own_wire_back(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call("new", "mine")
+    call("new", "wire", "--kind", "identify", "--case", "mine.toml")
+    found = vt.identify("wire.toml", workers=1)
+    assert found.best["wire_diameter"] == pytest.approx(3.9e-3, rel=2e-3)
+    assert found.best["total_coils"] == pytest.approx(6.8, rel=5e-3)
