@@ -17,7 +17,7 @@ from typing import Any
 from typer.testing import CliRunner
 
 from valvetrain.cli.main import app
-from valvetrain.cli.new import write_template
+from valvetrain.explore.new_command import write_template
 from valvetrain.explore.study import read_plan, read_study_file
 from valvetrain.units import unit_factor
 

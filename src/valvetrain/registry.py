@@ -62,7 +62,7 @@ BUILT_IN["commands"] = {
     "scan": "valvetrain.scan.command:register",
     "film": "valvetrain.film.command:register",
     "rig": "valvetrain.rig.command:register",
-    "new": "valvetrain.cli.new:register_new",
+    "new": "valvetrain.explore.new_command:register_new",
     "cases": "valvetrain.cli.cases:register_cases",
     "check": "valvetrain.cli.cases:register_check",
     "findings": "valvetrain.cli.findings:register",

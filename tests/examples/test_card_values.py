@@ -9,7 +9,7 @@ import math
 import pytest
 
 import valvetrain as vt
-from valvetrain.cli.new import write_template
+from valvetrain.explore.new_command import write_template
 from valvetrain.solution.facts import with_code
 
 INCH, POUND = 25.4e-3, 4.4482216152605
