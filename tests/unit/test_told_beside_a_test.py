@@ -15,7 +15,7 @@ from synthetic_study import SPEED, modal_run, own_study, rod_run
 from valvetrain.compare_test import compare as compare_test
 from valvetrain.compare_test.answer import AgainstTestAnswer
 from valvetrain.compare_test.comparison import ComparisonRequest
-from valvetrain.compare_test.files import write_compare_test
+from valvetrain.compare_test.tables import write_compare_test
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import MeasuredValue, ValueTable
 

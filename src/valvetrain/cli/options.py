@@ -4,13 +4,14 @@ on.
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
@@ -44,9 +45,65 @@ def at_end(release: Callable[[], None]) -> None:
 MAX_COUNTED = 10**9
 
 
-def asks(flag: str, metavar: str, label: str) -> Any:
+def asks(flag: str, metavar: str | None, label: str) -> Any:
     """An option that takes text, empty by default."""
     return typer.Option(flag, metavar=metavar, help=label, show_default=False)
+
+
+#: What follows an option -> what is read; else a text.
+KINDS = {"N": int, "SHARE": float, "": bool}
+
+
+def asking(
+    function: Callable[..., None], asked: Mapping[str, tuple[str, str, str]]
+) -> Callable[..., None]:
+    """``function`` with an option for each question of ``asked``: its name -> flag, what follows that, and help.
+
+    What follows says what is read: ``QUANTITY=...`` pairs, else as :data:`KINDS`.
+    ``function`` takes what was given by name as ``answers``.
+    """
+    hints = get_type_hints(function, include_extras=True)
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    first, *others, _ = (
+        parameter.replace(kind=keyword, annotation=hints[parameter.name])
+        for parameter in inspect.signature(function).parameters.values()
+    )
+    parameters = [first]
+    for name, (flag, follows, label) in asked.items():
+        kind = list[str] if "=" in follows else KINDS.get(follows, str)
+        option = Annotated[kind | None, asks(flag, follows or None, label)]  # type: ignore[valid-type]
+        parameters.append(inspect.Parameter(name, keyword, default=None, annotation=option))
+    parameters += others
+
+    def command(**given: Any) -> None:
+        answers = {}
+        for name, (flag, follows, _) in asked.items():
+            if (value := given.pop(name)) is not None:
+                answers[name] = read_pairs(value, flag) if "=" in follows else value
+        function(**given, answers=answers)
+
+    command.__doc__, command.__name__ = function.__doc__, function.__name__
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    return command
+
+
+def read_pairs(texts: Sequence[str], option: str) -> dict[str, str]:
+    """``QUANTITY=VALUE`` of a repeatable option. Raises :class:`InputError` for a text without the
+    sign, or a quantity named twice.
+    """
+    pairs: dict[str, str] = {}
+    for text in texts:
+        quantity, _, value = (part.strip() for part in text.partition("="))
+        name = quantity.replace(" ", "_")
+        if not value or not name.isidentifier() or not name.isascii() or len(name) > 60:
+            raise InputError(
+                f"'{text[:40]}' is no pair; write QUANTITY=..., such as 'spring_force=...'", option
+            )
+        if name in pairs:
+            raise InputError(f"{name} is given twice; give it once", option)
+        pairs[name] = value
+    return pairs
 
 
 def matching_cases(begun: str) -> list[str]:

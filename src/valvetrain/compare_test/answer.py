@@ -15,8 +15,8 @@ from valvetrain.compare_test import tables
 from valvetrain.compare_test.adequacy import LEVEL, chance_text
 from valvetrain.compare_test.compare import ModelAgainstTest
 from valvetrain.compare_test.comparison import RunAgainstTest
-from valvetrain.compare_test.files import write_compare_test
 from valvetrain.compare_test.rules import OFF, RULES, AgainstTest, furthest, phase
+from valvetrain.compare_test.tables import write_compare_test
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import Amount, digits_text, speed_text
 from valvetrain.measured.value_table import ValueTable

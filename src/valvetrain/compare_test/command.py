@@ -7,7 +7,7 @@ from __future__ import annotations
 import shlex
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -24,7 +24,7 @@ from valvetrain.cli.options import (
     SpringOption,
     SpringSetOption,
     WorkersOption,
-    asks,
+    asking,
     read_models,
     read_names,
     read_workers,
@@ -32,10 +32,26 @@ from valvetrain.cli.options import (
 )
 from valvetrain.cli.run_answer import SavedRequest, saved_result
 
+#: Argument of :func:`compare_with_test`, or of the gauge -> its option, what follows that, and its help.
+ASKED = {
+    "quantity": ("--quantity", "NAME", "The model's curve, where the file calls it otherwise."),
+    "channel": ("--channel", "N", "Which channel of a file of several, from 1."),
+    "engine_speed": ("--engine-speed", "SPEED", "Crank speed where the test does not state it."),
+    "bandwidth": ("--bandwidth", "FREQUENCY", "Filter the model by a gauge of '10 kHz'."),
+    "sensor": ("--sensor", "WORDS", "More of the gauge: 'natural_frequency=40 kHz, order=2'."),
+    "shared": ("--shared", "AMOUNTS", "Errors that all cycles share: '2 N, 0.5 %, 0.1 deg'."),
+    "fitted": ("--fitted", "N", "Number of model parameters fitted to this test."),
+    "level": (
+        "--level",
+        "SHARE",
+        "Share of adequate models that the test may refute (default: 0.05).",
+    ),
+}
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("compare-test")(compare_test)
+    app.command("compare-test")(asking(compare_test, ASKED))
 
 
 def compare_test(
@@ -48,39 +64,8 @@ def compare_test(
             help="Measured cycles, or a table of values with scatter or repeats.",
         ),
     ],
-    quantity: Annotated[
-        str, asks("--quantity", "NAME", "The model's curve, where the file calls it otherwise.")
-    ] = "",
-    channel: Annotated[
-        int, asks("--channel", "N", "Which channel of a file of several, from 1.")
-    ] = 0,
-    engine_speed: Annotated[
-        str | None, asks("--engine-speed", "SPEED", "Crank speed where the test does not state it.")
-    ] = None,
     spring: SpringOption = None,
     spring_set: SpringSetOption = None,
-    bandwidth: Annotated[
-        str | None, asks("--bandwidth", "FREQUENCY", "Filter the model by a gauge of '10 kHz'.")
-    ] = None,
-    sensor: Annotated[
-        str | None,
-        asks("--sensor", "KEY=VALUE", "More of the gauge: 'natural_frequency=40 kHz, order=2'."),
-    ] = None,
-    shared: Annotated[
-        str, asks("--shared", "AMOUNTS", "Errors that all cycles share: '2 N, 0.5 %, 0.1 deg'.")
-    ] = "",
-    fitted: Annotated[
-        int,
-        typer.Option(
-            "--fitted", metavar="N", help="Number of model parameters fitted to this test."
-        ),
-    ] = 0,
-    level: Annotated[
-        float,
-        typer.Option(
-            "--level", metavar="SHARE", help="Level: share of adequate models the test may refute."
-        ),
-    ] = 0.05,
     settings: SetOption = None,
     elements_per_coil: ElementsOption = None,
     output: OutputOption = None,
@@ -90,47 +75,42 @@ def compare_test(
     open_page: OpenOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
+    *,
+    answers: dict[str, Any],
 ) -> None:
     """Whether a model agrees with a test within the scatter of the test, and where it is worst."""
     from valvetrain.cli.options import choose_case, folder_of, read_sensor
     from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import announce_compilation, progress_bar
-    from valvetrain.compare_test.adequacy import LEVEL
     from valvetrain.compare_test.answer import AgainstTestAnswer
     from valvetrain.compare_test.compare import compare_with_test
-    from valvetrain.compare_test.files import compare_test_json, write_compare_test
     from valvetrain.compare_test.reader import read_test
+    from valvetrain.compare_test.tables import compare_test_json, write_compare_test
     from valvetrain.session import call_case
 
     call_case([case, *(part for text in settings or () for part in ("--set", text))])
     take_folder(output)
-    gauge = read_sensor(bandwidth, sensor, None) if bandwidth or sensor else None
+    repeated = ["--test", str(test)]
+    repeated += [part for name, value in answers.items() for part in (ASKED[name][0], str(value))]
+    repeated += [part for text in spring_set or () for part in ("--spring-set", text)]
+    bandwidth, words = answers.pop("bandwidth", None), answers.pop("sensor", None)
+    gauge = read_sensor(bandwidth, words, None) if bandwidth or words else None
     chosen = choose_case(case, settings, elements_per_coil)
-    measured = read_test(test, quantity, channel)
+    measured = read_test(test, answers.get("quantity", ""), answers.pop("channel", 0))
     announce_compilation(*(("train",) if chosen.train is not None else ("statics", "transient")))
     with progress_bar(chosen.name) as report:
         result = compare_with_test(
             chosen,
             measured,
-            quantity=quantity,
-            engine_speed=engine_speed,
+            **answers,
             spring_models=read_models(spring),
             spring_set=read_names(spring_set),
             sensor=gauge,
-            fitted=fitted,
-            shared=shared,
-            level=level,
             workers=read_workers(workers),
             progress=report,
             limit=", ".join(limit or ()),
             implausible=implausible,
         )
-    options = {
-        "--test": str(test), "--quantity": quantity, "--channel": channel or "", "--engine-speed": engine_speed, "--bandwidth": bandwidth,
-        "--sensor": sensor, "--shared": shared, "--fitted": fitted or "", "--level": level if level != LEVEL else ""
-    }  # fmt: skip
-    repeated = [part for key, value in options.items() if value for part in (key, str(value))]
-    repeated += [part for text in spring_set or () for part in ("--spring-set", text)]
     now = datetime.now(UTC).replace(microsecond=0)
     request = SavedRequest("compare-test", chosen, output, now, folder_of(case))
     failed = list(result.failures)
@@ -139,14 +119,12 @@ def compare_test(
         "completed": not failed,
         "failures": failed,
     } | compare_test_json(result)
-    test_words = shlex.join(repeated)
-    text = result.study.record.text
     deliver(
         saved_result(
             request,
-            text,
+            result.study.record.text,
             data,
-            lambda folder: AgainstTestAnswer(result, test=test_words),
+            lambda folder: AgainstTestAnswer(result, test=shlex.join(repeated)),
             lambda folder: write_compare_test(result, folder),
             {"test": str(test)},
             open_page,

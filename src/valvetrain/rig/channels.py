@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from types import MappingProxyType
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,15 +16,16 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.measured.door import refuse_beyond
 from valvetrain.measured.tables import UNIT_NAMES
+from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.rig.reader import Recording, RigChannel
 from valvetrain.solution.definition import BY_LAST_WORD
 from valvetrain.units import (
     DIMENSIONS,
     Given,
     dimension_of,
-    parse_quantities,
     parse_quantity,
     si,
+    si_each,
     unit_factor,
 )
 
@@ -41,9 +41,11 @@ QUESTIONS = {
     "calibration": "the calibration of {}",
     "dwell": "the dwell in which the zero is taken, such as '-30, 30 deg'"
 }  # fmt: skip
-_NOTHING: Mapping[str, str] = MappingProxyType({})
 #: Bounds of whole numbers.
 _BOUNDS = {"teeth": (1, 100_000), "missing": (0, 10), "angle_count": (8, 28_800)}
+#: Dimensions of amounts; dimension and example of what has two ends.
+_AMOUNTS = {"band": "frequency", "sampling_rate": "frequency", "offset": "angle"}
+_ENDS = {"dwell": ("angle", "-30, 30 deg"), "span": ("time", "2, 5 s")}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +83,7 @@ class RigAnswers:
     20000.0
     """
 
-    channels: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
+    channels: Mapping[str, str] = FrozenMapping()
     encoder: str = ""
     pulses: str = ""
     index: str = ""
@@ -89,10 +91,10 @@ class RigAnswers:
     angle_of: str = ""
     teeth: int | None = None
     missing: int = 0
-    units: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
-    calibration: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
-    shunt: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
-    zero: Mapping[str, str] = field(default_factory=lambda: _NOTHING)
+    units: Mapping[str, str] = FrozenMapping()
+    calibration: Mapping[str, str] = FrozenMapping()
+    shunt: Mapping[str, str] = FrozenMapping()
+    zero: Mapping[str, str] = FrozenMapping()
     dwell: Sequence[Given] | str | None = None
     band: Given | None = None
     angle_count: int | None = None
@@ -116,25 +118,17 @@ class RigAnswers:
                     f"{name} is a whole number from {low} to {high}, not {str(value)[:40]}; correct it",
                     name,
                 )
-        for name in ("band", "sampling_rate"):
+        for name, dimension in _AMOUNTS.items():
             if (value := getattr(self, name)) is not None:
-                frequency = si(value, "frequency", name)
-                if not 0 < frequency < 1e9:
+                amount = si(value, dimension, name)
+                if dimension == "frequency" and not 0 < amount < 1e9:
                     raise InputError(
-                        f"{name} of {frequency:g} Hz is none of a rig; give it above zero", name
+                        f"{name} of {amount:g} Hz is none of a rig; give it above zero", name
                     )
-                object.__setattr__(self, name, frequency)
-        if self.offset is not None:
-            object.__setattr__(self, "offset", si(self.offset, "angle", "offset"))
-        for name, dimension, example in (
-            ("dwell", "angle", "-30, 30 deg"),
-            ("span", "time", "2, 5 s"),
-        ):
-            if (given := getattr(self, name)) is not None:
-                words = (
-                    parse_quantities(given, dimension, name) if isinstance(given, str) else given
-                )
-                ends = tuple(si(word, dimension, name) for word in words)
+                object.__setattr__(self, name, amount)
+        for name, (dimension, example) in _ENDS.items():
+            if (value := getattr(self, name)) is not None:
+                ends = si_each(value, dimension, name)
                 if len(ends) != 2:
                     raise InputError(f"the {name} has two ends, first and last: '{example}'", name)
                 if name == "span" and not ends[0] < ends[1]:

@@ -19,6 +19,7 @@ from valvetrain.cli.options import (
     SetOption,
     SpeedOption,
     SpringOption,
+    asking,
     asks,
     choose_case,
     folder_of,
@@ -37,9 +38,41 @@ if TYPE_CHECKING:
     from valvetrain.views.shown import Shown
 
 
+#: Field of :class:`RigAnswers` -> its option, what follows that, and its help.
+ASKED = {
+    "channels": (
+        "--channel",
+        "QUANTITY=NAME",
+        "Channel of it: 'spring_force=Force 1'. Repeatable.",
+    ),
+    "encoder": ("--encoder", "NAME", "Channel of an encoder's angle."),
+    "pulses": ("--pulses", "NAME", "Channel of a toothed wheel or encoder track; needs --teeth."),
+    "index": ("--index", "NAME", "Channel that marks one position of that wheel."),
+    "once": ("--once", "NAME", "Channel of one pulse per revolution."),
+    "angle_of": ("--angle-of", "cam|crank", "Shaft on which encoder, wheel or pulse sit."),
+    "teeth": ("--teeth", "N", "Teeth of the wheel, with those that are missing."),
+    "missing": ("--missing", "N", "Number of missing teeth at the reference mark."),
+    "units": ("--unit", "QUANTITY=UNIT", "Unit of a channel: 'spring_force=kN'. Repeatable."),
+    "calibration": ("--calibration", "QUANTITY=VALUE", "Value of one unit of it: '2.5 N'."),
+    "shunt": ("--shunt", "QUANTITY=STEP, LOAD", "Step of the channel with the shunt, its load."),
+    "zero": ("--zero", "QUANTITY=VALUE", "Value of a quantity in the dwell: 'spring_force=240 N'."),
+    "dwell": ("--dwell", "ANGLES", "First and last cam angle of the dwell: '-30, 30 deg'."),
+    "band": ("--band", "FREQUENCY", "Highest frequency to retain: '20 kHz'."),
+    "angle_count": (
+        "--angle-count",
+        "N",
+        "Points per cam revolution (default: as the band needs).",
+    ),
+    "offset": ("--offset", "ANGLE", "Cam angle of the case at the mark, instead of by the lift."),
+    "sampling_rate": ("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'."),
+    "span": ("--span", "TIMES", "First and last time that are used: '2, 5 s'."),
+    "keep_outliers": ("--keep-outliers", "", "Retain outlier cycles too."),
+}
+
+
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("rig")(rig)
+    app.command("rig")(asking(rig, ASKED))
 
 
 def rig(
@@ -49,74 +82,10 @@ def rig(
             metavar="[FILE]", help="Recording: text, MDF, TDMS, MAT, HDF5, NetCDF, UFF58."
         ),
     ] = None,
-    channel: Annotated[
-        list[str] | None,
-        asks("--channel", "QUANTITY=NAME", "Channel of it: 'spring_force=Force 1'. Repeatable."),
-    ] = None,
-    encoder: Annotated[str, asks("--encoder", "NAME", "Channel of an encoder's angle.")] = "",
-    pulses: Annotated[
-        str, asks("--pulses", "NAME", "Channel of a toothed wheel or encoder track; needs --teeth.")
-    ] = "",
-    index: Annotated[
-        str, asks("--index", "NAME", "Channel that marks one position of that wheel.")
-    ] = "",
-    once: Annotated[str, asks("--once", "NAME", "Channel of one pulse per revolution.")] = "",
-    angle_of: Annotated[
-        str, asks("--angle-of", "cam|crank", "Shaft on which encoder, wheel or pulse sit.")
-    ] = "",
-    teeth: Annotated[
-        int | None, asks("--teeth", "N", "Teeth of the wheel, with those that are missing.")
-    ] = None,
-    missing: Annotated[
-        int,
-        typer.Option(
-            "--missing", metavar="N", help="Number of missing teeth at the reference mark."
-        ),
-    ] = 0,
-    unit: Annotated[
-        list[str] | None,
-        asks("--unit", "QUANTITY=UNIT", "Unit of a channel: 'spring_force=kN'. Repeatable."),
-    ] = None,
-    calibration: Annotated[
-        list[str] | None,
-        asks("--calibration", "QUANTITY=VALUE", "Value of one unit of it: '2.5 N'."),
-    ] = None,
-    shunt: Annotated[
-        list[str] | None,
-        asks("--shunt", "QUANTITY=STEP, LOAD", "Step of the channel with the shunt, its load."),
-    ] = None,
-    zero: Annotated[
-        list[str] | None,
-        asks("--zero", "QUANTITY=VALUE", "Value of a quantity in the dwell: 'spring_force=240 N'."),
-    ] = None,
-    dwell: Annotated[
-        str | None,
-        asks("--dwell", "ANGLES", "First and last cam angle of the dwell: '-30, 30 deg'."),
-    ] = None,
-    band: Annotated[
-        str | None, asks("--band", "FREQUENCY", "Highest frequency to retain: '20 kHz'.")
-    ] = None,
-    angle_count: Annotated[
-        int | None,
-        asks("--angle-count", "N", "Points per cam revolution (default: as the band needs)."),
-    ] = None,
-    sampling_rate: Annotated[
-        str | None, asks("--sampling-rate", "FREQUENCY", "Where the file has no times: '100 kHz'.")
-    ] = None,
-    span: Annotated[
-        str | None, asks("--span", "TIMES", "First and last time that are used: '2, 5 s'.")
-    ] = None,
-    keep_outliers: Annotated[
-        bool, typer.Option("--keep-outliers", help="Retain outlier cycles too.")
-    ] = False,
     case: Annotated[
         str | None, asks("--case", "CASE", "Case whose lift gives the cam angle of the mark.")
     ] = None,
     settings: SetOption = None,
-    offset: Annotated[
-        str | None,
-        asks("--offset", "ANGLE", "Cam angle of the case at the mark, instead of by the lift."),
-    ] = None,
     engine_speed: SpeedOption = None,
     spring: SpringOption = None,
     bandwidth: Annotated[
@@ -139,6 +108,8 @@ def rig(
     open_page: OpenOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
+    *,
+    answers: dict[str, Any],
 ) -> None:
     """Recordings of a test rig as cycles over the cam angle, aligned to a case by the lift; or a
     computed force as a gauge records it.
@@ -159,7 +130,7 @@ def rig(
                 "give the recording as a file, or a case and the gauge that shall record it (--case, --bandwidth)",
                 "FILE",
             )
-        gauge = read_sensor(bandwidth, sensor, sampling_rate)
+        gauge = read_sensor(bandwidth, sensor, answers.get("sampling_rate"))
         speeds, models = read_engine_speeds(engine_speed) or (), read_models(spring)
         saved = _case_answer(chosen, speeds, models, gauge)
     else:
@@ -170,50 +141,11 @@ def rig(
             )
         from valvetrain.rig.channels import RigAnswers
 
-        answers = RigAnswers(
-            channels=read_pairs(channel, "--channel"),
-            encoder=encoder,
-            pulses=pulses,
-            index=index,
-            once=once,
-            angle_of=angle_of,
-            teeth=teeth,
-            missing=missing,
-            units=read_pairs(unit, "--unit"),
-            calibration=read_pairs(calibration, "--calibration"),
-            shunt=read_pairs(shunt, "--shunt"),
-            zero=read_pairs(zero, "--zero"),
-            dwell=dwell,
-            band=band,
-            angle_count=angle_count,
-            offset=offset,
-            sampling_rate=sampling_rate,
-            span=span,
-            keep_outliers=keep_outliers,
-        )
-        saved = _recording_answer(file, answers, chosen, write)
+        saved = _recording_answer(file, RigAnswers(**answers), chosen, write)
     now = datetime.now(UTC).replace(microsecond=0)
     home = Path() if case is None else folder_of(case)
     request = SavedRequest("rig", saved, output, now, home)
     deliver(saved_result(request, *saved[1:], open_page))
-
-
-def read_pairs(texts: Sequence[str] | None, option: str) -> dict[str, str]:
-    """``QUANTITY=VALUE`` of a repeatable option. Raises :class:`InputError` for a text without the
-    sign, or a quantity named twice.
-    """
-    pairs: dict[str, str] = {}
-    for text in texts or ():
-        quantity, _, value = (part.strip() for part in text.partition("="))
-        name = quantity.replace(" ", "_")
-        if not value or not name.isidentifier() or not name.isascii() or len(name) > 60:
-            raise InputError(
-                f"'{text[:40]}' is no pair; write QUANTITY=..., such as 'spring_force=...'", option
-            )
-        if name in pairs:
-            raise InputError(f"{name} is given twice; give it once", option)
-        pairs[name] = value
-    return pairs
 
 
 class _Saved(NamedTuple):
