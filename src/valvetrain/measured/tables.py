@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import bounded_bytes
+from valvetrain.units import unit_factor
 
 Array = NDArray[np.float64]
 #: A number as tables write it, once its line is parted at every mark that may be between or
@@ -315,7 +316,11 @@ def name_and_unit(part: str) -> tuple[str, str]:
 
 def _is_unit(part: str) -> bool:
     word = part.strip("[]() ")
-    return word.lower() in UNIT_NAMES or word in _OTHER_UNITS
+    if word.lower() in UNIT_NAMES or word in _OTHER_UNITS:
+        return True
+    with contextlib.suppress(InputError):
+        return len(word) > 1 and unit_factor(word) > 0
+    return False
 
 
 #: Units as headings write them -> how this package writes them.
@@ -327,13 +332,10 @@ UNIT_NAMES = {
     "pulgadas": "inch", "degre": "deg", "degré": "deg", "degrés": "deg", "grados": "deg", "gradi": "deg", "mm/deg": "mm/deg", "in/deg": "inch/deg",
     "thous": "thou"
 }  # fmt: skip
-#: Further units of recordings.
+#: Further units of recordings: of one letter, or unknown to the package.
 _OTHER_UNITS = {
-    "s", "sec", "ms", "us", "µs", "Hz", "rpm", "1/min", "N", "kN", "daN", "mN", "lbf", "kgf", "gf", "kp", "oz", "ozf", "Zoll",
-    "V", "mV", "mV/V", "A", "um/m", "µm/m", "ustrain", "1",
-    "m/s", "mm/s", "m/s2", "m/s^2", "g", "Pa", "kPa", "MPa", "bar", "psi", "-", "°C", "degC", "ft", "in/s", "ft/s", "mm/s2", "mm/s^2",
-    "lb", "lbs", "kg", "Nm", "N m", "N*m", "N·m", "ft-lb", "lbf ft", "N/mm", "lbf/in", "min", "ns", "kHz", "rad/s", "deg/s", "mA", "mbar",
-    "K", "C", "F", "°F", "degF", "%"
+    "s", "N", "g", "V", "A", "K", "C", "F", "1", "-", "mV", "mV/V", "mA", "°C", "degC", "°F", "degF", "Nm", "N·m", "ft-lb", "ustrain",
+    "Hz", "m/s2", "mm/s2", "%"
 }  # fmt: skip
 
 

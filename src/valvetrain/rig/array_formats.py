@@ -5,6 +5,7 @@ Which array holds the times of which is found by name and length.
 
 from __future__ import annotations
 
+import contextlib
 import re
 import warnings
 from collections.abc import Iterable, Mapping
@@ -24,16 +25,12 @@ from valvetrain.rig.reader import (
     one_line,
     says_synthetic,
 )
+from valvetrain.units import dimension_of, unit_factor
 
 #: A table of more columns is no table of channels.
 MAX_COLUMNS = 64
 #: Bytes that the best compression makes of one byte, at most.
 _MAX_EXPANSION = 1100
-#: Units of times -> seconds; files of arrays may count them since a date, which is ignored here.
-SECONDS = {
-    "s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
-    "microseconds": 1e-6, "ns": 1e-9, "nanoseconds": 1e-9, "min": 60.0, "minutes": 60.0
-}  # fmt: skip
 _TIME = re.compile(r"(?:.*[/_. ])?(time|times|t|zeit|timestamps?)", re.I)
 
 
@@ -42,21 +39,24 @@ def is_time(name: str, unit: str = "") -> bool:
     temperature or anything else.
     """
     match = _TIME.fullmatch(name.strip())
-    return match is not None and (match[1].lower() != "t" or _bare_unit(unit) in SECONDS)
+    return match is not None and (match[1].lower() != "t" or _seconds(unit) > 0)
+
+
+def _seconds(unit: str) -> float:
+    """Seconds in a unit of times, which files may count since a date; 0 in one that is none of them."""
+    bare = unit.partition(" since ")[0].strip()
+    with contextlib.suppress(InputError):
+        return unit_factor(bare) if not bare or dimension_of(bare) == "time" else 0.0
+    return 0.0
 
 
 def seconds_of(unit: str) -> float:
     """Seconds in a unit of times. Raises :class:`InputError` for one that is none of them."""
-    bare = _bare_unit(unit)
-    if bare not in SECONDS:
+    if not (seconds := _seconds(unit)):
         raise InputError(
-            f"the times have the unit '{bare[:20]}', which is none of time; write s, ms or us"
+            f"the times have the unit '{unit.strip()[:20]}', which is none of time; write s, ms or us"
         )
-    return SECONDS[bare]
-
-
-def _bare_unit(unit: str) -> str:
-    return unit.partition(" since ")[0].strip()
+    return seconds
 
 
 def channels_of(

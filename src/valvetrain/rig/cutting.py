@@ -260,11 +260,8 @@ def drift_of(values: Array) -> float:
     count = len(means)
     if count < MIN_CYCLES:
         return 0.0
-    place = np.arange(count) - (count - 1) / 2
-    slope = float(place @ means / (place @ place))
-    rest = means - means.mean() - slope * place
-    error = float(np.sqrt(rest @ rest / (count - 2) / (place @ place)))
-    return slope * (count - 1) if abs(slope) > TREND * error else 0.0
+    line, covariance = np.polyfit(np.arange(count), means, 1, cov=True)
+    return float(line[0]) * (count - 1) if abs(line[0]) > TREND * np.sqrt(covariance[0, 0]) else 0.0
 
 
 def is_clipped(values: Array) -> bool:

@@ -28,18 +28,16 @@ _READ, _TOO_LARGE, _UNREADABLE, _ENDED = 0, 3, 4, -1
 _BEGUN = b"begun"
 
 
-def tried_apart(
-    reader: str, path: Path, where: str, unreadable: str, seconds: int = MAX_SECONDS
-) -> None:
+def tried_apart(reader: str, path: Path, where: str, unreadable: str, seconds: int = 0) -> None:
     """Call a reader (``module:function``, of one path) in a process of its own, and refuse a file
     from which it does not return.
 
     Its result is dropped, as is an :class:`InputError` of its own: the caller calls it again, now
     that it is known to end. Raises :class:`InputError` for bytes that crash or hang the process or
-    need more than :data:`MAX_MEMORY`, with the sentence ``unreadable`` for those at which the
+    need more than :data:`MAX_MEMORY` or ``seconds`` (0: :data:`MAX_SECONDS`), with the sentence ``unreadable`` for those at which the
     reader raises anything else, and where no such process can be started.
     """
-    seconds += path.stat().st_size // BYTES_A_SECOND
+    seconds = (seconds or MAX_SECONDS) + path.stat().st_size // BYTES_A_SECOND
     end = _in_a_new_process(reader, path, seconds)
     if isinstance(end, str):
         raise InputError(

@@ -62,6 +62,7 @@ DIMENSIONS: dict[str, Dimension] = {
 
 #: The units that are read, in the words of pint.
 DEFINITIONS = """
+nano- = 1e-9 = n-
 micro- = 1e-6 = µ- = μ- = u-
 milli- = 1e-3 = m-
 centi- = 1e-2 = c-
