@@ -216,19 +216,25 @@ def test_loss_at_the_valve_tip_is_told_by_its_place():
     assert event.where == "valve_tip"
 
 
-def test_bounces_are_counted_with_height_and_seatings_with_their_place():
-    lift = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6)
-    for first, last, height in ((272, 280, 2e-4), (281, 285, 5e-5)):
+@pytest.mark.parametrize("events", [1, 2])
+def test_bounces_are_counted_with_height_and_events_of_the_law_are_none(events):
+    """Two bounces after the first event of the law; a second event of 1.5 mm with a bounce after it."""
+    lift, law = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6), lift_of(ANGLE)
+    sizes = ((272, 280, 2e-4), (281, 285, 5e-5), (300, 340, 1.5e-3), (341, 346, 3e-4))
+    for first, last, height in sizes[: 2 * events]:
         inside = degrees(first, last)
         lift[inside] = height * np.sin(np.linspace(0.05, np.pi - 0.05, inside.sum()))
-    run = found(valve_lift=lift, valve_velocity=np.gradient(lift, TIME))
-    bounces, seatings = of_kind(run.events, "bounce"), of_kind(run.events, "seating")
-    assert [event.size for event in bounces] == pytest.approx([2e-4, 5e-5], rel=0.01)
-    assert [event.details["touch"] for event in seatings] == [1, 2, 3]
-    assert seatings[0].size > 0 and all(event.unit == "m/s" for event in seatings)
-    assert (
-        run.quantities["bounce_count"] == 2 and run.quantities["bounce_height"] == bounces[0].size
+    law[degrees(300, 340)] = np.maximum(0, lift[degrees(300, 340)])
+    run = found(
+        table=rigid(valve_lift=law), valve_lift=lift, valve_velocity=np.gradient(lift, TIME)
     )
+    bounces, seatings = of_kind(run.events, "bounce"), of_kind(run.events, "seating")
+    sizes = [2e-4, 5e-5, 3e-4][: events + 1]
+    assert [event.size for event in bounces] == pytest.approx(sizes, rel=0.01)
+    assert [event.details["touch"] for event in seatings] == list(range(1, 2 + 2 * events))
+    assert seatings[0].size > 0 and all(event.unit == "m/s" for event in seatings)
+    assert run.quantities["bounce_count"] == len(sizes)
+    assert run.quantities["bounce_height"] == pytest.approx(max(sizes), rel=0.01)
 
 
 def _pairs(place: int = 0):

@@ -21,7 +21,7 @@ from valvetrain.integrate.train_tuples import (
     PEAK_SPEED,
     PEAK_SPEED_ANGLE,
 )
-from valvetrain.integrate.transitions import CONTACTS_LOGGED
+from valvetrain.integrate.transitions import CONTACTS_LOGGED, openings_by_law
 from valvetrain.mechanism.parts import CONTACT, Coordinate, Interaction
 from valvetrain.mechanism.planar import crank_angle, piston_clearance
 from valvetrain.mechanism.rigid import OPEN_SHARE
@@ -359,7 +359,7 @@ def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
             found[f"peak_{load_name(one)}"] = float(record.peak_forces[place])
         if place in mechanism.drive:
             found[f"minimum_{load_name(one)}"] = float(record.least_forces[place])
-    kinematics = mechanism.kinematics
+    kinematics, lift = mechanism.kinematics, np.zeros_like(record.cam_angle)
     if cam is not None and kinematics is not None:
         lift = kinematics.valve_lift(record.cam_angle)
         opened = record.gaps[lift > OPEN_SHARE * lift.max(), cam]
@@ -367,12 +367,17 @@ def cycle_numbers(system: TrainSystem, record: CycleRecord) -> dict[str, float]:
         found["nose_cam_contact_force"] = float(record.nose_forces[cam])
     if seat_place is None:
         return found
-    openings = record.transitions.open_stretches(seat_place)
-    heights = np.sort(openings.largest_gap[openings.largest_gap > SMALLEST_HEIGHT])
+    openings, own = (
+        record.transitions.open_stretches(seat_place),
+        record.transitions.of(seat_place),
+    )
+    spans = np.column_stack([own.cam_angle[np.flatnonzero(own.closes) - 1], openings.cam_angle])
+    high = openings.largest_gap > SMALLEST_HEIGHT
+    heights = openings.largest_gap[high]
+    heights = np.delete(heights, openings_by_law(spans[high], heights, record.cam_angle, lift))
     found |= {
-        "bounce_count": float(max(len(heights) - 1, 0)),
-        "bounce_height": float(heights[-2]) if len(heights) > 1 else 0.0,
-    }
+        "bounce_count": float(len(heights)), "bounce_height": float(np.max(heights, initial=0.0))
+    }  # fmt: skip
     velocity = record.transitions.seating_velocity(seat_place)
     return found if velocity is None else found | {"seating_velocity": velocity}
 

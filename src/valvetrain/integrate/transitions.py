@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from valvetrain.integrate.clash import runs
 from valvetrain.integrate.train_tuples import (
     ANGLE,
     CLOSES,
@@ -19,6 +20,8 @@ from valvetrain.integrate.train_tuples import (
 from valvetrain.solution.status import Event
 
 Array = NDArray[np.float64]
+#: Share of the largest rigid lift above which a stretch is an event of the lift law.
+LAW_SHARE = 0.01
 #: Statistic that is 1 where the log holds every opening and closing of a cycle.
 CONTACTS_LOGGED = "contacts_logged_ratio"
 
@@ -141,3 +144,28 @@ class Transitions:
         """
         place = self.main_closing(seat)
         return None if place is None else float(self.open_stretches(seat).gap_rate[place])
+
+
+def openings_by_law(spans: Array, heights: Array, cam_angle: Array, rigid: Array) -> list[int]:
+    """Places of the openings of the seat that the lift law makes; the others are bounces.
+
+    Parameters
+    ----------
+    spans : (openings, 2) cam angles (rad) of release and touch
+    heights : (openings,) largest gaps (m)
+    cam_angle, rigid : (samples,) angle (rad) and rigid lift (m) of one turn, even
+
+    Returns
+    -------
+    The highest opening, and of every further event of the law the highest that meets it
+    """
+    turn, law = 2 * np.pi, [int(np.argmax(heights))] if len(heights) else []
+    begins, lengths = spans[:, 0], (spans[:, 1] - spans[:, 0]) % turn
+    step = turn / len(rigid)
+    for first, last in runs(rigid > LAW_SHARE * np.max(rigid), ring=True):
+        begin = cam_angle[first]
+        meets = (begin - begins) % turn < lengths
+        meets |= (begins - begin) % turn < (last - first) * step
+        if np.any(meets):
+            law.append(int(np.argmax(np.where(meets, heights, -1.0))))
+    return law

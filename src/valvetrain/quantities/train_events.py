@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.integrate.clash import runs
-from valvetrain.integrate.transitions import CONTACTS_LOGGED
+from valvetrain.integrate.transitions import CONTACTS_LOGGED, openings_by_law
 from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak, ring_top
@@ -82,7 +82,7 @@ def drive_forces(solution: Solution) -> dict[str, float]:
 def train_events(solution: Solution, rigid: RigidCycle) -> tuple[Event, ...]:
     """All events of one closed cycle but clashes, in order of cam angle."""
     losses = _contact_losses(solution, rigid)
-    found = [*losses, *_floats(solution, rigid, losses), *_seatings_and_bounces(solution)]
+    found = [*losses, *_floats(solution, rigid, losses), *_seatings_and_bounces(solution, rigid)]
     return tuple(sorted(found, key=lambda event: event.cam_angle))
 
 
@@ -255,9 +255,9 @@ class _Opening:
     height: float
 
 
-def _seatings_and_bounces(solution: Solution) -> list[Event]:
+def _seatings_and_bounces(solution: Solution, rigid: RigidCycle) -> list[Event]:
     """Every touch of the seat with its velocity (m/s) and which one it is, and every bounce with
-    its height (m).
+    its height (m): an opening that no event of the lift law makes.
     """
     logged = [event for event in solution.events if event.kind in ("seating", "bounce")]
     if logged:  # found by an evaluation before this one, from what the integrator saw
@@ -269,12 +269,16 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
         and event.where == "seat"
         and (height := float(event.details["largest_gap"])) > SMALLEST_GAP
     ] or _sampled_openings(solution)
-    main, found = max(range(len(openings)), key=lambda k: openings[k].height, default=0), []
+    found, bounces = [], 0
+    spans = np.array([(one.release, one.touch) for one in openings]).reshape(-1, 2)
+    heights = np.array([one.height for one in openings])
+    law = openings_by_law(spans, heights, solution.cam_angle, rigid.valve_lift)
     for turn in range(len(openings)):
-        one = openings[(main + turn) % len(openings)]
+        place = (law[0] + turn) % len(openings)
+        one, bounced = openings[place], place not in law
         touch: dict[str, Detail] = {
             "touch": turn + 1,
-            "cause": Cause.FLANK_ENDS if turn == 0 else Cause.BOUNCE_ENDS,
+            "cause": Cause.BOUNCE_ENDS if bounced else Cause.FLANK_ENDS,
         }
         touch["release_cam_angle"] = one.release
         found.append(
@@ -289,7 +293,8 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
                 touch,
             )
         )
-        if turn > 0:
+        if bounced:
+            bounces += 1
             length = (one.touch - one.release) % TURN
             window = _between(solution, one.release, length)
             force, static = (
@@ -299,7 +304,7 @@ def _seatings_and_bounces(solution: Solution) -> list[Event]:
             slack = force / max(static, 1e-9)
             cause = Cause.REBOUND if slack > 0.8 else Cause.REBOUND_IN_SURGE
             details: dict[str, Detail] = {
-                "bounce": turn,
+                "bounce": bounces,
                 "cause": cause,
                 "spring_force_share": slack,
             }
