@@ -14,8 +14,10 @@ from valvetrain.lift.answer import LiftAnswer, answer_of_band, answer_of_law, an
 from valvetrain.lift.band import CarriedSpread, LiftBandStudy
 from valvetrain.lift.figures import LobeResult, lift_figures, pair_figures
 from valvetrain.lift.rules import RULES, LiftFacts
+from valvetrain.lift.shape import with_contour
 from valvetrain.lift.timing import typed_figures
 from valvetrain.measured.cam_events import CamEvents
+from valvetrain.measured.contours import Follower
 from valvetrain.measured.lift_file import LiftAnswers, lifts_in
 from valvetrain.measured.lift_smoothing import smooth_lift
 from valvetrain.solution.provenance import CaseRecord
@@ -102,6 +104,8 @@ def answers() -> dict[str, LiftAnswer]:
     facts["steep"] = LiftFacts((replace(lobe(), figures=steep),))
     first, second = (replace(lobe().measured, name=f"lift-{number}") for number in (1, 2))
     facts["events"] = LiftFacts(tuple(replace(lobe(), measured=one) for one in (first, second)))
+    law = replace(lobe(), measured=replace(lobe().measured, lift_of="tappet"))
+    facts["small"] = LiftFacts((with_contour(law, 10e-3, Follower()),))
     cam = CamEvents.of({"IVO": "5 ATDC", "IVC": "32.5 ABDC"}, "intake")
     facts["typed"] = LiftFacts(timing=typed_figures([cam]))
     return {name: LiftAnswer(one) for name, one in facts.items()}
@@ -110,7 +114,7 @@ def answers() -> dict[str, LiftAnswer]:
 #: Code -> where it holds, where it does not.
 HOLDS = {
     "L201": ("failed", "case"), "L202": ("slip", "good"), "L203": ("wrong", "right"), "L204": ("noisy", "good"), "L205": ("dusty", "mended"),
-    "L206": ("far", "noisy"), "L207": ("steep", "good"), "L208": ("arcs", "good"), "L210": ("case", "good"),
+    "L206": ("far", "noisy"), "L207": ("steep", "good"), "L208": ("arcs", "good"), "L209": ("small", "good"), "L210": ("case", "good"),
     "L211": ("good", "slip"), "L212": ("typed", "good"), "L220": ("tight", "good"),
     "L230": ("good", "clean"), "L231": ("right", "good"), "L232": ("good", "told"), "L233": ("falling", "good"), "L234": ("mended", "dusty"),
     "L235": ("events", "good"),
@@ -134,7 +138,7 @@ def test_every_rule_has_its_lobes():
         ("noisy", "L204", pytest.approx(100e-6, rel=0.15)), ("both", "L211", pytest.approx(0, abs=1e-3)),
         ("dusty", "L205", pytest.approx(0.05e-3, rel=0.1)), ("mended", "L211", pytest.approx(9.0025e-3, rel=1e-4)),
         ("case", "L210", pytest.approx(7000 * np.pi / 30)), ("failed", "L201", None), ("wrong", "L203", None),
-        ("typed", "L212", pytest.approx(np.radians(207.5))),
+        ("small", "L209", pytest.approx(10e-3)), ("typed", "L212", pytest.approx(np.radians(207.5))),
     ],
 )  # fmt: skip
 def test_a_verdict_is_the_doubt_first(name, code, value):

@@ -31,9 +31,11 @@ AXES = (
 #: Beginnings of the figures that are rows.
 ROWS = (
     "peak_lift", "duration", "lift_area", "largest_acceleration", "nose_acceleration", "lobe_separation", "overlap",
-    "event", "ivo_at_50", "ivc_at_50", "evo_at_50", "evc_at_50"
+    "event", "ivo_at_50", "ivc_at_50", "evo_at_50", "evc_at_50",
+    "base_radius", "least_radius", "hollow_radius", "flat_width", "largest_pressure", "largest_roller"
 )  # fmt: skip
 BAND_HINT = "the band holds 95 % of the lifts that the stations allow"
+CONTOUR_HINT = "the cam as its follower needs it, about its centre"
 OFF_HINT = f"red: more than {OFF:g} standard deviations off; a run of stations on one side is a fault of the table"
 
 
@@ -133,7 +135,8 @@ class LiftAnswer(Shown):
         return {
             "lift": FigureSpec("Lift and acceleration", BAND_HINT, lambda facts: _curves(facts, 0, 2)),
             "derivatives": FigureSpec("Lift, velocity, acceleration and jerk", BAND_HINT, lambda facts: _curves(facts, 0, 1, 2, 3)),
-            "stations": FigureSpec("Stations less the law", OFF_HINT, _stations)
+            "stations": FigureSpec("Stations less the law", OFF_HINT, _stations),
+            "contour": FigureSpec("Contour of the cam", CONTOUR_HINT, _contour)
         }  # fmt: skip
 
     def computed(self) -> Iterator[str]:
@@ -180,6 +183,18 @@ def _stations(facts: LiftFacts) -> go.Figure | None:
         fig.add_trace(_marks(lobe, 1e6 * law.residuals, law.cam_angles))
         fig.add_hrect(-edge, edge, line={"width": 0}, fillcolor=OTHER, opacity=0.15)
     return styled(fig, ANGLE, ("station less law, µm",), 300) if facts.lobes else None
+
+
+def _contour(facts: LiftFacts) -> go.Figure | None:
+    """The contours of the cams (mm)."""
+    fig = go.Figure()
+    for lobe in facts.lobes:
+        if (one := lobe.contour) is not None:
+            turned = np.append(one.polar_angles, one.polar_angles[0])
+            radii = 1e3 * np.append(one.radii, one.radii[0])
+            fig.add_trace(line(radii * np.cos(turned), radii * np.sin(turned), lobe.measured.name, LEAD))  # fmt: skip
+    fig.update_yaxes(scaleanchor="x")
+    return styled(fig, "x, mm", ("y, mm",), 400) if fig.data else None
 
 
 def answer_of_law(law: SmoothedLift) -> LiftAnswer:

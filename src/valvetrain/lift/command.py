@@ -103,11 +103,12 @@ def lift(
         ),
     ] = None,
     follower: Annotated[
-        str,
-        asks(
-            "--follower", "TEXT", "Of a contour: what it lifts: flat, 'roller 10 mm', 'dome 50 mm'."
-        ),
+        str, asks("--follower", "TEXT", "What the cam lifts: flat, 'roller 10 mm', 'dome 50 mm'.")
     ] = "",
+    base_radius: Annotated[
+        str | None,
+        asks("--base-radius", "LENGTH", "Radius of the base circle: gives the contour of the cam."),
+    ] = None,
     mend: Annotated[
         bool, typer.Option("--mend", help="Take out stations that stand out, such as dust.")
     ] = False,
@@ -185,6 +186,7 @@ def lift(
     from valvetrain.lift.answer import LiftAnswer
     from valvetrain.lift.files import lift_case, lift_parameters, write_lift, write_table
     from valvetrain.lift.rules import LiftFacts
+    from valvetrain.lift.shape import with_contour, write_contours
     from valvetrain.lift.timing import (
         cams_of,
         dead_centre_of,
@@ -192,6 +194,7 @@ def lift(
         read_off,
         typed_figures,
     )
+    from valvetrain.measured.contours import Follower
     from valvetrain.measured.lift_file import LiftAnswers, chosen_lobe, read_lift
     from valvetrain.runs.cost import read_limits
     from valvetrain.solution.atomic import write_text
@@ -231,6 +234,8 @@ def lift(
         [one for _, found in named for one in found], exhaust is not None, stated,
         (heights, _si(lash, "length", "--lash") or 0.0)
     )  # fmt: skip
+    circle = _si(base_radius, "length", "--base-radius")
+    lobes = [with_contour(one, circle, Follower.of(follower or "flat")) for one in lobes]
     if not lobes and case is not None:
         raise InputError("a case takes a lift, not events alone; give a table of lifts", "--case")
     if lobes and top is None and centre is not None:
@@ -249,7 +254,7 @@ def lift(
     name = "case" if carried is not None else lobes[0].measured.name if lobes else "events"
 
     def fill(folder: Path) -> list[Path]:
-        files = write_lift(lobes, folder, *stated)
+        files = [*write_lift(lobes, folder, *stated), *write_contours(lobes, folder)]
         if carried is not None:
             files.append(write_text(folder / "case.toml", carried.mean.record.text))
         return files

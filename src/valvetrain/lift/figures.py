@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.findings.words import Amount
 from valvetrain.measured.cam_events import EVENTS, side_of
+from valvetrain.measured.contours import Contour
 from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import BAND, DEGREE, SmoothedLift
 from valvetrain.units import unit_factor
@@ -32,8 +33,8 @@ STATIONS, DRAWS = 8001, 200
 #: spacing (rad) of stations above which finer ones tell more than a better probe, and no jump is seen.
 JUMP, AROUND, COARSE = 0.15, np.radians(1), np.radians(2.5)
 
-#: Standard deviations from which a station is off the law.
-OFF = 4.0
+#: Standard deviations from which a station is off the law, and length (m) that no probe resolves.
+OFF, RESOLVED = 4.0, 1e-7
 #: Beginnings of the figures whose angle is of the crank.
 OF_CRANK = ("overlap", "event_", *map(str.lower, EVENTS))
 
@@ -57,16 +58,18 @@ class LiftFigure:
 
 @dataclass(frozen=True, eq=False)
 class LobeResult:
-    """One lobe: as measured, smoothed, and its figures."""
+    """One lobe: as measured, smoothed, its figures, and the contour of its cam where that is known."""
 
     measured: MeasuredLift
     smoothed: SmoothedLift
     figures: tuple[LiftFigure, ...]
+    contour: Contour | None = None
 
     @property
     def off(self) -> NDArray[np.int64]:
         """Places of the stations, of those of the law, that are more than :data:`OFF` standard deviations off it."""
-        return np.flatnonzero(np.abs(self.smoothed.residuals) > OFF * self.smoothed.noise)
+        away = max(OFF * self.smoothed.noise, RESOLVED)
+        return np.flatnonzero(np.abs(self.smoothed.residuals) > away)
 
 
 def lift_figures(
@@ -100,7 +103,7 @@ def lift_figures(
     """
     grid = np.linspace(*smoothed.event, STATIONS)
     every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, seed)])
-    curves = [_curves(smoothed, every, grid, derivative) for derivative in range(4)]
+    curves = [curves_of(smoothed, every, grid, derivative) for derivative in range(4)]
     peak = float(curves[0][0].max())
     levels = {height_text(height): height for height in _every(heights)}
     for label, height in levels.items():
@@ -112,20 +115,20 @@ def lift_figures(
                 "heights",
             )
     found = [
-        _figure("peak_lift", "peak lift", curves[0].max(axis=1), "mm"),
-        _figure("nose_angle", "angle of peak lift", _peak(grid, curves[0]), "deg"),
+        figure_of("peak_lift", "peak lift", curves[0].max(axis=1), "mm"),
+        figure_of("nose_angle", "angle of peak lift", _peak(grid, curves[0]), "deg"),
     ]
     for label, height in levels.items():
         if height < peak:
             opening, closing = crossings(grid, curves[0], height)
             if height == CARD:
                 words = "lobe centre, midway between its flanks at 0.050 in"
-                found.append(_figure("lobe_centre", words, (opening + closing) / 2, "deg"))
+                found.append(figure_of("lobe_centre", words, (opening + closing) / 2, "deg"))
             ends = {"duration": closing - opening, "opening": opening, "closing": closing}
             for name, values in ends.items():
-                found.append(_figure(f"{name}_at_{height_key(label)}", f"{name} at {label}", values, "deg"))  # fmt: skip
+                found.append(figure_of(f"{name}_at_{height_key(label)}", f"{name} at {label}", values, "deg"))  # fmt: skip
     found.append(
-        _figure(
+        figure_of(
             "lift_area",
             "area under the lift",
             np.asarray(np.trapezoid(curves[0], grid, axis=1)),
@@ -141,25 +144,25 @@ def lift_figures(
                 np.interp(one, grid, curve) for one, curve in zip(angle, curves[1], strict=True)
             ]
             words = f"ramp velocity, {side}, at {at}"
-            found.append(_figure(f"{side}_ramp_velocity", words, np.abs(slopes), "mm/deg"))
+            found.append(figure_of(f"{side}_ramp_velocity", words, np.abs(slopes), "mm/deg"))
     found += [
-        _figure("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg"),
-        _figure("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg"),
-        _figure(
+        figure_of("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg"),
+        figure_of("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg"),
+        figure_of(
             "largest_acceleration",
             "acceleration, flanks",
             curves[2].max(axis=1),
             "um/deg2",
             overshoot(smoothed, 1)[1],
         ),
-        _figure(
+        figure_of(
             "nose_acceleration",
             "acceleration, nose",
             curves[2].min(axis=1),
             "um/deg2",
             overshoot(smoothed, -1)[1],
         ),
-        _figure(
+        figure_of(
             "largest_jerk", "largest jerk, either way", np.abs(curves[3]).max(axis=1), "mm/deg3"
         ),
     ]
@@ -190,7 +193,9 @@ def pair_figures(
     ends: dict[str, dict[float, tuple[Array, Array]]] = {}
     for name, lift, own_seed in (("intake", intake, seed), ("exhaust", exhaust, seed + 1)):
         grid = np.linspace(*lift.event, STATIONS)
-        curves = _curves(lift, np.vstack([lift.coefficients, lift.draws(DRAWS, own_seed)]), grid, 0)
+        curves = curves_of(
+            lift, np.vstack([lift.coefficients, lift.draws(DRAWS, own_seed)]), grid, 0
+        )
         ends[name] = {
             height: crossings(grid, curves, height)
             for height in _every(heights)
@@ -204,7 +209,7 @@ def pair_figures(
     turn = 2 * np.pi
     ahead = np.round((centre["intake"] - centre["exhaust"])[0] / turn) * turn
     figures = [
-        _figure(
+        figure_of(
             "lobe_separation",
             "lobe separation",
             np.abs(centre["intake"] - centre["exhaust"] - ahead),
@@ -216,7 +221,7 @@ def pair_figures(
             label = height_text(height)
             lap = 2 * (ends["exhaust"][height][1] + ahead - ends["intake"][height][0])
             figures.append(
-                _figure(f"overlap_at_{height_key(label)}", f"overlap at {label}", lap, "deg")
+                figure_of(f"overlap_at_{height_key(label)}", f"overlap at {label}", lap, "deg")
             )
     return tuple(figures)
 
@@ -243,7 +248,8 @@ def crossings(grid: Array, curves: Array, height: float) -> tuple[Array, Array]:
     return between(first - 1), between(last)
 
 
-def _curves(lift: SmoothedLift, coefficients: Array, grid: Array, derivative: int) -> Array:
+def curves_of(lift: SmoothedLift, coefficients: Array, grid: Array, derivative: int) -> Array:
+    """A derivative of the laws of ``coefficients`` (laws, knots) at ``grid`` (rad): (laws, stations)."""
     from scipy.interpolate import BSpline
 
     found: Array = np.ascontiguousarray(
@@ -264,13 +270,16 @@ def _peak(grid: Array, curves: Array) -> Array:
     return np.asarray(grid[place] + np.clip(share, -1.0, 1.0) * (grid[1] - grid[0]))
 
 
-def _figure(name: str, label: str, values: Array, unit: str, beyond: float = 0.0) -> LiftFigure:
+def figure_of(name: str, label: str, values: Array, unit: str, beyond: float = 0.0) -> LiftFigure:
+    """The figure of the mean law, the first of ``values`` (SI), with the spread of the others; ``beyond``: by how much the
+    largest acceleration may overshoot.
+    """
     spread = float(np.hypot(np.std(values[1:]), beyond / BAND))
     return LiftFigure(name, label, float(values[0]), spread, unit)
 
 
 #: Unit of a figure -> unit of its text, where that is otherwise; and as readers of inches have it, with its size.
-UNIT_TEXTS = {"deg": "cam deg", "um/deg2": "µm/deg²", "mm/deg3": "mm/deg³"}
+UNIT_TEXTS = {"deg": "cam deg", "degree": "deg", "um/deg2": "µm/deg²", "mm/deg3": "mm/deg³"}
 INCH_TEXTS = {
     "mm": ("in", 25.4), "mm deg": ("in deg", 25.4), "mm/deg": ("thou/deg", 0.0254), "um/deg2": ("thou/deg²", 25.4),
     "mm/deg3": ("thou/deg³", 0.0254)

@@ -158,6 +158,21 @@ def jumps(facts: LiftFacts) -> Iterator[Hit]:
                 yield Hit(fields={"lobe": lobe.measured.name, "angle": angle}, severity=beyond)
 
 
+def undercut(facts: LiftFacts) -> Iterator[Hit]:
+    """The follower undercuts the cam, or a flat face would need a hollow."""
+    for lobe in facts.lobes:
+        if lobe.contour is not None and lobe.contour.undercut:
+            figures = {one.name: one.value for one in lobe.figures}
+            place = int(np.argmin(lobe.contour.curvature_radii))
+            angle = Amount(
+                "station_cam_angle", float(lobe.contour.polar_angles[place] % (2 * np.pi))
+            )
+            fields: dict[str, Said] = {"lobe": lobe.measured.name, "angle": angle}
+            if "largest_roller" in figures:
+                fields["largest"] = Amount("lift", figures["largest_roller"])
+            yield Hit(Amount("lift", figures["base_radius"]), fields=fields)
+
+
 def carried(facts: LiftFacts) -> Iterator[Hit]:
     """A case has the lift, and its float speed or a force is known."""
     for one in facts.worst[:1]:
@@ -252,6 +267,9 @@ RULES = (
          "{share} of the acceleration is open", "measured-lifts.md", "warn", ("L205", "L208")),
     Rule("L207", "decides", "no lobe accelerates as the {lobe} does: {times} times lift over the square of half its width", steep, (),
          "stations that are off make such accelerations", "correct the table, then repeat this command", mark="warn", unless=("L205",)),
+    Rule("L209", "decides", "this follower undercuts the cam of the {lobe} on a base circle of {value}", undercut, (),
+         "it does so near {angle:4} of the contour[; a roller may have up to {largest:3}]",
+         "enlarge the base circle, or take a smaller roller", mark="warn", unless=("L205",)),
     Rule("L210", "decides", "{name} is {value:4} in the case", carried, IN_CASE, "[the noise of the lift moves it by ± {spread:2}]",
          "[valvetrain run {case}]", mark=""),
     Rule("L211", "decides", "good enough to simulate, {first} {value:4}[, {second} {more:3}]", good, (),

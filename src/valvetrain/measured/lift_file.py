@@ -48,6 +48,7 @@ class MeasuredLift(Shown):
     that were left out. ``misfits``: column of velocity or acceleration -> root mean square of its difference from the
     derivative of the lift as a share of its peak, infinite for one of the other sign. ``dust``: bumps that no lift has, and
     whether they were ``mended``, which takes their stations out. ``changes``: what was turned to make a lift of the table.
+    ``contour``: polar angles (rad) and radii (m), where the lift was made of them.
 
     >>> lift = MeasuredLift("lift", np.radians([100.0, 101.0]), np.array([0.0, 1e-4]), "valve", "columns")
     >>> lift
@@ -66,6 +67,7 @@ class MeasuredLift(Shown):
     dust: tuple[Dust, ...] = ()
     mended: bool = False
     changes: tuple[str, ...] = ()
+    contour: tuple[Array, Array] | None = None
 
     def __repr__(self) -> str:
         first, last = np.degrees(self.cam_angles[[0, -1]])
@@ -236,7 +238,10 @@ def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredL
             if other in ("velocity", "acceleration")
         }
         events = _events(word, angles, lifts, form, known, name)
-        lobes += [replace(event, notes=tuple(notes), misfits=misfits) for event in events]
+        lobes += [
+            replace(event, notes=tuple(notes), misfits=misfits, contour=found.contour)
+            for event in events
+        ]
     names = [lobe.name for lobe in lobes]
     return tuple(
         replace(lobe, name=f"{lobe.name}-{names[: at + 1].count(lobe.name)}")
@@ -287,10 +292,9 @@ def _lifted(found: LiftColumns, answers: LiftAnswers, name: str) -> LiftColumns:
         x, y = found.rows[:, at["x"]], found.rows[:, at["y"]]
         angles, radii = np.mod(np.arctan2(y, x), TURN), np.hypot(x, y)
     angles, places = np.unique(np.round(angles, 12), return_index=True)
-    refuse_beyond(radii * unit_factor(unit), "m", f"the radius in {name[:80]}")
-    cam, lifts = lift_of_contour(
-        angles, radii[places] * unit_factor(unit), Follower.of(answers.follower)
-    )
+    radii = radii[places] * unit_factor(unit)
+    refuse_beyond(radii, "m", f"the radius in {name[:80]}")
+    cam, lifts = lift_of_contour(angles, radii, Follower.of(answers.follower))
     said = {"angle_of": "cam", "lift_of": "tappet"}
     return replace(
         found,
@@ -298,6 +302,7 @@ def _lifted(found: LiftColumns, answers: LiftAnswers, name: str) -> LiftColumns:
         columns=("angle", "lift"),
         units=("deg", "mm"),
         said=said,
+        contour=(angles, radii),
     )
 
 
@@ -469,7 +474,7 @@ def _events(
     if abs(base) > CONTOUR and lifts.max() - base < 2 * abs(base):
         raise InputError(
             f"{name[:80]} rests at {1e3 * base:.2f} mm, which is the radius of a base circle or a gauge far from zero; take that off, "
-            "or make a lift of a contour with `valvetrain cam contour`"
+            "or head the columns of a contour angle and radius"
         )
     if known.answer("direction") == "reversed":
         angles, lifts = -angles[::-1], lifts[::-1]

@@ -36,6 +36,7 @@ class LiftColumns:
     ``form``: name of the format. ``rows`` (stations, columns) in the file's own units. ``columns``:
     a name of :data:`COLUMN_NAMES` per column, empty where the file gives none. ``units``: one per
     column, likewise. ``said``: questions that the file itself answers, such as ``{"angle_of": "crank"}``. ``headings``: its lines of text.
+    ``contour``: polar angles (rad) and radii (m) of which the lift was made.
     """
 
     form: str
@@ -44,6 +45,7 @@ class LiftColumns:
     units: tuple[str, ...]
     said: Mapping[str, str] = field(default_factory=dict)
     headings: tuple[str, ...] = ()
+    contour: tuple[Array, Array] | None = None
 
 
 @dataclass(frozen=True, slots=True)
