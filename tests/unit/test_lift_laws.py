@@ -285,7 +285,7 @@ def test_tables_are_cut_to_their_event():
         event_of_table((0.0, 0.5, 1.0, 1.5), (0.0, 1.0, 1.0, 1.0))
     with pytest.raises(InputError, match="no lift above"):
         event_of_table((0.0, 0.5, 1.0, 1.5), (0.0, 0.0, 0.0, 0.0))
-    with pytest.raises(InputError, match="never rests"):
+    with pytest.raises(InputError, match="base circle"):
         event_of_table(tuple(np.radians(degrees)), (1e-3,) * 36)
 
 

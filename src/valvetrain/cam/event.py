@@ -1,15 +1,20 @@
-"""The main lift event of a cam: where it begins and ends."""
+"""The lift event of a cam: of a file, of a table, and where it begins and ends."""
 
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from valvetrain.cam.contract import Array, LiftLaw
 from valvetrain.errors import InputError
+from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift, chosen_lobe, read_lift
+from valvetrain.measured.stations import turned
+from valvetrain.parameters.bounded_file import named_file
 from valvetrain.parameters.lift_law import LiftLawParameters
+from valvetrain.parameters.schema_types import guarded
 from valvetrain.solution.study import LiftEvent
 
 #: Where a law does not say where its main event begins, it is where the lift passes this share of
@@ -56,6 +61,24 @@ def _passed(law: LiftLaw) -> tuple[float, float] | None:
     return float(inside[0] * step), float((inside[-1] + 1) * step)
 
 
+def lobe_of_file(model: Any, folder: Path, lift_of: str) -> MeasuredLift:
+    """The lobe in the file of lifts that a table of a lift law names, ``model`` with its answers, one of which is ``lift_of``.
+
+    Raises a located problem for a file that cannot be read, or that holds no such lobe.
+    """
+    said = {
+        name: given
+        for name in LiftAnswers.__dataclass_fields__
+        if (given := getattr(model, name, None)) is not None
+    }
+    said["columns"] = tuple(word.strip() for word in model.columns.split(",") if word.strip())
+    answers = guarded(lambda: LiftAnswers(**said | {"lift_of": lift_of}))
+    path = guarded(named_file, folder, model.file, path=("file",))
+    lobes = guarded(read_lift, path, answers, path=("file",))
+    found: MeasuredLift = guarded(chosen_lobe, lobes, model.lobe, model.file, path=("lobe",))
+    return found
+
+
 def event_of_table(
     cam_angles: tuple[float, ...], lifts: tuple[float, ...], threshold: float = 0.0
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -66,39 +89,20 @@ def event_of_table(
     the event. Raises :class:`InputError` when the table has no base circle on both sides, or no
     lift.
     """
-    angles, lifted = cam_angles, [lift > threshold for lift in lifts]
-    if not any(lifted):
+    angles, heights = np.array(cam_angles), np.array(lifts)
+    if heights[0] > threshold or heights[-1] > threshold:
+        angles, heights = turned(angles, heights)
+    high = np.flatnonzero(heights > threshold)
+    if not len(high):
         raise InputError(
             "the table holds no lift above its base circle; check the unit and the smoothing"
         )
-    turn = 2 * math.pi
-    gap, widest = (
-        angles[0] + turn - angles[-1],
-        max(late - early for early, late in pairwise(angles)),
-    )
-    if (lifted[0] or lifted[-1]) and gap < 1.01 * widest:
-        start = _middle_of_longest_rest(lifted)
-        whole = angles[-1] - angles[0] > turn - 1e-6
-        first, last = angles[start:], [angle + turn for angle in angles[int(whole) : start + 1]]
-        angles, lifts = (*first, *last), (*lifts[start:], *lifts[int(whole) : start + 1])
-        lifted = [lift > threshold for lift in lifts]
-    if lifted[0] or lifted[-1]:
+    if high[0] == 0 or high[-1] == len(heights) - 1:
         raise InputError(
             "a lift table must begin and end on the base circle; add stations of zero lift on both sides"
         )
-    begin, end = lifted.index(True) - 1, len(lifted) - lifted[::-1].index(True)
-    return tuple(angles[begin : end + 1]), (0.0, *lifts[begin + 1 : end], 0.0)
-
-
-def _middle_of_longest_rest(lifted: list[bool]) -> int:
-    best, best_length, length = -1, 0, 0
-    for index, up in enumerate([*lifted, True]):
-        if up and length > best_length:
-            best, best_length = index - 1 - length // 2, length
-        length = 0 if up else length + 1
-    if best < 0:
-        raise InputError("the lift table never rests on the base circle; add stations of zero lift")
-    return best
+    event = slice(int(high[0]) - 1, int(high[-1]) + 2)
+    return tuple(angles[event].tolist()), (0.0, *heights[event][1:-1].tolist(), 0.0)
 
 
 #: A change of the acceleration within three steps is a jump where it is this share of the whole

@@ -5,7 +5,7 @@ zero.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from valvetrain.cam.contract import Array, LiftSpec
+from valvetrain.cam.event import lobe_of_file
 from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline
 from valvetrain.errors import InputError
-from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift, chosen_lobe, read_lift
+from valvetrain.measured.lift_file import MeasuredLift
 from valvetrain.measured.lift_smoothing import DEGREE, SmoothedLift, smooth_lift
-from valvetrain.parameters.bounded_file import named_file
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.schema_lift import LiftModel, check_angles
 from valvetrain.parameters.schema_types import (
@@ -148,7 +148,7 @@ class MeasuredModel(LiftModel):
     def parameters(self, folder: Path) -> LiftLawParameters:
         if self.file is None:
             return LiftLawParameters("measured", self._inline(), self.lift_of, self.zero_of_angle)
-        lobe = self._read(folder, self.file)
+        lobe = self._read(folder)
         zero = self.zero_of_angle or lobe.zero
         return LiftLawParameters(
             "measured",
@@ -178,35 +178,15 @@ class MeasuredModel(LiftModel):
         guarded(lambda: Measured(**values).smoothed)
         return values
 
-    def _read(self, folder: Path, file: str) -> MeasuredLift:
+    def _read(self, folder: Path) -> MeasuredLift:
         if self.cam_angles is not None or self.lifts is not None:
             raise problem(
                 "measured lifts are given by file or by cam_angles and lifts, not by both; leave one out",
                 ("file",),
             )
-        make = partial(
-            LiftAnswers,
-            angle_of=self.angle_of,
-            lift_of=self.lift_of if "lift_of" in self.model_fields_set else "",
-            angle_unit=self.angle_unit,
-            lift_unit=self.lift_unit,
-            zero=self.zero,
-            direction=self.direction,
-            columns=tuple(word.strip() for word in self.columns.split(",") if word.strip()),
-            mend=self.mend,
-            follower=self.follower,
-            peak_lift=self.peak_lift,
-            duration=self.duration,
-            opening=self.opening,
+        return lobe_of_file(
+            self, folder, self.lift_of if "lift_of" in self.model_fields_set else ""
         )
-        lobes: tuple[MeasuredLift, ...] = guarded(
-            read_lift,
-            guarded(named_file, folder, file, path=("file",)),
-            guarded(make),
-            path=("file",),
-        )
-        chosen: MeasuredLift = guarded(chosen_lobe, lobes, self.lobe, file, path=("lobe",))
-        return chosen
 
 
 SPEC = LiftSpec(Measured, MeasuredModel)

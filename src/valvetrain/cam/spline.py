@@ -13,11 +13,9 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from valvetrain.cam.contract import TURN, Array, LiftSpec
-from valvetrain.cam.event import bounded_pieces, event_of_table, has_jumps
+from valvetrain.cam.event import bounded_pieces, event_of_table, has_jumps, lobe_of_file
 from valvetrain.cam.pieces import PeriodicPieces, pieces_of_spline, quintic_pieces, with_base_circle
 from valvetrain.errors import InputError
-from valvetrain.measured.lift_file import LiftAnswers, MeasuredLift, chosen_lobe, read_lift
-from valvetrain.parameters.bounded_file import named_file
 from valvetrain.parameters.schema_lift import LiftModel, check_angles
 from valvetrain.parameters.schema_types import (
     Angle,
@@ -186,22 +184,7 @@ class SplineModel(LiftModel):
                 raise problem(
                     f"{name} is missing: a lift file does not say it itself; add {name}", ()
                 )
-        answers = guarded(
-            lambda: LiftAnswers(
-                angle_of=self.angle_of or "",
-                lift_of=self.lift_of,
-                angle_unit=self.angle_unit or "",
-                lift_unit=self.lift_unit or "",
-                columns=tuple(word.strip() for word in self.columns.split(",") if word.strip()),
-            )
-        )
-        lobes: tuple[MeasuredLift, ...] = guarded(
-            read_lift,
-            guarded(named_file, folder, self.file, path=("file",)),
-            answers,
-            path=("file",),
-        )
-        lobe = guarded(chosen_lobe, lobes, self.lobe, self.file, path=("lobe",))
+        lobe = lobe_of_file(self, folder, self.lift_of)
         return tuple(map(float, lobe.cam_angles)), tuple(map(float, lobe.lifts))
 
 

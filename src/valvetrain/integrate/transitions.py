@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,16 +100,7 @@ class Transitions:
                     own.largest_gap[place - 1],
                     own.largest_gap_cam_angle[place - 1],
                 )
-        whole = Transitions(
-            own.interaction,
-            own.closes,
-            own.cam_angle,
-            own.gap_rate,
-            gap,
-            angle,
-            own.largest_force,
-            own.overflow,
-        )
+        whole = replace(own, largest_gap=gap, largest_gap_cam_angle=angle)
         return whole.where(own.closes)
 
     def touches(self, names: tuple[str, ...], cam_speed: float) -> tuple[Event, ...]:

@@ -103,7 +103,7 @@ def lift_figures(
     """
     grid = np.linspace(*smoothed.event, STATIONS)
     every = np.vstack([smoothed.coefficients, smoothed.draws(DRAWS, seed)])
-    curves = [curves_of(smoothed, every, grid, derivative) for derivative in range(4)]
+    curves = [_curves(smoothed, every, grid, derivative) for derivative in range(4)]
     peak = float(curves[0][0].max())
     levels = {height_text(height): height for height in _every(heights)}
     for label, height in levels.items():
@@ -127,14 +127,8 @@ def lift_figures(
             ends = {"duration": closing - opening, "opening": opening, "closing": closing}
             for name, values in ends.items():
                 found.append(figure_of(f"{name}_at_{height_key(label)}", f"{name} at {label}", values, "deg"))  # fmt: skip
-    found.append(
-        figure_of(
-            "lift_area",
-            "area under the lift",
-            np.asarray(np.trapezoid(curves[0], grid, axis=1)),
-            "mm deg",
-        )
-    )
+    area = np.asarray(np.trapezoid(curves[0], grid, axis=1))
+    found.append(figure_of("lift_area", "area under the lift", area, "mm deg"))
     if lash < peak:
         at = height_text(lash)
         for side, angle in zip(
@@ -145,27 +139,15 @@ def lift_figures(
             ]
             words = f"ramp velocity, {side}, at {at}"
             found.append(figure_of(f"{side}_ramp_velocity", words, np.abs(slopes), "mm/deg"))
-    found += [
-        figure_of("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg"),
-        figure_of("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg"),
-        figure_of(
-            "largest_acceleration",
-            "acceleration, flanks",
-            curves[2].max(axis=1),
-            "um/deg2",
-            overshoot(smoothed, 1)[1],
-        ),
-        figure_of(
-            "nose_acceleration",
-            "acceleration, nose",
-            curves[2].min(axis=1),
-            "um/deg2",
-            overshoot(smoothed, -1)[1],
-        ),
-        figure_of(
-            "largest_jerk", "largest jerk, either way", np.abs(curves[3]).max(axis=1), "mm/deg3"
-        ),
-    ]
+    jumps = [overshoot(smoothed, sign)[1] for sign in (1, -1)]
+    rows = (
+        ("largest_velocity", "largest velocity, opening", curves[1].max(axis=1), "mm/deg", 0.0),
+        ("least_velocity", "largest velocity, closing", -curves[1].min(axis=1), "mm/deg", 0.0),
+        ("largest_acceleration", "acceleration, flanks", curves[2].max(axis=1), "um/deg2", jumps[0]),
+        ("nose_acceleration", "acceleration, nose", curves[2].min(axis=1), "um/deg2", jumps[1]),
+        ("largest_jerk", "largest jerk, either way", np.abs(curves[3]).max(axis=1), "mm/deg3", 0.0)
+    )  # fmt: skip
+    found += [figure_of(*row) for row in rows]
     return tuple(found)
 
 
@@ -193,9 +175,7 @@ def pair_figures(
     ends: dict[str, dict[float, tuple[Array, Array]]] = {}
     for name, lift, own_seed in (("intake", intake, seed), ("exhaust", exhaust, seed + 1)):
         grid = np.linspace(*lift.event, STATIONS)
-        curves = curves_of(
-            lift, np.vstack([lift.coefficients, lift.draws(DRAWS, own_seed)]), grid, 0
-        )
+        curves = _curves(lift, np.vstack([lift.coefficients, lift.draws(DRAWS, own_seed)]), grid, 0)
         ends[name] = {
             height: crossings(grid, curves, height)
             for height in _every(heights)
@@ -208,14 +188,8 @@ def pair_figures(
     centre = {name: np.asarray(found[CARD]).mean(axis=0) for name, found in ends.items()}
     turn = 2 * np.pi
     ahead = np.round((centre["intake"] - centre["exhaust"])[0] / turn) * turn
-    figures = [
-        figure_of(
-            "lobe_separation",
-            "lobe separation",
-            np.abs(centre["intake"] - centre["exhaust"] - ahead),
-            "deg",
-        )
-    ]
+    apart = np.abs(centre["intake"] - centre["exhaust"] - ahead)
+    figures = [figure_of("lobe_separation", "lobe separation", apart, "deg")]
     for height in _every(heights):
         if all(height in found for found in ends.values()):
             label = height_text(height)
@@ -248,8 +222,7 @@ def crossings(grid: Array, curves: Array, height: float) -> tuple[Array, Array]:
     return between(first - 1), between(last)
 
 
-def curves_of(lift: SmoothedLift, coefficients: Array, grid: Array, derivative: int) -> Array:
-    """A derivative of the laws of ``coefficients`` (laws, knots) at ``grid`` (rad): (laws, stations)."""
+def _curves(lift: SmoothedLift, coefficients: Array, grid: Array, derivative: int) -> Array:
     from scipy.interpolate import BSpline
 
     found: Array = np.ascontiguousarray(

@@ -10,7 +10,7 @@ import numpy as np
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.lift.figures import LobeResult
+from valvetrain.lift.figures import Array, LobeResult
 from valvetrain.measured.lift_formats import LiftFormat, LiftTable
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.lift_law import LiftLawParameters
@@ -62,24 +62,13 @@ def write_lift(
         degrees = np.arange(np.ceil(first / STEP), np.floor(last / STEP) + 1) * STEP
         angles = np.radians(degrees)
         columns, heads = [degrees], ["cam angle [deg]"]
-        for derivative, (quantity, unit) in enumerate(
-            (
-                ("lift", "mm"),
-                ("velocity", "mm/rad"),
-                ("acceleration", "mm/rad2"),
-                ("jerk", "mm/rad3"),
-            )
+        for order, what in enumerate(
+            ("lift [mm]", "velocity [mm/rad]", "acceleration [mm/rad2]", "jerk [mm/rad3]")
         ):
-            heads += [f"{quantity} [{unit}]", f"standard deviation of {quantity} [{unit}]"]
-            columns += [
-                1e3 * lobe.smoothed.lift(angles, derivative),
-                1e3 * lobe.smoothed.spread(angles, derivative),
-            ]
-        lines = [
-            ",".join(heads),
-            *(",".join(f"{value:.9g}" for value in row) for row in np.column_stack(columns)),
-        ]
-        files.append(write_text(folder / f"{name}.csv", "\n".join(lines) + "\n"))
+            heads += [what, f"standard deviation of {what}"]
+            law = lobe.smoothed
+            columns += [1e3 * law.lift(angles, order), 1e3 * law.spread(angles, order)]
+        files.append(write_columns(folder / f"{name}.csv", heads, columns))
         files.append(
             write_text(
                 folder / f"{name}.toml",
@@ -88,6 +77,12 @@ def write_lift(
             )
         )
     return files
+
+
+def write_columns(path: Path, headings: Sequence[str], columns: Sequence[Array]) -> Path:
+    """A file of ``columns`` (rows,) below their ``headings``."""
+    rows = (",".join(f"{value:.9g}" for value in row) for row in np.column_stack(columns))
+    return write_text(path, "\n".join([",".join(headings), *rows]) + "\n")
 
 
 def write_table(lobes: Sequence[LobeResult], path: Path, form: str) -> Path:

@@ -9,15 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from valvetrain.errors import InputError
-from valvetrain.lift.figures import Array, LiftFigure, LobeResult, curves_of, figure_of, overshoot
+from valvetrain.lift.figures import Array, LiftFigure, LobeResult, figure_of, overshoot
+from valvetrain.lift.files import write_columns
 from valvetrain.measured.contours import TURN, Follower, contour_of_lift, curvature_of_contour
 from valvetrain.measured.lift_smoothing import BAND
-from valvetrain.solution.atomic import write_text
 
 #: Points of a contour, draws behind a standard deviation, and largest roller (m) that is looked for.
 POINTS, DRAWS, LARGEST = 1440, 40, 1.0
 #: Headings of a contour as a file.
-HEADINGS = "cam angle [deg],polar angle [deg],radius [mm],x [mm],y [mm],radius of curvature [mm],pressure angle [deg]"
+HEADINGS = (
+    "cam angle [deg]", "polar angle [deg]", "radius [mm]", "x [mm]", "y [mm]", "radius of curvature [mm]", "pressure angle [deg]"
+)  # fmt: skip
 
 
 def with_contour(lobe: LobeResult, base_radius: float | None, follower: Follower) -> LobeResult:
@@ -39,11 +41,8 @@ def with_contour(lobe: LobeResult, base_radius: float | None, follower: Follower
         )
     law = lobe.smoothed
     angles = law.event[0] + TURN * np.arange(POINTS) / POINTS
-    inside = angles <= law.event[1]
     every = np.vstack([law.coefficients, law.draws(DRAWS, 0)])
-    lifts = np.zeros((3, len(every), POINTS))
-    for derivative in range(3):
-        lifts[derivative][:, inside] = curves_of(law, every, angles[inside], derivative)
+    lifts = np.array([[law.evaluated(row, angles, order) for row in every] for order in range(3)])
     drawn = contour_of_lift(lifts, angles, base_radius, follower)
     contour = contour_of_lift(lifts[:, 0], angles, base_radius, follower)
     found = [LiftFigure("base_radius", "radius of the base circle", base_radius, 0.0, "mm")]
@@ -121,8 +120,8 @@ def write_contours(lobes: Sequence[LobeResult], folder: Path) -> list[Path]:
             x, y = one.radii * [np.cos(one.polar_angles), np.sin(one.polar_angles)]
             lengths = 1e3 * np.array([one.radii, x, y, one.curvature_radii])
             turns = np.degrees([one.polar_angles, one.pressure_angles])
-            rows = np.column_stack([angles, turns[0], *lengths, turns[1]])
-            lines = [HEADINGS, *(",".join(f"{value:.9g}" for value in row) for row in rows)]
             name = f"{lobe.measured.name}-contour.csv"
-            files.append(write_text(folder / name, "\n".join(lines) + "\n"))
+            files.append(
+                write_columns(folder / name, HEADINGS, [angles, turns[0], *lengths, turns[1]])
+            )
     return files

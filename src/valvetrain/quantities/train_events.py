@@ -279,20 +279,10 @@ def _seatings_and_bounces(solution: Solution, rigid: RigidCycle) -> list[Event]:
         touch: dict[str, Detail] = {
             "touch": turn + 1,
             "cause": Cause.BOUNCE_ENDS if bounced else Cause.FLANK_ENDS,
+            "release_cam_angle": one.release,
         }
-        touch["release_cam_angle"] = one.release
-        found.append(
-            Event(
-                "seating",
-                one.touch,
-                _time_at(solution, one.touch),
-                0.0,
-                one.velocity,
-                "m/s",
-                "seat",
-                touch,
-            )
-        )
+        time = _time_at(solution, one.touch)
+        found.append(Event("seating", one.touch, time, 0.0, one.velocity, "m/s", "seat", touch))
         if bounced:
             bounces += 1
             length = (one.touch - one.release) % TURN
@@ -308,10 +298,8 @@ def _seatings_and_bounces(solution: Solution, rigid: RigidCycle) -> list[Event]:
                 "cause": cause,
                 "spring_force_share": slack,
             }
-            start, lasts = _time_at(solution, one.release), length / TURN * _period(solution)
-            found.append(
-                Event("bounce", one.release, start, lasts, one.height, "m", "seat", details)
-            )
+            span = one.release, one.release + length
+            found.append(_event(solution, "bounce", span, one.height, "seat", details))
     return found
 
 
