@@ -207,20 +207,19 @@ def choose_channels(recording: Recording, answers: RigAnswers, file_name: str) -
             questions[0][0],
         )
     assert shaft is not None
-    for one in (*channels.values(), shaft):
-        refuse_beyond(one.values, "", f"channel '{one.name[:80]}' of {file_name[:80]}")
-    scales = {quantity: _scale(quantity, one, answers) for quantity, one in channels.items()}
-    even = {
-        id(one): _cut(_even(one, recording, answers, notes), answers.span)  # type: ignore[arg-type]
-        for one in (*channels.values(), shaft, *([index] if index else []))
-    }
+    for channel in (*channels.values(), shaft):
+        refuse_beyond(channel.values, "", f"channel '{channel.name[:80]}' of {file_name[:80]}")
+
+    def sampled(channel: RigChannel) -> RigChannel:
+        return _cut(_even(channel, recording, answers, notes), answers.span)  # type: ignore[arg-type]
+
     measured = []
     for quantity, channel in channels.items():
-        one, (factor, unit) = even[id(channel)], scales[quantity]
+        (factor, unit), even = _scale(quantity, channel, answers), sampled(channel)
         measured.append(
-            RigQuantity(quantity, unit, one.values * factor, one.start, one.step, channel.name)
+            RigQuantity(quantity, unit, even.values * factor, even.start, even.step, channel.name)
         )
-    angle = even[id(shaft)]
+    angle = sampled(shaft)
     if kind == "encoder":
         unit = answers.units.get("encoder") or shaft.unit
         factor, dimension = _unit_scale(unit or "deg", "angle")
@@ -232,9 +231,8 @@ def choose_channels(recording: Recording, answers: RigAnswers, file_name: str) -
         angle = replace(angle, values=angle.values * factor)
         if not unit:
             notes.append(f"the angle of '{shaft.name}' is taken to be in degrees")
-    return ChosenChannels(
-        tuple(measured), kind, angle, even[id(index)] if index else None, tuple(notes)
-    )
+    marks = sampled(index) if index else None
+    return ChosenChannels(tuple(measured), kind, angle, marks, tuple(notes))
 
 
 def _cut(channel: RigChannel, span: tuple[float, float] | None) -> RigChannel:

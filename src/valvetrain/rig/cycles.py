@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.parameters.loading import AnyCase, case_of
-from valvetrain.rig.alignment import Lift, LiftAlignment, align_lift
+from valvetrain.rig.alignment import Lift, align_lift
 from valvetrain.rig.channels import (
     QUESTIONS,
     RigAnswers,
@@ -136,16 +136,15 @@ def cycles_in(
             for channel, (low_pass, _, _) in zip(measured, bands, strict=True)
         ]
 
-    offset, alignment = 0.0, None
-    if answers.offset is not None:
-        offset = float(answers.offset)
-    elif case_lift is not None:
-        if not any(channel.quantity.endswith("lift") for channel in measured):
+    offset, alignment = float(answers.offset or 0.0), None
+    if answers.offset is None and case_lift is not None:
+        grid, filtered = cut(0.0)
+        if (lift := _lift_of(filtered)) is None:
             raise InputError(
                 "there is no lift to align to the case by; name its channel, or state the offset of the mark",
                 "offset",
             )
-        alignment = _aligned(*cut(0.0), case_lift)
+        alignment = align_lift(grid.cam_angle, np.nanmedian(lift.values, axis=0), case_lift)
         offset = alignment.offset
     grid, filtered = cut(offset)
     outliers: dict[int, str] = {}
@@ -154,18 +153,29 @@ def cycles_in(
         about_median = channel.values - np.median(channel.values, axis=1)[:, np.newaxis]
         for cycle, why in outliers_of(about_median):
             outliers.setdefault(cycle, f"{why} ({channel.raw.quantity})")
-    retained = _retained_cycles(grid.cycles, outliers, answers.keep_outliers)
+    # never a cycle with gaps; outliers where they are requested or all are
+    whole = [k for k in range(grid.cycles) if not outliers.get(k, "").startswith("was not")]
+    alike = [cycle for cycle in whole if cycle not in outliers]
+    retained = whole if answers.keep_outliers else alike or whole
     if not retained:
         raise InputError(
             f"no cycle of {file_name[:80]} was measured as a whole; cut the gaps out of the recording"
         )
     uncertainty = alignment.uncertainty if alignment else 0.0
     dwells = _dwell_times(filtered, shaft, grid, offset, answers, outliers, notes)
-    cam_speed = float(np.mean(grid.cam_speeds[list(retained)]))
+    cam_speed = float(np.mean(grid.cam_speeds[retained]))
     channels = []
     for raw, low_pass, values in filtered:
-        values, taken_off = _zeroed(raw, values, grid, dwells, answers, file_name)
-        values = np.ascontiguousarray(values[list(retained)])
+        zero, quantity, taken_off = answers.zero.get(raw.quantity), raw.quantity, np.zeros(0)
+        if zero and dwells is None:
+            raise InputError(
+                f"{file_name[:80]} does not say {QUESTIONS['dwell']}; answer it", "dwell"
+            )
+        if dwells is not None and (zero or quantity.endswith("lift")):
+            due, where = dimension_due(quantity), f"zero of {quantity}"
+            level = parse_quantity(zero, due, where) if zero else 0.0
+            values, taken_off = set_to_zero(values, raw, grid, dwells, level)
+        values = np.ascontiguousarray(values[retained])
         remarks = [
             f"low-passed without phase, flat to {low_pass.pass_band:.5g} Hz and down by 80 dB from {low_pass.stop_band:.5g} Hz on"
         ]
@@ -203,7 +213,7 @@ def cycles_in(
         tuple(channels),
         shaft,
         grid,
-        retained,
+        tuple(retained),
         tuple(sorted(outliers.items())),
         offset,
         uncertainty,
@@ -214,43 +224,8 @@ def cycles_in(
     )
 
 
-def _aligned(grid: CycleGrid, filtered: list[_Filtered], case_lift: Lift) -> LiftAlignment:
-    """The median cycle of the measured lift, aligned to the lift of the case."""
-    lifts = next(one.values for one in filtered if one.raw.quantity.endswith("lift"))
-    return align_lift(grid.cam_angle, np.nanmedian(lifts, axis=0), case_lift)
-
-
-def _retained_cycles(count: int, outliers: dict[int, str], keep_outliers: bool) -> tuple[int, ...]:
-    """Numbers of the cycles that stay: no outliers, unless requested or all of them are; never one
-    with gaps.
-    """
-    whole = tuple(
-        cycle for cycle in range(count) if not outliers.get(cycle, "").startswith("was not")
-    )
-    return whole if keep_outliers else tuple(c for c in whole if c not in outliers) or whole
-
-
-def _zeroed(
-    raw: RigQuantity,
-    values: Array,
-    grid: CycleGrid,
-    dwells: Array | None,
-    answers: RigAnswers,
-    file_name: str,
-) -> tuple[Array, Array]:
-    """Values with their zero in the dwells, where the user states it or a lift has it, and the zero
-    that was taken off.
-    """
-    stated, quantity = raw.quantity in answers.zero, raw.quantity
-    level = 0.0
-    if stated:
-        text = answers.zero[quantity]
-        level = parse_quantity(text, dimension_due(quantity), f"zero of {quantity}")
-    if dwells is None and stated:
-        raise InputError(f"{file_name[:80]} does not say {QUESTIONS['dwell']}; answer it", "dwell")
-    if dwells is None or not (stated or quantity.endswith("lift")):
-        return values, np.zeros(0)
-    return set_to_zero(values, raw, grid, dwells, level)
+def _lift_of(filtered: list[_Filtered]) -> _Filtered | None:
+    return next((channel for channel in filtered if channel.raw.quantity.endswith("lift")), None)
 
 
 def _dwell_times(
@@ -273,8 +248,7 @@ def _dwell_times(
                 "dwell",
             )
     else:
-        lift = next((one for one in filtered if one.raw.quantity.endswith("lift")), None)
-        if lift is None:
+        if (lift := _lift_of(filtered)) is None:
             return None
         angles = np.linspace(0.0, REVOLUTION, DWELL_ANGLES, endpoint=False)
         times = shaft.times_at(shaft.angle_at(grid.cut_times[:-1, np.newaxis]) + angles)
