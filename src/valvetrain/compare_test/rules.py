@@ -79,8 +79,8 @@ def phase(stage: str) -> str:
 
 def furthest(run: RunAgainstTest) -> list[ValueRow]:
     """Measured values that a run has too, the furthest off first."""
-    rows = [one for one in run.values if math.isfinite(one.model)]
-    return sorted(rows, key=lambda one: -abs(one.in_scatters))
+    rows = [row for row in run.values if math.isfinite(row.model)]
+    return sorted(rows, key=lambda row: -abs(row.in_scatters))
 
 
 def _place(facts: AgainstTest, run: RunAgainstTest) -> Fields:

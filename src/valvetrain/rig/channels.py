@@ -30,17 +30,8 @@ from valvetrain.units import (
 )
 
 Array = NDArray[np.float64]
-#: Question -> how it reads in a refusal.
-QUESTIONS = {
-    "channels": "which channels are measured quantities, such as spring_force=NAME",
-    "shaft": "which channel gives the angle (encoder, pulses or once)",
-    "angle_of": "whether the shaft of the angle is the cam or the crank (angle_of)",
-    "teeth": "how many teeth the pulses come from (teeth)",
-    "sampling_rate": "the sampling rate (sampling_rate)",
-    "unit": "the unit of {}",
-    "calibration": "the calibration of {}",
-    "dwell": "the dwell in which the zero is taken, such as '-30, 30 deg'"
-}  # fmt: skip
+#: How the question of the dwell reads in a refusal.
+DWELL = "the dwell in which the zero is taken, such as '-30, 30 deg'"
 #: Bounds of whole numbers.
 _BOUNDS = {"teeth": (1, 100_000), "missing": (0, 10), "angle_count": (8, 28_800)}
 #: Dimensions of amounts; dimension and example of what has two ends.
@@ -334,28 +325,39 @@ def _open_questions(
     listed = f" (it has {_listed(recording)})"
     questions = []
     if not measured:
-        questions.append(("channels", f"{QUESTIONS['channels']}{listed}"))
+        questions.append(
+            (
+                "channels",
+                f"which channels are measured quantities, such as spring_force=NAME{listed}",
+            )
+        )
     if shaft is None:
-        questions.append(("encoder", f"{QUESTIONS['shaft']}{listed if measured else ''}"))
+        questions.append(
+            (
+                "encoder",
+                f"which channel gives the angle (encoder, pulses or once){listed if measured else ''}",
+            )
+        )
     if not answers.angle_of:
-        questions.append(("angle_of", QUESTIONS["angle_of"]))
+        questions.append(
+            ("angle_of", "whether the shaft of the angle is the cam or the crank (angle_of)")
+        )
     if kind == "pulses" and answers.teeth is None:
-        questions.append(("teeth", QUESTIONS["teeth"]))
+        questions.append(("teeth", "how many teeth the pulses come from (teeth)"))
     if (
         any(sampled.times is None and sampled.step <= 0 for sampled in measured.values())
         and _sampling_rate(recording, answers) <= 0
     ):
-        questions.append(("sampling_rate", QUESTIONS["sampling_rate"]))
+        questions.append(("sampling_rate", "the sampling rate (sampling_rate)"))
     for quantity, channel in measured.items():
         if quantity in answers.calibration or quantity in answers.shunt:
             continue
         unit, due = answers.units.get(quantity) or channel.unit, dimension_due(quantity)
         label = f"{quantity} ('{channel.name[:40]}'"
         if not unit and due != "ratio":
-            questions.append(("unit", QUESTIONS["unit"].format(f"{label})")))
+            questions.append(("unit", f"the unit of {label})"))
         elif unit and _unit_scale(unit, due)[1] != due:
-            text = QUESTIONS["calibration"].format(f"{label} is in {unit[:20]})")
-            questions.append(("calibration", text))
+            questions.append(("calibration", f"the calibration of {label} is in {unit[:20]})"))
     return questions
 
 

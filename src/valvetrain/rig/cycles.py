@@ -14,7 +14,7 @@ from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.parameters.loading import AnyCase, case_of
 from valvetrain.rig.alignment import Lift, align_lift
 from valvetrain.rig.channels import (
-    QUESTIONS,
+    DWELL,
     RigAnswers,
     RigQuantity,
     choose_channels,
@@ -168,9 +168,7 @@ def cycles_in(
     for raw, low_pass, values in filtered:
         zero, quantity, taken_off = answers.zero.get(raw.quantity), raw.quantity, np.zeros(0)
         if zero and dwells is None:
-            raise InputError(
-                f"{file_name[:80]} does not say {QUESTIONS['dwell']}; answer it", "dwell"
-            )
+            raise InputError(f"{file_name[:80]} does not say {DWELL}; answer it", "dwell")
         if dwells is not None and (zero or quantity.endswith("lift")):
             due, where = dimension_due(quantity), f"zero of {quantity}"
             level = parse_quantity(zero, due, where) if zero else 0.0

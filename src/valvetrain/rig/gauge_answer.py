@@ -36,9 +36,9 @@ def run_label(response: ChannelResponse) -> str:
 COLUMNS = (
     RowColumn("run", run_label, "label", "run"),
     RowColumn(value="engine_speed", key="engine_speed"),
-    RowColumn("channel", lambda one: label_of(one.channel), "channel", "channel"),
-    *(RowColumn(key.replace("_", " "), value=key, key=key, quantity=lambda one: str(one.channel)) for key in ("true_peak", "recorded_peak")),
-    RowColumn(value=lambda one: list(one.recorded.peaks), key="recorded_peaks"),
+    RowColumn("channel", lambda response: label_of(response.channel), "channel", "channel"),
+    *(RowColumn(key.replace("_", " "), value=key, key=key, quantity=lambda row: str(row.channel)) for key in ("true_peak", "recorded_peak")),
+    RowColumn(value=lambda response: list(response.recorded.peaks), key="recorded_peaks"),
     *(RowColumn(value=value, key=key) for value, key in (("unit", "unit"), ("spacing", "step"), ("coarse", "coarse")))
 )  # fmt: skip
 

@@ -76,7 +76,7 @@ class GaugeFacts(Subject):
     @property
     def worst(self) -> list[ChannelResponse]:
         """Runs and channels, those first that lose most."""
-        return sorted(self.responses, key=lambda one: one.share[0])
+        return sorted(self.responses, key=lambda response: response.share[0])
 
 
 def clipped(facts: RigFacts) -> Iterator[Hit]:
