@@ -9,7 +9,8 @@ import pytest
 from scipy.stats import binom
 
 from valvetrain.errors import InputError
-from valvetrain.measured.force_height import read_force_height
+from valvetrain.measured.force_curve import force_curve
+from valvetrain.measured.force_height import ForceHeight, read_force_height
 from valvetrain.spring_card import spring_from_tester
 
 LANGUAGES = {
@@ -208,6 +209,23 @@ def test_rubbing_is_a_doubt(tmp_path, loop, code):
     force = 40 * place * (1 + loop * np.sign(np.gradient(place)))
     file = file_of(tmp_path, zip(place, force.round(2), strict=True))
     assert [doubt.code for doubt in read_force_height(file, free_length=50e-3).doubts] == code
+
+
+def test_one_station_far_off_leaves_the_rate():
+    """It was looked for in ever narrower windows without an end, or of stations that are noise failed."""
+    place = np.arange(60) * 0.25e-3
+    force = 40e3 * place + 60.0 * (place == place[30])
+    rate = ForceHeight(50e-3 - place, force).rate_at(50e-3 - place[30])
+    assert rate.value == pytest.approx(40e3, rel=1e-6) and rate.deviation > 10e3
+    for seed in range(8):
+        noise = np.random.default_rng(seed).normal(0, 400, 20)
+        assert force_curve(place[:20] * 4, 160e3 * place[:20] + noise).scatter > 100
+
+
+def test_a_rate_that_no_spring_has_is_refused():
+    place = np.arange(20) * 1e-6
+    with pytest.raises(InputError, match="no spring has"):
+        spring_from_tester(ForceHeight(50e-3 - place, 1e9 * place))
 
 
 def test_no_number_is_printed_for_forces_that_are_noise(tmp_path):

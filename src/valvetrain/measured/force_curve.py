@@ -100,11 +100,12 @@ class ForceCurve:
         travel, force = self.elastic
         half = float(max(place - travel[0], travel[-1] - place))
         least = min(6 if len(travel) > 8 else 4, len(travel))
+        distance = np.abs(travel - place)
+        narrowest = np.partition(distance, least - 1)[least - 1]
         while True:
-            distance = np.abs(travel - place)
-            near = distance <= max(half, np.partition(distance, least - 1)[least - 1])
+            near = distance <= max(half, narrowest)
             fit = self._through(travel[near], force[near], place)
-            if fit is not None or np.count_nonzero(near) <= least:
+            if fit is not None or half <= narrowest:
                 break
             half *= NARROWER
         fit = fit or self._through(travel[near], force[near], place, True)
@@ -269,6 +270,8 @@ def _bound_stations(curve: ForceCurve) -> tuple[int, int]:
     for number, place in enumerate(travel):
         if place - travel[picked[-1]] >= apart:
             picked.append(number)
+    if len(picked) < 3:
+        return count, count
     picked[-1] = len(travel) - 1
     slopes = np.diff(force[picked]) / np.diff(travel[picked])
     steep = slopes > BOUND * typical

@@ -189,7 +189,8 @@ def force_height_in(
     kind = meanings[along]
     length = column_scale(length_unit or table.units[along], "length", "length_unit", name)
     force = column_scale(force_unit or table.units[pressed], "force", "force_unit", name)
-    places, forces = table.rows[:, along] * length, table.rows[:, pressed] * force
+    with np.errstate(over="ignore"):  # what is too large is refused below
+        places, forces = table.rows[:, along] * length, table.rows[:, pressed] * force
     refuse_beyond(places, "m", f"the {kind} in {name}")
     refuse_beyond(forces, "N", f"the force in {name}")
     if kind == "height" and places.min() <= 0:

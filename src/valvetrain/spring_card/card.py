@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -126,10 +125,17 @@ class CatalogueCard:
             "mass",
             "free_length",
             "total_coils",
+            "taper_from_coil",
         ):
-            value = getattr(self, key)
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise InputError(f"{key} of a card is a positive number; it is {value:g}", key)
+            value, least = getattr(self, key), 0.0 if key == "taper_from_coil" else 1e-6
+            if value is not None and not (isinstance(value, (int, float)) and least <= value < 1e3):
+                raise InputError(
+                    f"{key} of a card is a positive number of usual size; it is {str(value)[:40]}",
+                    key,
+                )
+        for key in ("installed_load", "open_load"):
+            if not isinstance(getattr(self, key), SpringLoad):
+                raise InputError(f"{key} of a card is a SpringLoad of a height and a force", key)
         low, high = self.installed_load, self.open_load
         if not (low.height > high.height and high.force > low.force):
             raise InputError(

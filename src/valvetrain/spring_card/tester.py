@@ -46,6 +46,8 @@ RISE, BEND = 0.5, 0.15
 #: What a height of a table is true to (m): where the force rises steeply, it decides how well a
 #: station is known.
 HEIGHT_SCATTER = 20e-6
+#: Rates (N/m) of springs, from those of models to those of ship engines.
+RATES = (10.0, 1e7)
 
 
 @dataclass(frozen=True)
@@ -344,6 +346,10 @@ def spring_from_tester(
         )
         raise InputError(given, "installed_height")
     rate, preload = table.rate_at(height), table.force_at(height)
+    if not RATES[0] <= rate.value <= RATES[1]:
+        raise InputError(
+            f"the table makes a rate of {rate.value / 1e3:.3g} N/mm, which no spring has; check its rows and units"
+        )
     heights = table.measured_from != "travel"
     wire = None if card is None else _wire_fit(table, card, closes)
     solid, bound = table.bind(), table.curve.bind() is not None
