@@ -247,6 +247,7 @@ def _mesh(path: Path, name: str, form: str) -> tuple[Array, Array]:
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
+            trimesh.util.log.disabled = True  # it prints tracebacks of what it then reads otherwise
             loaded: Any = trimesh.load(path, file_type=form[:3].lower(), process=False)
         parts = [*loaded.geometry.values()] if hasattr(loaded, "geometry") else [loaded]
         corners = np.concatenate([np.zeros((0, 3)), *(one.vertices for one in parts)]).astype(float)
