@@ -15,7 +15,6 @@ import film_parts as made
 import valvetrain as vt
 from valvetrain.film.cycles import by_marker
 from valvetrain.film.frames import open_film
-from valvetrain.film.motion import _line
 from valvetrain.film.space_time import SightLine, find_line, read_space_time
 from valvetrain.views.results import answer_of, figures_of
 
@@ -83,26 +82,10 @@ def test_the_line_averages_what_lies_across_it():
     gives a straight profile.
     """
     picture = np.arange(32.0)[None, :] + 100 * np.arange(48.0)[:, None]
-    line = SightLine((8.0, 5.0), (20.0, 41.0), 4.0, 7)
-    profile = line.weights(48, 32) @ picture.ravel()
-    share = line.stations / line.length
+    profile = SightLine((8.0, 5.0), (20.0, 41.0), 4.0).weights(48, 32) @ picture.ravel()
+    share = np.arange(len(profile)) / np.hypot(12.0, 36.0)
+    assert len(profile) == 38
     assert profile == pytest.approx(8 + 12 * share + 100 * (5 + 36 * share), rel=1e-12)
-    assert line.along((20.0, 41.0)) == pytest.approx(line.length)
-
-
-@pytest.mark.parametrize(("width", "across"), [(4.0, 7), (2.5, 3), (9.0, 1)])
-def test_a_line_that_is_given_is_read_as_wide_and_as_finely_as_asked_for(width, across):
-    """Nothing is said of a line that was not chosen."""
-    setup = vt.film.FilmSetup(
-        frame_rate="1 kHz", line=((8.0, 5.0), (20.0, 41.0)), line_width=width, samples_across=across
-    )
-    line, said = _line(open_film(NOISE), setup)
-    assert (line.start, line.end, line.line_width, line.samples_across) == (
-        (8.0, 5.0),
-        (20.0, 41.0),
-        width,
-        across,
-    ) and said == ()
 
 
 def test_the_line_is_found_across_the_coils_of_an_upright_or_lying_spring():
@@ -173,13 +156,11 @@ def test_a_speed_that_changes_is_followed_from_mark_to_mark():
 
 
 @pytest.mark.long
-def test_numbers_depend_neither_on_samples_across_the_line_nor_on_its_width_nor_on_the_first_frame():
+def test_numbers_depend_neither_on_the_width_of_the_line_nor_on_the_first_frame():
     film, _ = made.turning_film()
     first = made.turning_motion()
     surge = first.surge.lines[0]
     for change in (
-        {"samples_across": 3},
-        {"samples_across": 10},
         {"line_width": 3.0},
         {"first_frame": 37},
     ):
@@ -195,20 +176,11 @@ def test_numbers_depend_neither_on_samples_across_the_line_nor_on_its_width_nor_
             assert abs(one.mean - two.mean) < 1.96 * np.hypot(one.spread, two.spread) + 2e-6
 
 
-def test_the_written_grid_changes_no_number_and_the_same_film_gives_the_same_bits():
+def test_the_same_film_gives_the_same_bits():
     film, _ = made.turning_film()
-    first, coarse = (
-        made.turning_motion(),
-        vt.film.coil_motion(
-            film, replace(SETUP, dwell=made.turning_motion().dwell), curve_angles=72
-        ),
-    )
-    assert (
-        (coarse.places == first.places).all()
-        and coarse.peaks == first.peaks
-        and coarse.surge.lines == first.surge.lines
-    )
-    assert coarse.cycles[3].values == pytest.approx(first.cycles[3].values[:, ::5], abs=1e-12)
+    first, again = made.turning_motion(), vt.film.coil_motion(film, SETUP)
+    assert (again.places == first.places).all() and again.peaks == first.peaks
+    assert again.surge.lines == first.surge.lines
 
 
 def test_cycles_are_measured_cycles_in_si_with_their_turns():
@@ -224,21 +196,12 @@ def test_cycles_are_measured_cycles_in_si_with_their_turns():
     )
 
 
-def test_frames_that_are_lost_leave_displacements_open():
+def test_frames_that_are_lost_leave_displacements_open(tmp_path):
     film, _ = made.turning_film()
     kept = np.r_[0:120, 127:300]
-
-    class Counted(type(open_film(film))):
-        """A film whose frames are numbered."""
-
-    opened = Counted("film", *film.shape[1:], numbers=kept.tolist(), array=film[kept])
-    import valvetrain.film.motion as reading
-
-    seen = read_space_time(opened, SightLine((6, 10), (6, 239)), made.RATE, (4, 4), 2.0, 0, None)
-    motion = reading._motion(seen, reading.track(seen), SETUP, None, 360, False, ())
-    assert np.isnan(motion.cycles[-1].values).sum() >= 4 and "7 frames are lost" in " ".join(
-        motion.notes
-    )
+    motion = vt.film.coil_motion(folder(tmp_path / "frames", film[kept], kept.tolist()), SETUP)
+    assert np.isnan(motion.cycles[-1].values).sum() >= 4
+    assert "7 frames are lost" in " ".join(motion.notes)
     whole = made.turning_motion()
     assert motion.displacement[:, 2] == pytest.approx(whole.displacement[kept, 2], abs=0.03e-3)
 

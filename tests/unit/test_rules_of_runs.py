@@ -4,8 +4,6 @@ both sides of its bound.
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from validation.calculix.jobs import axial_modes
@@ -14,7 +12,6 @@ import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import as_written
 from valvetrain.explore.space import Varied
-from valvetrain.film.result import blur_text
 from valvetrain.integrate.contract import Cycles, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.parameters.overrides import set_value
@@ -131,23 +128,6 @@ def test_modes_of_a_train_show_the_first_six_frequencies(count):
         repr(modes)
         == f"TrainModes of own, valve open, 9 mm of lift\n  {numbers}{', ...' if count > 6 else ''} Hz"
     )
-
-
-@pytest.mark.parametrize(
-    ("frequencies", "exposure", "said"),
-    [
-        ((600.0,), None, []),
-        ((600.0,), 200e-6, ["motion blur lowers the swing at 600 Hz by 2.4 %"]),
-        ((600.0,), 50e-6, []),
-        ((1000.0,), 500e-6, ["motion blur lowers the swing at 1000 Hz by 36 %"]),
-    ],
-)
-def test_what_the_exposure_does_to_the_lines_of_a_film(frequencies, exposure, said):
-    """sin(x) / x of x = pi f t: 1 - 0.976 at 600 Hz and 0.2 ms, 1 - 2 / pi at 1 kHz and 0.5 ms."""
-    surge = SimpleNamespace(
-        lines=tuple(SimpleNamespace(natural_frequency=one) for one in frequencies)
-    )
-    assert list(blur_text(surge, exposure)) == said
 
 
 @pytest.mark.parametrize(

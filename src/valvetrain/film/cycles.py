@@ -79,34 +79,21 @@ def peaks(cam_angle: Array, moved: Array, spread: Array, turns: list[int]) -> tu
     """Largest displacement of every coil (frames, coils) in every whole turn, between frames by a
     cubic spline.
     """
-    from scipy.interpolate import CubicSpline
-
-    found = []
-    for coil in range(moved.shape[1]):
-        good = np.isfinite(moved[:, coil])
-        angle, place = cam_angle[good], moved[good, coil]
-        curve = CubicSpline(angle, place) if len(angle) >= 4 else None
-        tops = []
-        for turn in turns:
-            inside = np.flatnonzero((angle >= TURN * turn) & (angle < TURN * (turn + 1)))
-            if curve is None or len(inside) < 4:
-                continue
-            fine = np.interp(
-                np.arange(0, len(inside) - 1 + 1e-9, 1 / FINE),
-                np.arange(len(inside)),
-                angle[inside],
-            )
-            tops.append(float(curve(fine).max()))
-        if not tops:
+    fine = np.arange(0.0, TURN, float(np.median(np.diff(cam_angle))) / FINE)
+    tops_of_coils = []
+    for coil, place in enumerate(moved.T):
+        curves = on_grid(cam_angle, place, turns, fine)
+        tops = np.nanmax(curves[np.isfinite(curves).sum(axis=1) >= 3 * FINE], axis=1)
+        if not len(tops):
             raise InputError(
                 "the film shows no cam revolution with a motion; film a whole revolution or more",
                 "film",
             )
-        own = float(np.nanmedian(spread[:, coil]))
         scatter = float(np.std(tops, ddof=1)) if len(tops) > 1 else float("nan")
-        of_mean = max(own, 0.0 if np.isnan(scatter) else scatter) / np.sqrt(len(tops))
-        found.append(CoilPeak(coil + 1, float(np.mean(tops)), scatter, float(of_mean), len(tops)))
-    return tuple(found)
+        of_mean = np.fmax(np.nanmedian(spread[:, coil]), scatter) / np.sqrt(len(tops))
+        peak = CoilPeak(coil + 1, float(np.mean(tops)), scatter, float(of_mean), len(tops))
+        tops_of_coils.append(peak)
+    return tuple(tops_of_coils)
 
 
 def mean_of(values: Array) -> Array:
@@ -121,58 +108,55 @@ def closed_window(grid: Array, mean: Array) -> tuple[float, float]:
 
     Raises :class:`InputError` where nothing like a dwell is there.
     """
-    count = len(grid)
-    known = np.isfinite(mean)
-    if known.sum() < 8:
+    from scipy.ndimage import uniform_filter1d
+
+    count, step = len(grid), float(grid[1] - grid[0])
+    seen = np.flatnonzero(np.isfinite(mean))
+    if len(seen) < 8:
         raise InputError(
             "the upper coil is hardly seen, so the closed valve is not found; give the dwell",
             "dwell",
         )
-    filled = np.interp(np.arange(count), np.flatnonzero(known), mean[known], period=count)
-    wide = max(1, round(float(AVERAGED / (grid[1] - grid[0]))))
-    smooth = np.convolve(np.concatenate([filled] * 3), np.ones(wide) / wide, mode="same")[
-        count : 2 * count
-    ]
+    filled = np.interp(np.arange(count), seen, mean[seen], period=count)
+    smooth = uniform_filter1d(filled, max(1, round(AVERAGED / step)), mode="wrap")
     rest = float(np.median(np.sort(smooth)[: count // 3]))
-    low = smooth - rest < CLOSED * (float(smooth.max()) - rest)
-    edges = np.flatnonzero(
-        np.diff(np.concatenate([[0], np.concatenate([low, low]).astype(int), [0]]))
-    )
-    runs = [
-        (int(last - first), int(first))
-        for first, last in zip(edges[::2], edges[1::2], strict=True)
-        if last - first < count
-    ]
-    length, first = max(runs, default=(0, 0))
-    step = float(grid[1] - grid[0])
-    if length * step < AVERAGED + np.radians(30.0):
+    low = smooth - rest < CLOSED * (smooth.max() - rest)
+    # The longest run of low stations, counted on into a second turn.
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], low, low, [0]]).astype(int)))
+    starts, lengths = edges[::2], np.diff(edges)[::2]
+    lengths = np.where(lengths < count, lengths, 0)
+    best = int(np.argmax(lengths)) if len(lengths) else 0
+    length = step * lengths[best] if len(lengths) else 0.0
+    if length < AVERAGED + np.radians(30.0):
         raise InputError(
             "no part of the turn shows the valve closed; give the dwell, such as '170:350 deg'",
             "dwell",
         )
-    start = float(grid[0]) + step * (first % count)
-    off = MARGIN * length * step + 0.5 * AVERAGED
-    return start + off, start + length * step - off
+    start = float(grid[0]) + step * int(starts[best] % count)
+    off = MARGIN * length + 0.5 * AVERAGED
+    return float(start + off), float(start + length - off)
+
+
+def is_closed(cam_angle: Array, dwell: tuple[float, float]) -> NDArray[np.bool_]:
+    """Whether the valve is closed at cam angles (rad) of any turn."""
+    return np.asarray(np.mod(cam_angle - dwell[0], TURN) <= dwell[1] - dwell[0])
 
 
 def segments(
     cam_angle: Array, number: NDArray[np.int64], dwell: tuple[float, float]
 ) -> list[NDArray[np.int64]]:
     """Frames of every dwell that the film shows whole and without a lost frame."""
-    found = []
-    first_turn, last_turn = (int(np.floor(angle / TURN)) for angle in (cam_angle[0], cam_angle[-1]))
-    step = float(np.median(np.diff(cam_angle)))
-    for turn in range(first_turn - 2, last_turn + 1):
-        begin, end = (angle + TURN * turn for angle in dwell)
-        inside = np.flatnonzero((cam_angle >= begin) & (cam_angle <= end))
-        whole = (
-            len(inside)
-            and cam_angle[inside[0]] <= begin + 1.01 * step
-            and cam_angle[inside[-1]] >= end - 1.01 * step
-        )
-        if whole and number[inside[-1]] - number[inside[0]] == len(inside) - 1:
-            found.append(inside)
-    return found
+    step = 1.01 * float(np.median(np.diff(cam_angle)))
+    closed = is_closed(cam_angle, dwell)
+    turn = np.floor((cam_angle - dwell[0]) / TURN)
+    whole = []
+    for count in np.unique(turn[closed]):
+        inside = np.flatnonzero(closed & (turn == count))
+        begin, end = dwell[0] + TURN * count, dwell[1] + TURN * count
+        reaches = cam_angle[inside[0]] <= begin + step and cam_angle[inside[-1]] >= end - step
+        if reaches and number[inside[-1]] - number[inside[0]] == len(inside) - 1:
+            whole.append(inside)
+    return whole
 
 
 #: A coil counts as fixed if it moves less than this share of the largest motion; harmonics of the cam
@@ -189,31 +173,24 @@ def camera_drift(places: Array, time: Array, cam_angle: Array | None) -> tuple[A
     Powers of time, fitted together with harmonics of the cam so that a coil that moves a little
     with the cam shows no drift.
     """
-    size = np.array([_motion(one, time) for one in places.T])
-    still = int(np.argmin(size))
-    if len(size) < 2 or not size[still] < STILL * size.max():
+    seconds, size = time - time[0], []
+    for place in places.T:  # size of a motion about a slow trend
+        good = np.isfinite(place)
+        trend = np.polyfit(seconds[good], place[good], 3) if good.sum() >= 8 else [np.inf]
+        size.append(np.std(place[good] - np.polyval(trend, seconds[good])))
+    still = int(np.nanargmin(size)) if np.isfinite(size).any() else 0
+    if len(size) < 2 or not size[still] < STILL * np.nanmax(size):
         return np.zeros(len(time)), None
-    one, good = places[:, still], np.isfinite(places[:, still])
-    turns = 0.0 if cam_angle is None else float(cam_angle[-1] - cam_angle[0]) / (2 * np.pi)
-    powers = int(np.clip(1 + turns, 1, MAX_POWERS)) if cam_angle is not None else 3
-    scaled = 2 * (time - time[0]) / (time[-1] - time[0]) - 1
-    slow = np.polynomial.legendre.legvander(scaled, powers)[:, 1:]
-    waves = [np.ones((len(time), 1))]
+    turns = 0.0 if cam_angle is None else float(cam_angle[-1] - cam_angle[0]) / TURN
+    powers = 3 if cam_angle is None else int(np.clip(1 + turns, 1, MAX_POWERS))
+    slow = np.polynomial.legendre.legvander(2 * seconds / seconds[-1] - 1, powers)
+    waves = np.zeros((len(time), 0))
     if cam_angle is not None and turns >= 1.0:
         phase = cam_angle[:, None] * np.arange(1, HARMONICS + 1)
-        waves += [np.cos(phase), np.sin(phase)]
-    basis = np.concatenate([slow, *waves], axis=1)
-    shares = np.linalg.lstsq(basis[good], one[good], rcond=None)[0]
-    return np.asarray(slow @ shares[:powers]), still
-
-
-def _motion(place: Array, time: Array) -> float:
-    """Size of a motion (standard deviation) about a slow trend."""
-    good = np.isfinite(place)
-    if good.sum() < 8:
-        return np.inf
-    trend = np.polyval(np.polyfit(time[good] - time[0], place[good], 3), time[good] - time[0])
-    return float(np.std(place[good] - trend))
+        waves = np.hstack([np.cos(phase), np.sin(phase)])
+    place, good = places[:, still], np.isfinite(places[:, still])
+    shares = np.linalg.lstsq(np.hstack([slow, waves])[good], place[good], rcond=None)[0]
+    return np.asarray(slow[:, 1:] @ shares[1 : powers + 1]), still
 
 
 #: Lift (m) at cam angles (rad).
@@ -239,13 +216,6 @@ class CamPhase:
     given_speed: float = 0.0
 
 
-def by_speed(time: Array, cam_speed: float, first_angle: float) -> CamPhase:
-    """An even speed that is given; ``first_angle`` (rad) of the first frame."""
-    if not cam_speed > 0:
-        raise InputError("the cam speed must be positive; correct it", "cam_speed")
-    return CamPhase(first_angle + cam_speed * time, cam_speed, 0.0, "speed")
-
-
 def by_marker(
     time: Array, brightness: Array, mark_angle: float, given_speed: float | None
 ) -> CamPhase:
@@ -255,6 +225,8 @@ def by_marker(
     Raises :class:`InputError` for a spot that does not flash, or flashes once while no speed is
     given.
     """
+    from scipy.interpolate import make_interp_spline
+
     pulses, frame = _pulses(time, brightness), float(np.median(np.diff(time)))
     if len(pulses) < 2:
         if given_speed is None or not len(pulses):
@@ -262,45 +234,29 @@ def by_marker(
                 f"the marker flashes {len(pulses)} times; twice or more are needed for the speed, so check its place or give the cam speed",
                 "marker",
             )
-        return CamPhase(
-            mark_angle + given_speed * (time - pulses[0]),
-            given_speed,
-            0.0,
-            "marker",
-            0.0,
-            ("the marker passes once, so the speed is the one given",),
-        )
+        angle = mark_angle + given_speed * (time - pulses[0])
+        sentence = "the marker passes once, so the speed is the one given"
+        return CamPhase(angle, given_speed, 0.0, "marker", notes=(sentence,))
     steps = np.diff(pulses)
     turns = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(steps / np.median(steps))))])
     slope, start = np.polyfit(turns, pulses, 1)
-    left = pulses - start - slope * turns
+    scatter = float(np.std(pulses - start - slope * turns))
     notes = []
     missed = int(turns[-1]) + 1 - len(pulses)
     if missed:
         notes.append(
             f"the marker was not seen in {missed} turns, which are counted from the turns about them"
         )
-    even = len(pulses) < 4 or float(np.std(left)) < MARK_SCATTER * frame
-    if even:
-        turned = (time - start) / slope
-    else:
+    turned = (time - start) / slope
+    if len(pulses) >= 4 and scatter >= MARK_SCATTER * frame:
         notes.append(
             "the speed changes over the film, so the cam angle is taken evenly from mark to mark"
         )
-        turned = np.interp(time, pulses, turns)
-        turned = np.where(time < pulses[0], (time - pulses[0]) / steps[0], turned)
-        turned = np.where(
-            time > pulses[-1],
-            turns[-1] + (time - pulses[-1]) / steps[-1] * (turns[-1] - turns[-2]),
-            turned,
-        )
-    spread_of_mark = max(float(np.std(left)), 0.1 * frame)
-    spread = (
-        TURN / slope**2 * spread_of_mark / np.sqrt(max(np.sum((turns - turns.mean()) ** 2), 0.5))
-    )
-    speed = TURN / slope
+        turned = make_interp_spline(pulses, turns, k=1)(time)
+    speed, reach = TURN / slope, max(np.sum((turns - turns.mean()) ** 2), 0.5)
+    spread = speed / slope * max(scatter, 0.1 * frame) / np.sqrt(reach)
     return CamPhase(
-        mark_angle + TURN * turned, float(speed), float(spread), "marker", 0.0, tuple(notes), given_speed=given_speed or 0.0
+        mark_angle + TURN * turned, float(speed), float(spread), "marker", notes=tuple(notes), given_speed=given_speed or 0.0
     )  # fmt: skip
 
 
@@ -308,23 +264,19 @@ def _pulses(time: Array, brightness: Array) -> Array:
     """Times at the centre of brightness of every flash, bright or dark, that is entirely within the
     film.
     """
-    typical = float(np.median(brightness))
-    up = float(np.percentile(brightness, 99.8)) - typical
-    down = typical - float(np.percentile(brightness, 0.2))
-    signal = (brightness - typical) * (1.0 if up >= down else -1.0)
-    top = max(up, down)
-    noise = 1.5 * float(np.median(np.abs(brightness - typical)))
-    if not top > max(6 * noise, 2.0):
+    signal = brightness - np.median(brightness)
+    down, up = np.percentile(signal, (0.2, 99.8))
+    top = float(max(up, -down))
+    signal = signal if up >= -down else -signal
+    if not top > max(9 * float(np.median(np.abs(signal))), 2.0):
         return np.zeros(0)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], (signal > 0.5 * top).astype(int), [0]])))
-    found = []
-    for first, last in zip(edges[::2], edges[1::2], strict=True):
-        if first == 0 or last == len(signal):
-            continue  # a flash that the film cuts has no centre
-        part = slice(max(first - 2, 0), last + 2)
-        weight = np.clip(signal[part], 0.0, None)
-        found.append(float(np.sum(weight * time[part]) / np.sum(weight)))
-    return np.array(found)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], signal > 0.5 * top, [0]]).astype(int)))
+    centres = []
+    for first, last in edges.reshape(-1, 2):
+        if first > 0 and last < len(signal):  # a flash that the film cuts has no centre
+            part = slice(max(first - 2, 0), last + 2)
+            centres.append(np.average(time[part], weights=np.clip(signal[part], 0.0, None)))
+    return np.array(centres)
 
 
 def by_lift(time: Array, moved: Array, valve_lift: Lift, given_speed: float | None) -> CamPhase:
@@ -340,42 +292,27 @@ def by_lift(time: Array, moved: Array, valve_lift: Lift, given_speed: float | No
     good = np.isfinite(moved)
     t, y = time[good], moved[good]
     speed = given_speed if given_speed is not None else _turn_speed(time, moved)
-    grid = np.linspace(0.0, TURN, 721)[:-1]
-    table = np.asarray(valve_lift(grid), dtype=float)
+    grid = np.linspace(0.0, TURN, 721)
+    table = np.asarray(valve_lift(np.mod(grid, TURN)), dtype=float)
     if not np.ptp(table) > 0:
         raise InputError(
             "the lift is the same at all cam angles, so it gives no phase; use another", "lift"
         )
+    # Two numbers alike in size: the angle in the middle of the film, and how far another speed turns
+    # the cam over the film.
+    span, since = t[-1] - t[0], t - 0.5 * (t[0] + t[-1])
 
-    def lifted(speed: float, start: float) -> Array:
-        return np.asarray(
-            np.interp(
-                np.mod(speed * t + start, TURN), np.append(grid, TURN), np.append(table, table[0])
-            )
-        )
+    def fitted(x: Array) -> tuple[Array, float]:
+        """What is left of the motion, and px a metre of lift."""
+        lift = np.interp(np.mod((speed + x[1] / span) * since + x[0], TURN), grid, table)
+        factor, rest = np.polyfit(lift, y, 1) if np.ptp(lift) > 0 else (0.0, y.mean())
+        return y - rest - factor * lift, float(factor)
 
-    def shape(one: Array) -> tuple[Array, Array]:
-        basis = np.column_stack([np.ones_like(t), one])
-        share = np.linalg.lstsq(basis, y, rcond=None)[0]
-        return np.asarray(y - basis @ share, dtype=float), np.asarray(share)
-
-    best = min(
-        (float(np.sum(shape(lifted(speed * (1 + off), start))[0] ** 2)), speed * (1 + off), start)
-        for off in ((0.0,) if given_speed is not None else (-0.01, -0.005, 0.0, 0.005, 0.01))
-        for start in grid[::10]
-    )
-    span = t[-1] - t[0]
-    # Two numbers alike in size: the angle in the middle of the film, and how far the speed turns it
-    # by its end.
-    middle = t[0] + 0.5 * span
-
-    def residual(x: Array) -> Array:
-        return shape(lifted(best[1] + x[1] / span, best[2] + x[0] - x[1] / span * middle))[0]
-
-    found = least_squares(residual, np.zeros(2), x_scale=0.01, diff_step=1e-4)
-    left, (_, factor) = shape(
-        lifted(best[1] + found.x[1] / span, best[2] + found.x[0] - found.x[1] / span * middle)
-    )
+    offs = (0.0,) if given_speed is not None else (-0.01, -0.005, 0.0, 0.005, 0.01)
+    starts = [np.array([start, off * speed * span]) for off in offs for start in grid[:-1:10]]
+    start = min(starts, key=lambda x: float(np.sum(fitted(x)[0] ** 2)))
+    result = least_squares(lambda x: fitted(x)[0], start, x_scale=0.01, diff_step=1e-4)
+    left, factor = fitted(result.x)
     explained = 1 - float(np.var(left) / np.var(y))
     if explained < 0.8 or factor <= 0:
         raise InputError(
@@ -383,39 +320,30 @@ def by_lift(time: Array, moved: Array, valve_lift: Lift, given_speed: float | No
             "lift",
         )
     variance = float(np.sum(left**2)) / max(len(t) - 4, 1)
-    spread = float(np.sqrt(variance * np.linalg.pinv(found.jac.T @ found.jac)[1, 1])) / span
-    speed = float(best[1] + found.x[1] / span)
+    spread = float(np.sqrt(variance * np.linalg.pinv(result.jac.T @ result.jac)[1, 1])) / span
+    speed = float(speed + result.x[1] / span)
+    angle = speed * (time - 0.5 * (t[0] + t[-1])) + result.x[0]
     sentence = f"the cam angle is that at which the upper coil moves as the lift does ({100 * explained:.1f} % of its motion)"
-    start = best[2] + float(found.x[0]) - float(found.x[1]) / span * middle
-    return CamPhase(
-        speed * time + start, speed, spread, "lift", 1.0 / float(factor), (sentence,), "lift", given_speed or 0.0
-    )  # fmt: skip
+    return CamPhase(angle, speed, spread, "lift", 1.0 / factor, (sentence,), "lift", given_speed or 0.0)  # fmt: skip
 
 
 def _turn_speed(time: Array, moved: Array) -> float:
     """Cam speed (rad/s) from the time after which the motion repeats."""
+    from scipy.signal import correlate, find_peaks
+
     frame = float(np.median(np.diff(time)))
-    even = np.arange(time[0], time[-1], frame)
-    good = np.isfinite(moved)
+    even, good = np.arange(time[0], time[-1], frame), np.isfinite(moved)
     signal = np.interp(even, time[good], moved[good])
-    signal = signal - signal.mean()
-    count = len(signal)
-    power = np.abs(np.fft.rfft(signal, 2 * count)) ** 2
-    alike = np.fft.irfft(power)[:count] / (count - np.arange(count))
+    signal, count = signal - signal.mean(), len(even)
+    alike = correlate(signal, signal)[count - 1 :] / (count - np.arange(count))
     alike = alike[: int(0.8 * count)] / max(alike[0], 1e-300)
-    below = np.flatnonzero(alike < 0.2)
-    if len(below) and len(later := alike[below[0] :]):
-        peak = int(np.argmax(later)) + int(below[0])
-        # The first of peaks that are nearly as high: later ones are two turns and more.
-        tops = [
-            k
-            for k in range(int(below[0]) + 1, len(alike) - 1)
-            if alike[k] >= alike[k - 1] and alike[k] >= alike[k + 1]
-        ]
-        first = next((k for k in tops if alike[k] > 0.8 * alike[peak]), peak)
-        if alike[first] > 0.5:
-            return float(TURN / (first * frame))
-    raise InputError(
-        "the film shows no motion that repeats, so the lift alone does not give the speed; give the cam speed too",
-        "cam_speed",
-    )
+    tops, _ = find_peaks(alike, height=0.5)
+    # The first of peaks that are nearly as high: later ones are two turns and more.
+    begins = np.argmax(alike < 0.2)
+    high = tops[(tops > begins) & (alike[tops] > 0.8 * alike[begins:].max())] if begins else []
+    if not len(high):
+        raise InputError(
+            "the film shows no motion that repeats, so the lift alone does not give the speed; give the cam speed too",
+            "cam_speed",
+        )
+    return float(TURN / (high[0] * frame))

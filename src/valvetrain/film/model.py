@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from valvetrain.cam.build import build_lift_law
 from valvetrain.errors import InputError
-from valvetrain.film.cycles import TURN, Lift, mean_of, segments
+from valvetrain.film.cycles import TURN, Lift, is_closed, mean_of, segments
 from valvetrain.film.result import CoilMotion
 from valvetrain.film.surge import SurgeFit, alias_of, fit_surge
 from valvetrain.parameters.case import Case
@@ -74,13 +75,13 @@ def lift_of_case(case: AnyCase) -> Lift:
     """The lift (m) of a case over the cam angle (rad). Raises :class:`InputError` for a case
     without one.
     """
-    found = case_of(case)
-    if found.lift_law is None:
+    chosen = case_of(case)
+    if chosen.lift_law is None:
         raise InputError(
-            f"case '{found.name}' has no lift law, so it gives no phase; add a [lift_law] table or use a marker",
+            f"case '{chosen.name}' has no lift law, so it gives no phase; add a [lift_law] table or use a marker",
             "--case",
         )
-    law = build_lift_law(found.lift_law)
+    law = build_lift_law(chosen.lift_law)
     return lambda cam_angle: np.asarray(law.lift(cam_angle), dtype=float)
 
 
@@ -123,67 +124,88 @@ def film_over_model(
         raise InputError(
             "a film laid over a run needs the motion over the cam angle; give that of a turning cam"
         )
-    found = case_of(case)
-    run = _run(found, 2 * motion.phase.cam_speed, spring_model)
+    chosen = case_of(case)
+    run = _run(chosen, 2 * motion.phase.cam_speed, spring_model)
     name = spring or run.springs[0]
     if name not in run.springs:
         raise InputError(
             f"spring '{name[:40]}' is unknown; the case has {', '.join(run.springs)}",
             "--filmed-spring",
         )
-    parts = (
-        found.springs if found.train is None else found.train.spring_parts(run.spring_set or None)
-    )
+    train = chosen.train
+    parts = chosen.springs if train is None else train.spring_parts(run.spring_set or None)
     part = parts[run.springs.index(name)]
     angle, coil, moved = _moved(run, name, part)
-    rest = moved[np.mod(angle - motion.dwell[0], TURN) < motion.dwell[1] - motion.dwell[0]].mean(
-        axis=0
-    )
-    moved = rest - moved
-    grid, measured = (
-        motion.cycles[0].cam_angle,
-        np.stack([mean_of(one.values) for one in motion.cycles], axis=1),
-    )
-    first, shift, notes = _aligned(
-        measured, grid, (angle, coil, moved), first_turn, motion.phase.zero_by != "told"
-    )
-    angle = angle + shift
-    turns = first + np.arange(motion.coils, dtype=float)
-    prefix = f"{name}_" if len(run.springs) > 1 else ""
-    names = tuple(f"{prefix}coil_{turn:.2f}_displacement".replace(".", "_") for turn in turns)
-    fine = _at(moved, coil, turns)
-    shown = _on(grid, angle, fine)
-    apart = np.sqrt(np.nanmean((measured - shown) ** 2, axis=0))
+    moved = moved[is_closed(angle, motion.dwell)].mean(axis=0) - moved
+    grid = motion.cycles[0].cam_angle
+    measured = np.stack([mean_of(cycles.values) for cycles in motion.cycles], axis=1)
+    frame_rate, numbers = motion.seen.frame_rate, np.arange(motion.coils, dtype=float)
+
+    def sections(at: Array, first: float, shift: float) -> Array:
+        """Displacement of the filmed coils at cam angles (rad)."""
+        columns = _at(moved, coil, first + numbers).T
+        return np.stack([np.interp(at, angle + shift, part, period=TURN) for part in columns], axis=1)  # fmt: skip
+
+    def misfit(first: float, shift: float) -> float:
+        return float(np.nansum((measured - sections(grid, first, shift)) ** 2))
+
+    # Least squares of the motion: neighbours on one side of the spring are one turn apart, and a zero
+    # that follows from a lift alone may be off.
+    first, shift, notes = first_turn or 0.0, 0.0, []
+    firsts = np.arange(coil[0] - 1.0, coil[-1] - motion.coils + 2.0 + 1e-9, STEP).tolist()
+    free_zero, reach = motion.phase.zero_by != "told", np.radians(SHIFTED)
+    for _ in range(1 + free_zero):
+        if first_turn is None:
+            first = min(firsts, key=lambda turn: misfit(turn, shift))
+        if free_zero:
+            shift = float(minimize_scalar(lambda off: misfit(first, off), bounds=(-reach, reach), method="bounded").x)  # fmt: skip  # noqa: B023
+    if first_turn is None:
+        notes.append(
+            f"coil 1 is turn {first:.2f} of the wire, where the run moves most as the film does; give the turn where it is known"
+        )
+    if free_zero:
+        notes.append(
+            f"the run was moved by {np.degrees(shift):+.2f} cam deg to move with the film, whose zero follows from the lift alone"
+        )
     frequency = EquivalentSpring.from_installed(part).surge_frequency
+    lines = frequency * np.arange(1, MULTIPLES + 1)
+    high = [f"{line:.4g} Hz at {alias_of(line, frame_rate):.4g} Hz" for line in lines if line > 0.5 * frame_rate]  # fmt: skip
+    if high:
+        notes.append(
+            f"surge lines of the case's spring above half the frame rate ({0.5 * frame_rate:g} Hz) are mirrored below it: {', '.join(high)}, as "
+            "far as it is a uniform bar; a damping ratio found there is of the mirrored frequency"
+        )
+    prefix = f"{name}_" if len(run.springs) > 1 else ""
+    names = [f"{prefix}coil_{turn:.2f}_displacement".replace(".", "_") for turn in first + numbers]
+    displacement = sections(grid, first, shift)
+    # The decay of the run at the frames of the film, so that frame rate and window do the same to both.
+    frames = motion.phase.cam_angle
+    closed = segments(frames, motion.seen.number, motion.dwell)
     return FilmedModel(
         motion,
-        found.name,
+        chosen.name,
         run.model,
         name,
-        turns,
-        names,
+        first + numbers,
+        tuple(names),
         shift,
         grid,
-        shown,
-        fine.max(axis=0),
-        apart,
-        _filmed(motion, angle, fine),
+        displacement,
+        _at(moved, coil, first + numbers).max(axis=0),
+        np.sqrt(np.nanmean((measured - displacement) ** 2, axis=0)),
+        fit_surge(sections(frames, first, shift), closed, frame_rate),
         frequency,
-        (*notes, *alias_text(frequency, motion.seen.frame_rate)),
+        tuple(notes),
     )
 
 
 def _run(case: Case, engine_speed: float, spring_model: str) -> Solution:
     models, sets = ((spring_model,) if spring_model else ()), tuple[str, ...]()
-    if (
-        not models and case.train is not None
-    ):  # the variants of a train may begin with springs that have no coils
-        wires = [
-            name
-            for name, springs in case.train.springs.items()
-            if all(one.wire is not None for one in springs)
-        ]
-        models, sets = (("finite-element",), tuple(wires[:1])) if wires else (("multi-mass",), ())
+    if not models and case.train is not None:
+        # the variants of a train may begin with springs that have no coils
+        variants = case.train.springs.items()
+        wires = [name for name, springs in variants if all(part.wire is not None for part in springs)]  # fmt: skip
+        models, sets = ("finite-element",) if wires else ("multi-mass",), tuple(wires[:1])
     run = simulate(case, [engine_speed], spring_models=models, spring_set=sets).solutions[0]
     if not run.status.completed:
         raise InputError(
@@ -225,81 +247,3 @@ def _at(moved: Array, coil: Array, turns: Array) -> Array:
     low = np.minimum(place.astype(int), len(coil) - 2)
     share = place - low
     return np.asarray(moved[:, low] * (1 - share) + moved[:, low + 1] * share)
-
-
-def _on(at: Array, angle: Array, moved: Array) -> Array:
-    """Columns of a turn at other cam angles."""
-    return np.stack([np.interp(at, angle, one, period=TURN) for one in moved.T], axis=1)
-
-
-def _aligned(
-    measured: Array,
-    grid: Array,
-    run: tuple[Array, Array, Array],
-    given_offset: float | None,
-    free_zero: bool,
-) -> tuple[float, float, tuple[str, ...]]:
-    """Coil number of the first highlight (neighbours on one side of the spring are one turn apart)
-    and shift (rad) of the run's cam angle
-    where the film's zero follows from a lift alone: least squares of the motion."""
-    angle, coil, moved = run
-    count, known = measured.shape[1], np.isfinite(measured)
-
-    def misfit(first: float, shift: float) -> float:
-        left = measured - _on(
-            grid, angle + shift, _at(moved, coil, first + np.arange(count, dtype=float))
-        )
-        return float(np.sum(left[known] ** 2))
-
-    firsts = np.arange(coil[0] - 1.0, coil[-1] - count + 2.0 + 1e-9, STEP)
-    first, shift = given_offset if given_offset is not None else 0.0, 0.0
-    for _ in range(2 if free_zero else 1):
-        if given_offset is None:
-            first = float(min(firsts, key=lambda one: misfit(float(one), shift)))
-        if free_zero:
-            tried = shift + np.radians(np.arange(-SHIFTED, SHIFTED + 1e-9, 0.25))
-            values = np.array([misfit(first, float(one)) for one in tried])
-            best = int(np.clip(np.argmin(values), 1, len(values) - 2))
-            left, middle, right = values[best - 1 : best + 2]
-            bend = left - 2 * middle + right
-            shift = float(
-                tried[best]
-                + (0.5 * (left - right) / bend * (tried[1] - tried[0]) if bend > 0 else 0.0)
-            )
-    notes: tuple[str, ...] = (
-        ()
-        if given_offset is not None
-        else (
-            f"coil 1 is turn {first:.2f} of the wire, where the run moves most as the film does; give the turn where it is known",
-        )
-    )
-    if free_zero:
-        notes += (
-            f"the run was moved by {np.degrees(shift):+.2f} cam deg to move with the film, whose zero follows from the lift alone",
-        )
-    return first, shift, notes
-
-
-def _filmed(motion: CoilMotion, angle: Array, moved: Array) -> SurgeFit | None:
-    """The decay of the run at the frames of the film, so that frame rate and window do the same to
-    both.
-    """
-    assert motion.phase is not None and motion.dwell is not None
-    return fit_surge(
-        _on(motion.phase.cam_angle, angle, moved),
-        segments(motion.phase.cam_angle, motion.seen.number, motion.dwell),
-        motion.seen.frame_rate,
-    )
-
-
-def alias_text(surge_frequency: float, frame_rate: float) -> tuple[str, ...]:
-    """A sentence where surge lines of a spring are above half the frame rate."""
-    lines = [surge_frequency * order for order in range(1, MULTIPLES + 1)]
-    high = [(line, alias_of(line, frame_rate)) for line in lines if line > 0.5 * frame_rate]
-    if not high:
-        return ()
-    mirrored = ", ".join(f"{line:.4g} Hz at {shown:.4g} Hz" for line, shown in high)
-    return (
-        f"surge lines of the case's spring above half the frame rate ({0.5 * frame_rate:g} Hz) are mirrored below it: {mirrored}, as far as it "
-        "is a uniform bar; a damping ratio found there is of the mirrored frequency",
-    )

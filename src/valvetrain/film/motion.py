@@ -12,23 +12,24 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.film.cycles import (
+    SPOKEN_OF,
     TURN,
     CamPhase,
     CoilPeak,
     Lift,
     by_lift,
     by_marker,
-    by_speed,
     camera_drift,
     closed_window,
+    is_closed,
     mean_of,
     on_grid,
     peaks,
     segments,
     whole_turns,
 )
-from valvetrain.film.frames import Film, Picture, open_film
-from valvetrain.film.result import CoilMotion, blur_text, drift_text
+from valvetrain.film.frames import Picture, open_film
+from valvetrain.film.result import CoilMotion
 from valvetrain.film.setup import FilmSetup
 from valvetrain.film.space_time import SightLine, SpaceTime, find_line, read_space_time
 from valvetrain.film.surge import fit_surge, spectrum
@@ -36,7 +37,7 @@ from valvetrain.film.tracks import Tracks, track
 from valvetrain.measured.cycles import MeasuredCycles
 
 Array = NDArray[np.float64]
-#: Cam angles of the written curves where none are requested: whole degrees.
+#: Cam angles of the written curves: whole degrees.
 ANGLES = 360
 #: Uncertainty (px) with which a point of the scale is picked.
 PICKED = 0.5
@@ -47,7 +48,6 @@ def coil_motion(
     film: str | os.PathLike[str] | Picture,
     setup: FilmSetup,
     valve_lift: Lift | None = None,
-    curve_angles: int = ANGLES,
     synthetic: bool = False,
 ) -> CoilMotion:
     """The motion of the coils of a valve spring in a high-speed film, by the glare line that a lamp
@@ -60,7 +60,6 @@ def coil_motion(
     setup : how it was filmed: rate, line, scale, phase
     valve_lift : lift (m) over the cam angle (rad) of the valve, for the phase where no marker gives it
         it
-    curve_angles : number of cam angles of the written curves; nothing else depends on it
     synthetic : the film was computed, not taken
 
     Returns
@@ -77,30 +76,29 @@ def coil_motion(
     >>> rows, frame = np.arange(80.0)[:, None], np.arange(120)[:, None, None]
     >>> moved = 3 * np.exp(-0.01 * frame) * np.cos(2 * np.pi * 0.2 * frame)
     >>> film = sum(np.exp(-(((rows - 20 * k - moved * (k in (2, 3))) / 2) ** 2)) for k in (1, 2, 3)) * np.ones((1, 1, 9)) * 100.0
-    >>> found = coil_motion(film, FilmSetup(frame_rate=2000, scale_points=((4, 0), (4, 50)), scale_length="10 mm", free_decay=True))
-    >>> found
+    >>> motion = coil_motion(film, FilmSetup(frame_rate=2000, scale_points=((4, 0), (4, 50)), scale_length="10 mm", free_decay=True))
+    >>> motion
     CoilMotion of array: 3 coils in 120 frames, free decay
-    >>> f"{found.surge.lines[0].natural_frequency:.1f} Hz, damping ratio {found.surge.lines[0].damping_ratio:.4f}"
+    >>> f"{motion.surge.lines[0].natural_frequency:.1f} Hz, damping ratio {motion.surge.lines[0].damping_ratio:.4f}"
     '400.0 Hz, damping ratio 0.0080'
     """
-    if not 24 <= curve_angles <= 36_000:
-        raise InputError(
-            f"curves of {curve_angles} cam angles are none; take 24 to 36000", "curve_angles"
-        )
     opened = open_film(film)
-    if (
-        not setup.free_decay
-        and setup.marker is None
-        and setup.cam_speed is None
-        and valve_lift is None
-    ):
+    by_lift_alone = valve_lift is not None and setup.first_angle is None
+    has_phase = setup.marker is not None or setup.cam_speed is not None or by_lift_alone
+    if not (setup.free_decay or has_phase):
         raise InputError(
-            "the cam angle is not known: give a marker's place, the cam speed, or the lift; or say that the spring decays freely",
+            "the cam angle is not known: give a marker's place, the cam speed (which an angle of the first frame needs too), or the lift; or "
+            "say that the spring decays freely",
             "marker",
         )
     if setup.scale_points is None and valve_lift is None:
         raise InputError(NO_SCALE, "scale_points")
-    line, chosen = _line(opened, setup)
+    notes = []
+    line = SightLine(*setup.line, setup.line_width) if setup.line else None
+    if line is None:
+        line = find_line(opened, setup.line_width)
+        (x, y), (x_end, y_end) = line.start, line.end
+        notes.append(f"the line was chosen where highlights are clearest: from {x:g}, {y:g} to {x_end:g}, {y_end:g} px")  # fmt: skip
     seen = read_space_time(
         opened,
         line,
@@ -110,71 +108,72 @@ def coil_motion(
         setup.first_frame,
         setup.last_frame,
     )
-    return _motion(
-        seen, track(seen, setup.coils), setup, valve_lift, curve_angles, synthetic, chosen
-    )
-
-
-def _line(film: Film, setup: FilmSetup) -> tuple[SightLine, tuple[str, ...]]:
-    if setup.line is not None:
-        return SightLine(*setup.line, setup.line_width, setup.samples_across), ()
-    line = find_line(film, setup.line_width, setup.samples_across)
-    (x, y), (x_end, y_end) = line.start, line.end
-    return line, (
-        f"the line was chosen where highlights are clearest: from {x:g}, {y:g} to {x_end:g}, {y_end:g} px",
-    )
-
-
-def _motion(
-    seen: SpaceTime,
-    tracks: Tracks,
-    setup: FilmSetup,
-    lift: Lift | None,
-    angles: int,
-    synthetic: bool,
-    notes: tuple[str, ...],
-) -> CoilMotion:
-    tracks, towards, said = _from_the_seat(tracks, setup.seat)
-    phase = None if setup.free_decay else _phase(seen, towards * tracks.places[:, -1], setup, lift)
-    drift, still = camera_drift(
-        tracks.places, seen.time, None if phase is None else phase.cam_angle
-    )
+    tracks, towards, said = _from_the_seat(track(seen, setup.coils), setup.seat)
+    notes += [*seen.notes, *tracks.notes, *said]
+    phase = None
+    if not setup.free_decay:
+        phase = _phase(seen, towards * tracks.places[:, -1], setup, valve_lift)
+    angle = None if phase is None else phase.cam_angle
+    drift, still = camera_drift(tracks.places, seen.time, angle)
     if phase is not None and phase.zero_by == "lift":  # the drift was in what was laid on the lift
-        phase = _phase(seen, towards * (tracks.places[:, -1] - drift), setup, lift)
-    places = tracks.places - drift[:, None]
-    notes = (
-        *seen.notes,
-        *notes,
-        *tracks.notes,
-        *said,
-        *drift_text(drift, still),
-        *(() if phase is None else phase.notes),
-    )
+        phase = _phase(seen, towards * (tracks.places[:, -1] - drift), setup, valve_lift)
+    places, reach = tracks.places - drift[:, None], float(np.ptp(drift))
+    if still is None:
+        notes.append(
+            "no coil is at rest, so a shift of the camera cannot be separated from the spring's motion and stays in it"
+        )
+    elif reach >= SPOKEN_OF:
+        notes.append(
+            f"the camera drifted by {reach:.2g} px over the film, as coil {still + 1}, which is at rest, shows; this was subtracted"
+        )
     scale, scale_spread, sentence = _scale(setup, phase)
-    moved = towards * scale * places
-    spread = scale * tracks.spread
-    grid = np.arange(angles) * TURN / angles
+    moved, frames = towards * scale * places, np.arange(len(places))
     cycles: tuple[MeasuredCycles, ...] = ()
-    found: tuple[CoilPeak, ...] = ()
+    tops: tuple[CoilPeak, ...] = ()
+    dwell = setup.dwell
     if phase is None:
-        whole = np.arange(len(moved))
         moved = moved - np.nanmean(moved, axis=0)
-        surge = fit_surge(moved, _without_gaps(whole, seen.number), seen.frame_rate)
-        dwell = None
+        # The longest stretch of frames without a lost one.
+        closed = [max(np.split(frames, np.flatnonzero(np.diff(seen.number) > 1) + 1), key=len)]
     else:
-        turns = whole_turns(phase.cam_angle)
-        dwell = setup.dwell
+        notes += phase.notes
+        turns, grid = whole_turns(phase.cam_angle), np.arange(ANGLES) * TURN / ANGLES
         if dwell is None:
-            dwell = closed_window(
-                grid, mean_of(on_grid(phase.cam_angle, moved[:, -1], turns, grid))
-            )
+            upper = on_grid(phase.cam_angle, moved[:, -1], turns, grid)
+            dwell = closed_window(grid, mean_of(upper))
         closed = segments(phase.cam_angle, seen.number, dwell)
-        moved = moved - _rest(moved, closed, phase.cam_angle, dwell)
-        surge = fit_surge(moved, closed, seen.frame_rate)
-        found = peaks(phase.cam_angle, moved, spread, turns)
-        cycles = _cycles(seen, phase, moved, turns, grid, synthetic, sentence)
-    if surge is not None:
-        notes += blur_text(surge, setup.exposure)
+        rest = np.concatenate(closed or [frames[is_closed(phase.cam_angle, dwell)]])
+        if not len(rest):
+            raise InputError(
+                "the film shows no frame with the valve closed; correct the dwell, or film a whole turn",
+                "dwell",
+            )
+        moved = moved - np.nanmean(moved[rest], axis=0)
+        tops = peaks(phase.cam_angle, moved, scale * tracks.spread, turns)
+        step = float(np.degrees(phase.cam_speed / seen.frame_rate))
+        about = (
+            "positive towards the seat, from rest with the valve closed: minus the channel axial_displacement of a run",
+            f"splines between frames {step:.3g} cam deg apart: motion faster than half the frame rate is folded into them",
+            sentence,
+        )
+        cycles = tuple(
+            MeasuredCycles(
+                f"coil_{coil}_displacement",
+                "m",
+                grid,
+                on_grid(phase.cam_angle, place, turns, grid),
+                float(phase.cam_speed),
+                f"{seen.name}, coil {coil} from the seat",
+                synthetic,
+                about,
+            )
+            for coil, place in enumerate(moved.T, 1)
+        )
+    surge = fit_surge(moved, closed, seen.frame_rate)
+    for ringing in surge.lines if surge is not None else ():
+        lost = 1 - float(np.sinc(ringing.natural_frequency * (setup.exposure or 0.0)))
+        if lost > 0.005:
+            notes.append(f"motion blur lowers the swing at {ringing.natural_frequency:.4g} Hz by {100 * lost:.2g} %")  # fmt: skip
     return CoilMotion(
         seen,
         places,
@@ -183,14 +182,14 @@ def _motion(
         moved,
         phase,
         cycles,
-        found,
+        tops,
         dwell,
         surge,
         *spectrum(moved, seen.number, seen.frame_rate),
         scale,
         scale_spread,
         drift,
-        (*notes, *sentence),
+        (*notes, sentence),
     )
 
 
@@ -206,114 +205,42 @@ def _from_the_seat(tracks: Tracks, seat: str) -> tuple[Tracks, float, tuple[str,
             )
     if seat == "start":
         return tracks, -1.0, said
-    turned = replace(
-        tracks,
-        places=tracks.places[:, ::-1],
-        spread=tracks.spread[:, ::-1],
-        merged=tracks.merged[:, ::-1],
-    )
-    return turned, 1.0, said
+    places, spread, merged = tracks.places[:, ::-1], tracks.spread[:, ::-1], tracks.merged[:, ::-1]
+    return Tracks(places, spread, merged, tracks.notes), 1.0, said
 
 
 def _phase(seen: SpaceTime, moved: Array, setup: FilmSetup, lift: Lift | None) -> CamPhase:
+    """Cam angle by the marker, the lift or the speed; where the mark has no angle, the lift gives the zero."""
     if setup.marker is not None:
         phase = by_marker(seen.time, seen.marker, setup.marker_angle or 0.0, setup.cam_speed)
-        if setup.marker_angle is None and lift is None:
-            phase = replace(phase, zero_by="nobody")
-        return (
-            phase
-            if setup.marker_angle is not None or lift is None
-            else _zero_by_lift(phase, seen.time, moved, lift)
+        if setup.marker_angle is not None or lift is None:
+            return phase if setup.marker_angle is not None else replace(phase, zero_by="nobody")
+        laid = by_lift(seen.time, moved, lift, phase.cam_speed)
+        off = float(np.mean(np.unwrap(np.mod(laid.cam_angle - phase.cam_angle, TURN))))
+        notes = (*phase.notes, "the marker gives the speed, the lift the zero of the cam angle")
+        return replace(
+            phase,
+            cam_angle=phase.cam_angle + off,
+            metres_per_pixel=laid.metres_per_pixel,
+            notes=notes,
+            zero_by="lift",
         )
     if lift is not None and setup.first_angle is None:
         return by_lift(seen.time, moved, lift, setup.cam_speed)
-    if setup.cam_speed is None:
-        raise InputError(
-            "an angle of the first frame needs the cam speed too; give it", "cam_speed"
-        )
-    phase = by_speed(seen.time, setup.cam_speed, setup.first_angle or 0.0)
-    return phase if setup.first_angle is not None else replace(phase, zero_by="nobody")
+    assert setup.cam_speed is not None
+    angle = (setup.first_angle or 0.0) + setup.cam_speed * seen.time
+    zero_by = "nobody" if setup.first_angle is None else "told"
+    return CamPhase(angle, setup.cam_speed, 0.0, "speed", zero_by=zero_by)
 
 
-def _zero_by_lift(phase: CamPhase, time: Array, moved: Array, lift: Lift) -> CamPhase:
-    """Speed by the marker, zero of the cam angle by the lift."""
-    found = by_lift(time, moved, lift, phase.cam_speed)
-    off = float(np.mean(np.unwrap(np.mod(found.cam_angle - phase.cam_angle, TURN))))
-    sentence = "the marker gives the speed, the lift the zero of the cam angle"
-    return replace(
-        phase,
-        cam_angle=phase.cam_angle + off,
-        metres_per_pixel=found.metres_per_pixel,
-        notes=(*phase.notes, sentence),
-        zero_by="lift",
-    )
-
-
-def _scale(setup: FilmSetup, phase: CamPhase | None) -> tuple[float, float, tuple[str, ...]]:
+def _scale(setup: FilmSetup, phase: CamPhase | None) -> tuple[float, float, str]:
     """Metres a pixel, standard deviation, and what is said of it."""
-    if setup.scale_points is not None:
-        assert setup.scale_length is not None
-        scale = setup.metres_per_pixel
+    scale = setup.metres_per_pixel
+    if setup.scale_length is not None:
         share = np.sqrt(2) * PICKED * scale / setup.scale_length
-        return (
-            scale,
-            float(share * scale),
-            (
-                f"the scale is {1e3 * scale:.5g} mm a pixel, within {100 * share:.2g} % as far as points are picked",
-            ),
-        )
+        sentence = f"the scale is {1e3 * scale:.5g} mm a pixel, within {100 * share:.2g} % as far as points are picked"
+        return scale, float(share * scale), sentence
     if phase is not None and phase.metres_per_pixel > 0:
         sentence = "the scale makes the uppermost coil move as far as the lift, too large a scale where that coil is not the retainer's"
-        return phase.metres_per_pixel, 0.0, (sentence,)
+        return phase.metres_per_pixel, 0.0, sentence
     raise InputError(NO_SCALE, "scale_points")
-
-
-def _without_gaps(frames: NDArray[np.int64], number: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """The longest stretch of frames without a lost one."""
-    parts = np.split(frames, np.flatnonzero(np.diff(number) > 1) + 1)
-    return [max(parts, key=len)]
-
-
-def _rest(
-    moved: Array, closed: list[NDArray[np.int64]], cam_angle: Array, dwell: tuple[float, float]
-) -> Array:
-    """Place of each coil (m) with the valve closed."""
-    inside = (
-        np.concatenate(closed)
-        if closed
-        else np.flatnonzero(np.mod(cam_angle - dwell[0], TURN) < dwell[1] - dwell[0])
-    )
-    if not len(inside):
-        raise InputError(
-            "the film shows no frame with the valve closed; correct the dwell, or film a whole turn",
-            "dwell",
-        )
-    return np.asarray(np.nanmean(moved[inside], axis=0))
-
-
-def _cycles(
-    seen: SpaceTime,
-    phase: CamPhase,
-    moved: Array,
-    turns: list[int],
-    grid: Array,
-    synthetic: bool,
-    notes: tuple[str, ...],
-) -> tuple[MeasuredCycles, ...]:
-    """Displacement of every coil over the cam angle."""
-    step = float(np.degrees(phase.cam_speed / seen.frame_rate))
-    sentence = "positive towards the seat, from rest with the valve closed: minus the channel axial_displacement of a run"
-    between = f"splines between frames {step:.3g} cam deg apart: motion faster than half the frame rate is folded into them"
-    return tuple(
-        MeasuredCycles(
-            f"coil_{coil + 1}_displacement",
-            "m",
-            grid,
-            on_grid(phase.cam_angle, moved[:, coil], turns, grid),
-            float(phase.cam_speed),
-            f"{seen.name}, coil {coil + 1} from the seat",
-            synthetic,
-            (sentence, between, *notes),
-        )
-        for coil in range(moved.shape[1])
-    )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.film.cycles import SPOKEN_OF, CamPhase, CoilPeak
+from valvetrain.film.cycles import CamPhase, CoilPeak
 from valvetrain.film.space_time import SpaceTime
 from valvetrain.film.surge import SurgeFit
 from valvetrain.measured.cycles import MeasuredCycles
@@ -79,28 +79,3 @@ class CoilMotion(Reported):
             else f"{30 * self.phase.cam_speed / np.pi:.1f} rpm of the cam"
         )
         return f"CoilMotion of {self.seen.name}: {self.coils} coils in {frames} frames, {speed}"
-
-
-def drift_text(drift: Array, still: int | None) -> tuple[str, ...]:
-    """How far the camera moved, and which coil (from 0) showed it."""
-    if still is None:
-        return (
-            "no coil is at rest, so a shift of the camera cannot be separated from the spring's motion and stays in it",
-        )
-    reach = float(np.ptp(drift))
-    if reach < SPOKEN_OF:
-        return ()
-    return (
-        f"the camera drifted by {reach:.2g} px over the film, as coil {still + 1}, which is at rest, shows; this was subtracted",
-    )
-
-
-def blur_text(surge: SurgeFit, exposure: float | None) -> tuple[str, ...]:
-    """What the exposure (s) does to the lines."""
-    lines = [one.natural_frequency for one in surge.lines] if exposure is not None else []
-    lost = [(line, 1 - float(np.sinc(line * (exposure or 0.0)))) for line in lines]
-    return tuple(
-        f"motion blur lowers the swing at {line:.4g} Hz by {100 * share:.2g} %"
-        for line, share in lost
-        if share > 0.005
-    )

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from valvetrain.errors import InputError
 from valvetrain.film.space_time import DEFAULT_WIDTH, MARKER_RADIUS, Point
-from valvetrain.units import Given, keep_si
+from valvetrain.units import Given, keep_si, parse_quantities
 
 #: Which end of the line the spring's fixed seat is at.
 SEAT_ENDS = ("start", "end")
@@ -22,9 +26,9 @@ class FilmSetup:
     ----------
     frame_rate : frames a second of the camera; needed unless the file gives a rate above that of
         screens
-    line : the two end points of the line along the spring; found from the picture where not given
+    line : the two end points of the line along the spring, as numbers or text ("12, 5, 12, 205"); found
+        from the picture where not given
     line_width : px across the line that are averaged
-    samples_across : samples over that width
     coils : highlights on the line; counted where not given
     seat : end of the line at which the spring is fixed, "start" or "end"; the end that moves
         less where not given
@@ -35,8 +39,8 @@ class FilmSetup:
     cam_speed : of the cam, an angular speed; compared with the marker's or the lift's where these
         give it
     first_angle : cam angle of the first frame, where a speed alone gives the phase; an angle
-    dwell : cam angles (rad) between which the valve is closed, (first, last), the last one beyond a
-        turn where it wraps
+    dwell : cam angles (rad) between which the valve is closed, (first, last), or text such as
+        "170:350 deg"; the last one beyond a turn where it wraps
     free_decay : the cam does not turn; the spring is struck and rings, so the whole film is one
         decay
     first_frame, last_frame : frames that are used, counted from 0
@@ -55,7 +59,6 @@ class FilmSetup:
     frame_rate: float | None = None
     line: tuple[Point, Point] | None = None
     line_width: float = DEFAULT_WIDTH
-    samples_across: int = 5
     coils: int | None = None
     seat: str = ""
     scale_points: tuple[Point, Point] | None = None
@@ -77,19 +80,18 @@ class FilmSetup:
             self,
             *,
             frame_rate: Given | None = None,
-            line: tuple[Point, Point] | None = None,
+            line: Sequence[Point] | str | None = None,
             line_width: float = DEFAULT_WIDTH,
-            samples_across: int = 5,
             coils: int | None = None,
             seat: str = "",
-            scale_points: tuple[Point, Point] | None = None,
+            scale_points: Sequence[Point] | str | None = None,
             scale_length: Given | None = None,
-            marker: Point | None = None,
+            marker: Point | str | None = None,
             marker_radius: float = MARKER_RADIUS,
             marker_angle: Given | None = None,
             cam_speed: Given | None = None,
             first_angle: Given | None = None,
-            dwell: tuple[float, float] | None = None,
+            dwell: tuple[float, float] | str | None = None,
             free_decay: bool = False,
             first_frame: int = 0,
             last_frame: int | None = None,
@@ -107,73 +109,72 @@ class FilmSetup:
             first_angle="angle",
             exposure="time",
         )
-        for name in ("line", "scale_points"):
+        for name, count in (("line", 4), ("scale_points", 4), ("marker", 2)):
             if (points := getattr(self, name)) is not None:
-                object.__setattr__(
-                    self, name, tuple(_pair(one, name) for one in _two(points, name))
-                )
-        for name in ("marker", "dwell"):
-            if (pair := getattr(self, name)) is not None:
-                object.__setattr__(self, name, _pair(pair, name))
-        if self.seat and self.seat not in SEAT_ENDS:
+                object.__setattr__(self, name, _points(points, name, count))
+        if self.dwell is not None:
+            object.__setattr__(self, "dwell", _window(self.dwell))
+        if self.seat not in ("", *SEAT_ENDS):
             raise InputError(
                 f"the seat is at the start or the end of the line, not at '{self.seat[:40]}'; say which",
                 "seat",
             )
         if (self.scale_points is None) != (self.scale_length is None):
             raise InputError("a scale is two points and their distance; give both", "scale_points")
-        if self.scale_length is not None and not (
-            self.scale_length > 0 and self.metres_per_pixel < 1.0
-        ):
+        if self.scale_length is not None and not 0 < self.metres_per_pixel < 1.0:
             raise InputError(
                 "the two points of the scale are the same or their distance is not positive; correct them",
                 "scale_points",
             )
+        for name, low in (("frame_rate", 1.0), ("exposure", 1e-9), ("cam_speed", 1e-3)):
+            value = getattr(self, name)
+            if value is not None and not low <= value <= 1e7:
+                raise InputError(f"no film has a {name} of {value:g} in SI units; correct it", name)
         last = self.last_frame
         if self.first_frame < 0 or (last is not None and last < self.first_frame):
             raise InputError(
                 f"frames {self.first_frame} to {last} are none; count from 0, the first one first",
                 "first_frame",
             )
-        if self.dwell is not None and not 0 < self.dwell[1] - self.dwell[0] < 6.283:
-            raise InputError(
-                "the dwell ends after it begins and is less than a turn; add 360 deg to its end where it wraps",
-                "dwell",
-            )
-        if self.exposure is not None and not self.exposure > 0:
-            raise InputError("an exposure is a time above zero; correct it", "exposure")
 
     @property
     def metres_per_pixel(self) -> float:
-        """Metres that a pixel shows; 0 without a scale."""
+        """Metres that a pixel shows; 0 without a scale, or for points that are the same."""
         if self.scale_points is None or self.scale_length is None:
             return 0.0
-        one, two = self.scale_points
-        apart = float(((one[0] - two[0]) ** 2 + (one[1] - two[1]) ** 2) ** 0.5)
-        return self.scale_length / apart if apart > 0 else float("inf")
+        apart = math.dist(*self.scale_points)
+        return self.scale_length / apart if apart > 0 else 0.0
 
 
-def _two(given: Any, name: str) -> tuple[Any, Any]:
-    """Two things of a sequence of two."""
+def _points(given: Any, name: str, count: int) -> tuple[Any, ...]:
+    """A point, or two, of as many numbers: nested as a :class:`SightLine` takes them."""
     try:
-        one, two = given
-    except (TypeError, ValueError) as error:
+        parts = given.split(",") if isinstance(given, str) else given
+        numbers = np.array(parts, dtype=float).ravel()
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if len(numbers) != count or not (np.abs(numbers) < 1e6).all():
         raise InputError(
-            f"{name} is two points, such as ((12, 5), (12, 205)); correct it", name
-        ) from error
-    return one, two
-
-
-def _pair(given: Any, name: str) -> tuple[float, float]:
-    """Two numbers."""
-    try:
-        one, two = (float(value) for value in given)
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"a point of {name} is two numbers, such as (12, 5); correct it", name
-        ) from error
-    if not (abs(one) < 1e6 and abs(two) < 1e6):
-        raise InputError(
-            f"{name} holds a number that is none of a picture or a turn; correct it", name
+            f"{name} is {count} numbers of pixels, such as '{', '.join(['12, 5', '12, 205'][: count // 2])}', not '{str(given)[:40]}'; correct it",
+            name,
         )
-    return one, two
+    points = [tuple(point) for point in numbers.reshape(-1, 2).tolist()]
+    return tuple(points) if count == 4 else points[0]
+
+
+def _window(given: Any) -> tuple[float, float]:
+    """Two cam angles (rad) in order, within a turn."""
+    try:
+        if isinstance(given, str):
+            begin, end = parse_quantities(given.replace(":", ","), "angle", "dwell")
+            end += math.tau * (end < begin)
+        else:
+            begin, end = (float(value) for value in given)
+    except (TypeError, ValueError):
+        begin = end = 0.0
+    if not 0 < end - begin < 6.283 or not abs(end) < 1e6:
+        raise InputError(
+            f"'{str(given)[:40]}' is no window; give two angles less than a turn apart, such as '170:350 deg'",
+            "dwell",
+        )
+    return begin, end

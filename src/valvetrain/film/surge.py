@@ -59,10 +59,9 @@ class SurgeLine:
 
 @dataclass(frozen=True, eq=False)
 class SurgeFit:
-    """``lines`` by frequency; of one decay that is shown: ``time`` (s) and ``measured`` (m), the
-    fitted curve
-    ``curve`` (m) at ``curve_time`` (s); ``coil`` it is of; ``scatter``
-    (m) of a place about the fit; ``decays`` fitted."""
+    """``lines`` by frequency; of the decay that is shown: ``time`` (s) and ``measured`` (m), the fitted ``curve`` (m) at
+    ``curve_time`` (s), and the ``coil`` it is of.
+    """
 
     lines: tuple[SurgeLine, ...]
     time: Array
@@ -70,8 +69,6 @@ class SurgeFit:
     curve_time: Array
     curve: Array
     coil: int
-    scatter: float
-    decays: int
 
 
 def fit_surge(
@@ -84,179 +81,144 @@ def fit_surge(
     cos(w_d t) + b sin(w_d t)) is solved by
     variable projection from poles of the matrix pencil. None where too few frames are enough for a result.
     """
-    length = min((len(one) for one in decays), default=0)
+    length = min(map(len, decays), default=0)
     if length < FEWEST:
         return None
-    blocks = [moved[one[:length]] for one in decays]
-    whole = np.concatenate(blocks, axis=1)
-    group = np.repeat(np.arange(len(blocks)), moved.shape[1])
-    complete = np.isfinite(whole).all(axis=0)
-    data, group = whole[:, complete], group[complete]
-    if data.shape[1] == 0 or not np.ptp(data) > 0:
+    every = np.concatenate([moved[frames[:length]] for frames in decays], axis=1)
+    complete = np.flatnonzero(np.isfinite(every).all(axis=0))
+    data = every[:, complete]
+    if not len(complete) or not np.ptp(data) > 0:
         return None
     best: tuple[float, Array] | None = None
     for count in range(1, MAX_LINES + 1):
-        if 1 + 2 * count > length - 3:
-            break
-        start = _poles(data - data.mean(axis=0), count, length)
-        if not len(start):
+        start = _poles(data - data.mean(axis=0), count)
+        if 1 + 2 * count > length - 3 or not start.size:
             continue
-        found = _without_growth(data, _refined(data, start))
-        numbers = found.size + (1 + found.size) * data.shape[1]
-        misfit = float(np.sum(_left(data, found) ** 2))
-        criterion = data.size * np.log(max(misfit, 1e-300) / data.size) + WORTH * numbers * np.log(
-            data.size
-        )
-        if (best is None or criterion < best[0]) and _sound(data, found):
-            best = criterion, found
+        lines = _fitted(data, start)
+        numbers = lines.size + (1 + lines.size) * data.shape[1]
+        misfit = max(float(np.sum(_left(data, lines) ** 2)), 1e-300)
+        criterion = data.size * np.log(misfit / data.size) + WORTH * numbers * np.log(data.size)
+        if (best is None or criterion < best[0]) and _sound(data, lines):
+            best = criterion, lines
     if best is None:
         return None
-    return _described(
-        data, group, best[1], frame_rate, np.flatnonzero(complete) % moved.shape[1], first_coil
-    )
+    decay, coil = np.divmod(complete, moved.shape[1])
+    return _described(data, decay, best[1], frame_rate, coil + first_coil)
 
 
-def _basis(time: Array, numbers: Array) -> Array:
-    """Columns of the model at times in frames: one, and a damped cosine and sine per pair (angle a
+def _basis(time: Array, lines: Array) -> Array:
+    """Columns of the model at times in frames: one, and a damped cosine and sine per line (angle a
     frame, decay a frame).
     """
-    columns = [np.ones(len(time))]
-    for angle, decay in numbers.reshape(-1, 2):
-        fall = np.exp(np.clip(-decay * time, -600.0, 60.0))
-        columns += [fall * np.cos(angle * time), fall * np.sin(angle * time)]
-    return np.column_stack(columns)
+    angle, decay = lines.reshape(-1, 2).T
+    fall = np.exp(np.clip(-decay * time[:, None], -600.0, 60.0))
+    turned = angle * time[:, None]
+    swings = np.stack([fall * np.cos(turned), fall * np.sin(turned)], axis=2)
+    return np.hstack([np.ones((len(time), 1)), swings.reshape(len(time), -1)])
 
 
-def _left(data: Array, numbers: Array) -> Array:
-    basis, _ = np.linalg.qr(_basis(np.arange(len(data), dtype=float), numbers))
+def _left(data: Array, lines: Array) -> Array:
+    """What the best amplitudes leave of the data."""
+    basis, _ = np.linalg.qr(_basis(np.arange(float(len(data))), lines))
     return np.asarray(data - basis @ (basis.T @ data))
 
 
-def _refined(data: Array, start: Array) -> Array:
+def _fitted(data: Array, start: Array) -> Array:
+    """Lines (lines, 2) by least squares, again without those that grow over the frames."""
     from scipy.optimize import least_squares
 
     size = float(np.sqrt(np.mean(data**2))) or 1.0
-    return np.asarray(
-        least_squares(lambda x: _left(data, x).ravel() / size, start, x_scale=0.01, max_nfev=60).x
+    result = least_squares(
+        lambda x: _left(data, x).ravel() / size, start.ravel(), x_scale=0.01, max_nfev=60
     )
-
-
-def _without_growth(data: Array, numbers: Array) -> Array:
-    """The lines that do not grow over the frames, fitted again where others are dropped."""
-    lines = numbers.reshape(-1, 2)
+    lines: Array = result.x.reshape(-1, 2)
     falls = lines[:, 1] * len(data) > -GROWTH
-    if falls.all() or not falls.any():
-        return numbers[np.repeat(falls, 2)]
-    return _without_growth(data, _refined(data, lines[falls].ravel()))
+    return _fitted(data, lines[falls]) if falls.any() and not falls.all() else lines[falls]
 
 
-def _poles(data: Array, count: int, length: int) -> Array:
-    """Angles and decays a frame of the ``count`` strongest swings, by the shift of the signal space
-    (matrix pencil).
+def _poles(data: Array, count: int) -> Array:
+    """Angles and decays a frame (lines, 2) of the ``count`` strongest swings, by the shift of the
+    signal space (matrix pencil).
     """
-    rows = length // 2
-    hankel = np.concatenate(
-        [np.stack([one[k : k + rows] for k in range(length - rows + 1)], axis=1) for one in data.T],
-        axis=1,
-    )
+    rows = len(data) // 2
+    hankel = np.lib.stride_tricks.sliding_window_view(data, rows, axis=0).reshape(-1, rows).T
     space = np.linalg.svd(hankel, full_matrices=False)[0][:, : 2 * count]
-    values = np.linalg.eigvals(np.linalg.lstsq(space[:-1], space[1:], rcond=None)[0])
-    upper = values[np.imag(values) > 1e-6]
-    pairs = [(float(np.angle(one)), float(np.clip(-np.log(abs(one)), -0.02, 1.0))) for one in upper]
-    return np.array(
-        [value for pair in sorted(pairs) if pair[0] > LOWEST * 2 * np.pi / length for value in pair]
-    )
+    pole = np.linalg.eigvals(np.linalg.lstsq(space[:-1], space[1:], rcond=None)[0])
+    lines = np.column_stack([np.angle(pole), np.clip(-np.log(np.abs(pole)), -0.02, 1.0)])
+    seen = (pole.imag > 1e-6) & (lines[:, 0] > LOWEST * 2 * np.pi / len(data))
+    return lines[seen][np.argsort(lines[seen, 0])]
 
 
-def _sound(data: Array, numbers: Array) -> bool:
+def _sound(data: Array, lines: Array) -> bool:
     """Whether all lines are within what a film shows, apart from each other and stronger than the scatter alone makes
     them.
     """
-    if not numbers.size:
-        return False
-    angle, decay = numbers.reshape(-1, 2).T
-    apart = np.diff(np.sort(angle))
-    inverse = np.linalg.pinv(_basis(np.arange(len(data), dtype=float), numbers))
-    chance = np.mean(_left(data, numbers) ** 2) * np.sum(inverse[1:] ** 2, axis=1)
-    size = np.mean((inverse[1:] @ data) ** 2, axis=1)
-    return bool(
-        np.all((size - SEEN * chance).reshape(-1, 2).sum(axis=1) > 0)
-        and np.all((angle > 0) & (angle < np.pi))
-        and np.all(np.abs(decay) < MAX_DAMPING * angle)
-        and np.all(apart > 1e-3)
-    )
+    angle, decay = lines.T
+    inverse = np.linalg.pinv(_basis(np.arange(float(len(data))), lines))[1:]
+    chance = np.mean(_left(data, lines) ** 2) * np.sum(inverse**2, axis=1)
+    size = np.mean((inverse @ data) ** 2, axis=1)
+    stronger = (size - SEEN * chance).reshape(-1, 2).sum(axis=1) > 0
+    shown = stronger & (angle > 0) & (angle < np.pi) & (np.abs(decay) < MAX_DAMPING * angle)
+    return bool(len(lines) and shown.all() and np.all(np.diff(np.sort(angle)) > 1e-3))
 
 
 def _described(
     data: Array,
-    group: NDArray[np.int64],
-    numbers: Array,
+    decay_of: NDArray[np.int64],
+    lines: Array,
     frame_rate: float,
     coils: NDArray[np.int64],
-    first_coil: int,
 ) -> SurgeFit:
     """Lines with their intervals: the larger of what the misfit leaves and of what leaving out one
     dwell after the other changes.
     """
-    left = _left(data, numbers)
-    free = max(data.size - numbers.size - (1 + numbers.size) * data.shape[1], 1)
+    from scipy.optimize import approx_fprime
+
+    left = _left(data, lines)
+    free = max(data.size - lines.size - (1 + lines.size) * data.shape[1], 1)
     variance = float(np.sum(left**2)) / free
-    steps = 1e-6 * np.maximum(np.abs(numbers), 1e-3)
-    slopes = np.column_stack(
-        [
-            ((_left(data, numbers + step) - _left(data, numbers - step)) / (2 * size)).ravel()
-            for step, size in zip(np.diag(steps), steps, strict=True)
-        ]
-    )
-    covariance = variance * np.linalg.pinv(slopes.T @ slopes) * _memory(left)
-    dwells = np.unique(group)
+    slopes = approx_fprime(lines.ravel(), lambda x: _left(data, x).ravel(), 1e-7)
+    # Neighbouring frames that err alike tell less than as many that err by chance.
+    alike = float(np.sum(left[1:] * left[:-1])) / max(float(np.sum(left**2)), 1e-300)
+    alike = (1 + max(alike, 0.0)) / (1 - min(max(alike, 0.0), 0.9))
+    covariance = variance * alike * np.linalg.pinv(slopes.T @ slopes)
+    dwells = np.unique(decay_of)
     if len(dwells) > 2:
-        others = np.array([_refined(data[:, group != one], numbers) for one in dwells])
-        off = others - others.mean(axis=0)
-        jack = (len(dwells) - 1) / len(dwells) * off.T @ off
-        grown = np.sqrt(np.maximum(np.diag(jack) / np.maximum(np.diag(covariance), 1e-300), 1.0))
-        covariance = covariance * np.outer(grown, grown)
-    basis = _basis(np.arange(len(data), dtype=float), numbers)
-    shares = np.linalg.lstsq(basis, data, rcond=None)[0]
-    lines = []
-    for place, (angle, decay) in enumerate(numbers.reshape(-1, 2)):
-        natural = float(np.hypot(angle, decay))
-        part = covariance[2 * place : 2 * place + 2, 2 * place : 2 * place + 2]
-        along = np.array([angle, decay]) / natural
-        ratio = np.array([-decay * angle, angle**2]) / natural**3
-        amplitude = np.sqrt(np.mean(np.sum(shares[1 + 2 * place : 3 + 2 * place] ** 2, axis=0)))
-        lines.append(
+        others = [_fitted(data[:, decay_of != dwell], lines) for dwell in dwells]
+        same = np.array([other.ravel() for other in others if len(other) == len(lines)])
+        jack = np.cov(same.T, ddof=0) * (len(dwells) - 1) if len(same) else 0 * covariance
+        grown = np.maximum(np.diag(jack) / np.maximum(np.diag(covariance), 1e-300), 1.0)
+        covariance = covariance * np.sqrt(np.outer(grown, grown))
+    shares = np.linalg.lstsq(_basis(np.arange(float(len(data))), lines), data, rcond=None)[0]
+    surge = []
+    for place, (angle, decay) in enumerate(lines):
+        natural, columns = float(np.hypot(angle, decay)), slice(2 * place, 2 * place + 2)
+        # Slopes of natural frequency and damping ratio by angle and decay.
+        by_natural = np.array([angle, decay]) / natural
+        by_ratio = np.array([-decay, angle]) * angle / natural**3
+        slope = np.array([by_natural, by_ratio])
+        deviation = np.sqrt(np.diag(slope @ covariance[columns, columns] @ slope.T))
+        per_second = frame_rate / (2 * np.pi)
+        size = np.sqrt(np.mean(np.sum(shares[1:][columns] ** 2, axis=0)))
+        surge.append(
             SurgeLine(
-                natural * frame_rate / (2 * np.pi),
-                float(np.sqrt(along @ part @ along)) * frame_rate / (2 * np.pi),
+                natural * per_second,
+                float(deviation[0] * per_second),
                 max(float(decay / natural), 0.0),
-                float(np.sqrt(ratio @ part @ ratio)),
-                float(amplitude),
+                float(deviation[1]),
+                float(size),
             )
         )
-    shown = int(np.argmax(np.sum((data - data.mean(axis=0)) ** 2, axis=0)))
-    time = np.arange(len(data)) / frame_rate
+    strongest = int(np.argmax(np.var(data, axis=0)))
     fine = np.arange((len(data) - 1) * FINE + 1) / FINE
-    ordered = tuple(sorted(lines, key=lambda one: one.natural_frequency))
     return SurgeFit(
-        ordered,
-        time,
-        data[:, shown] - shares[0, shown],
+        tuple(sorted(surge, key=lambda line: line.natural_frequency)),
+        np.arange(float(len(data))) / frame_rate,
+        data[:, strongest] - shares[0, strongest],
         fine / frame_rate,
-        _basis(fine, numbers)[:, 1:] @ shares[1:, shown],
-        first_coil + int(coils[shown]),
-        float(np.sqrt(variance)),
-        len(dwells),
+        _basis(fine, lines)[:, 1:] @ shares[1:, strongest],
+        int(coils[strongest]),
     )
-
-
-def _memory(left: Array) -> float:
-    """Factor by which what one frame leaves resembles the next one's: neighbours that err alike
-    give less.
-    """
-    size = float(np.sum(left**2))
-    alike = float(np.sum(left[1:] * left[:-1])) / size if size > 0 else 0.0
-    return float((1 + max(alike, 0.0)) / (1 - min(max(alike, 0.0), 0.9)))
 
 
 def spectrum(moved: Array, number: NDArray[np.int64], frame_rate: float) -> tuple[Array, Array]:
@@ -265,19 +227,16 @@ def spectrum(moved: Array, number: NDArray[np.int64], frame_rate: float) -> tupl
     """
     even = np.arange(number[-1] + 1)
     window = np.hanning(len(even) + 2)[1:-1]
-    power = np.zeros(len(even) // 2 + 1)
-    counted = 0
-    for one in moved.T:
-        good = np.isfinite(one)
-        if good.sum() < 4:
-            continue
-        signal = np.interp(even, number[good], one[good])
-        signal = signal - np.polyval(np.polyfit(even, signal, 1), even)
-        power += np.abs(np.fft.rfft(signal * window) * 2 / window.sum()) ** 2
-        counted += 1
-    return np.asarray(np.fft.rfftfreq(len(even), 1 / frame_rate), dtype=float), np.asarray(
-        np.sqrt(power / max(counted, 1))
-    )
+    powers = []
+    for place in moved.T:
+        good = np.isfinite(place)
+        if good.sum() >= 4:
+            signal = np.interp(even, number[good], place[good])
+            signal -= np.polyval(np.polyfit(even, signal, 1), even)
+            powers.append(np.abs(np.fft.rfft(signal * window) * 2 / window.sum()) ** 2)
+    frequency = np.fft.rfftfreq(len(even), 1 / frame_rate)
+    amplitude = np.sqrt(np.mean(powers, axis=0)) if powers else np.zeros(len(frequency))
+    return np.asarray(frequency), np.asarray(amplitude)
 
 
 def alias_of(natural_frequency: float, frame_rate: float) -> float:

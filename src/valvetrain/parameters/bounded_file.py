@@ -61,3 +61,25 @@ def bounded_bytes(path: Path, what: str, most: int = MAX_BYTES) -> bytes:
             f"is larger than {most / 1e6:.3g} MB, so it is no {what}; give another file"
         )
     return content
+
+
+def file_head(path: Path, noun: str, length: int = 4096) -> tuple[str, bytes, int]:
+    """Name as messages show it, first ``length`` bytes, and size of a regular file that holds a ``noun``.
+
+    Raises :class:`InputError` for a missing, empty or special file (a device, a pipe).
+    """
+    name = path.name[:80] or str(path)[:80]
+    try:
+        state = path.stat()
+        if not stat.S_ISREG(state.st_mode):
+            raise InputError(f"'{name}' is no regular file; give the {noun} as a file")
+        with path.open("rb") as stream:
+            head = stream.read(length)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", "") or "the name is no file name"
+        raise InputError(
+            f"{noun} '{name}' cannot be read: {reason.lower()}; check the name and the folder"
+        ) from error
+    if not head.strip():
+        raise InputError(f"'{name}' is empty; export the {noun} again")
+    return name, head, state.st_size
