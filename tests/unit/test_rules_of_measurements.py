@@ -19,7 +19,7 @@ from valvetrain.rig.result import student
 from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.scan import axis as sections
 from valvetrain.scan import fit as ends
-from valvetrain.scan.axis import _rise, follow
+from valvetrain.scan.axis import WEDGES, follow
 
 TURN = 2 * np.pi
 
@@ -62,27 +62,6 @@ def test_one_value_says_nothing_of_its_mean(count):
     assert student(count) == np.inf
 
 
-@pytest.mark.parametrize(
-    ("count", "votes"),
-    [(2, 2), (599, 599), (1199, 1199), (1200, 600), (1801, 601), (3000, 600), (3599, 720)],
-)
-def test_of_many_points_every_so_many_votes_so_that_six_hundred_are_left(monkeypatch, count, votes):
-    """Every second from 1200 on, every third from 1800 on: 600 points or more are left wherever
-    there were as many.
-    """
-    seen: list[int] = []
-
-    def take_down(points, *more):
-        seen.append(len(points))
-        return np.zeros((1, 1)), (0.0, 0.0)
-
-    monkeypatch.setattr(sections, "_votes", take_down)
-    monkeypatch.setattr(sections, "_best_radii", lambda scores: [])
-    radius, height = np.linspace(10.0, 12.0, count), np.linspace(0.0, 50.0, count)
-    sections.find_sections(np.column_stack([radius, 0 * radius, height]), wedges=1)
-    assert set(seen) == {votes}
-
-
 def kept(samples: int, parts: int, known: tuple[str, ...]):
     """A run that keeps t^2 at even times from 5 s on, at ``parts`` points a sample, and extremes
     between them.
@@ -123,25 +102,6 @@ def test_the_finest_trace_holds_all_that_a_run_keeps_of_a_channel(known, parts, 
     assert values == pytest.approx(time**2) and spacing == pytest.approx(0.1 / parts)
 
 
-@pytest.mark.parametrize("away", [1, 5, -1, -5])
-@pytest.mark.parametrize(
-    ("count", "rise", "slope"),
-    [(1, 0.1, 0.0), (3, 0.1, 0.0), (4, 0.1, 0.1), (9, 0.1, 0.1), (9, -0.1, 0.0)],
-)
-def test_a_wire_is_looked_for_where_four_sections_or_more_point_to_and_never_back(
-    count, rise, slope, away
-):
-    """Sections on a straight line of ``rise`` mm a place, the last at place 10 and 40 mm up; of
-    fewer than four, and falling, level.
-    """
-    behind = [10 - place * int(np.sign(away)) for place in range(count)]
-    known = {place: index for index, place in enumerate(behind)}
-    plane = np.column_stack(
-        [np.full(count, 12.0), [40.0 + rise * (place - 10) for place in behind]]
-    )
-    assert _rise(behind, known, plane, away) == pytest.approx(40.0 + slope * away)
-
-
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("stray", [0, 80])
 def test_a_ground_face_is_laid_through_all_points_of_its_scatter_and_no_others(
@@ -162,10 +122,10 @@ def test_a_ground_face_is_laid_through_all_points_of_its_scatter_and_no_others(
         lambda tube, points, reach: SimpleNamespace(distance=np.full(len(points), 0.5)),
     )
     monkeypatch.setattr(
-        ends, "_amid", lambda tube, face, points, *more: np.ones(len(points), dtype=bool)
+        ends, "_in_section", lambda tube, face, points, turn: (0.0 * turn, np.ones(len(turn)))
     )
     face = ends.find_face(
-        SimpleNamespace(section=np.array([2.0]), noise=0.03), points, 0.0, side, (0.0, 6.0)
+        SimpleNamespace(section=np.array([2.0]), noise=0.03, hand=1), points, 0.0, side, (0.0, 6.0)
     )
     assert 1985 <= face.points <= 2000
     assert (
@@ -281,17 +241,19 @@ def test_the_sampling_rate_of_a_text_stands_in_its_heading(tmp_path, line, rate)
 
 
 @pytest.mark.parametrize("hand", [1, -1])
-@pytest.mark.parametrize("begin", [1, 18, 35])
-@pytest.mark.parametrize(("count", "whole"), [(50, False), (70, False), (74, True), (110, True)])
+@pytest.mark.parametrize("begin", [1, 32, 63])
+@pytest.mark.parametrize(("count", "whole"), [(90, False), (125, False), (131, True), (200, True)])
 def test_a_wire_is_followed_over_two_turns_at_least_wherever_it_begins(hand, begin, count, whole):
-    """Sections of a helix of pitch 6 mm, 36 to the turn, that begin in any half plane."""
+    """Sections of a helix of pitch 6 mm that begin in any half plane."""
     step = np.arange(count)
-    turn = np.mod(hand * (begin + step) + 0.5, 36) / 36
-    found = sections.Sections(turn, np.full(count, 12e-3), 6e-3 * step / 36, np.ones(count), 1.5e-3)
+    plane = np.column_stack([np.full(count, 12e-3), 6e-3 * step / WEDGES])
+    wedge = np.mod(hand * (begin + step), WEDGES)
+    found = sections.Sections(wedge, plane, 1.5e-3)
     if not whole:
-        with pytest.raises(InputError, match=f"over {(count - 1) / 36:.2g} turns only"):
-            follow(found, 36)
+        with pytest.raises(InputError, match=f"over {(count - 1) / WEDGES:.2g} turns only"):
+            follow(found)
         return
-    trace = follow(found, 36)
-    assert trace.hand == hand and np.diff(trace.turn) == pytest.approx(np.full(count - 1, 1 / 36))
-    assert trace.height == pytest.approx(6e-3 * step / 36)
+    trace = follow(found)
+    assert trace.hand == hand
+    assert np.diff(trace.turn) == pytest.approx(np.full(count - 1, 1 / WEDGES))
+    assert trace.height == pytest.approx(6e-3 * step / WEDGES)

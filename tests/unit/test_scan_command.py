@@ -14,8 +14,8 @@ import pytest
 from unit.cli_parts import call as invoke
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.scan.definition import round_wire, turned_over
-from valvetrain.scan.reconstruct import spring_from_scan
+from valvetrain.scan.definition import round_wire
+from valvetrain.scan.reconstruct import spring_from_scan, turned_over
 from valvetrain.views.page import data_of
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))

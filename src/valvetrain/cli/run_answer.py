@@ -520,9 +520,9 @@ def saved_result(
     from valvetrain.views.terminal import screen
 
     gaps = PartialFailures()
-    data["findings"] = [one.to_dict() for one in show(Path()).findings]
 
     def fill(folder: Path) -> list[Path]:
+        data["findings"] = [one.to_dict() for one in show(folder).findings]
         with for_reader():
             page = write_page(show(folder), folder, gaps)
         return [*write(folder), *filter(None, (page,))]

@@ -8,7 +8,6 @@ from functools import cached_property
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from valvetrain.findings.engine import Findings, Mark, judge
 from valvetrain.findings.words import Amount, Words, speed_text
@@ -70,43 +69,28 @@ class ScanAnswer(Shown):
         return [*self._sizes(), *(self._seen() if self.compared is None else self._loads())]
 
     def _sizes(self) -> Iterator[Line]:
-        scan, curves = self.scan, self.scan.curves
-        design = None if self.compared is None else self.compared.cases[0].springs[0].wire
-        known = curves.mean_diameter_spread < 3 * np.median(curves.mean_diameter_spread)
-        coil, spread = curves.coil[known], curves.mean_diameter_spread[known]
-        drawn: tuple[ArrayLike | None, ...] = (None,) * 5 if design is None else (
-            design.free_length, np.mean(design.wire_diameter.value(coil)), design.mean_diameter.value(coil), design.total_coils,
-            design.pitch.value(coil),
-        )  # fmt: skip
-        made: tuple[tuple[str, ArrayLike, ArrayLike], ...] = (
-            ("free length", *scan.free_length), ("wire diameter", *scan.section.diameter),
-            ("mean diameter", curves.mean_diameter[known], spread), ("turns", *scan.total_coils),
-            ("pitch", curves.pitch[known], curves.pitch_spread[known]),
-        )  # fmt: skip
-        for (label, values, scatter), other in zip(made, drawn, strict=True):
-            name = "total_coil_count" if label == "turns" else "free_length"
-            yield Line(label, self._cells(name, values, scatter, other))
+        facts, words = self.facts, replace(self.words, brief=True)
+        for size in facts.sizes:
+            bar, name = BAND * float(np.max(size.spread)), size.quantity
+            low, high = (Amount(name, float(end(size.values)), bar) for end in (np.min, np.max))
+            made = words.span(low, high, 4)
+            cells: tuple[str, ...] = (f"{made} ± {words.amount(Amount(name, bar), 2)}",)
+            if size.drawn is not None:  # next to the design's
+                low, high = (Amount(name, float(end(size.drawn))) for end in (np.min, np.max))
+                off = size.values - size.drawn
+                furthest = Amount(name, float(off[np.argmax(np.abs(off))]), bar)
+                cells = words.span(low, high, 4), made, words.amount(furthest, 2)
+            yield Line(size.label, cells)
         for place in ("lower_end", "upper_end"):
-            ends = [getattr(one, place) for one in (design, scan.definition) if one is not None]
-            ground = f"{ends[-1].ground_coils:.2f} turns ground"
+            ends = [
+                getattr(wire, place)
+                for wire in (facts.design, self.scan.definition)
+                if wire is not None
+            ]
+            kinds = (*(end.kind for end in ends), "")[: len(self.headings)]
             yield Line(
-                place.replace("_", " "),
-                (*(end.kind for end in ends), "")[: len(self.headings)],
-                "",
-                ground,
+                place.replace("_", " "), kinds, "", f"{ends[-1].ground_coils:.2f} turns ground"
             )
-
-    def _cells(self, name: str, values: ArrayLike, spread: ArrayLike, drawn: ArrayLike | None) -> tuple[str, ...]:  # fmt: skip
-        """A size from its least to its largest value, with its interval or next to the design's."""
-        bar, words = BAND * float(np.max(spread)), replace(self.words, brief=True)
-        design, made = (
-            words.span(Amount(name, np.min(one), width), Amount(name, np.max(one), width), 4)
-            for one, width in ((values if drawn is None else drawn, 0.0), (values, bar))
-        )
-        if drawn is None:
-            return (f"{made} ± {words.amount(Amount(name, bar), 2)}",)
-        off = np.atleast_1d(np.subtract(values, drawn))
-        return design, made, words.amount(Amount(name, off[np.argmax(np.abs(off))], bar), 2)
 
     def _seen(self) -> Iterator[Line]:
         scan, seen = self.scan, self.scan.coverage

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import stat
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import file_head
 
 Array = NDArray[np.float64]
 #: Bytes read at a time, longest line, and most lines of words before the numbers.
@@ -57,27 +57,16 @@ def numbers_in(lines: Sequence[bytes], name: str) -> Array:
             f"'{name}' has a row of {width} numbers: '{_shown(lines[0])}'; three are needed, x, y and z"
         )
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            values: Array = np.fromstring(b" ".join(lines), dtype=float, sep=" ")
-        fits = values.size == width * len(lines) and all(
-            len(line.split()) == width for line in lines
-        )
-    except (ValueError, DeprecationWarning):
-        fits = False
-    if not fits:
-        for line in lines:
-            parts = line.split()
-            if len(parts) != width or not all(
-                re.fullmatch(_NUMBER + rb"|[-+]?inf", part, re.I) for part in parts
-            ):
-                raise InputError(
-                    f"a row of '{name}' is not as the others: '{_shown(line)}'; correct it or leave it out"
-                )
-        raise InputError(
-            f"'{name}' holds rows that cannot be read as numbers; export the scan again"
-        )
-    return values.reshape(-1, width)
+        return np.asarray(np.loadtxt(lines, comments=None, ndmin=2))
+    except ValueError:
+        pass
+    for line in lines:
+        parts = line.split()
+        if len(parts) != width or not all(re.fullmatch(_NUMBER + rb"|[-+]?inf", part, re.I) for part in parts):  # fmt: skip
+            raise InputError(
+                f"a row of '{name}' is not as the others: '{_shown(line)}'; correct it or leave it out"
+            )
+    raise InputError(f"'{name}' holds rows that cannot be read as numbers; export the scan again")
 
 
 def _shown(line: bytes) -> str:
@@ -176,21 +165,7 @@ def open_cloud(file: str | Path) -> Cloud:
     faults of a table of points show while blocks are read.
     """
     path = Path(file)
-    name = path.name[:80] or str(path)[:80]
-    try:
-        found = path.stat()
-        if not stat.S_ISREG(found.st_mode):
-            raise InputError(f"'{name}' is no regular file; give the scan as a file")
-        with path.open("rb") as stream:
-            head = stream.read(4096)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", "") or "the name is no file name"
-        raise InputError(
-            f"scan '{name}' cannot be read: {reason.lower()}; check the name and the folder"
-        ) from error
-    size = found.st_size
-    if not head.strip():
-        raise InputError(f"'{name}' is empty; export the scan again")
+    name, head, size = file_head(path, "scan")
     if re.match(rb"ply\s", head):
         form = "PLY"
     elif head[:5].lower() == b"solid" and re.search(rb"facet|endsolid", head):

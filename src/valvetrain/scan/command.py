@@ -4,8 +4,8 @@ next to it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,7 +25,7 @@ from valvetrain.cli.options import (
     read_workers,
     take_folder,
 )
-from valvetrain.cli.run_answer import SavedRequest, keep_run, show_page
+from valvetrain.cli.run_answer import SavedRequest, saved_result
 from valvetrain.errors import InputError
 
 if TYPE_CHECKING:
@@ -88,10 +88,16 @@ def scan(
     """Spring definition from a 3-D scan: wire axis, section, diameter and pitch with their scatter;
     compared with its design.
     """
+    from valvetrain.cli.outcome import deliver
     from valvetrain.cli.progress import announce_compilation, busy, progress_bar
-    from valvetrain.parameters.loading import load_case
+    from valvetrain.findings.words import Words
+    from valvetrain.parameters.loading import load_case, parse_case
     from valvetrain.parameters.material import material_by_name
+    from valvetrain.scan.answer import ScanAnswer
+    from valvetrain.scan.compare import compare_scan, design_spring
+    from valvetrain.scan.files import write_scan
     from valvetrain.scan.reconstruct import spring_from_scan
+    from valvetrain.units.reader import shown_system
 
     take_folder(output)
     if design is None and (engine_speed is not None or spring):
@@ -107,19 +113,14 @@ def scan(
         raise InputError(
             "with a design the wire is of its material; leave --material out", "--material"
         )
-    speeds, models, case = (
-        read_engine_speeds(engine_speed),
-        read_models(spring),
-        None if design is None else load_case(design),
-    )
+    speeds, models = read_engine_speeds(engine_speed), read_models(spring)
+    case = None if design is None else load_case(design)
     if case is not None:
-        from valvetrain.scan.compare import compare_scan, design_spring
-
         design_spring(case)
     steel = material_by_name(material) if material else None
-    created_at, count = datetime.now(UTC).replace(microsecond=0), read_workers(workers)
+    count = read_workers(workers)
     with busy("fitting the wire to the points"):
-        found = spring_from_scan(
+        scanned = spring_from_scan(
             file, unit=unit, material=steel, name=name, turn_over=turn_over, points=points
         )
     compared = None
@@ -127,71 +128,26 @@ def scan(
         announce_compilation("statics")
         with progress_bar("design and scan") as report:
             compared = compare_scan(
-                found,
+                scanned,
                 case,
                 speeds,
                 spring_models=models or ("finite-element",),
                 workers=count,
                 progress=report,
             )
-    _deliver(
-        _Request(name, output, created_at, open_page),
-        compared.scan if compared else found,
-        compared,
-    )
+        scanned = compared.scan
 
-
-@dataclass(frozen=True)
-class _Request:
-    """Where an answer goes."""
-
-    name: str
-    output: Path | None
-    created_at: datetime
-    open_page: bool
-
-
-def _deliver(request: _Request, found: ScannedSpring, compared: ScanComparison | None) -> None:
-    """Write the folder (page, spring, curves, run.json) and report it."""
-    from valvetrain.cli.outcome import Outcome, deliver
-    from valvetrain.cli.progress import busy
-    from valvetrain.findings.words import Words
-    from valvetrain.parameters.loading import parse_case
-    from valvetrain.scan.answer import ScanAnswer
-    from valvetrain.scan.files import write_scan
-    from valvetrain.solution.partial_failures import PartialFailures
-    from valvetrain.units.reader import shown_system
-    from valvetrain.views.results import write_page
-    from valvetrain.views.terminal import screen
-
-    answer, gaps = ScanAnswer(found, compared), PartialFailures()
-    data = _data(found, compared)
-    pages: list[Path] = []
-
-    def fill(folder: Path) -> list[Path]:
-        nonlocal answer
-        case = str(folder / "spring.toml")
-        answer = replace(answer, words=Words(shown_system(), case=case))
-        data["findings"] = [one.to_dict() for one in replace(answer, words=Words(case=case)).findings]  # fmt: skip
-        pages.extend(filter(None, (write_page(answer, folder, gaps),)))
-        return [*write_scan(answer, folder), *pages]
-
-    with busy("writing files"):
-        case = parse_case(answer.text, "scan")
-        saved = SavedRequest("scan", case, request.output, request.created_at)
-        folder, files = keep_run(saved, answer.text, {"name": request.name}, data, fill)
-    page = str(pages[0]) if pages else None
-    if request.open_page and pages:
-        show_page(pages[0])
-    data |= {"folder": str(folder), "files": files, "page": page}
-    failures = () if compared is None else compared.failures
-    deliver(
-        Outcome(
-            data,
-            lambda console: console.print(screen(answer, page or "", str(folder))),
-            (*failures, *gaps.sentences),
+    def show(folder: Path) -> ScanAnswer:
+        return ScanAnswer(
+            scanned, compared, Words(shown_system(), case=str(folder / "spring.toml"))
         )
-    )
+
+    answer, now = ScanAnswer(scanned, compared), datetime.now(UTC).replace(microsecond=0)
+    request = SavedRequest("scan", parse_case(answer.text, "scan"), output, now)
+    data, write = _data(scanned, compared), partial(write_scan, answer)
+    failures = () if compared is None else compared.failures
+    choices = {"name": name}
+    deliver(saved_result(request, answer.text, data, show, write, choices, open_page, failures))
 
 
 def _data(found: ScannedSpring, compared: ScanComparison | None) -> dict[str, Any]:
@@ -222,14 +178,8 @@ def _data(found: ScannedSpring, compared: ScanComparison | None) -> dict[str, An
     if compared is not None:
         data["design"] = compared.cases[0].name
         data["compared"] = [
-            {
-                "quantity": one.quantity,
-                "label": one.label,
-                "engine_speed": one.engine_speed,
-                "design": one.design,
-                "scan": one.scanned,
-            }
-            for one in compared.numbers
-        ]
+            {"quantity": number.quantity, "label": number.label, "engine_speed": number.engine_speed, "design": number.design, "scan": number.scanned}
+            for number in compared.numbers
+        ]  # fmt: skip
         data["failures"] = list(compared.failures)
     return data

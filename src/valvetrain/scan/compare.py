@@ -18,11 +18,9 @@ from valvetrain.runs.api import Speeds, simulate
 from valvetrain.runs.statics import static_study
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress
-from valvetrain.scan.definition import turned_over
+from valvetrain.scan.reconstruct import turned_over
 from valvetrain.scan.result import ScannedSpring
 from valvetrain.solution.display import Shown
-from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.study import Study
 from valvetrain.springs.spec import spring_model
 
@@ -80,12 +78,8 @@ class ScanComparison(Shown):
     def failures(self) -> tuple[str, ...]:
         """A sentence per run that did not complete."""
         studies = (*self.rest, *(self.runs or ()))
-        labels = ("design", "scan") * 2
-        return tuple(
-            f"{word}: {one}"
-            for word, study in zip(labels, studies, strict=False)
-            for one in study.failures
-        )
+        words = zip(("design", "scan") * 2, studies, strict=False)
+        return tuple(f"{word}: {sentence}" for word, study in words for sentence in study.failures)
 
     def number(
         self, quantity: str, label: str = "", engine_speed: float | None = None
@@ -93,13 +87,12 @@ class ScanComparison(Shown):
         """The one of ``quantity``; ``label`` and ``engine_speed`` (rad/s) where needed. Raises
         :class:`InputError` unless one fits.
         """
+        asked = (quantity, label, engine_speed)
         fits = [
-            one
-            for one in self.numbers
-            if one.quantity == quantity
-            and label in ("", one.label)
-            and engine_speed in (None, one.engine_speed)
-        ]
+            number
+            for number in self.numbers
+            if all(word in ("", None, value) for word, value in zip(asked, (number.quantity, number.label, number.engine_speed), strict=True))
+        ]  # fmt: skip
         if len(fits) != 1:
             raise InputError(
                 f"{len(fits) or 'no'} values of '{quantity[:60]}' fit; name its label and engine speed"
@@ -167,49 +160,29 @@ def compare_scan(
     case = replace(case_of(design), published=())
     installed = design_spring(case)
     assert installed.wire is not None
-    upright = aligned_to(scan, installed.wire)
-    scanned = replace(
-        case,
-        springs=(as_installed(upright, installed),),
-        title=f"{case.title or case.name}, as scanned",
-    )
-    cases = (case, scanned)
-
-    def report_progress(share: float, done: float, labels: str) -> None:
-        if progress is not None:
-            progress(share + 0.5 * done, labels)
-
-    rest = tuple(static_study(one, command="modes", modes=MODES, implausible=True) for one in cases)
-    runs = None
+    drawn = installed.wire
+    upright = min((scan, turned_over(scan)), key=lambda way: _apart(way.definition, drawn))
+    title = f"{case.title or case.name}, as scanned"
+    scanned = replace(case, springs=(as_installed(upright, installed),), title=title)
+    cases = case, scanned
+    rest = [static_study(part, command="modes", modes=MODES, implausible=True) for part in cases]
+    numbers, runs = _at_rest(cases, rest), []
     if engine_speeds is not None:
-        for word in spring_models:
-            spring_model(word, "spring_models")
-        runs = tuple(
-            simulate(
-                one,
-                engine_speeds,
-                spring_models=spring_models,
-                workers=workers,
-                progress=lambda done, labels, first=0.5 * place: report_progress(
-                    first, done, labels
-                ),  # type: ignore[misc]
-            )
-            for place, one in enumerate(cases)
-        )
-    numbers = (
-        *_at_rest(cases, rest[0], rest[1]),
-        *(() if runs is None else _in_motion(runs[0], runs[1])),
-    )
-    notes = tuple(one for one in upright.notes if not one.startswith(ASSUMED))
-    upright = replace(
-        upright,
-        notes=(
-            *notes,
-            f"material, damping, contacts and inactive turns of the design '{case.name}'",
-        ),
-    )
+        for model in spring_models:
+            spring_model(model, "spring_models")
+        for first, part in ((0.0, case), (0.5, scanned)):
+
+            def report(done: float, labels: str, first: float = first) -> None:
+                if progress is not None:
+                    progress(first + 0.5 * done, labels)
+
+            runs.append(simulate(part, engine_speeds, spring_models=spring_models, workers=workers, progress=report))  # fmt: skip
+        numbers += _in_motion(*runs)
+    notes = [note for note in upright.notes if not note.startswith(ASSUMED)]
+    notes.append(f"material, damping, contacts and inactive turns of the design '{case.name}'")
+    upright = replace(upright, notes=tuple(notes))
     return ScanComparison(
-        upright, cases, (rest[0], rest[1]), None if runs is None else (runs[0], runs[1]), numbers
+        upright, cases, (rest[0], rest[1]), (runs[0], runs[1]) if runs else None, tuple(numbers)
     )
 
 
@@ -224,20 +197,14 @@ def design_spring(case: Case) -> InstalledSpring:
     return case.springs[0]
 
 
-def aligned_to(scan: ScannedSpring, design: SpringDefinition) -> ScannedSpring:
-    """The scan on the end that makes its curves those of the design as nearly as may be."""
-    other = turned_over(scan)
-    return min((scan, other), key=lambda one: _apart(one.definition, design))
-
-
 def _apart(wire: SpringDefinition, design: SpringDefinition) -> float:
+    """How far mean diameter and pitch are from those of the design."""
     share = np.linspace(0.05, 0.95, 200)
-    apart = [
-        getattr(wire, law).value(share * wire.total_coils)
-        - getattr(design, law).value(share * design.total_coils)
+    width, pitch = (
+        np.subtract(*(getattr(spring, law).value(share * spring.total_coils) for spring in (wire, design)))
         for law in ("mean_diameter", "pitch")
-    ]
-    return float(sum(np.mean(one**2) for one in apart))
+    )  # fmt: skip
+    return float(np.mean(width**2 + pitch**2))
 
 
 def as_installed(scan: ScannedSpring, design: InstalledSpring) -> InstalledSpring:
@@ -253,84 +220,48 @@ def as_installed(scan: ScannedSpring, design: InstalledSpring) -> InstalledSprin
             "the design; check the unit of the scan or give another design",
             "--design",
         )
-    ends = [
-        _end(own, other)
-        for own, other in (
-            (scan.definition.lower_end, wire.lower_end),
-            (scan.definition.upper_end, wire.upper_end),
-        )
-    ]
-    own = scan.definition.replace(
-        material=wire.material, name=wire.name, lower_end=ends[0], upper_end=ends[1]
-    )
+    own = scan.definition
+    ends = {}
+    for place in ("lower_end", "upper_end"):
+        end, other = getattr(own, place), getattr(wire, place)
+        beyond = other.inactive_coils - (other.ground_coils if "ground" in end.kind else 0.0)
+        inactive = beyond + (end.ground_coils if "ground" in end.kind else 0.0)
+        ends[place] = EndCoil(end.kind, float(np.clip(inactive, 0.0, 3.0)), end.ground_coils)
+    own = own.replace(material=wire.material, name=wire.name, **ends)
     return replace(design, wire=own, precompression=max(compression, 0.0))
 
 
-def _end(own: EndCoil, other: EndCoil) -> EndCoil:
-    beyond = (
-        other.inactive_coils - other.ground_coils if "ground" in own.kind else other.inactive_coils
-    )
-    inactive = own.ground_coils + beyond if "ground" in own.kind else beyond
-    return EndCoil(own.kind, float(np.clip(inactive, 0.0, 3.0)), own.ground_coils)
-
-
-def _at_rest(cases: tuple[Case, Case], design: Study, scanned: Study) -> list[ComparedNumber]:
+def _at_rest(cases: tuple[Case, Case], studies: list[Study]) -> list[ComparedNumber]:
+    """Quantities at rest that both have, and their lowest axial modes."""
     from valvetrain.quantities.statics import design_quantities
 
-    found = []
-    values = [
-        design_quantities(case.springs[0]) | _of_curve(study.rest[0], case.springs[0])
-        for case, study in zip(cases, (design, scanned), strict=True)
-    ]
-    for name in AT_REST:
-        if all(name in one for one in values):
-            found.append(ComparedNumber(name, "", None, values[0][name], values[1][name]))
-    modes = [study.rest[0].modes for study in (design, scanned)]
-    if modes[0] is not None and modes[1] is not None:
-        for place, frequency in enumerate(modes[0].axial_frequencies[:AXIAL].tolist()):
-            other = _same_mode(frequency, modes[1])
-            if other is not None:
-                found.append(
-                    ComparedNumber(f"mode_{place + 1}_frequency", "", None, frequency, other)
-                )
-    return found
-
-
-def _same_mode(frequency: float, modes: ModalResult) -> float | None:
-    """Of the modes near a frequency (Hz) the one that carries most of a push from end to end; which
-    is called axial is a threshold.
-    """
-    near = np.flatnonzero(np.abs(modes.natural_frequency / frequency - 1) < ALIKE)
-    return (
-        float(modes.natural_frequency[near[np.argmax(np.abs(modes.axial_transmission[near]))]])
-        if len(near)
-        else None
-    )
-
-
-def _of_curve(rest: SpringAtRest, spring: InstalledSpring) -> dict[str, float]:
-    curve, at = rest.curve, spring.precompression
-    if curve is None or not len(curve.compression) or at > curve.compression[-1]:
-        return {}
-    known = curve.path or curve
-    return {
-        "preload": curve.force_at(at),
-        "installed_rate": float(np.interp(at, known.compression, known.stiffness)),
-    }
+    values = [design_quantities(case.springs[0]) for case in cases]
+    for quantities, case, study in zip(values, cases, studies, strict=True):
+        curve, at = study.rest[0].curve, case.springs[0].precompression
+        if curve is not None and len(curve.compression) and at <= curve.compression[-1]:
+            path = curve.path or curve
+            rate = float(np.interp(at, path.compression, path.stiffness))
+            quantities |= {"preload": curve.force_at(at), "installed_rate": rate}
+    design, scanned = values
+    compared = [ComparedNumber(name, "", None, design[name], scanned[name]) for name in AT_REST if name in design and name in scanned]  # fmt: skip
+    modes, other = (study.rest[0].modes for study in studies)
+    if modes is None or other is None:
+        return compared
+    for place, frequency in enumerate(modes.axial_frequencies[:AXIAL].tolist(), 1):
+        # Of the modes near a frequency the one that carries most of a push from end to end; which is
+        # called axial is a threshold.
+        near = np.flatnonzero(np.abs(other.natural_frequency / frequency - 1) < ALIKE)
+        if len(near):
+            same = near[np.argmax(np.abs(other.axial_transmission[near]))]
+            value = float(other.natural_frequency[same])
+            compared.append(ComparedNumber(f"mode_{place}_frequency", "", None, frequency, value))
+    return compared
 
 
 def _in_motion(design: Study, scanned: Study) -> list[ComparedNumber]:
     """Quantities of runs that both have, by speed and model."""
-    other = {
-        (key.name, key.label, key.engine_speed): value for key, value in scanned.quantities.items()
-    }
-    found = []
-    for key, value in design.quantities.items():
-        place = key.name, key.label, key.engine_speed
-        if key.engine_speed is not None and place in other:
-            found.append(
-                ComparedNumber(
-                    key.name, key.label, key.engine_speed, float(value), float(other[place])
-                )
-            )
-    return found
+    values = [
+        {(key.name, key.label, key.engine_speed): float(value) for key, value in study.quantities.items() if key.engine_speed is not None}
+        for study in (design, scanned)
+    ]  # fmt: skip
+    return [ComparedNumber(*key, value, values[1][key]) for key, value in values[0].items() if key in values[1]]  # fmt: skip

@@ -4,16 +4,15 @@ wire equivalent to an ellipse.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
-from valvetrain.parameters.material import Material
-from valvetrain.parameters.spring import EndCoil, SpringDefinition
+from valvetrain.parameters.spring import EndCoil
 from valvetrain.scan.fit import FittedSpring
-from valvetrain.scan.result import ScannedSpring
+from valvetrain.scan.result import ScanCurves
 
 Array = NDArray[np.float64]
 #: Stations of the curves per turn.
@@ -28,68 +27,38 @@ CLOSED = 0.25
 VARIED, MIN_VARIED = 6.0, 5e-3
 
 
-@dataclass(frozen=True, eq=False)
-class Wire:
-    """The wire axis at ``coil`` (k,) from the lower tip: radius, height and rise per turn with
-    their scatter, in mm, turned so that the
-    lower end is below; ``faces``: heights of the ground faces, lower and upper, None where there
-    are none."""
-
-    coil: Array
-    radius: Array
-    radius_spread: Array
-    height: Array
-    height_spread: Array
-    pitch: Array
-    pitch_spread: Array
-    faces: tuple[float | None, float | None]
-    turned_over: bool
-
-
-def wire_of(fitted: FittedSpring, turn_over: bool) -> Wire:
-    """The wire from its lower tip: the wider end is the lower one, else the one with the closer
-    coils, else as scanned.
-    """
+def upside_down(fitted: FittedSpring) -> bool:
+    """Whether the lower end is above: it is the wider one, else the one with the closer coils, else as scanned."""
     first, last = fitted.tips
-    coil = np.linspace(0.0, last - first, int(np.ceil((last - first) * STATIONS)) + 1)
-    turn = np.clip(coil + first, first, last)
-    (radius, height), (radius_sd, height_sd) = fitted.tube.line(turn), fitted.tube.spreads(turn)
-    (_, pitch), (_, pitch_sd) = fitted.tube.line(turn, 1), fitted.tube.spreads(turn, 1)
-    faces = [None if face is None else face.height for face in fitted.faces]
-    over = _upside_down(coil, radius, pitch) != turn_over
-    if over:
-        radius, radius_sd, pitch, pitch_sd = (
-            radius[::-1],
-            radius_sd[::-1],
-            pitch[::-1],
-            pitch_sd[::-1],
-        )
-        height, height_sd = -height[::-1], height_sd[::-1]
-        faces = [None if face is None else -face for face in faces[::-1]]
-    return Wire(
-        coil,
-        radius,
-        radius_sd,
-        height,
-        height_sd,
-        np.maximum(pitch, 0.0),
-        pitch_sd,
-        (faces[0], faces[1]),
-        over,
-    )
-
-
-def _upside_down(coil: Array, radius: Array, pitch: Array) -> bool:
-    """Whether the lower end is above: it is the wider one, else the one with the closer coils."""
-    inner = (
-        (coil > 1.0) & (coil < coil[-1] - 1.0) if coil[-1] > 3 else np.ones(len(coil), dtype=bool)
-    )
-    lower = coil < coil[-1] / 2
-    for values, wider in ((radius, True), (pitch, False)):
-        below, above = float(np.mean(values[inner & lower])), float(np.mean(values[inner & ~lower]))
+    edge = 1.0 if last - first > 3 else 0.0
+    halves = np.linspace(first + edge, last - edge, 200).reshape(2, -1)
+    (radius, _), (_, pitch) = fitted.tube.line(halves), fitted.tube.line(halves, 1)
+    for (below, above), wider in ((radius.mean(axis=1), True), (pitch.mean(axis=1), False)):
         if abs(below - above) > SIGNIFICANT * (below + above) / 2:
-            return (above > below) is wider
+            return bool((above > below) is wider)
     return False
+
+
+def curves_of(fitted: FittedSpring, over: bool) -> tuple[ScanCurves, tuple[float, float]]:
+    """The wire from its lower tip, its heights above the lower seat plane, and the distance of the seat planes (m) with
+    its standard deviation: ground faces, else the outermost wire. ``over``: the lower end is above in the scan.
+    """
+    (first, last), tube = fitted.tips, fitted.tube
+    turn = np.linspace(first, last, int(np.ceil((last - first) * STATIONS)) + 1)
+    (radius, height), (_, pitch) = tube.line(turn), tube.line(turn, 1)
+    (radius_sd, height_sd), (_, pitch_sd) = tube.spreads(turn), tube.spreads(turn, 1)
+    angle = 2 * np.pi * tube.hand * turn
+    line = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
+    half, (lower, upper) = float(tube.section[0]), fitted.faces
+    low = height.min() - half if lower is None else lower.height
+    high = height.max() + half if upper is None else upper.height
+    spreads = [float(sd) if face is None else face.spread for face, sd in zip(fitted.faces, height_sd[[0, -1]], strict=True)]  # fmt: skip
+    above = high - height if over else height - low
+    columns = (2 * radius, 2 * radius_sd, above, height_sd, np.maximum(pitch, 0.0), pitch_sd)
+    curves = [1e-3 * column for column in (*columns, fitted.frame.outside(line))]
+    if over:
+        curves = [curve[::-1] for curve in curves]
+    return ScanCurves(turn - first, *curves), (1e-3 * float(high - low), 1e-3 * float(np.hypot(spreads[0], spreads[1])))  # fmt: skip
 
 
 def round_wire(mean: float, ellipticity: float) -> float:
@@ -103,121 +72,61 @@ def round_wire(mean: float, ellipticity: float) -> float:
     return float((32 * (a * b) ** 3 / (a**2 + b**2)) ** 0.25)
 
 
-def wire_curve(fitted: FittedSpring, turns: Array, round_: float) -> Curve:
-    """Wire diameter (m) over the coil: one value, or one a turn where the turns differ by more than
-    chance.
-    """
-    values, spreads = turns[:, 1], turns[:, 2]
-    if len(turns) > 2 and not fitted.ovate:
-        far = np.abs(values - 2 * fitted.tube.section[0])
-        if np.count_nonzero((far > VARIED * spreads) & (far > MIN_VARIED * values)) >= 2:
-            return PiecewiseLinear(tuple(turns[:, 0].tolist()), tuple((1e-3 * values).tolist()))
-    return Constant(1e-3 * round_)
-
-
 def define(
-    fitted: FittedSpring, wire: Wire, turns: Array, material: Material, name: str
-) -> SpringDefinition:
-    """The spring definition. A round wire that twists alike replaces an ellipse; gaps between coils are preserved."""
-    mean, size = (
-        float(fitted.tube.section[0]),
-        float(np.hypot(*fitted.tube.section[1:])) if fitted.ovate else 0.0,
-    )
-    diameter = round_wire(mean, size)
-    along = float(fitted.tube.section[1]) if fitted.ovate else 0.0
-    wider = diameter - 2 * mean * (
-        1 - along
-    )  # beyond the height of the section; the gaps between coils are preserved
-    bend = np.diff(wire.pitch, 2)
-    rise = (
-        wire.pitch - np.concatenate([[0.0], bend, [0.0]]) / 12
-    )  # straight lines between them then rise as the smooth curve does
-    pitch = PiecewiseLinear(
-        tuple(wire.coil.tolist()), tuple((1e-3 * np.maximum(rise + max(wider, 0.0), 0.0)).tolist())
-    )
-    width = PiecewiseLinear(tuple(wire.coil.tolist()), tuple((2e-3 * wire.radius).tolist()))
-    ends = [_end(wire, mean * (1 - along), upper) for upper in (False, True)]
-    hand = "right" if fitted.tube.hand > 0 else "left"
-    return SpringDefinition(
-        wire_curve(fitted, turns, diameter),
-        width,
-        pitch,
-        float(wire.coil[-1]),
-        material,
-        ends[0],
-        ends[1],
-        hand,  # type: ignore[arg-type]
-        name,
-    )
-
-
-def _end(wire: Wire, half: float, upper: bool) -> EndCoil:
-    """The end coil: closed where the first turn touches its neighbour; ground up to where the face
-    leaves the wire.
+    fitted: FittedSpring, scan: ScanCurves, free_length: float, turns: Array, over: bool
+) -> dict[str, Any]:
+    """What a spring definition takes beside material and name. A round wire that twists alike replaces an ellipse; gaps
+    between coils are preserved. ``turns`` (k, 4): coil, wire diameter (m), its standard deviation and points of every turn.
     """
-    coil = wire.coil
-    height = wire.height if not upper else -wire.height[::-1]
-    radius = wire.radius if not upper else wire.radius[::-1]
-    face = wire.faces[0] if not upper else (None if wire.faces[1] is None else -wire.faces[1])
-    at = np.array([0.5, 1.5])
-    up, out = np.interp(at, coil, height), np.interp(at, coil, radius)
-    closed = float(
-        np.hypot(np.interp(1.0, coil, height) - height[0], np.interp(1.0, coil, radius) - radius[0])
-    ) < 2 * half * (1 + CLOSED)
-    closed = closed or float(np.hypot(up[1] - up[0], out[1] - out[0])) < 2 * half * (1 + CLOSED)
-    if face is None:
-        return EndCoil("closed" if closed else "open")
-    ground = _ground_turns(coil, height - half - face)
-    ground = float(np.clip(ground, 0.0, min(2.0, coil[-1] / 2 - 0.3)))
-    return EndCoil("closed-ground" if closed else "open-ground", ground, ground)
-
-
-def _ground_turns(coil: Array, above: Array) -> float:
-    """Turn at which the underside of the wire leaves the face for good."""
-    below = np.flatnonzero((above <= 0) & (coil < 2.5))
-    if not len(below):
-        return 0.0
-    last = int(below[-1])
-    if last + 1 >= len(coil):
-        return float(coil[last])
-    share = above[last] / (above[last] - above[last + 1])
-    return float(coil[last] + share * (coil[last + 1] - coil[last]))
-
-
-def turned_over(scan: ScannedSpring) -> ScannedSpring:
-    """The same spring, turned over."""
-    wire, curves, section = scan.definition, scan.curves, scan.section
-    turns, shown = section.turns[::-1].copy(), section.shown * np.array([1.0, -1.0])
-    turns[:, 0] = wire.total_coils - turns[:, 0]
-    laws = {
-        name: _reversed(getattr(wire, name), wire.total_coils)
-        for name in ("wire_diameter", "mean_diameter", "pitch")
+    mean, along, across = fitted.tube.section * (1.0, fitted.ovate, fitted.ovate)
+    diameter = round_wire(float(mean), float(np.hypot(along, across)))
+    coil = tuple(scan.coil.tolist())
+    # One wire diameter, or one a turn where the turns differ by more than chance.
+    wire: Curve = Constant(1e-3 * diameter)
+    far = np.abs(turns[:, 1] - 2e-3 * mean)
+    varied = (far > VARIED * turns[:, 2]) & (far > MIN_VARIED * turns[:, 1])
+    if len(turns) > 2 and not fitted.ovate and np.count_nonzero(varied) >= 2:
+        wire = PiecewiseLinear(tuple(turns[:, 0].tolist()), tuple(turns[:, 1].tolist()))
+    # Straight lines then rise as the smooth curve does, and what the round wire is higher than the
+    # section goes into the pitch.
+    bend = np.pad(np.diff(scan.pitch, 2), 1)
+    wider = 1e-3 * max(diameter - 2 * mean * (1 - along), 0.0)
+    pitch = np.maximum(scan.pitch - bend / 12 + wider, 0.0)
+    half = 1e-3 * float(mean * (1 - along))
+    faces = fitted.faces[::-1] if over else fitted.faces
+    diameters = scan.mean_diameter
+    return {
+        "wire_diameter": wire,
+        "mean_diameter": PiecewiseLinear(coil, tuple(diameters.tolist())),
+        "pitch": PiecewiseLinear(coil, tuple(pitch.tolist())),
+        "total_coils": coil[-1],
+        "lower_end": _end(scan.coil, scan.height, diameters / 2, half, faces[0] is not None),
+        "upper_end": _end(
+            scan.coil,
+            free_length - scan.height[::-1],
+            diameters[::-1] / 2,
+            half,
+            faces[1] is not None,
+        ),
+        "hand": "right" if fitted.tube.hand > 0 else "left",
     }
-    swapped = {"lower": "upper", "upper": "lower"}
-    hidden = tuple(swapped[name] for name in scan.coverage.hidden_tips)
-    other = wire.replace(**laws, lower_end=wire.upper_end, upper_end=wire.lower_end)
-    names = (
-        "mean_diameter",
-        "mean_diameter_spread",
-        "height_spread",
-        "pitch",
-        "pitch_spread",
-        "centre_line",
-    )
-    flipped = {name: getattr(curves, name)[::-1] for name in names}
-    return replace(
-        scan,
-        definition=other,
-        curves=replace(curves, **flipped, height=scan.free_length[0] - curves.height[::-1]),
-        section=replace(section, turns=turns, shown=shown, inclination=-section.inclination),
-        lower_end=scan.upper_end,
-        upper_end=scan.lower_end,
-        coverage=replace(scan.coverage, hidden_tips=hidden),
-        axis_direction=-scan.axis_direction,
-    )
 
 
-def _reversed(law: Curve, total: float) -> Curve:
-    if not isinstance(law, PiecewiseLinear):
-        return law
-    return PiecewiseLinear(tuple(total - coil for coil in law.coils[::-1]), law.values[::-1])
+def _end(coil: Array, height: Array, radius: Array, half: float, ground: bool) -> EndCoil:
+    """The end coil, its curves from the tip inward and above its seat plane: closed where the first turn touches its
+    neighbour; ground up to where the face leaves the wire.
+    """
+    places = np.array([[0.0, 0.5], [1.0, 1.5]])
+    rise, widening = (np.diff(np.interp(places, coil, curve), axis=0) for curve in (height, radius))
+    closed = bool(np.hypot(rise, widening).min() < 2 * half * (1 + CLOSED))
+    if not ground:
+        return EndCoil("closed" if closed else "open")
+    # Turn at which the underside of the wire leaves the face for good.
+    above = height - half
+    below = np.flatnonzero((above <= 0) & (coil < 2.5))
+    turns = 0.0
+    if len(below):
+        near = slice(below[-1], below[-1] + 2)
+        turns = float(np.interp(0.0, above[near], coil[near]))
+    turns = float(np.clip(turns, 0.0, min(2.0, coil[-1] / 2 - 0.3)))
+    return EndCoil("closed-ground" if closed else "open-ground", turns, turns)

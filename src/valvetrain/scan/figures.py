@@ -36,16 +36,15 @@ def curves(facts: ScanFacts) -> go.Figure:
     """Mean diameter, height, pitch and wire diameter (mm) over the coil with their band of 95 %, less the design's where
     there is one.
     """
-    scan, found = facts.scan, facts.scan.curves
-    design = None if facts.compared is None else facts.compared.cases[0].springs[0].wire
-    coil, (turn, wire, wire_spread, _) = found.coil, scan.section.turns.T
+    scan, over, design = facts.scan, facts.scan.curves, facts.design
+    coil, (turn, wire, wire_spread, _) = over.coil, scan.section.turns.T
     drawn: tuple[ArrayLike, ...] = (0.0,) * 4 if design is None else (
         design.mean_diameter.value(coil), design.axial_position(coil) - design.lower_seat_height, design.pitch.value(coil),
         design.wire_diameter.value(turn),
     )  # fmt: skip
     rows = (
-        ("diameter", coil, found.mean_diameter, found.mean_diameter_spread), ("height", coil, found.height, found.height_spread),
-        ("pitch", coil, found.pitch, found.pitch_spread), ("wire", turn, wire, wire_spread),
+        ("diameter", coil, over.mean_diameter, over.mean_diameter_spread), ("height", coil, over.height, over.height_spread),
+        ("pitch", coil, over.pitch, over.pitch_spread), ("wire", turn, wire, wire_spread),
     )  # fmt: skip
     fig = panels((0.25,) * 4)
     for row, ((_, at, values, spread), law) in enumerate(zip(rows, drawn, strict=True), 1):

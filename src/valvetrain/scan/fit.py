@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.scan.axis import MIN_TURNS, WEDGES, Frame, find_axis, find_sections, follow
+from valvetrain.scan.axis import MIN_TURNS, Frame, find_axis, find_sections, follow
 from valvetrain.scan.tube import OnWire, Tube, fit_tube, place, start_tube
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 #: Turns beyond the sections in which a tip is looked for, and turns of a bin there.
 BEYOND, BIN = 0.5, 0.01
 #: Points inside the wire are this many standard deviations and at least this share of its radius
@@ -42,8 +40,7 @@ class Face:
 
     def above(self, points: Array, side: int) -> Array:
         """How far points (n, 3) are inside the face of the end ``side`` (-1 lower, 1 upper)."""
-        found: Array = -side * (points[:, 2] - self.height - points[:, :2] @ self.lean)
-        return found
+        return np.asarray(-side * (points[:, 2] - self.height - points[:, :2] @ self.lean))
 
 
 def find_face(
@@ -55,8 +52,7 @@ def find_face(
     """
     on = place(tube, points, (max(tip - FACED, reach[0]), min(tip + FACED, reach[1])))
     wire, noise = float(tube.section[0]), tube.noise
-    within = on.distance < min(wire - DEEP * noise, SHALLOW * wire)
-    chosen = points[within]
+    chosen = points[on.distance < min(wire - DEEP * noise, SHALLOW * wire)]
     if len(chosen) < FEWEST:
         return None
     band = max(2 * noise, 0.05 * wire)
@@ -68,10 +64,26 @@ def find_face(
         return None
     # points inside the wire are chosen by their own noise too; those amid the ground section are
     # not
-    amid = points[
-        (np.abs(face.above(points, side)) < 6 * noise) & _amid(tube, face, points, tip, side)
-    ]
+    near = points[np.abs(face.above(points, side)) < 6 * noise]
+    turn = tip - side * np.mod(
+        -side * (_angle(tube, near) - tip), 1.0
+    )  # one turn from the tip inward
+    off, half = _in_section(tube, face, near, turn)
+    amid = near[off < 0.75 * half]
     return (_plane(amid, face, 2 * noise, noise) if len(amid) >= FEWEST else None) or face
+
+
+def _angle(tube: Tube, points: Array) -> Array:
+    """Angle (turns, 0 to 1) of points (n, 3) about the axis, rising along the wire."""
+    return np.mod(tube.hand * np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi), 1.0)
+
+
+def _in_section(tube: Tube, face: Face, points: Array, turn: Array) -> tuple[Array, Array]:
+    """Radial distance of points (n, 3) from the middle of the ground section at turns (n,), and half its width."""
+    radius, height = tube.line(turn)
+    level = face.height + points[:, :2] @ face.lean
+    half = np.sqrt(np.maximum(tube.section[0] ** 2 - (level - height) ** 2, 0.0))
+    return np.abs(np.hypot(points[:, 0], points[:, 1]) - radius), half
 
 
 def _plane(points: Array, face: Face, scale: float, noise: float) -> Face | None:
@@ -85,10 +97,9 @@ def _plane(points: Array, face: Face, scale: float, noise: float) -> Face | None
         weight = np.clip(1 - (left / (4.685 * scale)) ** 2, 0.0, None) ** 2
         if np.count_nonzero(weight) < FEWEST:
             return None
-        matrix = (model * weight[:, None]).T @ model + np.diag(
-            [0.0, (scale / TYPICAL_LEAN) ** 2, (scale / TYPICAL_LEAN) ** 2]
-        )
-        values = np.linalg.solve(matrix, (model * weight[:, None]).T @ points[:, 2])
+        heavy = model.T * weight
+        matrix = heavy @ model + np.diag([0.0, 1.0, 1.0]) * (scale / TYPICAL_LEAN) ** 2
+        values = np.linalg.solve(matrix, heavy @ points[:, 2])
         scale = max(0.7 * scale, noise)
     if float(np.hypot(*values[1:])) > STEEPEST:
         return None
@@ -99,17 +110,6 @@ def _plane(points: Array, face: Face, scale: float, noise: float) -> Face | None
     return Face(float(values[0]), values[1:], int(np.count_nonzero(on)), spread)
 
 
-def _amid(tube: Tube, face: Face, points: Array, tip: float, side: int) -> Mask:
-    """Which points are above or below the middle of a ground section, away from its edges."""
-    own = np.mod(tube.hand * np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi), 1.0)
-    turn = tip - side * np.mod(-side * (own - tip), 1.0)  # within one turn from the tip inward
-    radius, height = tube.line(turn)
-    level = face.height + points[:, :2] @ face.lean
-    half = np.sqrt(np.maximum(tube.section[0] ** 2 - (level - height) ** 2, 0.0))
-    found: Mask = np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) < 0.75 * half
-    return found
-
-
 def supported(tube: Tube, points: Array, ends: tuple[float, float]) -> tuple[float, float]:
     """The stretch of turns whose wire has points on its surface: what was followed beyond the tips
     is left out.
@@ -118,30 +118,14 @@ def supported(tube: Tube, points: Array, ends: tuple[float, float]) -> tuple[flo
     surface = (np.abs(on.left) < WITHIN * tube.noise) & (on.gap > 0.1 * tube.section[0])
     edges = np.arange(ends[0], ends[1] + BIN, 2 * BIN)
     counts = np.histogram(on.turn[surface], edges)[0]
-    full = counts > max(2.0, 2 * LEFT_OVER * float(np.median(counts)))
-    middle = len(full) // 2
-    found = []
-    for side, bins in ((-1, full[: middle + 1][::-1]), (1, full[middle:])):
-        last, quiet = 0, 0
-        for place_, held in enumerate(bins):
-            last, quiet = (place_, 0) if held else (last, quiet + 1)
-            if quiet > GAP / (2 * BIN):
-                break
-        found.append(
-            float(
-                edges[middle - last] if side < 0 else edges[min(middle + last + 1, len(edges) - 1)]
-            )
-        )
-    return found[0], found[1]
-
-
-def flats_of(faces: dict[int, Face | None], noise: float, points: Array) -> Mask:
-    """Which points are on a ground face or beyond it."""
-    found = np.zeros(len(points), dtype=bool)
-    for side, face in faces.items():
-        if face is not None:
-            found |= face.above(points, side) < (WITHIN + 0.5) * noise
-    return found
+    full = np.flatnonzero(counts > max(2.0, 2 * LEFT_OVER * float(np.median(counts))))
+    # The bins about the middle up to the first hole on either side.
+    middle = len(counts) // 2
+    holes = np.flatnonzero(np.diff(full) > GAP / (2 * BIN))
+    cut = full[holes], full[holes + 1]
+    first = max([*cut[1][cut[1] <= middle], full.min(initial=middle)], default=middle)
+    last = min([*cut[0][cut[0] >= middle], full.max(initial=middle)], default=middle)
+    return float(edges[min(first, middle)]), float(edges[max(last, middle) + 1])
 
 
 def find_tip(
@@ -157,69 +141,42 @@ def find_tip(
     """
     on = place(tube, points, reach)
     wire, noise = float(tube.section[0]), tube.noise
-    inside = (
-        np.ones(len(points), dtype=bool)
-        if face is None
-        else face.above(points, side) > WITHIN * noise
-    )
-    surface = (np.abs(on.left) < WITHIN * noise) & (on.gap > WITHIN * noise) & inside
-    along = side * (on.turn[surface] - start)  # positive beyond the last section
+    surface = (np.abs(on.left) < WITHIN * noise) & (on.gap > WITHIN * noise)
     flat = np.zeros(0)
     if face is not None:
-        lies = np.abs(face.above(points, side)) < min(WITHIN * noise, 0.1 * wire)
-        own = np.mod(tube.hand * np.arctan2(points[lies, 1], points[lies, 0]) / (2 * np.pi), 1.0)
-        turn = start + np.mod(own - start + 0.5, 1.0) - 0.5
-        radius, height = tube.line(np.clip(turn, *reach))
-        face_height = face.height + points[lies, :2] @ face.lean
-        half = np.sqrt(np.maximum(wire**2 - (face_height - height) ** 2, 0.0))
-        lies_in = np.abs(np.hypot(points[lies, 0], points[lies, 1]) - radius) < half + noise
-        flat = side * (turn[lies_in & (half > 0)] - start)
+        above = face.above(points, side)
+        surface &= above > WITHIN * noise
+        lying = points[np.abs(above) < min(WITHIN * noise, 0.1 * wire)]
+        turn = start + np.mod(_angle(tube, lying) - start + 0.5, 1.0) - 0.5
+        off, half = _in_section(tube, face, lying, np.clip(turn, *reach))
+        flat = side * (turn[(off < half + noise) & (half > 0)] - start)
+    along = side * (on.turn[surface] - start)  # positive beyond the last section
     edges = np.arange(-0.4, BEYOND + BIN / 2, BIN)
     walls, floors = np.histogram(along, edges)[0], np.histogram(flat, edges)[0]
-    last = _last_bin(walls, floors)
+    # Last bin of the wire: faces end at their first gap, for behind it the far end of the face
+    # begins; walls may continue after a hole.
+    last = 0
+    for number, count in enumerate(walls + floors):
+        before = (walls + floors)[max(0, last - 15) : last + 1]
+        least = max(2.0, LEFT_OVER * float(np.median(before[before > 0]))) if np.any(before) else 2.0  # fmt: skip
+        if number - last > 31:
+            break
+        if (walls[number] if number - last > 4 else count) >= least:
+            last = number
     both = np.sort(np.concatenate([along, flat]))
     both = both[(both > edges[0]) & (both <= edges[last + 1])]
     if len(both) < 8:
         return start, BIN
     spacing = float(both[-1] - both[-8]) / 7
     tip = start + side * (float(both[-1]) + spacing / 2)
-    if face is not None:
-        tip = _no_further(tube, face, tip, start, side, wire)
+    if face is not None:  # no tip is where grinding has taken the whole wire
+        turns = np.linspace(start, tip, 200)
+        gone = np.flatnonzero(-side * (tube.line(turns)[1] - face.height) + wire < 0)
+        tip = float(turns[gone[0]]) if len(gone) else tip
     # no wire is cut quite square, so that a tip is not known better than this
     return float(np.clip(tip, *reach)), max(spacing, 0.25 * BIN)
 
 
-def _last_bin(walls: Array, floors: Array) -> int:
-    """Last bin of the wire: faces end at their first gap, for behind it the far end of the face
-    begins; walls may continue after a hole.
-    """
-    total = walls + floors
-    last, quiet = 0, 0
-    for place_ in range(len(total)):
-        before = total[max(0, last - 15) : last + 1]
-        least = max(
-            2.0, LEFT_OVER * float(np.median(before[before > 0])) if np.any(before > 0) else 2.0
-        )
-        counted = walls[place_] if quiet > 3 else total[place_]
-        if counted >= least:
-            last, quiet = place_, 0
-        else:
-            quiet += 1
-        if quiet > 30:
-            break
-    return last
-
-
-def _no_further(tube: Tube, face: Face, tip: float, start: float, side: int, wire: float) -> float:
-    """No tip is where grinding has taken the whole wire."""
-    turns = np.linspace(start, tip, 200)
-    _, height = tube.line(turns)
-    gone = np.flatnonzero(-side * (height - face.height) + wire < 0)
-    return float(turns[gone[0]]) if len(gone) else tip
-
-
-#: Spline pieces a turn.
-PER_TURN = 12
 #: Points that the wire is looked for in; all are fitted in the end.
 EARLY = 20_000
 #: Points by which a first tube is judged, and distance from it (share of the coil radius) at which
@@ -250,19 +207,16 @@ class FittedSpring:
     points: Array
 
 
-def fit_spring(
-    points: Array, corners: Array | None = None, wedges: int = WEDGES, per_turn: int = PER_TURN
-) -> FittedSpring:
-    """The spring in points (n, 3) of any order of draw, in mm; ``wedges`` half planes and
-    ``per_turn`` pieces of the splines. Of a mesh the points are those of its faces, which show
-    tips and ground faces, and its ``corners`` (k, 3) lie on the surface of the wire.
+def fit_spring(points: Array, corners: Array | None = None) -> FittedSpring:
+    """The spring in points (n, 3) of any order of draw, in mm. Of a mesh the points are those of its
+    faces, which show tips and ground faces, and its ``corners`` (k, 3) lie on the surface of the wire.
 
     Raises :class:`InputError` where the points show no spring, with the width of the sector about
     its axis that holds none.
     """
     frame = find_axis(points)
     try:
-        return _fit_about(frame, points, corners, wedges, per_turn)
+        return _fit_about(frame, points, corners)
     except InputError as error:
         degrees = 360 * unseen_sector(frame.inside(points))[1]
         if degrees < 15:
@@ -288,70 +242,65 @@ def unseen_sector(points: Array) -> tuple[float, float]:
     return float(np.mod((seen[widest] + 1) / SECTORS, 1.0)), float(empty[widest] / SECTORS)
 
 
-def _fit_about(
-    frame: Frame, points: Array, corners: Array | None, wedges: int, per_turn: int
-) -> FittedSpring:
+def _fit_about(frame: Frame, points: Array, corners: Array | None) -> FittedSpring:
     """The spring in points (n, 3) about nearly the axis of ``frame``."""
     inside = frame.inside(points[:EARLY])
-    tube, ends = _first_tube(inside, wedges, per_turn)
+    tube, ends = _first_tube(inside)
     reach = ends[0] - BEYOND, ends[1] + BEYOND
-    tube, _, _ = fit_tube(tube, inside, ends, False, rounds=8)
+    tube, _, _ = fit_tube(tube, inside, ends, rounds=8)
     ends = supported(tube, inside, ends)
     for _ in range(3):
         frame, tube = _on_better_axis(frame, tube, ends)
         inside = frame.inside(points[:EARLY])
-        tube, _, _ = fit_tube(tube, inside, ends, False, rounds=5)
+        tube, _, _ = fit_tube(tube, inside, ends, rounds=5)
     inside = frame.inside(points)
-    faces: dict[int, Face | None] = {}
     tips, spreads = ends, (0.0, 0.0)
-    for _ in range(2):
-        faces = {
-            side: find_face(tube, inside, tips[(side + 1) // 2], side, reach) for side in (-1, 1)
-        }
-        flats = partial(flats_of, faces, tube.noise)
-        tube, _, _ = fit_tube(
-            tube,
-            inside,
-            (max(tips[0] - 0.1, reach[0]), min(tips[1] + 0.1, reach[1])),
-            False,
-            flats,
-            rounds=8,
+
+    def faces_at() -> tuple[Face | None, Face | None]:
+        return find_face(tube, inside, tips[0], -1, reach), find_face(
+            tube, inside, tips[1], 1, reach
         )
-        found = [
-            find_tip(tube, inside, ends[(side + 1) // 2], reach, faces[side], side)
-            for side in (-1, 1)
-        ]
-        tips = found[0][0], found[1][0]
-        spreads = found[0][1], found[1][1]
-    sag = tube.noise
+
+    def flats(seen: Array) -> NDArray[np.bool_]:
+        """Which points are on a ground face or beyond it."""
+        beyond = np.zeros(len(seen), dtype=bool)
+        for side, face in zip((-1, 1), faces, strict=True):
+            if face is not None:
+                beyond |= face.above(seen, side) < (WITHIN + 0.5) * tube.noise
+        return beyond
+
+    for _ in range(2):
+        faces = faces_at()
+        stretch = max(tips[0] - 0.1, reach[0]), min(tips[1] + 0.1, reach[1])
+        tube, _, _ = fit_tube(tube, inside, stretch, flats(inside), rounds=8)
+        lower = find_tip(tube, inside, ends[0], reach, faces[0], -1)
+        upper = find_tip(tube, inside, ends[1], reach, faces[1], 1)
+        tips, spreads = (lower[0], upper[0]), (lower[1], upper[1])
+    sag = tube.noise if corners is not None else 0.0
     for _ in range(2):
         frame, tube = _on_better_axis(frame, tube, tips)
         inside = frame.inside(points)
-        faces = {
-            side: find_face(tube, inside, tips[(side + 1) // 2], side, reach) for side in (-1, 1)
-        }
-        flats = partial(flats_of, faces, tube.noise)
+        faces = faces_at()
         inside = inside if corners is None else frame.inside(corners)
-        tube, on, weight = fit_tube(tube, inside, tips, False, flats, rounds=12)
-        if corners is not None:
-            tube = _no_finer(tube, sag)
-    ovate, other = _section(tube, on, weight, inside, tips, faces)
-    if ovate:
-        tube, on, weight = other
-        tube = tube if corners is None else _no_finer(tube, sag)
+        tube, on, weight = fit_tube(tube, inside, tips, flats(inside), rounds=12)
+        tube = _no_finer(tube, sag)
+    ovate = False
+    if seen_around(on, weight) >= ALL_AROUND:
+        oval, on_oval, weight_oval = fit_tube(tube, inside, tips, flats(inside), True, rounds=12)
+        # Whether an ellipse fits better than a circle by more than chance.
+        size = float(np.hypot(*oval.section[1:]))
+        chance = OVATE * float(np.sqrt(np.sum(np.diag(oval.cov)[-2:])))
+        if size > max(chance, MIN_OVATE):
+            ovate, tube, on, weight = True, _no_finer(oval, sag), on_oval, weight_oval
     if corners is not None:  # points of one face share the errors of its corners
         shared = float(np.sqrt(max(1.0, 2 * len(points) / len(corners))))
-        faces = {
-            side: face and replace(face, spread=shared * face.spread)
-            for side, face in faces.items()
-        }
+        lower_face, upper_face = (face and replace(face, spread=shared * face.spread) for face in faces)  # fmt: skip
+        faces = lower_face, upper_face
     if tips[1] - tips[0] < MIN_TURNS:
         raise InputError(
             f"the wire is seen over {tips[1] - tips[0]:.2g} turns only; give a scan that shows it all the way around"
         )
-    return FittedSpring(
-        frame, tube, tips, spreads, (faces[-1], faces[1]), ovate, on, weight, inside
-    )
+    return FittedSpring(frame, tube, tips, spreads, faces, ovate, on, weight, inside)
 
 
 def _no_finer(tube: Tube, sag: float) -> Tube:
@@ -360,55 +309,34 @@ def _no_finer(tube: Tube, sag: float) -> Tube:
     return replace(tube, noise=noise, cov=tube.cov * (noise / tube.noise) ** 2)
 
 
-def _first_tube(points: Array, wedges: int, per_turn: int) -> tuple[Tube, tuple[float, float]]:
+def _first_tube(points: Array) -> tuple[Tube, tuple[float, float]]:
     """A tube through sections of the wire, and their first and last turn: of the radii that votes
     propose, that which explains most points.
 
     Raises :class:`InputError` where none gives a wire.
     """
-    some, best, fault = (
-        points[:MAX_POINTS],
-        None,
-        InputError(
-            "the points show no wire wound about an axis; give the scan of one spring, cleaned"
-        ),
+    tubes = []
+    fault = InputError(
+        "the points show no wire wound about an axis; give the scan of one spring, cleaned"
     )
-    for sections in find_sections(points, wedges):
+    for sections in find_sections(points):
         try:
-            trace = follow(sections, wedges)
+            trace = follow(sections)
         except InputError as error:
             fault = error
             continue
         ends = float(trace.turn[0]), float(trace.turn[-1])
         reach = ends[0] - BEYOND, ends[1] + BEYOND
         tube = start_tube(
-            trace.turn, trace.radius, trace.height, trace.hand, trace.wire_radius, reach, per_turn
+            trace.turn, trace.radius, trace.height, trace.hand, trace.wire_radius, reach
         )
-        near = CLOSE * float(np.median(trace.radius))
-        share = float(np.mean(np.abs(place(tube, some, ends).left) < near))
-        if best is None or share > best[0]:
-            best = share, tube, ends
-    if best is None:
+        left = np.abs(place(tube, points[:MAX_POINTS], ends).left)
+        share = float(np.mean(left < CLOSE * np.median(trace.radius)))
+        tubes.append((share, tube, ends))
+    if not tubes:
         raise fault
-    return best[1], best[2]
-
-
-def _section(
-    tube: Tube,
-    on: OnWire,
-    weight: Array,
-    points: Array,
-    tips: tuple[float, float],
-    faces: dict[int, Face | None],
-) -> tuple[bool, tuple[Tube, OnWire, Array]]:
-    """Whether an ellipse fits better than a circle by more than chance, and the tube with it."""
-    if seen_around(on, weight) < ALL_AROUND:
-        return False, (tube, on, weight)
-    found = fit_tube(tube, points, tips, True, partial(flats_of, faces, tube.noise), rounds=12)
-    along, across = found[0].section[1:]
-    spread = np.sqrt(np.diag(found[0].cov)[-2:])
-    size = float(np.hypot(along, across))
-    return bool(size > OVATE * float(np.hypot(*spread)) and size > MIN_OVATE), found
+    _, tube, ends = max(tubes, key=lambda entry: entry[0])
+    return tube, ends
 
 
 def seen_around(on: OnWire, weight: Array) -> float:
@@ -431,24 +359,15 @@ def _on_better_axis(frame: Frame, tube: Tube, ends: tuple[float, float]) -> tupl
     )
     # height swings by tilt . (x, y): the axis leans by minus that
     moved = frame.moved(across, -tilt)
-    wide = np.linspace(tube.knots[3], tube.knots[-4], int(60 * (tube.knots[-4] - tube.knots[3])))
+    reach = float(tube.knots[3]), float(tube.knots[-4])
+    wide = np.linspace(*reach, int(60 * (reach[1] - reach[0])))
     radius, height = tube.line(wide)
     angle = 2 * np.pi * tube.hand * wide
-    line = moved.inside(
-        frame.outside(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height]))
-    )
-    own = tube.hand * np.arctan2(line[:, 1], line[:, 0]) / (2 * np.pi)
-    unwound = wide + np.mod(own - wide + 0.5, 1.0) - 0.5
-    per_turn = round(1 / (tube.knots[4] - tube.knots[3]))
-    again = start_tube(
-        unwound,
-        np.hypot(line[:, 0], line[:, 1]),
-        line[:, 2],
-        tube.hand,
-        1.0,
-        (tube.knots[3], tube.knots[-4]),
-        per_turn,
-    )
+    line = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
+    line = moved.inside(frame.outside(line))
+    unwound = wide + np.mod(_angle(tube, line) - wide + 0.5, 1.0) - 0.5
+    radius = np.hypot(line[:, 0], line[:, 1])
+    again = start_tube(unwound, radius, line[:, 2], tube.hand, 1.0, reach)
     return moved, replace(tube, radius=again.radius, height=again.height)
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,17 +13,10 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 from valvetrain.parameters.material import Material, material_by_name
 from valvetrain.parameters.spring import SpringDefinition
-from valvetrain.scan.axis import WEDGES
 from valvetrain.scan.clouds import open_cloud
-from valvetrain.scan.definition import Wire, define, round_wire, wire_of
-from valvetrain.scan.fit import (
-    PER_TURN,
-    FittedSpring,
-    fit_spring,
-    seen_around,
-    unseen_sector,
-)
-from valvetrain.scan.result import Coverage, ScanCurves, ScannedEnd, ScannedSpring, WireSection
+from valvetrain.scan.definition import curves_of, define, round_wire, upside_down
+from valvetrain.scan.fit import FittedSpring, fit_spring, seen_around, unseen_sector
+from valvetrain.scan.result import Coverage, ScannedEnd, ScannedSpring, WireSection
 from valvetrain.scan.tube import TUKEY
 from valvetrain.units import dimension_of, unit_factor
 
@@ -50,19 +44,13 @@ def draw_points(blocks: Iterable[Array], most: int, name: str) -> Drawn:
     Raises :class:`InputError` for fewer than :data:`FEWEST`, and where many rows hold no numbers.
     """
     chosen, marks = np.zeros((0, 3)), np.zeros(0, dtype=np.uint64)
-    limit = np.uint64(2**64 - 1)
     read = broken = 0
     for block in blocks:
         read += len(block)
-        finite = block[np.all(np.isfinite(block) & (np.abs(block) < 1e12), axis=1)]
-        broken += len(block) - len(finite)
-        own = _mixed(finite)
-        low = own <= limit
-        chosen, marks = np.concatenate([chosen, finite[low]]), np.concatenate([marks, own[low]])
-        if len(marks) > 2 * most:
-            chosen, marks = _first(chosen, marks, most)
-            limit = marks[-1] if len(marks) == most else limit
-    chosen, _ = _first(chosen, marks, most)
+        numbers = block[np.all(np.abs(block) < 1e12, axis=1)]
+        broken += len(block) - len(numbers)
+        marks, first = np.unique(np.append(marks, _mixed(numbers)), return_index=True)
+        chosen, marks = np.concatenate([chosen, numbers])[first[:most]], marks[:most]
     if broken > DAMAGED * max(read, 1):
         raise InputError(
             f"{broken} of the {read} points of '{name}' are no numbers; export the scan again"
@@ -74,23 +62,16 @@ def draw_points(blocks: Iterable[Array], most: int, name: str) -> Drawn:
     return Drawn(chosen, read, broken)
 
 
-def _first(points: Array, marks: NDArray[np.uint64], most: int) -> tuple[Array, NDArray[np.uint64]]:
-    """Different points by rising mark, ``most`` of them."""
-    marks, place = np.unique(marks, return_index=True)
-    return points[place[:most]], marks[:most]
-
-
 def _mixed(points: Array) -> NDArray[np.uint64]:
     """One number a point from the bits of its coordinates (the finaliser of splitmix64 after each)."""
     bits = np.ascontiguousarray(points + 0.0).view(np.uint64).reshape(-1, 3)
-    found = np.full(len(bits), 0x9E3779B97F4A7C15, dtype=np.uint64)
-    with np.errstate(over="ignore"):
-        for column in range(3):
-            found = found ^ bits[:, column]
-            found = (found ^ (found >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-            found = (found ^ (found >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-            found = found ^ (found >> np.uint64(31))
-    return found
+    mark = np.full(len(bits), 0x9E3779B97F4A7C15, dtype=np.uint64)
+    for column in bits.T:
+        mark ^= column
+        mark = (mark ^ (mark >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        mark = (mark ^ (mark >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        mark ^= mark >> np.uint64(31)
+    return mark
 
 
 #: Extents (mm) that the cloud of a valve spring can have.
@@ -107,8 +88,6 @@ def spring_from_scan(
     name: str = "spring",
     turn_over: bool = False,
     points: int = DRAWN,
-    slices_per_turn: int = WEDGES,
-    stations_per_turn: int = PER_TURN,
 ) -> ScannedSpring:
     """The spring behind a point cloud or mesh, in any position, with the scatter of all its curves.
 
@@ -129,10 +108,6 @@ def spring_from_scan(
         closer coils, else as scanned
     points : most points that are fitted, an even draw from the file that does not depend on their
         order
-    slices_per_turn : half planes in which sections are looked for at first; the fit does not depend
-        on them
-    stations_per_turn : pieces a turn of the smooth curves; beyond 8 the fit does not depend on them
-        either
 
     Returns
     -------
@@ -163,11 +138,6 @@ def spring_from_scan(
         raise InputError(
             f"{points} points cannot be fitted; choose {MIN_POINTS} to 2000000", "points"
         )
-    if not (16 <= slices_per_turn <= 512 and 6 <= stations_per_turn <= 60):
-        raise InputError(
-            "16 to 512 slices and 6 to 60 stations a turn can be had; choose numbers between",
-            "slices_per_turn",
-        )
     drawn = draw_points(cloud.blocks, points, cloud.name)
     across = float(np.max(np.ptp(np.quantile(drawn.points, (0.02, 0.98), axis=0), axis=0))) * factor
     if not SMALLEST <= across <= LARGEST:
@@ -178,13 +148,10 @@ def spring_from_scan(
     seen, corners = drawn.points * factor, None
     if len(cloud.surface):
         seen, corners = draw_points([cloud.surface], points, cloud.name).points * factor, seen
-    fitted = fit_spring(seen, corners, slices_per_turn, stations_per_turn)
-    wire = wire_of(fitted, turn_over)
-    turns = _turn_diameters(fitted, wire)
+    fitted = fit_spring(seen, corners)
+    down = upside_down(fitted) != turn_over
     try:
-        definition = define(
-            fitted, wire, turns, material or material_by_name(DEFAULT_MATERIAL), name
-        )
+        parts = _measured(fitted, down, material or material_by_name(DEFAULT_MATERIAL), name)
     except InputError as error:
         raise InputError(
             f"what the points of '{cloud.name}' show is no spring: {str(error).partition(';')[0]}; give a cloud that shows the wire on all "
@@ -196,32 +163,19 @@ def spring_from_scan(
     for side, face in zip((-1, 1), fitted.faces, strict=True):
         if face is not None:
             on_wire |= np.abs(face.above(fitted.points, side)) < near
-    left = 1e-3 * fitted.on.left[np.abs(fitted.on.left) < 8 * fitted.tube.noise]
-    ends = [_end(fitted, definition, place, wire.turned_over) for place in (0, 1)]
-    across_tips = float(np.hypot(*fitted.tip_spread))
-    frame = fitted.frame.turned_over() if wire.turned_over else fitted.frame
-    step = max(1, len(fitted.points) // SHOWN)
     return ScannedSpring(
-        cloud.name,
-        cloud.form,
-        unit_name,
-        definition,
-        _curves(fitted, wire),
-        _section(fitted, turns, wire.turned_over),
-        ends[0],
-        ends[1],
-        (float(definition.total_coils), across_tips),
-        _free_length(fitted, wire),
-        1e-3 * frame.origin,
-        frame.base[2],
-        1e-3 * fitted.tube.noise,
-        left,
-        drawn.read,
-        len(drawn.points),
-        int(np.count_nonzero(on_wire)),
-        _coverage(fitted, wire),
-        1e-3 * fitted.frame.outside(fitted.points[::step]),
-        (*broken, *_assumed(material, definition)),
+        source=cloud.name,
+        form=cloud.form,
+        unit=unit_name,
+        **parts,
+        axis_point=1e-3 * fitted.frame.origin,
+        noise=1e-3 * fitted.tube.noise,
+        points_read=drawn.read,
+        points_fitted=len(drawn.points),
+        points_on_wire=int(np.count_nonzero(on_wire)),
+        shown=1e-3 * fitted.frame.outside(fitted.points[:: max(1, len(fitted.points) // SHOWN)]),
+        notes=(*broken, *_assumed(material, parts["definition"])),
+        fitted=fitted,
     )
 
 
@@ -240,113 +194,64 @@ def _length_unit(unit: str, name: str) -> float:
     return float(unit_factor(unit))
 
 
-def _turn_diameters(fitted: FittedSpring, wire: Wire) -> Array:
-    """Coil, wire diameter (mm), its standard deviation and points of every turn, (k, 4)."""
-    on, weight = fitted.on, fitted.weight
-    coil = on.turn - fitted.tips[0]
-    coil = wire.coil[-1] - coil if wire.turned_over else coil
-    rows = []
-    for turn in range(int(np.floor(wire.coil[-1]))):
-        held = (coil >= turn) & (coil < turn + 1) & (weight > 0)
-        total = float(np.sum(weight[held]))
-        if np.count_nonzero(held) > 50:
-            away = float(np.sum(weight[held] * on.left[held])) / total
-            rows.append(
-                (
-                    turn + 0.5,
-                    2 * (fitted.tube.section[0] + away),
-                    2 * fitted.tube.noise / np.sqrt(total),
-                    np.count_nonzero(held),
-                )
-            )
-    return np.array(rows).reshape(-1, 4)
+def turned_over(scan: ScannedSpring) -> ScannedSpring:
+    """The same spring, turned over."""
+    wire = scan.definition
+    return replace(scan, **_measured(scan.fitted, not scan.down, wire.material, wire.name))
 
 
-def _section(fitted: FittedSpring, turns: Array, over: bool) -> WireSection:
-    mean, along, across = fitted.tube.section
-    size, spread = (
-        float(np.hypot(along, across)) if fitted.ovate else 0.0,
-        np.sqrt(np.diag(fitted.tube.cov)[-3:]),
-    )
-    sd = float(np.hypot(spread[0], mean * np.hypot(spread[1], spread[2]) if fitted.ovate else 0.0))
-    chosen = np.flatnonzero(np.abs(fitted.on.left) < 0.3 * mean)
-    chosen = chosen[:: max(1, len(chosen) // SHOWN)]
-    distance, around = fitted.on.distance[chosen], fitted.on.around[chosen] * (-1 if over else 1)
-    inclination = (
-        (-0.5 if over else 0.5) * float(np.arctan2(across, along)) if fitted.ovate else 0.0
-    )
-    return WireSection(
-        (1e-3 * round_wire(float(mean), size), 2e-3 * float(spread[0])),
-        (2e-3 * float(mean) * (1 + size), 2e-3 * sd),
-        (2e-3 * float(mean) * (1 - size), 2e-3 * sd),
-        inclination,
-        turns * np.array([1.0, 1e-3, 1e-3, 1.0]),
-        1e-3 * np.column_stack([distance * np.cos(around), distance * np.sin(around)]),
-    )
-
-
-def _curves(fitted: FittedSpring, wire: Wire) -> ScanCurves:
-    """Curves in m; heights above the lower seat plane."""
-    below = (
-        wire.faces[0]
-        if wire.faces[0] is not None
-        else float(np.min(wire.height)) - float(fitted.tube.section[0])
-    )
-    turn = fitted.tips[0] + (wire.coil[::-1][0] - wire.coil if wire.turned_over else wire.coil)
-    angle = 2 * np.pi * fitted.tube.hand * turn
-    height = -wire.height if wire.turned_over else wire.height
-    line = fitted.frame.outside(
-        np.column_stack([wire.radius * np.cos(angle), wire.radius * np.sin(angle), height])
-    )
-    return ScanCurves(
-        wire.coil,
-        2e-3 * wire.radius,
-        2e-3 * wire.radius_spread,
-        1e-3 * (wire.height - below),
-        1e-3 * wire.height_spread,
-        1e-3 * wire.pitch,
-        1e-3 * wire.pitch_spread,
-        1e-3 * line,
-    )
-
-
-def _free_length(fitted: FittedSpring, wire: Wire) -> tuple[float, float]:
-    """Distance of the seat planes (m) and its standard deviation: ground faces, else the outermost
-    wire.
+def _measured(fitted: FittedSpring, down: bool, material: Material, name: str) -> dict[str, Any]:
+    """The spring from its lower end, and what is measured of it, by the fields of :class:`ScannedSpring`; ``down``: the
+    lower end is above in the scan.
     """
-    half = float(fitted.tube.section[0])
-    low = wire.faces[0] if wire.faces[0] is not None else float(np.min(wire.height)) - half
-    high = wire.faces[1] if wire.faces[1] is not None else float(np.max(wire.height)) + half
-    faces = fitted.faces[::-1] if wire.turned_over else fitted.faces
-    spreads = [
-        float(wire.height_spread[-place]) if face is None else face.spread
-        for place, face in enumerate(faces)
-    ]
-    return 1e-3 * (high - low), 1e-3 * float(np.hypot(spreads[0], spreads[1]))
-
-
-def _end(fitted: FittedSpring, definition: SpringDefinition, place: int, over: bool) -> ScannedEnd:
-    face = fitted.faces[1 - place if over else place]
-    end = definition.upper_end if place else definition.lower_end
-    lean = 0.0 if face is None else float(np.arctan(np.hypot(*face.lean)))
-    return ScannedEnd(
-        end.kind,
-        0 if face is None else face.points,
-        lean,
-        fitted.tip_spread[1 - place if over else place],
-    )
-
-
-def _coverage(fitted: FittedSpring, wire: Wire) -> Coverage:
-    """The widest sector about the axis without points, and the tips in it."""
-    begin, width = unseen_sector(fitted.points[fitted.weight > 0])
-    names = ("upper", "lower") if wire.turned_over else ("lower", "upper")
+    curves, free_length = curves_of(fitted, down)
+    on, weight, tube = fitted.on, fitted.weight, fitted.tube
+    coil = fitted.tips[1] - on.turn if down else on.turn - fitted.tips[0]
+    rows = []
+    for turn in range(int(curves.coil[-1])):
+        seen = (coil >= turn) & (coil < turn + 1) & (weight > 0)
+        count, total = np.count_nonzero(seen), float(np.sum(weight[seen]))
+        if count > 50:
+            away = float(np.average(on.left[seen], weights=weight[seen]))
+            diameter = 2e-3 * (tube.section[0] + away)
+            rows.append((turn + 0.5, diameter, 2e-3 * tube.noise / np.sqrt(total), count))
+    turns = np.array(rows).reshape(-1, 4)
+    laws = define(fitted, curves, free_length[0], turns, down)
+    definition = SpringDefinition(**laws, material=material, name=name)
+    mean, along, across = tube.section * (1.0, fitted.ovate, fitted.ovate)
+    spread, size = np.sqrt(np.diag(tube.cov)[-3:]), float(np.hypot(along, across))
+    axes_spread = 2e-3 * float(np.hypot(spread[0], mean * np.hypot(*spread[1:]) * fitted.ovate))
+    ends, faces = (definition.lower_end, definition.upper_end), fitted.faces
+    lower_end, upper_end = (
+        ScannedEnd(end.kind, 0, 0.0) if face is None
+        else ScannedEnd(end.kind, face.points, float(np.arctan(np.hypot(*face.lean))))
+        for end, face in zip(ends, faces[::-1] if down else faces, strict=True)
+    )  # fmt: skip
+    # The widest sector about the axis without points, and the tips in it.
+    begin, width = unseen_sector(fitted.points[weight > 0])
     hidden = tuple(
-        name
-        for name, tip, side in zip(names, fitted.tips, (-1, 1), strict=True)
-        if np.mod(fitted.tube.hand * (tip + 0.5 * side * width) - begin, 1.0) < width
-    )
-    return Coverage(seen_around(fitted.on, fitted.weight), 2 * np.pi * width, hidden)
+        end
+        for end, tip, side in zip(("upper", "lower") if down else ("lower", "upper"), fitted.tips, (-1, 1), strict=True)
+        if np.mod(tube.hand * (tip + 0.5 * side * width) - begin, 1.0) < width
+    )  # fmt: skip
+    return {
+        "definition": definition,
+        "curves": curves,
+        "section": WireSection(
+            (1e-3 * round_wire(float(mean), size), 2e-3 * float(spread[0])),
+            (2e-3 * float(mean * (1 + size)), axes_spread),
+            (2e-3 * float(mean * (1 - size)), axes_spread),
+            (-0.5 if down else 0.5) * float(np.arctan2(across, along)),
+            turns,
+        ),
+        "lower_end": lower_end,
+        "upper_end": upper_end,
+        "total_coils": (float(curves.coil[-1]), float(np.hypot(*fitted.tip_spread))),
+        "free_length": free_length,
+        "axis_direction": -fitted.frame.base[2] if down else fitted.frame.base[2],
+        "coverage": Coverage(seen_around(on, weight), 2 * np.pi * width, hidden),
+        "down": down,
+    }
 
 
 def _assumed(material: Material | None, definition: SpringDefinition) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.scan.fit import FittedSpring
 from valvetrain.solution.saveable import Reported
 
 Array = NDArray[np.float64]
@@ -41,8 +42,7 @@ class WireSection:
     ``short_axis``: of the ellipse, equal for
     a round wire; ``inclination`` (rad) of the long axis from the radius; ``turns``: coil, mean
     diameter, its standard deviation and
-    points of each turn (k, 4); ``shown``: some points, along the radius and along the axis of the
-    spring, (n, 2).
+    points of each turn (k, 4).
     """
 
     diameter: tuple[float, float]
@@ -50,7 +50,6 @@ class WireSection:
     short_axis: tuple[float, float]
     inclination: float
     turns: Array
-    shown: Array
 
     @property
     def ovate(self) -> bool:
@@ -61,13 +60,11 @@ class WireSection:
 @dataclass(frozen=True, slots=True)
 class ScannedEnd:
     """One end: ``kind`` as of an end coil, ``face_points`` on its ground face (0: none),
-    ``face_lean`` (rad) against the axis, scatter of
-    the tip in turns."""
+    ``face_lean`` (rad) against the axis."""
 
     kind: str
     face_points: int
     face_lean: float
-    tip_spread: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,12 +86,12 @@ class ScannedSpring(Reported):
     what was measured; ``total_coils`` and
     ``free_length`` with standard deviations; ``axis_point`` and ``axis_direction``: in the file's
     frame, towards the upper end; ``noise``:
-    standard deviation of a point from the surface; ``residuals``: distances of the points from it
-    (n,); ``points_read``,
+    standard deviation of a point from the surface; ``points_read``,
     ``points_fitted``, ``points_on_wire``; ``coverage``: how much of the spring they show; ``shown``: some points in the
-    file's frame (n, 3); ``notes``: what was left out or assumed, a few words each.
+    file's frame (n, 3); ``notes``: what was left out or assumed, a few words each; ``fitted``: the tube behind it, and
+    whether it is shown upside ``down``.
 
-    >>> ScannedEnd("closed-ground", 900, 0.01, 0.002).kind
+    >>> ScannedEnd("closed-ground", 900, 0.01).kind
     'closed-ground'
     """
 
@@ -113,13 +110,14 @@ class ScannedSpring(Reported):
     axis_point: Array
     axis_direction: Array
     noise: float
-    residuals: Array
     points_read: int
     points_fitted: int
     points_on_wire: int
     coverage: Coverage
     shown: Array
     notes: tuple[str, ...]
+    fitted: FittedSpring
+    down: bool
 
     @property
     def hand(self) -> str:

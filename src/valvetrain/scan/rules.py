@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import Amount, digits_text, speed_text
 from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.summary import percent
 from valvetrain.scan.compare import ComparedNumber, ScanComparison
 from valvetrain.scan.result import ScannedSpring
@@ -30,6 +33,22 @@ IN_MOTION = {
 }  # fmt: skip
 
 
+class Size(NamedTuple):
+    """A size (SI) by its label: measured, with standard deviation, and of the design where there is one; one number, or
+    many over the coil.
+    """
+
+    label: str
+    values: NDArray[np.float64]
+    spread: NDArray[np.float64]
+    drawn: NDArray[np.float64] | None
+
+    @property
+    def quantity(self) -> str:
+        """The quantity in whose unit it is read."""
+        return "total_coil_count" if self.label == "turns" else "free_length"
+
+
 @dataclass(frozen=True)
 class ScanFacts(Subject):
     """A scanned spring as rules read it, with the comparison with its design where there is one."""
@@ -41,6 +60,31 @@ class ScanFacts(Subject):
     def case(self) -> str:
         """The case file that is written."""
         return "spring.toml"
+
+    @property
+    def design(self) -> SpringDefinition | None:
+        """The wire of the design."""
+        return None if self.compared is None else self.compared.cases[0].springs[0].wire
+
+    @property
+    def sizes(self) -> list[Size]:
+        """Sizes in the order of the first table; diameter and pitch where the curves are sharp."""
+        scan, curves, design = self.scan, self.scan.curves, self.design
+        sharp = curves.mean_diameter_spread < 3 * np.median(curves.mean_diameter_spread)
+        coil = curves.coil[sharp]
+        drawn: tuple[ArrayLike | None, ...] = (None,) * 5 if design is None else (
+            design.free_length, np.mean(design.wire_diameter.value(coil)), design.mean_diameter.value(coil), design.total_coils,
+            design.pitch.value(coil),
+        )  # fmt: skip
+        made: tuple[tuple[str, ArrayLike, ArrayLike], ...] = (
+            ("free length", *scan.free_length), ("wire diameter", *scan.section.diameter),
+            ("mean diameter", curves.mean_diameter[sharp], curves.mean_diameter_spread[sharp]), ("turns", *scan.total_coils),
+            ("pitch", curves.pitch[sharp], curves.pitch_spread[sharp]),
+        )  # fmt: skip
+        return [
+            Size(label, np.atleast_1d(values), np.atleast_1d(spread), None if law is None else np.atleast_1d(law))
+            for (label, values, spread), law in zip(made, drawn, strict=True)
+        ]  # fmt: skip
 
     @property
     def numbers(self) -> list[ComparedNumber]:
@@ -126,38 +170,14 @@ def not_as_drawn(facts: ScanFacts) -> Iterator[Hit]:
             yield apart(one, cause=cause, part=percent(part))
 
 
-def sizes(scan: ScannedSpring) -> dict[str, tuple[float, float]]:
-    """Size -> measured value and standard deviation, by the names of the first table."""
-    curves, sharp = scan.curves, np.median(scan.curves.mean_diameter_spread)
-    known = curves.mean_diameter_spread < 3 * sharp
-    return {
-        "free length": scan.free_length, "wire diameter": scan.section.diameter, "turns": scan.total_coils,
-        "mean diameter": (float(np.mean(curves.mean_diameter[known])), float(sharp)),
-    }  # fmt: skip
-
-
 def size_off(facts: ScanFacts) -> Iterator[Hit]:
     """A size is off that of the design by more than its interval and 1 %."""
-    if facts.compared is None:
-        return
-    wire = facts.compared.cases[0].springs[0].wire
-    assert wire is not None
-    coil = np.linspace(0.0, wire.total_coils, 99)
-    drawn = {
-        "free length": wire.free_length, "wire diameter": float(np.mean(wire.wire_diameter.value(coil))), "turns": wire.total_coils,
-        "mean diameter": float(np.mean(wire.mean_diameter.value(coil))),
-    }  # fmt: skip
-    for name, (value, spread) in sizes(facts.scan).items():
-        off = abs(value - drawn[name])
-        if off > max(2 * spread, SIZE * drawn[name]):
-            kind = "total_coil_count" if name == "turns" else "free_length"
-            yield Hit(
-                Amount(kind, value, 2 * spread),
-                None,
-                drawn[name],
-                {"name": name},
-                off / drawn[name],
-            )
+    for size in facts.sizes:
+        if size.drawn is not None and size.label != "pitch":
+            value, drawn = float(np.mean(size.values)), float(np.mean(size.drawn))
+            bar, off = 2 * float(np.median(size.spread)), abs(value - drawn)
+            if off > max(bar, SIZE * drawn):
+                yield Hit(Amount(size.quantity, value, bar), None, drawn, {"name": size.label}, off / drawn)  # fmt: skip
 
 
 def as_drawn(facts: ScanFacts) -> Iterator[Hit]:

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from valvetrain.errors import InputError
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 DEGREE = 3
 #: Tukey's constant: points farther off than this many standard deviations do not count.
 TUKEY = 4.685
@@ -30,8 +29,8 @@ TOUCHING = 5.0
 ROUNDS, SETTLED = 40, 5e-3
 #: Fewest points that a wire is fitted to.
 FEWEST = 50
-#: Entries a turn of the table from point to nearest coil.
-TABLE = 256
+#: Stations a turn from which the nearest place on the wire is looked for, and spline pieces a turn.
+TABLE, PER_TURN = 256, 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,31 +51,29 @@ class Tube:
     noise: float
     hand: int
 
-    def design(self, turn: Array, derivative: int = 0) -> Array:
-        """Values (n, coefficients) of the splines or of a derivative; beyond the knots the last
-        piece continues.
-        """
-        return _design(self.knots, np.asarray(turn, dtype=float), derivative)
-
     def line(self, turn: Array, derivative: int = 0) -> tuple[Array, Array]:
         """Radius and height (n,) of the wire axis or their derivatives by the turn."""
-        from scipy.interpolate import BSpline
-
-        both: Any = BSpline(self.knots, np.column_stack([self.radius, self.height]), DEGREE)
-        found: Array = both(
-            np.clip(turn, self.knots[DEGREE], self.knots[-DEGREE - 1]), nu=derivative
-        )
-        return found[..., 0], found[..., 1]
+        curves = _spline(self.knots, np.stack([self.radius, self.height], 1), turn, derivative)
+        radius, height = np.moveaxis(curves, -1, 0)
+        return radius, height
 
     def spreads(self, turn: Array, derivative: int = 0) -> tuple[Array, Array]:
         """Standard deviations (n,) of radius and height or their derivatives."""
-        basis, count = self.design(turn, derivative), len(self.radius)
-        both = (self.cov[:count, :count], self.cov[count : 2 * count, count : 2 * count])
-        found = [
-            np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", basis, block, basis), 0.0))
-            for block in both
-        ]
-        return found[0], found[1]
+        count = len(self.radius)
+        basis = _spline(self.knots, np.eye(count), turn, derivative)
+        radius, height = (
+            np.sqrt(np.maximum(np.sum(basis @ self.cov[part, part] * basis, axis=1), 0.0))
+            for part in (slice(count), slice(count, 2 * count))
+        )
+        return radius, height
+
+
+def _spline(knots: Array, shares: Array, turn: Array, derivative: int = 0) -> Array:
+    """Values (n, curves) of splines or of a derivative; beyond the knots the end of the last piece holds."""
+    from scipy.interpolate import BSpline
+
+    curves: Any = BSpline(knots, shares, DEGREE)
+    return np.asarray(curves(np.clip(turn, knots[DEGREE], knots[-DEGREE - 1]), nu=derivative))
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,105 +95,44 @@ class OnWire:
 
 
 def start_tube(
-    turn: Array,
-    radius: Array,
-    height: Array,
-    hand: int,
-    wire: float,
-    reach: tuple[float, float],
-    per_turn: int,
+    turn: Array, radius: Array, height: Array, hand: int, wire: float, reach: tuple[float, float]
 ) -> Tube:
-    """A first tube through sections, on knots over ``reach`` with ``per_turn`` pieces a turn."""
-    pieces = int(np.ceil((reach[1] - reach[0]) * per_turn))
-    inner = np.linspace(reach[0], reach[1], pieces + 1)
-    step = inner[1] - inner[0]
-    knots = np.concatenate(
-        [
-            inner[0] - step * np.arange(DEGREE, 0, -1),
-            inner,
-            inner[-1] + step * np.arange(1, DEGREE + 1),
-        ]
-    )
-    basis, penalty = _design(knots, turn), roughness(knots)
-    inverse = np.linalg.inv(
-        basis.T @ basis + 1e-3 * per_turn**-3 * penalty + 1e-10 * np.eye(len(penalty))
-    )
-    size = 2 * len(penalty) + 3
-    return Tube(
-        knots,
-        inverse @ (basis.T @ radius),
-        inverse @ (basis.T @ height),
-        np.array([wire, 0.0, 0.0]),
-        np.zeros((size, size)),
-        0.1 * wire,
-        hand,
-    )
+    """A first tube through sections, on knots over ``reach`` with :data:`PER_TURN` pieces a turn."""
+    pieces = int(np.ceil((reach[1] - reach[0]) * PER_TURN))
+    step = (reach[1] - reach[0]) / pieces
+    knots: Array = np.asarray(reach[0] + step * np.arange(-DEGREE, pieces + DEGREE + 1.0))
+    count = len(knots) - DEGREE - 1
+    basis = _spline(knots, np.eye(count), turn)
+    matrix = basis.T @ basis + 1e-3 * PER_TURN**-3 * roughness(knots) + 1e-10 * np.eye(count)
+    shares = np.linalg.solve(matrix, basis.T @ np.column_stack([radius, height])).astype(float)
+    cov = np.zeros((2 * count + 3, 2 * count + 3))
+    section = np.array([wire, 0.0, 0.0])
+    return Tube(knots, shares[:, 0], shares[:, 1], section, cov, 0.1 * wire, hand)
 
 
 def roughness(knots: Array) -> Array:
     """Integral of the products of second derivatives, (coefficients, coefficients)."""
     inner = knots[DEGREE:-DEGREE]
-    nodes, weights = np.polynomial.legendre.leggauss(3)
-    places = ((inner[:-1] + inner[1:])[:, None] / 2 + np.diff(inner)[:, None] * nodes / 2).ravel()
-    scale = (np.diff(inner)[:, None] * weights / 2).ravel()
-    basis = _design(knots, places, 2)
-    found: Array = basis.T @ (scale[:, None] * basis)
-    return found
-
-
-class _Table:
-    """Radius and height of the wire axis at :data:`TABLE` places a turn."""
-
-    def __init__(self, tube: Tube, first: int, last: int, reach: tuple[float, float]) -> None:
-        self.first = first
-        turn = np.linspace(first, last + 1, TABLE * (last + 1 - first) + 1)
-        self.radius, self.height = tube.line(np.clip(turn, *reach))
-
-    def at(self, turn: Array) -> tuple[Array, Array]:
-        """Radius and height (n,), straight between the entries."""
-        exact = np.clip((turn - self.first) * TABLE, 0.0, len(self.radius) - 1.001)
-        below = exact.astype(int)
-        share = exact - below
-        found = [
-            values[below] + share * (values[below + 1] - values[below])
-            for values in (self.radius, self.height)
-        ]
-        return found[0], found[1]
+    nodes, weights = np.polynomial.legendre.leggauss(2)
+    places = (inner[:-1] + inner[1:])[:, None] / 2 + np.diff(inner)[:, None] * nodes / 2
+    scale = np.diff(inner)[:, None] * weights / 2
+    basis = _spline(knots, np.eye(len(knots) - DEGREE - 1), places.ravel(), 2)
+    return np.asarray(basis.T @ (scale.ravel()[:, None] * basis))
 
 
 def place(tube: Tube, points: Array, reach: tuple[float, float]) -> OnWire:
-    """Points (n, 3) of the frame on the coil of the tube whose surface is nearest, within ``reach``
-    of its turns.
+    """Points (n, 3) of the frame on the coil of the tube whose axis is nearest, within ``reach`` of
+    its turns: feet of the perpendiculars on the wire axis, and their positions along it.
     """
-    own = np.mod(tube.hand * np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi), 1.0)
-    first, last = int(np.floor(reach[0])), int(np.ceil(reach[1]))
-    table = _Table(tube, first, last, reach)
-    nearest = np.minimum(np.round(own * TABLE).astype(int), TABLE)
-    across, up = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
-    best, found = np.full(len(own), np.inf), np.zeros(len(own))
-    for whole in range(first, last + 1):
-        turn, row = own + whole, nearest + (whole - first) * TABLE
-        apart = np.hypot(across - table.radius[row], up - table.height[row])
-        left = np.where(
-            (turn >= reach[0]) & (turn <= reach[1]), np.abs(apart - tube.section[0]), np.inf
-        )
-        better = left < best
-        best[better], found[better] = left[better], turn[better]
-    return _foot(tube, points, found, reach, table)
+    from scipy.spatial import KDTree
 
-
-def _foot(
-    tube: Tube, points: Array, turn: Array, reach: tuple[float, float], table: _Table
-) -> OnWire:
-    """Feet of the perpendiculars on the wire axis, and their positions along it."""
+    turns = np.linspace(*reach, int(np.ceil(TABLE * (reach[1] - reach[0]))) + 1)
+    turn = turns[KDTree(_axis_at(tube, turns)[0]).query(points)[1]]
     for _ in range(2):
-        centre, tangent, _, _ = _axis_at(tube, turn)
-        speed = np.linalg.norm(tangent, axis=1)
-        turn = np.clip(
-            turn + np.clip(np.sum((points - centre) * tangent, axis=1) / speed**2, -0.1, 0.1),
-            *reach,
-        )
-    centre, tangent, outward, _ = _axis_at(tube, turn)
+        centre, tangent, _ = _axis_at(tube, turn)
+        step = np.sum((points - centre) * tangent, axis=1) / np.sum(tangent**2, axis=1)
+        turn = np.clip(turn + np.clip(step, -0.1, 0.1), *reach)
+    centre, tangent, outward = _axis_at(tube, turn)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     away = points - centre
     away -= np.sum(away * tangent, axis=1, keepdims=True) * tangent
@@ -207,20 +143,20 @@ def _foot(
     upward = np.cross(first, tangent) * tube.hand
     around = np.arctan2(np.sum(away * upward, axis=1), np.sum(away * first, axis=1))
     edge = section_radius(tube.section, around)
-    foot = centre + normal * edge[:, None]
+    # From the surface to that of the coils one turn above and below, in the half plane.
+    x, y, up = (centre + normal * edge[:, None]).T
+    table, gap = tube.line(turns), np.full(len(turn), np.inf)
+    for other in (turn - 1.0, turn + 1.0):
+        radius, height = (np.interp(other, turns, curve, np.inf, np.inf) for curve in table)
+        apart = np.hypot(np.hypot(x, y) - radius, up - height) - tube.section[0]
+        gap = np.minimum(gap, np.abs(apart))
     # noise across the normal adds its square over twice the radius to the mean distance
-    return OnWire(
-        turn,
-        distance,
-        around,
-        distance - edge - tube.noise**2 / (2 * edge),
-        _next_coil(tube, foot, turn, reach, table),
-        np.sum(normal * outward, axis=1),
-        normal[:, 2],
-    )
+    left = distance - edge - tube.noise**2 / (2 * edge)
+    facing = np.sum(normal * outward, axis=1)
+    return OnWire(turn, distance, around, left, gap, facing, normal[:, 2])
 
 
-def _axis_at(tube: Tube, turn: Array) -> tuple[Array, Array, Array, Array]:
+def _axis_at(tube: Tube, turn: Array) -> tuple[Array, Array, Array]:
     """Wire axis (n, 3), its derivative by the turn, and the outward direction there."""
     (radius, height), (growth, rise) = tube.line(turn), tube.line(turn, 1)
     angle = 2 * np.pi * tube.hand * turn
@@ -231,25 +167,7 @@ def _axis_at(tube: Tube, turn: Array) -> tuple[Array, Array, Array, Array]:
     centre[:, 2] = height
     tangent = growth[:, None] * outward + radius[:, None] * along
     tangent[:, 2] = rise
-    return centre, tangent, outward, height
-
-
-def _next_coil(
-    tube: Tube, foot: Array, turn: Array, reach: tuple[float, float], table: _Table
-) -> Array:
-    """Distance from points of the surface to the surface of the coils one turn above and below, in
-    the half plane.
-    """
-    across, up = np.hypot(foot[:, 0], foot[:, 1]), foot[:, 2]
-    gap = np.full(len(turn), np.inf)
-    for away in (-1.0, 1.0):
-        other = turn + away
-        radius, height = table.at(other)
-        apart = np.hypot(across - radius, up - height) - tube.section[0]
-        gap = np.minimum(
-            gap, np.where((other >= reach[0]) & (other <= reach[1]), np.abs(apart), np.inf)
-        )
-    return gap
+    return centre, tangent, outward
 
 
 def section_radius(section: Array, around: Array) -> Array:
@@ -267,131 +185,66 @@ def fit_tube(
     tube: Tube,
     points: Array,
     reach: tuple[float, float],
-    ovate: bool,
-    flats: Any = None,
+    flat: NDArray[np.bool_] | None = None,
+    ovate: bool = False,
     rounds: int = ROUNDS,
 ) -> tuple[Tube, OnWire, Array]:
     """The tube through the surface points, their positions on it and their weights (n,).
 
-    ``flats``: function of the points that is true for those of ground faces, which are no surface
-    of the tube. Raises :class:`InputError` where fewer than :data:`FEWEST` points are on it.
+    ``flat`` (n,): points of ground faces, which are no surface of the tube. Raises
+    :class:`InputError` where fewer than :data:`FEWEST` points are on it.
     """
-    skip = np.zeros(len(points), dtype=bool) if flats is None else flats(points)
-    rough, size = [np.array([1e-4, 1e-4]), len(tube.radius)]
-    penalty = roughness(tube.knots)
-    rank = size - 2
+    from scipy.interpolate import BSpline
+    from scipy.sparse import csr_array, hstack
+
+    skip = np.zeros(len(points), dtype=bool) if flat is None else flat
+    size, knots = len(tube.radius), tube.knots
+    curves, free = (slice(size), slice(size, 2 * size)), 2 * size + (3 if ovate else 1)
+    rough, penalty = [1e-4, 1e-4], roughness(knots)
+    inner = knots[DEGREE], knots[-DEGREE - 1]
     for turn in range(rounds):
         on = place(tube, points, reach)
-        scale = _scale(on, skip, tube, first=turn == 0)
-        weight = np.where(
-            skip | (on.gap < TOUCHING * scale),
-            0.0,
-            np.clip(1 - (on.left / (TUKEY * scale)) ** 2, 0.0, None) ** 2,
-        )
-        if np.count_nonzero(weight) < FEWEST:
+        wire = float(tube.section[0])
+        # Coming from a rough start the scale falls step by step, so that no point is given up too early.
+        least = 1e-6 * wire if turn == 0 else max(0.4 * tube.noise, 1e-6 * wire)
+        far = min(0.35 * wire, np.inf if turn == 0 else 6 * tube.noise)
+        left = np.abs(on.left)
+        near = left[(left < far) & (on.gap > 0.1 * wire) & ~skip]
+        scale = tube.noise if len(near) < FEWEST else max(1.4826 * float(np.median(near)), least)
+        weight = np.clip(1 - (left / (TUKEY * scale)) ** 2, 0.0, None) ** 2
+        weight[skip | (on.gap < TOUCHING * scale)] = 0.0
+        keep = np.flatnonzero(weight)
+        if len(keep) < FEWEST:
             raise InputError(
                 "the points are not on the surface of one wire; give the scan of one spring, cleaned of its holder"
             )
-        matrix, side = _normal_equations(tube, on, weight, ovate)
-        matrix, side = matrix / scale**2, side / scale**2
-        prior = np.zeros_like(matrix)
-        prior[:size, :size], prior[size : 2 * size, size : 2 * size] = (
-            penalty / rough[0],
-            penalty / rough[1],
-        )
-        inner = matrix + prior + 1e-9 * np.diag(np.maximum(np.diag(matrix + prior), 1e-12))
-        if not ovate:
-            inner[2 * size + 1 :, :] = 0.0
-            inner[:, 2 * size + 1 :] = 0.0
-            inner[range(2 * size + 1, 2 * size + 3), range(2 * size + 1, 2 * size + 3)] = 1.0
-        cov: Array = np.asarray(np.linalg.inv(inner))
+        # distance less section: falls as the axis comes nearer along the normal
+        basis = BSpline.design_matrix(np.clip(on.turn[keep], *inner), knots, DEGREE)
+        around = on.around[keep]
+        edge = section_radius(tube.section, around)[:, None]
+        bulge = np.column_stack([0 * around + 1 / wire, np.cos(2 * around), np.sin(2 * around)])
+        outward, upward = on.outward[keep][:, None], on.upward[keep][:, None]
+        columns = [basis.multiply(outward), basis.multiply(upward), csr_array(edge * bulge)]
+        model = hstack(columns, format="csr")[:, :free]
+        heavy = model.multiply(weight[keep][:, None] / scale**2).tocsr()
+        prior = np.zeros((free, free))
+        for curve, variance in zip(curves, rough, strict=True):
+            prior[curve, curve] = penalty / variance
+        matrix = (heavy.T @ model).toarray() + prior
+        matrix += 1e-9 * np.diag(np.maximum(np.diag(matrix), 1e-12))
+        cov = np.linalg.inv(matrix)
         values = np.concatenate([tube.radius, tube.height, tube.section])
-        step = cov @ (side - prior @ values)
-        values = values + step
-        if not ovate:
-            cov[2 * size + 1 :, 2 * size + 1 :] = 0.0
-        rough = _rougher(rough, values, cov, penalty, rank, size)
-        moved = _design(tube.knots, np.linspace(*reach, 200)) @ step[: 2 * size].reshape(2, size).T
-        tube = Tube(
-            tube.knots,
-            values[:size],
-            values[size : 2 * size],
-            values[2 * size :],
-            cov,
-            scale,
-            tube.hand,
-        )
+        step = cov @ (heavy.T @ on.left[keep] - prior @ values[:free])
+        values[:free] += step
+        # Variance of the random walk of each curve by the update of Fellner and Schall.
+        for index, curve in enumerate(curves):
+            numbers = size - 2 - float(np.sum(cov[curve, curve] * penalty)) / rough[index]
+            bent = float(values[curve] @ penalty @ values[curve])
+            rough[index] = float(np.clip(bent / max(numbers, 0.5), 1e-16, 1e6))
+        moved = _spline(knots, step[: 2 * size].reshape(2, size).T, np.linspace(*reach, 200))
+        cov = np.pad(cov, (0, 2 * size + 3 - free))
+        radius, height, section = np.split(values, (size, 2 * size))
+        tube = Tube(knots, radius, height, section, cov, scale, tube.hand)
         if turn > 2 and float(np.sqrt(np.mean(moved**2))) < SETTLED * scale:
             break
     return tube, on, weight
-
-
-def _scale(on: OnWire, skip: Mask, tube: Tube, first: bool) -> float:
-    """Scatter of the points that can belong to the surface, by the median of their distances from
-    it.
-    """
-    wire = float(tube.section[0])
-    near = (
-        (np.abs(on.left) < min(0.35 * wire, np.inf if first else 6 * tube.noise))
-        & (on.gap > 0.1 * wire)
-        & ~skip
-    )
-    if np.count_nonzero(near) < FEWEST:
-        return tube.noise
-    found = 1.4826 * float(np.median(np.abs(on.left[near])))
-    # coming from a rough start the scale falls step by step, so that no point is given up too early
-    return max(found, 1e-6 * wire) if first else max(found, 0.4 * tube.noise, 1e-6 * wire)
-
-
-def _normal_equations(tube: Tube, on: OnWire, weight: Array, ovate: bool) -> tuple[Array, Array]:
-    from scipy.sparse import csr_array, hstack
-
-    keep = weight > 0
-    basis = _sparse_design(tube.knots, on.turn[keep])
-    edge = section_radius(tube.section, on.around[keep])
-    across = np.column_stack(
-        [
-            edge / tube.section[0],
-            edge * np.cos(2 * on.around[keep]),
-            edge * np.sin(2 * on.around[keep]),
-        ]
-    )
-    if not ovate:
-        across[:, 1:] = 0.0
-    # distance less section: falls as the axis comes nearer along the normal
-    model = hstack(
-        [
-            basis.multiply(on.outward[keep][:, None]),
-            basis.multiply(on.upward[keep][:, None]),
-            csr_array(across),
-        ],
-        format="csr",
-    )
-    heavy = model.multiply(weight[keep][:, None]).tocsr()
-    return (heavy.T @ model).toarray(), np.asarray(heavy.T @ on.left[keep]).ravel()
-
-
-def _rougher(
-    rough: Array, values: Array, cov: Array, penalty: Array, rank: int, size: int
-) -> Array:
-    """Variance of the random walk of each curve by the update of Fellner and Schall."""
-    after = rough.copy()
-    for place_, first in enumerate((0, size)):
-        own, block = values[first : first + size], cov[first : first + size, first : first + size]
-        known = max(rank - float(np.sum(block * penalty)) / rough[place_], 0.5)
-        after[place_] = np.clip(float(own @ penalty @ own) / known, 1e-16, 1e6)
-    return after
-
-
-def _design(knots: Array, turn: Array, derivative: int = 0) -> Array:
-    from scipy.interpolate import BSpline
-
-    basis: Any = BSpline(knots, np.eye(len(knots) - DEGREE - 1), DEGREE)
-    found: Array = basis(np.clip(turn, knots[DEGREE], knots[-DEGREE - 1]), nu=derivative)
-    return found
-
-
-def _sparse_design(knots: Array, turn: Array) -> Any:
-    from scipy.interpolate import BSpline
-
-    return BSpline.design_matrix(np.clip(turn, knots[DEGREE], knots[-DEGREE - 1]), knots, DEGREE)
