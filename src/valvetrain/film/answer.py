@@ -80,16 +80,16 @@ class FilmAnswer(Shown):
         return [Line(label, (*cells, *blank)[: len(self.headings)]) for label, *cells in rows]
 
     def _coils(self) -> Iterator[tuple[str, ...]]:
-        for one in sorted(self.motion.peaks, key=lambda one: -one.mean)[:COILS]:
+        for top in sorted(self.motion.peaks, key=lambda top: -top.mean)[:COILS]:
             peak, bar, *more = (self.words.amount(displacement(float(value)), digits) for value, digits in (
-                (one.mean, 4), (BAND * one.spread, 2),
-                *(() if self.model is None else ((self.model.peaks[one.coil - 1], 4), (self.model.apart[one.coil - 1], 2)))
+                (top.mean, 4), (BAND * top.spread, 2),
+                *(() if self.model is None else ((self.model.peaks[top.coil - 1], 4), (self.model.apart[top.coil - 1], 2)))
             ))  # fmt: skip
-            yield f"coil {one.coil}", f"{peak} ± {bar}", *more
+            yield f"coil {top.coil}", f"{peak} ± {bar}", *more
 
     def _surge(self) -> Iterator[tuple[str, ...]]:
-        for place, one in enumerate(self.facts.lines[:LINES], 1):
-            pair = (one, nearest(self.model, one))
+        for place, line in enumerate(self.facts.lines[:LINES], 1):
+            pair = (line, nearest(self.model, line))
             yield f"surge line {place}", *(f"{self.words.said(frequency(two), 5)}, damping {ratio(two)}" for two in pair if two)  # fmt: skip
 
     def tables(self) -> Mapping[str, TextTable]:
@@ -114,8 +114,8 @@ class FilmAnswer(Shown):
         """What was found and done."""
         yield "Coils are followed by the glare line on each of them and counted from the seat. Displacements are along the picture, towards the seat."
         yield "The damping of a free decay goes into your case: name it in place of job-t."
-        for one in (*self.motion.notes, *(() if self.model is None else self.model.notes)):
-            yield f"{one[:1].upper()}{one[1:]}."
+        for note in (*self.motion.notes, *(() if self.model is None else self.model.notes)):
+            yield f"{note[:1].upper()}{note[1:]}."
 
 
 def answer_of_model(model: FilmedModel) -> FilmAnswer:

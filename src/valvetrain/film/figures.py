@@ -50,8 +50,8 @@ def spectrum(facts: FilmFacts) -> go.Figure:
     motion = facts.motion
     amplitude = 1e6 * motion.spectrum_amplitude[1:]
     fig = go.Figure(line(motion.spectrum_frequency[1:], amplitude, "film", LEAD))
-    for one in facts.lines:
-        fig.add_vline(one.natural_frequency, line={"dash": "dot"}, annotation_text=f"{one.natural_frequency:.0f} Hz")  # fmt: skip
+    for ringing in facts.lines:
+        fig.add_vline(ringing.natural_frequency, line={"dash": "dot"}, annotation_text=f"{ringing.natural_frequency:.0f} Hz")  # fmt: skip
     styled(fig, "frequency, Hz", ("amplitude, µm",))
     return fig.update_yaxes(type="log")
 

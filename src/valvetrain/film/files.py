@@ -25,8 +25,8 @@ def named_cycles(motion: CoilMotion, model: FilmedModel | None) -> tuple[Measure
     if model is None:
         return motion.cycles
     return tuple(
-        replace(one, quantity=name)
-        for one, name in zip(motion.cycles, model.quantities, strict=True)
+        replace(cycles, quantity=name)
+        for cycles, name in zip(motion.cycles, model.quantities, strict=True)
     )
 
 
@@ -35,8 +35,8 @@ def write_film(motion: CoilMotion, model: FilmedModel | None, folder: Path) -> l
     ``spectrum.csv`` and, with a model, ``model.csv``.
     """
     files = [
-        write_cycles(folder / f"displacement-coil-{coil}.csv", [one])
-        for coil, one in enumerate(named_cycles(motion, model), start=1)
+        write_cycles(folder / f"displacement-coil-{coil}.csv", [cycles])
+        for coil, cycles in enumerate(named_cycles(motion, model), start=1)
     ]
     coils = range(1, motion.coils + 1)
     columns = [
@@ -92,8 +92,8 @@ def film_json(motion: CoilMotion, model: FilmedModel | None) -> dict[str, Any]:
             "model": model.model, "spring": model.spring, "turns": model.turns, "quantities": list(model.quantities),
             "peaks": model.peaks, "root_mean_square_apart": model.apart,
             "surge_frequency": model.surge_frequency, "cam_angle_shift": model.shift, "notes": list(model.notes),
-            "surge_lines": [{"frequency": one.natural_frequency, "damping_ratio": one.damping_ratio}
-                            for one in (() if model.surge is None else model.surge.lines)]
+            "surge_lines": [{"frequency": line.natural_frequency, "damping_ratio": line.damping_ratio}
+                            for line in (() if model.surge is None else model.surge.lines)]
         }  # fmt: skip
     return data
 

@@ -98,10 +98,10 @@ def ordered(response: Array, expected: Array, scale: float, apart: int) -> Array
         before = np.concatenate([np.full(apart, -1e9), highest[:-apart]])
         choice.append(np.concatenate([np.zeros(apart, dtype=np.int64), place[:-apart]]))
         best = score[coil] + before
-    found = [int(np.argmax(best))]
+    path = [int(np.argmax(best))]
     for place in reversed(choice):
-        found.append(int(place[found[-1]]))
-    return np.array(found[::-1], dtype=float)
+        path.append(int(place[path[-1]]))
+    return np.array(path[::-1], dtype=float)
 
 
 #: Points of a profile per pixel, frames fitted at a time, and steps of a fit.

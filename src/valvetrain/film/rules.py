@@ -49,7 +49,9 @@ def shared_errors(facts: FilmFacts) -> str:
     motion, model = facts.motion, facts.model
     place = float(np.nanmedian(motion.spread)) * motion.metres_per_pixel
     lost = (
-        one.amplitude for one in facts.lines if one.natural_frequency * FEW > motion.seen.frame_rate
+        line.amplitude
+        for line in facts.lines
+        if line.natural_frequency * FEW > motion.seen.frame_rate
     )
     amounts = {
         "mm": 1e3 * math.hypot(place, *lost), "%": 100 * motion.scale_spread / motion.metres_per_pixel,
@@ -75,8 +77,10 @@ def ratio(line: SurgeLine | None) -> str:
 
 def nearest(model: FilmedModel | None, line: SurgeLine | None) -> SurgeLine | None:
     """The surge line of a run that is nearest to one of the film; None where none is within a tenth."""
-    found = () if model is None or model.surge is None or line is None else model.surge.lines
-    away = {abs(one.natural_frequency / line.natural_frequency - 1): one for one in found if line}
+    lines = () if model is None or model.surge is None or line is None else model.surge.lines
+    away = {
+        abs(other.natural_frequency / line.natural_frequency - 1): other for other in lines if line
+    }
     return away[min(away)] if away and min(away) < 0.1 else None
 
 
@@ -94,11 +98,11 @@ def lost(facts: FilmFacts) -> Iterator[Hit]:
 
 def mirrored(facts: FilmFacts, strongest: bool = True) -> Iterator[Hit]:
     """Fewer than 2.5 frames show a cycle of the strongest surge line."""
-    rate, largest = facts.motion.seen.frame_rate, max((one.amplitude for one in facts.lines), default=0.0)  # fmt: skip
-    for one in facts.lines:
-        if one.natural_frequency * FEW > rate and (one.amplitude == largest) is strongest:
-            other = Amount("surge_frequency", rate - one.natural_frequency)
-            yield Hit(Amount("surge_frequency", one.natural_frequency), fields={"other": other})
+    rate, largest = facts.motion.seen.frame_rate, max((line.amplitude for line in facts.lines), default=0.0)  # fmt: skip
+    for line in facts.lines:
+        if line.natural_frequency * FEW > rate and (line.amplitude == largest) is strongest:
+            other = Amount("surge_frequency", rate - line.natural_frequency)
+            yield Hit(Amount("surge_frequency", line.natural_frequency), fields={"other": other})
 
 
 def also_mirrored(facts: FilmFacts) -> Iterator[Hit]:
@@ -126,17 +130,17 @@ def far(facts: FilmFacts) -> Iterator[Hit]:
 def moves(facts: FilmFacts) -> Iterator[Hit]:
     """The film of a turning cam: the coil with the largest peak."""
     motion, first = facts.motion, facts.lines[0] if facts.lines else None
-    for one in motion.peaks:
-        yield Hit(displacement(one.mean, BAND * one.spread), fields={
-            "coil": f"{one.coil}", "count": f"{motion.coils}", "speed": rpm(motion.cycles[0].cam_speed), "surge": frequency(first),
+    for top in motion.peaks:
+        yield Hit(displacement(top.mean, BAND * top.spread), fields={
+            "coil": f"{top.coil}", "count": f"{motion.coils}", "speed": rpm(motion.cycles[0].cam_speed), "surge": frequency(first),
             "ratio": ratio(first)
         })  # fmt: skip
 
 
 def rings(facts: FilmFacts) -> Iterator[Hit]:
     """The film of a free decay: its lowest surge line."""
-    for one in facts.lines[:1] if facts.motion.phase is None else ():
-        yield Hit(Amount("surge_frequency", one.natural_frequency, BAND * one.frequency_spread), fields={"ratio": ratio(one)})  # fmt: skip
+    for line in facts.lines[:1] if facts.motion.phase is None else ():
+        yield Hit(Amount("surge_frequency", line.natural_frequency, BAND * line.frequency_spread), fields={"ratio": ratio(line)})  # fmt: skip
 
 
 def no_surge(facts: FilmFacts) -> Iterator[Hit]:

@@ -45,14 +45,14 @@ class LineRow(NamedTuple):
 def peak_table(motion: CoilMotion, model: FilmedModel | None) -> list[PeakRow]:
     """Rows of the peaks along the spring."""
     if model is None:
-        return [PeakRow(one) for one in motion.peaks]
-    return [PeakRow(one, float(model.peaks[one.coil - 1])) for one in motion.peaks]
+        return [PeakRow(peak) for peak in motion.peaks]
+    return [PeakRow(peak, float(model.peaks[peak.coil - 1])) for peak in motion.peaks]
 
 
 def line_table(motion: CoilMotion) -> list[LineRow]:
     """Rows of the surge lines."""
     lines = () if motion.surge is None else motion.surge.lines
-    return [LineRow(index, one) for index, one in enumerate(lines, start=1)]
+    return [LineRow(index, peak) for index, peak in enumerate(lines, start=1)]
 
 
 PEAK_COLUMNS: list[RowColumn] = [

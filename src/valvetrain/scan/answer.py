@@ -100,21 +100,21 @@ class ScanAnswer(Shown):
         yield Line("seen", (f"{100 * seen.around:.0f} % around the wire",), mark, f"gap about the axis {degrees(seen.sector)}")  # fmt: skip
 
     def _loads(self) -> Iterator[Line]:
-        for one in self.facts.numbers:
-            if one.quantity in FIRST:
-                mark: Mark = "ok" if abs(one.difference) <= AS_DRAWN else "warn"
-                yield Line(label_of(one.quantity), self._compared(one), mark)
+        for number in self.facts.numbers:
+            if number.quantity in FIRST:
+                mark: Mark = "ok" if abs(number.difference) <= AS_DRAWN else "warn"
+                yield Line(label_of(number.quantity), self._compared(number), mark)
 
-    def _compared(self, one: ComparedNumber) -> tuple[str, ...]:
-        both = (self.words.amount(Amount(one.quantity, value), 4) for value in (one.design, one.scanned))  # fmt: skip
-        return *both, percent(one.difference) if one.design else ""
+    def _compared(self, number: ComparedNumber) -> tuple[str, ...]:
+        both = (self.words.amount(Amount(number.quantity, value), 4) for value in (number.design, number.scanned))  # fmt: skip
+        return *both, percent(number.difference) if number.design else ""
 
     def tables(self) -> Mapping[str, TextTable]:
         """Every compared number by run."""
         rows: list[tuple[str, ...]] = []
-        for speed, group in groupby(self.facts.numbers, lambda one: one.engine_speed):
+        for speed, group in groupby(self.facts.numbers, lambda number: number.engine_speed):
             rows.append(("at rest" if speed is None else speed_text(speed),))
-            rows += [(f"{label_of(one.quantity)} {one.label}", *self._compared(one)) for one in group]  # fmt: skip
+            rows += [(f"{label_of(number.quantity)} {number.label}", *self._compared(number)) for number in group]  # fmt: skip
         return {"numbers": TextTable("Design and scan", ("quantity", *self.headings), tuple(rows))}
 
     def figures(self) -> Mapping[str, FigureSpec]:

@@ -54,7 +54,7 @@ def find_sections(points: Array) -> list[Sections]:
         np.mean([_votes(part, share * coil, cell)[0].max() for part in chosen]) for share in RADII
     ])  # fmt: skip
     tops = find_peaks(np.pad(scores, 1))[0] - 1
-    found = []
+    sets = []
     for top in tops[np.argsort(-scores[tops], kind="stable")][:TRIED]:
         # Where a parabola through the score and its neighbours is highest, in logarithms of the share.
         middle = int(np.clip(top, 1, len(scores) - 2))
@@ -62,8 +62,8 @@ def find_sections(points: Array) -> list[Sections]:
         bend = before - 2 * at + after
         away = 0.5 * (before - after) / bend if bend < 0 else 0.0
         share = RADII[middle] * (RADII[1] / RADII[0]) ** np.clip(away, -0.5, 0.5)
-        found.append(_with_radius(parts, float(share * coil), cell))
-    return [sections for sections in found if len(sections.wedge) >= WEDGES]
+        sets.append(_with_radius(parts, float(share * coil), cell))
+    return [sections for sections in sets if len(sections.wedge) >= WEDGES]
 
 
 def _with_radius(parts: list[Array], wire: float, cell: float) -> Sections:
@@ -168,8 +168,8 @@ def _chains(plane: Array, members: list[NDArray[np.intp]], reach: float) -> list
     for here, there in zip(members, members[1:] + members[:1], strict=True):
         if len(here) and len(there):
             apart = np.linalg.norm(plane[here][:, None] - plane[there][None], axis=2)
-            forward, back, own = apart.argmin(axis=1), apart.argmin(axis=0), np.arange(len(here))
-            linked = (back[forward] == own) & (apart[own, forward] < reach)
+            forward, back, place = apart.argmin(axis=1), apart.argmin(axis=0), np.arange(len(here))
+            linked = (back[forward] == place) & (apart[place, forward] < reach)
             after.update(zip(here[linked].tolist(), there[forward[linked]].tolist(), strict=True))
     chains = []
     for first in sorted(set(after) - set(after.values())) or sorted(after)[:1]:
@@ -234,13 +234,11 @@ class Frame:
 
     def inside(self, points: Array) -> Array:
         """Points (n, 3) in this frame: across, across, along."""
-        found: Array = (points - self.origin) @ self.base.T
-        return found
+        return np.asarray((points - self.origin) @ self.base.T)
 
     def outside(self, points: Array) -> Array:
         """Points (n, 3) of this frame where the scan has them."""
-        found: Array = points @ self.base + self.origin
-        return found
+        return np.asarray(points @ self.base + self.origin)
 
     def moved(self, across: Array, tilt: Array) -> Frame:
         """The frame whose axis passes ``across`` (2,) at height zero and leans by ``tilt`` (2,) per

@@ -225,8 +225,10 @@ def _mesh(path: Path, name: str, form: str) -> tuple[Array, Array]:
             trimesh.util.log.disabled = True  # it prints tracebacks of what it then reads otherwise
             loaded: Any = trimesh.load(path, file_type=form[:3].lower(), process=False)
         parts = [*loaded.geometry.values()] if hasattr(loaded, "geometry") else [loaded]
-        corners = np.concatenate([np.zeros((0, 3)), *(one.vertices for one in parts)]).astype(float)
-        solid = [one for one in parts if len(getattr(one, "faces", ()))]
+        corners = np.concatenate([np.zeros((0, 3)), *(part.vertices for part in parts)]).astype(
+            float
+        )
+        solid = [part for part in parts if len(getattr(part, "faces", ()))]
         whole: Any = trimesh.util.concatenate(solid) if solid else None
         surface = np.zeros((0, 3))
         if whole is not None and np.all(np.isfinite(whole.vertices)) and whole.area > 0:

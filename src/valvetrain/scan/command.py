@@ -150,30 +150,30 @@ def scan(
     deliver(saved_result(request, answer.text, data, show, write, choices, open_page, failures))
 
 
-def _data(found: ScannedSpring, compared: ScanComparison | None) -> dict[str, Any]:
+def _data(scanned: ScannedSpring, compared: ScanComparison | None) -> dict[str, Any]:
     """The JSON answer, SI."""
 
     def spread(pair: tuple[float, float]) -> dict[str, float]:
         return {"value": pair[0], "standard_deviation": pair[1]}
 
-    curves, section, wire = found.curves, found.section, found.definition
+    curves, section, wire = scanned.curves, scanned.section, scanned.definition
     data: dict[str, Any] = {
-        "command": "scan", "case": "", "completed": compared is None or not compared.failures, "form": found.form, "unit": found.unit,
-        "points_read": found.points_read, "points_fitted": found.points_fitted, "points_on_wire": found.points_on_wire,
-        "noise": found.noise, "hand": found.hand, "total_coils": spread(found.total_coils), "free_length": spread(found.free_length),
+        "command": "scan", "case": "", "completed": compared is None or not compared.failures, "form": scanned.form, "unit": scanned.unit,
+        "points_read": scanned.points_read, "points_fitted": scanned.points_fitted, "points_on_wire": scanned.points_on_wire,
+        "noise": scanned.noise, "hand": scanned.hand, "total_coils": spread(scanned.total_coils), "free_length": spread(scanned.free_length),
         "wire_diameter": spread(section.diameter), "ovate": section.ovate, "long_axis": spread(section.long_axis),
         "short_axis": spread(section.short_axis), "inclination": section.inclination,
-        "axis": {"point": found.axis_point.tolist(), "direction": found.axis_direction.tolist()},
+        "axis": {"point": scanned.axis_point.tolist(), "direction": scanned.axis_direction.tolist()},
         "ends": {
             word: {"kind": end.kind, "ground_coils": coil.ground_coils, "face_points": end.face_points, "face_lean": end.face_lean}
-            for word, end, coil in (("lower", found.lower_end, wire.lower_end), ("upper", found.upper_end, wire.upper_end))
+            for word, end, coil in (("lower", scanned.lower_end, wire.lower_end), ("upper", scanned.upper_end, wire.upper_end))
         },
         "curves": {
             key: getattr(curves, key).tolist()
             for key in ("coil", "mean_diameter", "mean_diameter_spread", "height", "height_spread", "pitch", "pitch_spread", "centre_line")
         },
         "turns": [dict(zip(("coil", "wire_diameter", "standard_deviation", "points"), row, strict=True)) for row in section.turns.tolist()],
-        "notes": list(found.notes),
+        "notes": list(scanned.notes),
     }  # fmt: skip
     if compared is not None:
         data["design"] = compared.cases[0].name

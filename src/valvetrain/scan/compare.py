@@ -152,9 +152,9 @@ def compare_scan(
     >>> file = pathlib.Path(tempfile.mkdtemp(), "scan.xyz")
     >>> np.savetxt(file, spring + draw.normal(0, 0.03, spring.shape), fmt="%.4f")
     >>> coarse = {"springs.0.options": {"finite-element": {"elements_per_coil": 8}}}
-    >>> found = compare_scan(vt.scan.spring_from_scan(file, unit="mm"), vt.load_case("job-t").replace(coarse))
-    >>> one = found.number("preload")
-    >>> bool(abs(one.scanned / one.design - 1) < 0.02)
+    >>> compared = compare_scan(vt.scan.spring_from_scan(file, unit="mm"), vt.load_case("job-t").replace(coarse))
+    >>> preload = compared.number("preload")
+    >>> bool(abs(preload.scanned / preload.design - 1) < 0.02)
     True
     """
     case = replace(case_of(design), published=())
@@ -220,15 +220,15 @@ def as_installed(scan: ScannedSpring, design: InstalledSpring) -> InstalledSprin
             "the design; check the unit of the scan or give another design",
             "--design",
         )
-    own = scan.definition
+    made = scan.definition
     ends = {}
     for place in ("lower_end", "upper_end"):
-        end, other = getattr(own, place), getattr(wire, place)
+        end, other = getattr(made, place), getattr(wire, place)
         beyond = other.inactive_coils - (other.ground_coils if "ground" in end.kind else 0.0)
         inactive = beyond + (end.ground_coils if "ground" in end.kind else 0.0)
         ends[place] = EndCoil(end.kind, float(np.clip(inactive, 0.0, 3.0)), end.ground_coils)
-    own = own.replace(material=wire.material, name=wire.name, **ends)
-    return replace(design, wire=own, precompression=max(compression, 0.0))
+    made = made.replace(material=wire.material, name=wire.name, **ends)
+    return replace(design, wire=made, precompression=max(compression, 0.0))
 
 
 def _at_rest(cases: tuple[Case, Case], studies: list[Study]) -> list[ComparedNumber]:

@@ -19,7 +19,7 @@ def cloud(facts: ScanFacts) -> go.Figure:
     across = np.cross(scan.axis_direction, np.roll(scan.axis_direction, 1))
     frame = np.array([across, np.cross(scan.axis_direction, across), scan.axis_direction])
     fine = np.linspace(0.0, curves.coil[-1], 2000)
-    wire = np.array([np.interp(fine, curves.coil, one) for one in curves.centre_line.T])
+    wire = np.array([np.interp(fine, curves.coil, curve) for curve in curves.centre_line.T])
     shown = (frame @ (points - scan.axis_point[:, None]) for points in (scan.shown.T, wire))
     low = frame[2] @ (curves.centre_line[0] - scan.axis_point) - curves.height[0]
     looks = (("points of the scan", RIGID), ("fitted wire axis", LEAD))
@@ -49,10 +49,10 @@ def curves(facts: ScanFacts) -> go.Figure:
     fig = panels((0.25,) * 4)
     for row, ((_, at, values, spread), law) in enumerate(zip(rows, drawn, strict=True), 1):
         off = 1e3 * np.subtract(values, law)
-        for one in band(at, off - 2e3 * spread, off + 2e3 * spread, "95 %"):
-            fig.add_trace(one.update(showlegend=bool(one.name) and row == 1), row, 1)
+        for curve in band(at, off - 2e3 * spread, off + 2e3 * spread, "95 %"):
+            fig.add_trace(curve.update(showlegend=bool(curve.name) and row == 1), row, 1)
         fig.add_trace(line(at, off, *LOOKS[0], showlegend=row == 1), row, 1)
-    return styled(fig, "coil, from the lower tip", tuple(f"{one[0]}, mm" for one in rows), 560)  # fmt: skip
+    return styled(fig, "coil, from the lower tip", tuple(f"{curve[0]}, mm" for curve in rows), 560)  # fmt: skip
 
 
 def force(facts: ScanFacts) -> go.Figure | None:

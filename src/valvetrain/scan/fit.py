@@ -379,9 +379,8 @@ def _swing(waves: Array, bends: Array) -> Array:
     weight = np.ones(len(bends))
     for _ in range(20):
         root = np.sqrt(weight)[:, None]
-        found = np.linalg.lstsq(basis * root, bends * root[:, 0], rcond=1e-10)[0]
-        left = np.abs(bends - basis @ found)
+        shares = np.linalg.lstsq(basis * root, bends * root[:, 0], rcond=1e-10)[0]
+        left = np.abs(bends - basis @ shares)
         scale = 1.4826 * float(np.median(left)) + 1e-9
         weight = 1 / (1 + (left / (1.5 * scale)) ** 2)
-    swing: Array = found[1:]
-    return swing
+    return np.asarray(shares[1:])

@@ -127,8 +127,8 @@ def spring_from_scan(
     >>> spring = np.column_stack([radius * np.cos(6.2832 * turn), radius * np.sin(6.2832 * turn), 6 * turn + 1.5 * np.sin(around)])
     >>> file = pathlib.Path(tempfile.mkdtemp(), "scan.xyz")
     >>> np.savetxt(file, spring + draw.normal(0, 0.03, spring.shape), fmt="%.4f")
-    >>> found = spring_from_scan(file, unit="mm")
-    >>> found.hand, round(found.total_coils[0], 1), round(1e3 * float(found.definition.mean_diameter.value(2.0)), 1)
+    >>> scan = spring_from_scan(file, unit="mm")
+    >>> scan.hand, round(scan.total_coils[0], 1), round(1e3 * float(scan.definition.mean_diameter.value(2.0)), 1)
     ('right', 4.0, 20.0)
     """
     cloud = open_cloud(file)

@@ -90,13 +90,17 @@ class ScanFacts(Subject):
     def numbers(self) -> list[ComparedNumber]:
         """What is compared: at rest, and in motion what :data:`IN_MOTION` names."""
         every = () if self.compared is None else self.compared.numbers
-        return [one for one in every if one.engine_speed is None or one.quantity in IN_MOTION]
+        return [
+            number
+            for number in every
+            if number.engine_speed is None or number.quantity in IN_MOTION
+        ]
 
     @property
     def deciding(self) -> list[ComparedNumber]:
         """Of rate and preload the one that differs more."""
-        rows = [one for one in self.numbers if one.quantity in DECIDING]
-        return sorted(rows, key=lambda one: -abs(one.difference))[:1]
+        rows = [number for number in self.numbers if number.quantity in DECIDING]
+        return sorted(rows, key=lambda number: -abs(number.difference))[:1]
 
 
 def length(value: float, bar: float = 0.0) -> Amount:
@@ -134,19 +138,21 @@ def covered(facts: ScanFacts) -> Iterator[Hit]:
 
 def failed(facts: ScanFacts) -> Iterator[Hit]:
     """Runs of the design or of the scanned spring did not complete."""
-    for one in () if facts.compared is None else facts.compared.failures[:1]:
-        yield Hit(fields={"first": one})
+    for sentence in () if facts.compared is None else facts.compared.failures[:1]:
+        yield Hit(fields={"first": sentence})
 
 
-def apart(one: ComparedNumber, **more: str) -> Hit:
+def apart(number: ComparedNumber, **more: str) -> Hit:
     """A quantity of the scanned spring next to that of its design."""
-    share = f"{percent(abs(one.difference))[1:]} {'above' if one.difference > 0 else 'below'}"
-    return Hit(Amount(one.quantity, one.scanned), fields={
-        "name": label_of(one.quantity), "share": share, "design": Amount(one.quantity, one.design), **more,
-    }, severity=abs(one.difference))  # fmt: skip
+    share = f"{percent(abs(number.difference))[1:]} {'above' if number.difference > 0 else 'below'}"
+    return Hit(Amount(number.quantity, number.scanned), fields={
+        "name": label_of(number.quantity), "share": share, "design": Amount(number.quantity, number.design), **more,
+    }, severity=abs(number.difference))  # fmt: skip
 
 
-def causes(one: ComparedNumber, made: InstalledSpring, drawn: InstalledSpring) -> dict[str, float]:
+def causes(
+    number: ComparedNumber, made: InstalledSpring, drawn: InstalledSpring
+) -> dict[str, float]:
     """Size -> share by which its difference changes the rate of a round wire, G d^4 / (8 D^3 n), or the preload."""
     new, old = made.wire, drawn.wire
     assert new is not None and old is not None
@@ -154,7 +160,7 @@ def causes(one: ComparedNumber, made: InstalledSpring, drawn: InstalledSpring) -
         np.mean([getattr(spring, law).value(spring.total_coils * np.linspace(0, 1, 99)) for spring in (new, old)], axis=1)
         for law in ("wire_diameter", "mean_diameter")
     )  # fmt: skip
-    longer = (new.free_length - old.free_length) * (one.quantity == "preload")
+    longer = (new.free_length - old.free_length) * (number.quantity == "preload")
     return {
         "wire diameter": 4 * (wire[0] / wire[1] - 1), "mean diameter": 3 * (1 - coil[0] / coil[1]),
         "number of turns": 1 - new.total_coils / old.total_coils, "free length": longer / (drawn.precompression or math.inf),
@@ -163,11 +169,11 @@ def causes(one: ComparedNumber, made: InstalledSpring, drawn: InstalledSpring) -
 
 def not_as_drawn(facts: ScanFacts) -> Iterator[Hit]:
     """Rate or preload differs from the design by more than 2 %."""
-    for one in facts.deciding:
-        if abs(one.difference) > AS_DRAWN and facts.compared is not None:
+    for number in facts.deciding:
+        if abs(number.difference) > AS_DRAWN and facts.compared is not None:
             drawn, made = (case.springs[0] for case in facts.compared.cases)
-            cause, part = max(causes(one, made, drawn).items(), key=lambda item: abs(item[1]))
-            yield apart(one, cause=cause, part=percent(part))
+            cause, part = max(causes(number, made, drawn).items(), key=lambda item: abs(item[1]))
+            yield apart(number, cause=cause, part=percent(part))
 
 
 def size_off(facts: ScanFacts) -> Iterator[Hit]:
@@ -187,10 +193,10 @@ def as_drawn(facts: ScanFacts) -> Iterator[Hit]:
 
 def others(facts: ScanFacts) -> Iterator[Hit]:
     """Other quantities differ from the design by more than 2 %."""
-    rows = [one for one in facts.numbers if abs(one.difference) > AS_DRAWN and one not in facts.deciding]  # fmt: skip
-    for one in rows:
-        speed = "" if one.engine_speed is None else speed_text(one.engine_speed)
-        yield apart(one, speed=speed, more=f"{len(rows) - 1} more" * (len(rows) > 1))
+    rows = [number for number in facts.numbers if abs(number.difference) > AS_DRAWN and number not in facts.deciding]  # fmt: skip
+    for number in rows:
+        speed = "" if number.engine_speed is None else speed_text(number.engine_speed)
+        yield apart(number, speed=speed, more=f"{len(rows) - 1} more" * (len(rows) > 1))
 
 
 def oval(facts: ScanFacts) -> Iterator[Hit]:

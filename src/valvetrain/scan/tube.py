@@ -177,8 +177,7 @@ def section_radius(section: Array, around: Array) -> Array:
     mean, along, across = section
     square = along**2 + across**2
     bulge = 2 * (along * np.cos(2 * around) + across * np.sin(2 * around))
-    found: Array = mean * (1 - square) / np.sqrt(1 + square - bulge)
-    return found
+    return np.asarray(mean * (1 - square) / np.sqrt(1 + square - bulge))
 
 
 def fit_tube(
