@@ -203,7 +203,7 @@ def _picture(path: Path) -> Picture:
     flags = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION
     try:
         picture = cv2.imdecode(np.frombuffer(content, np.uint8), flags)
-    except Exception:  # cv2.error, which is no class of Python's own
+    except cv2.error:
         picture = None
     if picture is None or picture.ndim != 2 or picture.size > MAX_PIXELS:
         raise InputError(
