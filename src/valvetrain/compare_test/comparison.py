@@ -284,16 +284,15 @@ def against_cycles(
     except InputError as error:
         without = error.reason
     events: list[EventRow] = []
-    everywhere, drawn = np.ones(len(angle), dtype=bool), scatter_of_mean(values)
-    for name, sign in (("largest", 1.0), ("least", -1.0)) if not stages else ():
-        events += extreme_rows(name, angle, values, curve, drawn, everywhere, sign)
-    rows = []
-    for name, first, last in stages:
+    rows, drawn = [], scatter_of_mean(values)
+    for name, first, last in stages or (("", 0.0, _TURN),):
         inside = (angle % _TURN >= first) & (angle % _TURN < last)
         if inside.sum() > 2:
             for word, sign in (("largest", 1.0), ("least", -1.0)):
-                events += extreme_rows(f"{name}, {word}", angle, values, curve, drawn, inside, sign)
-            rows.append(_stage(name, first, last, curve, values, weights, inside, band))
+                label = ", ".join(filter(None, (name, word)))
+                events += extreme_rows(label, angle, values, curve, drawn, inside, sign)
+            if name:
+                rows.append(_stage(name, first, last, curve, values, weights, inside, band))
     spikes = spike_rows(angle, values, curve, drawn)
     events += spikes
     after = stages[-1][1:] if len(stages) > 1 else (0.0, _TURN)
@@ -494,22 +493,9 @@ def closer(
     mean = values.mean(axis=0)
     squares = [float(weights @ (curve - mean) ** 2) for curve in (first, second)]
     single = ((first - values) ** 2 - (second - values) ** 2) @ weights
-    repeats = len(values)
-    if repeats < 2:
-        return CloserRow(near.label, far.label, squares[0], squares[1], math.nan, math.nan)
-    error = float(np.std(single, ddof=1)) / math.sqrt(repeats)
-    student = (
-        float(np.mean(single)) / error
-        if error > 0
-        else math.copysign(math.inf, float(np.mean(single)))
-    )
-    if not np.any(single):
-        student = 0.0
-    return CloserRow(
-        near.label,
-        far.label,
-        squares[0],
-        squares[1],
-        student,
-        2 * float(stdtr(repeats - 1, -abs(student))),
-    )
+    repeats, student = len(values), math.nan
+    if repeats > 1:
+        off, error = float(np.mean(single)), float(np.std(single, ddof=1)) / math.sqrt(repeats)
+        student = off / error if error > 0 else math.copysign(math.inf, off) if off else 0.0
+    chance = 2 * float(stdtr(repeats - 1, -abs(student)))
+    return CloserRow(near.label, far.label, squares[0], squares[1], student, chance)

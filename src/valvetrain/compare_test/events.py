@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,8 @@ from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.signal import prominences, prominent_peaks
 
 Array = NDArray[np.float64]
-Measure = Callable[[Array], float]
+#: Gives angle and height of an event of a curve.
+Measure = Callable[[Array], tuple[float, float]]
 _TURN = 2 * np.pi
 #: A spike exceeds its surroundings by this share of the range of the curve, and by this many standard errors of
 #: the mean.
@@ -103,30 +105,28 @@ def scatter_of_mean(values: Array) -> Array:
     return drawn
 
 
-def _row(
+def _event(
     name: str,
-    dimension: str,
-    measure: Measure,
+    test: tuple[float, float],
+    measure: Measure | None,
     model: Array,
-    test: float,
     drawn: Array,
     repeats: int,
-) -> EventRow:
-    value = measure(model)
-    if not len(drawn):
-        return EventRow(name, dimension, value, test, value, math.nan, repeats)
-    moved = np.array([measure(model + one) for one in drawn]) - value
-    if dimension == "angle":
-        moved = (moved + math.pi) % _TURN - math.pi
-    return EventRow(
-        name,
-        dimension,
-        value,
-        test,
-        value + float(moved.mean()),
-        float(np.std(moved, ddof=1)),
-        repeats,
-    )
+) -> list[EventRow]:
+    """Height and angle of an event: (angle, height) in the ``test``, and by ``measure`` in the model, which
+    shows none where that is None.
+    """
+    at, moved = (math.nan, math.nan), np.zeros((0, 2))
+    if measure is not None:
+        at = measure(model)
+        moved = np.array([measure(model + scatter) for scatter in drawn]).reshape(-1, 2) - at
+        moved[:, 0] = (moved[:, 0] + math.pi) % _TURN - math.pi
+    seen = at + moved.mean(axis=0) if len(moved) else np.array(at)
+    error = np.std(moved, axis=0, ddof=1) if len(moved) else np.full(2, math.nan)
+    return [
+        EventRow(name, dimension, at[k], test[k], float(seen[k]), float(error[k]), repeats)
+        for k, dimension in ((1, "value"), (0, "angle"))
+    ]
 
 
 def extreme_rows(
@@ -145,17 +145,12 @@ def extreme_rows(
     if len(places) < 3:
         return []
 
-    def value(curve: Array) -> float:
-        return sign * _top(cam_angle, sign * curve, places)[1]
-
-    def angle(curve: Array) -> float:
-        return _top(cam_angle, sign * curve, places)[0]
+    def measure(curve: Array) -> tuple[float, float]:
+        angle, height = _top(cam_angle, sign * curve, places)
+        return angle, sign * height
 
     mean = values.mean(axis=0)
-    rows = [
-        _row(name, dimension, measure, model, measure(mean), drawn, len(values))
-        for dimension, measure in (("value", value), ("angle", angle))
-    ]
+    rows = _event(name, measure(mean), measure, model, drawn, len(values))
     ends = {int(places[0]), int(places[-1])} if len(places) < len(cam_angle) else set()
     at_end = any(int(places[np.argmax(sign * curve[places])]) in ends for curve in (model, mean))
     return rows[:1] if at_end or rows[1].error > CHANCE else rows
@@ -197,31 +192,12 @@ def spike_rows(cam_angle: Array, values: Array, model: Array, drawn: Array) -> l
     rows: list[EventRow] = []
     for count, (angle, partner) in enumerate(zip(angles, partners, strict=True), start=1):
         test = _top(cam_angle, mean, _around(cam_angle, angle, angles))
-        met = partner is not None and abs(_short(partner - angle)) <= MEETING
-        for place, dimension in ((1, "value"), (0, "angle")):
-            if not met or partner is None:
-                rows.append(
-                    EventRow(
-                        f"spike {count}",
-                        dimension,
-                        math.nan,
-                        test[place],
-                        math.nan,
-                        math.nan,
-                        len(values),
-                    )
-                )
-                continue
+        measure = None
+        if partner is not None and abs(_short(partner - angle)) <= MEETING:
             near = _around(cam_angle, partner, of_model)
-            measure = _measure_at(cam_angle, near, place)
-            rows.append(
-                _row(f"spike {count}", dimension, measure, model, test[place], drawn, len(values))
-            )
+            measure = partial(_top, cam_angle, places=near)
+        rows += _event(f"spike {count}", test, measure, model, drawn, len(values))
     return rows
-
-
-def _measure_at(cam_angle: Array, near: NDArray[np.int64], place: int) -> Measure:
-    return lambda curve: _top(cam_angle, curve, near)[place]
 
 
 def _around(cam_angle: Array, angle: float, others: list[float]) -> NDArray[np.int64]:
