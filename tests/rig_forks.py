@@ -66,7 +66,7 @@ def outcome(content: bytes, name: str) -> str:
             except InputError as error:
                 told.write_text(str(error), encoding="utf-8")
             except BaseException as error:
-                told.write_text(f"raised {type(error).__name__}: {error}", encoding="utf-8")
+                told.write_text(f"ended by {type(error).__name__}", encoding="utf-8")
             finally:
                 os._exit(0)
         _, status = os.waitpid(child, 0)

@@ -26,7 +26,6 @@ KNOWN = {
     "views/results.py:sentence_of": "no sentence",
     "views/results.py:picture_for_notebook": "no display",
     "views/results.py:html_for_notebook": "no display",
-    "rig/reader.py:read_here": "the file is refused",
     "runs/at_rest.py:RestSolver.solve": "no number, the failure of the study",
     "runs/critical_repeats.py:variants_of": "a member of the range with its refusal and no speed",
     "runs/facts.py:_chain_of_wire": "no fact: the run is refused with the reason",

@@ -145,7 +145,8 @@ def read_recording(path: Path) -> Recording:
     name = path.name[:80] or str(path)[:80]
     reader = form_of(path, name)
     if reader.isolated:
-        tried_apart(f"{__name__}:read_here", path, f"'{name}'", _damaged(reader), MAX_SECONDS)
+        damaged = f"cannot be read as {reader.label}: it is damaged, was cut short or is of a kind that is not read; export it again"
+        tried_apart(f"{__name__}:read_here", path, f"'{name}'", damaged, MAX_SECONDS)
     recording = read_here(path)
     if not recording.channels:
         why = f" ({recording.notes[0]})" if recording.notes else ""
@@ -156,18 +157,8 @@ def read_recording(path: Path) -> Recording:
 
 
 def read_here(path: Path) -> Recording:
-    """As :func:`read_recording`, in this process: its library may crash or hang it."""
-    reader = form_of(path, path.name)
-    try:
-        return reader.read(path, path.name)
-    except (InputError, MemoryError):
-        raise
-    except Exception as error:  # each library raises its own kinds for bytes it cannot parse
-        raise InputError(_damaged(reader), f"'{path.name[:80]}'") from error
-
-
-def _damaged(reader: RigFormat) -> str:
-    return f"cannot be read as {reader.label}: it is damaged, was cut short or is of a kind that is not read; export it again"
+    """As :func:`read_recording`, untried: the library of the form may raise anything, crash or hang this process."""
+    return form_of(path, path.name).read(path, path.name)
 
 
 def form_of(path: Path, name: str) -> RigFormat:
