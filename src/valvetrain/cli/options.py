@@ -10,6 +10,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
@@ -39,6 +40,15 @@ def giving_back() -> Iterator[None]:
 def at_end(release: Callable[[], None]) -> None:
     """Call ``release`` when the command ends."""
     _HELD[-1].callback(release)
+
+
+def name_case(case: str, settings: Sequence[str] | None, more: Sequence[str] = ()) -> None:
+    """Remember until the command ends how the command line names its case, so that a next step can be copied."""
+    from valvetrain.session import call_case
+
+    changes = [part for text in settings or () for part in ("--set", text)]
+    call_case([*filter(None, (case,)), *changes, *more])
+    at_end(partial(call_case, []))
 
 
 #: Largest count that an option takes; what a smaller one costs decides whether it is too large.

@@ -24,6 +24,7 @@ from valvetrain.cli.options import (
     SetOption,
     SpeedOption,
     WorkersOption,
+    name_case,
     read_engine_speeds,
     read_workers,
     take_folder,
@@ -80,9 +81,8 @@ def refine(
     from valvetrain.cli.outcome import deliver, say_cost
     from valvetrain.runs.cost import FEWER_REFINED, read_limits
     from valvetrain.runs.request_cost import refine_cost
-    from valvetrain.session import call_case
 
-    call_case([case, *(one for text in settings or () for one in ("--set", text))])
+    name_case(case, settings)
     chosen = choose_case(case, settings, elements_per_coil)
     take_folder(output)
     request = RefineRequest(

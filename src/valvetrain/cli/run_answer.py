@@ -41,6 +41,7 @@ from valvetrain.cli.options import (
     at_end,
     choose_case,
     folder_of,
+    name_case,
     read_engine_speeds,
     read_models,
     read_names,
@@ -198,13 +199,11 @@ def shared_options(
     the last two.
     """
     from valvetrain.runs.cost import read_limits
-    from valvetrain.session import call_case
 
     take_units(units)
-    changes = [one for text in settings or () for one in ("--set", text)]
-    sets = [one for text in spring_set or () for one in ("--spring-set", text)]
-    call_case([case, *changes, *sets])
-    at_end(functools.partial(call_case, []))
+    name_case(
+        case, settings, [part for text in spring_set or () for part in ("--spring-set", text)]
+    )
     if figures not in ("", *FIGURE_FORMATS):
         raise InputError(
             f"'{figures}' is no format of figures; use {', '.join(FIGURE_FORMATS)}", "--figures"

@@ -25,6 +25,7 @@ from valvetrain.cli.options import (
     SpringSetOption,
     WorkersOption,
     asking,
+    name_case,
     read_models,
     read_names,
     read_workers,
@@ -86,9 +87,8 @@ def compare_test(
     from valvetrain.compare_test.compare import compare_with_test
     from valvetrain.compare_test.reader import read_test
     from valvetrain.compare_test.tables import compare_test_json, write_compare_test
-    from valvetrain.session import call_case
 
-    call_case([case, *(part for text in settings or () for part in ("--set", text))])
+    name_case(case, settings)
     take_folder(output)
     repeated = ["--test", str(test)]
     repeated += [part for name, value in answers.items() for part in (ASKED[name][0], str(value))]

@@ -23,6 +23,7 @@ from valvetrain.cli.options import (
     asks,
     choose_case,
     folder_of,
+    name_case,
     read_engine_speeds,
     read_models,
     read_sensor,
@@ -115,11 +116,8 @@ def rig(
     computed force as a gauge records it.
     """
     from valvetrain.cli.outcome import deliver
-    from valvetrain.session import call_case
 
-    call_case(
-        [*filter(None, (case,)), *(part for text in settings or () for part in ("--set", text))]
-    )
+    name_case(case or "", settings)
     take_folder(output)
     if settings and case is None:
         raise InputError("values are changed of a case; name it with --case", "--set")
