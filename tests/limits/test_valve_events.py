@@ -226,6 +226,15 @@ def test_events_torque_and_margin_of_a_run_do_not_move_with_the_samples_kept():
         assert [coarse[name], middle[name]] == pytest.approx([fine[name]] * 2, **allowed), name
 
 
+def test_a_card_that_says_its_timing_has_its_events_at_speed_against_dead_centre():
+    """The pushrod template: an intake with top dead centre at 180 cam degrees."""
+    found = card_runs()[-1].quantities
+    for event, end, dead, sign in (("ivo", "opening", 180, -2), ("ivc", "closing", 270, 2)):
+        expected = sign * (found[f"valve_50_thou_{end}_cam_angle"] - math.radians(dead))
+        assert found[f"{event}_50_thou_crank_angle"] == pytest.approx(expected)
+    assert not [name for name in found if name.startswith("ev")]
+
+
 def test_the_mean_torque_carries_what_the_train_loses():
     """Over a closed cycle the work of the cam is heat: of contacts, links, guides and springs, and
     nothing else.
@@ -259,3 +268,8 @@ def test_the_first_touch_closes_the_valve_wherever_it_stands_in_the_list():
     ] == pytest.approx(6.1)
     assert found["valve_lash_open_crank_angle_range"] == pytest.approx(6.2)
     assert run_events(made.rod_run().reduced(), touches[:1]) == {}
+    # top dead centre of gas exchange at 3.1 cam rad: it opens 0.2 crank rad before it, and closes 6.0 after it
+    timed = run_events(made.rod_run().reduced(), touches, 3.1)
+    assert timed["ivo_lash_crank_angle"] == pytest.approx(0.2)
+    assert timed["ivc_lash_crank_angle"] == pytest.approx(6.0 - math.pi)
+    assert not [name for name in found if name.endswith("lash_crank_angle")]

@@ -110,7 +110,8 @@ class Frame:
     cam angle (rad) as the cam prescribes it. ``source``: name of the published study whose own
     quantities are requested. ``rigid``: rigid motion of a train at the run's speed. ``points``: coil
     numbers of the study's points on the wire, where they are others than its own.
-    ``permitted_seating_velocity`` (m/s) where the case sets that limit.
+    ``permitted_seating_velocity`` (m/s) where the case sets that limit. ``top_dead_centre``: cam angle (rad) of gas exchange,
+    of a timed cam.
     """
 
     springs: tuple[InstalledSpring, ...] = ()
@@ -122,6 +123,7 @@ class Frame:
     rigid: RigidTable | None = None
     points: tuple[tuple[str, float], ...] = ()
     permitted_seating_velocity: float | None = None
+    top_dead_centre: float | None = None
 
     @property
     def surge_frequency(self) -> float | None:

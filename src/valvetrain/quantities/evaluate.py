@@ -73,7 +73,7 @@ def evaluate(solution: Solution, frame: Frame = Frame()) -> Solution:
     if rigid is not None:
         assert frame.rigid is not None
         found |= gaps.part("numbers of the train", {}, train_quantities, solution, rigid, events)
-        found |= gaps.part("valve events", {}, run_events, solution, events)
+        found |= gaps.part("valve events", {}, run_events, solution, events, frame.top_dead_centre)
         found |= gaps.part("duration lost", {}, lost_durations, found, frame.rigid)
         found |= gaps.part("margins of rigid parts", {}, margin_quantities, frame.rigid)
         if frame.permitted_seating_velocity is not None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from valvetrain.measured import cam_events
 from valvetrain.solution.definition import TOPICS, QuantityRow, Sense, Systems, Use, row
 
 TRAIN: Systems = ("train",)
@@ -373,39 +374,28 @@ def event_rows() -> tuple[QuantityRow, ...]:
     rows = []
     for name, (label, lifts, whose) in OPENERS.items():
         for lift in lifts:
-            at = EVENT_LIFTS[lift]
-            crossing = (
-                "the seat is left and first touched again"
-                if lift == "lash"
-                else f"the lift passes {at.removeprefix('at ')}"
-            )
+            at, where = EVENT_LIFTS[lift], "the seat is left and first touched again"
+            if lift != "lash":
+                where = f"the lift passes {at.removeprefix('at ')}"
             rows += [
-                row(
-                    f"{name}_{lift}_{end}_cam_angle",
-                    f"{label} {end} {at}, cam angle",
-                    f"Cam angle of the {end} {whose}: where {crossing}.",
-                    systems=TRAIN,
-                )
+                train(f"{name}_{lift}_{end}_cam_angle", f"{label} {end} {at}, cam angle", f"Cam angle of the {end} {whose}: where {where}.")
                 for end in ("opening", "closing")
-            ]
-            rows.append(
-                row(
-                    f"{name}_{lift}_open_crank_angle_range",
-                    f"{label} open {at}",
-                    f"Crank angle from opening to closing {whose}, {at}.",
-                    systems=TRAIN,
-                )
-            )
+            ]  # fmt: skip
+            words = f"Crank angle from opening to closing {whose}, {at}."
+            rows.append(train(f"{name}_{lift}_open_crank_angle_range", f"{label} open {at}", words))
     rows += [
-        row(
-            f"valve_{lift}_lost_crank_angle_range",
-            f"duration lost {EVENT_LIFTS[lift]}",
-            f"Crank angle that the valve of the run is open for less than with rigid parts, {EVENT_LIFTS[lift]}.",
-            systems=TRAIN,
-            sense=LESS,
-        )
+        train(f"valve_{lift}_lost_crank_angle_range", f"duration lost {EVENT_LIFTS[lift]}",
+            f"Crank angle that the valve of the run is open for less than with rigid parts, {EVENT_LIFTS[lift]}.", sense=LESS)
         for lift in ("1_mm", "50_thou")
-    ]
+    ]  # fmt: skip
+    rows += [
+        train(f"{event.lower()}_{lift}_crank_angle", f"{event} {at}, {side} {dead} dead centre",
+            f"Crank angle {side} {dead} dead centre of gas exchange at which the valve of the run "
+            f"{'opens' if counts_before else 'closes'} {at}; negative on the other side, absent where no timing is given.")
+        for lift, at in EVENT_LIFTS.items()
+        for event, (_, dead, counts_before) in cam_events.EVENTS.items()
+        for side in ("before" if counts_before else "after",)
+    ]  # fmt: skip
     return tuple(rows)  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.cam.pieces import solve
+from valvetrain.measured.cam_events import against_dead_centre
 from valvetrain.mechanism.rigid import OPEN_SHARE, RigidKinematics
 from valvetrain.quantities.kinematics import RigidTable
 from valvetrain.quantities.signal import ring_peak
@@ -35,19 +36,24 @@ def lift_crossings(cam_lift: Callable[[Array], Array], height: float) -> tuple[f
     """
     angle = np.arange(GRID) * _TURN / GRID
     lift = np.asarray(cam_lift(angle))
-    above = lift > height
-    if not np.any(above) or np.all(above):
+    if (around := _around_top(lift, height)) is None:
         return None
-    top = int(np.argmax(lift))
-    down = np.flatnonzero(~above)
-    before, after = (
-        int(down[np.argmin((top - down) % GRID)]),
-        int(down[np.argmin((down - top) % GRID)]),
-    )
+    before, after = around
     step = _TURN / GRID
     opens = _between(cam_lift, height, before * step, (before + 1) * step)
     closes = _between(cam_lift, height, after * step, (after - 1) * step)
     return opens % _TURN, opens % _TURN + (closes - opens) % _TURN
+
+
+def _around_top(lift: Array, height: float) -> tuple[int, int] | None:
+    """Places of the last sample before the largest lift, and of the first after it, that are not above ``height``; None where
+    all are, or none.
+    """
+    top, down = int(np.argmax(lift)), np.flatnonzero(lift <= height)
+    if len(down) in (0, len(lift)):
+        return None
+    before, after = ((sign * (down - top)) % len(lift) for sign in (-1, 1))
+    return int(down[np.argmin(before)]), int(down[np.argmin(after)])
 
 
 def _between(lift: Callable[[Array], Array], height: float, low: float, high: float) -> float:
@@ -86,15 +92,17 @@ def open_window(kinematics: RigidKinematics) -> tuple[float, float]:
 
 
 def event_numbers(
-    subject: str, word: str, crossings: tuple[float, float] | None
+    subject: str, word: str, crossings: tuple[float, float] | None, top: float | None = None
 ) -> dict[str, float]:
     """Quantities of one pair of crossings: cam angles of opening and closing, crank angle between
-    them; none where it never opens.
+    them; none where it never opens. With ``top``, the cam angle (rad) of top dead centre of gas exchange, the crank angles
+    against dead centre too.
     """
     if crossings is None:
         return {}
     opens, closes = crossings
-    return {
+    timed = {} if top is None else against_dead_centre(2 * (opens - top), 2 * (closes - top))
+    return {f"{event.lower()}_{word}_crank_angle": angle for event, angle in timed.items()} | {
         f"{subject}_{word}_opening_cam_angle": opens % _TURN,
         f"{subject}_{word}_closing_cam_angle": closes % _TURN,
         f"{subject}_{word}_open_crank_angle_range": 2 * (closes - opens),
@@ -124,9 +132,11 @@ def closing_ramp(law: LiftLaw) -> dict[str, float]:
     return {name: one[1] % _TURN for name, one in zip(names, ends, strict=False) if one}
 
 
-def run_events(solution: Solution, events: Sequence[Event]) -> dict[str, float]:
+def run_events(
+    solution: Solution, events: Sequence[Event], top: float | None = None
+) -> dict[str, float]:
     """Events of the valve of one closed turn: off its seat as the integrator saw it, and at every
-    height of :data:`HEIGHTS`.
+    height of :data:`HEIGHTS`; against dead centre too where ``top``, its cam angle (rad), is known.
     """
     found: dict[str, float] = {}
     first = next(
@@ -135,7 +145,8 @@ def run_events(solution: Solution, events: Sequence[Event]) -> dict[str, float]:
     )
     if first is not None and "release_cam_angle" in first.details:
         opens = float(first.details["release_cam_angle"]) % _TURN
-        found |= event_numbers("valve", "lash", (opens, opens + (first.cam_angle - opens) % _TURN))
+        ends = opens, opens + (first.cam_angle - opens) % _TURN
+        found |= event_numbers("valve", "lash", ends, top)
     if not solution.has("valve_lift", "valve_velocity"):
         return found
     lift, rate = (
@@ -143,9 +154,8 @@ def run_events(solution: Solution, events: Sequence[Event]) -> dict[str, float]:
         solution.channel("valve_velocity") / (solution.engine_speed / 2),
     )
     for word, height in HEIGHTS.items():
-        found |= event_numbers(
-            "valve", word, sampled_crossings(solution.cam_angle, lift, rate, height)
-        )
+        ends = sampled_crossings(solution.cam_angle, lift, rate, height)
+        found |= event_numbers("valve", word, ends, top)
     return found
 
 
@@ -178,14 +188,10 @@ def sampled_crossings(
     Between samples is the cubic of both lifts and rates, so that the crossings are right to the
     fourth power of the interval.
     """
-    count, above = len(valve_lift), valve_lift > height
-    if not np.any(above) or np.all(above):
+    count, around = len(valve_lift), _around_top(valve_lift, height)
+    if around is None:
         return None
-    top, down = int(np.argmax(valve_lift)), np.flatnonzero(~above)
-    before, after = (
-        int(down[np.argmin((top - down) % count)]),
-        int(down[np.argmin((down - top) % count)]),
-    )
+    before, after = around
     step = _TURN / count
 
     def crossing(first: int) -> float:

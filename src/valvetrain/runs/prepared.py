@@ -126,6 +126,7 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
         source,
         points=problem.record.points,
         permitted_seating_velocity=permitted,
+        top_dead_centre=None if member.gear is None else member.gear.top_dead_centre,
     )
     try:
         system = member.system(rest, problem.built)

@@ -205,7 +205,10 @@ def _train_members(
             gas = None
             if bare.gas is not None:
                 gas = monotone_table(np.asarray(bare.gas.cam_angles), np.asarray(bare.gas.forces))
-            gears[bare] = Gear(mechanism, bare, gas)
+            top = (
+                case.lift_law.top_dead_centre if bare.crank is None else bare.crank.top_dead_centre
+            )
+            gears[bare] = Gear(mechanism, bare, gas, top)
         gear = gears[bare]
         _warn_of_valve(own.valve.mass, gear.mechanism.kinematics.maximum_lift)
         if sentence := binding_lift(springs, gear.mechanism.kinematics.maximum_lift, chosen):

@@ -40,12 +40,13 @@ BuiltModels = dict[tuple[str, InstalledSpring, SpringAtRest | None], SpringModel
 @dataclass(frozen=True, eq=False)
 class Gear:
     """What moves the springs of a train: its mechanism, the parameters behind it (for kinematics),
-    the gas force over the cam angle.
+    the gas force over the cam angle, and the cam angle (rad) of top dead centre of gas exchange where that is known.
     """
 
     mechanism: AssembledMechanism
     parameters: TrainParameters
     gas: Array | None = None
+    top_dead_centre: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
