@@ -114,19 +114,19 @@ def law_lift(problem: Problem) -> float:
 
 def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> PreparedRun:
     """The member assembled with its springs at ``rest``; what its parts refuse is its ``refusal``."""
-    valve = None if member.gear is None else member.gear.parameters.valve
-    permitted = None if valve is None else valve.permitted_seating_velocity
+    gear = member.gear
+    permitted = None if gear is None else gear.parameters.valve.permitted_seating_velocity
     # Under prescribed motion the statics of the springs are computed during the first runs: with_quantities() adds their frequencies.
     frame = Frame(
         member.springs,
         tuple(rest[spring] for spring in member.springs if spring in rest),
-        () if member.gear is None else statics_of(member, rest)[1],
+        () if gear is None else statics_of(member, rest)[1],
         problem.lift_event,
         problem.valve_lift.lift,
         source,
         points=problem.record.points,
         permitted_seating_velocity=permitted,
-        top_dead_centre=None if member.gear is None else member.gear.top_dead_centre,
+        top_dead_centre=None if gear is None else gear.top_dead_centre,
     )
     try:
         system = member.system(rest, problem.built)
@@ -135,7 +135,7 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
                 if isinstance(spring, LargeSpring):
                     spring.prepare()
             return PreparedRun(member, frame, system)
-        assert member.gear is not None
+        assert gear is not None
         train = system.train if isinstance(system, DrivenSprings) else system
         equilibrium = rest_of(train)
         # Rigid theory has no surge: springs count with the Rayleigh share of their mass, whatever model runs.
@@ -143,7 +143,7 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
         own = member.model.word == massless.model.word or bool(massless.refusal)
         plain = train if own else massless.system({}, problem.built)
         assert isinstance(plain, TrainSystem)
-        motion = rigid_motion(plain, member.gear.parameters)
+        motion = rigid_motion(plain, gear.parameters)
         frame = replace(frame, valve_lift=train.mechanism.kinematics.valve_lift)
         return PreparedRun(member, frame, system, equilibrium, motion)
     except FAILURES as error:
