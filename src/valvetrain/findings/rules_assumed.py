@@ -34,6 +34,10 @@ def _ramp(fact: Fact) -> Fields:
     return {"ramp": digits_text(1e3 * math.radians(float(fact.fields["velocity"])))}
 
 
+def _rubs(fact: Fact) -> Fields:
+    return {"place": str(fact.fields["place"])}
+
+
 def _places(fact: Fact) -> Fields:
     places = str(fact.fields["places"]).replace("_", " ")
     return {"places": joined([one.strip() for one in places.split(",")])}
@@ -89,9 +93,9 @@ RULES = (
     Rule("A103", "notes", "springs known by card alone: no clash, no stress", rests_on("card-alone"),
          step="valvetrain spring-card gives them a wire", remark="springs by card (no clash, no stress)"),
     Rule("A115", "notes", "angles are those of the cam, half of the crank's; full lift at {value}[; zero: {zero}]", angles,
-         remark="cam angles (full lift at {value}[; 0: {zero}])", guide="how-to/13-lift-reference.md"),
-    Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction"), ("mean_cam_power",),
-         step="give a contact friction: train.contacts.valve_tip.friction_coefficient = 0.06", remark="contacts without friction"),
+         remark="cam angles (full lift at {value}[; 0: {zero}])", guide="how-to/13-degrees-and-heights.md"),
+    Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction", read=_rubs),
+         ("mean_cam_power",), "give it friction: --set train.contacts.{place}.friction_coefficient=0.06", remark="contacts without friction"),
     Rule("A105", "notes", "the total loads were split between the two springs by their wires", rests_on("split-loads"),
          remark="loads of the pair split by wire"),
     Rule("A106", "notes", "coil bind of the {spring} spring is unknown", rests_on("unknown-solid-height", read=_spring),

@@ -55,13 +55,15 @@ def loss(facts: Facts, run: Solution) -> Hit | None:
     events = facts.losses(run)
     if not events:
         return None
+    cam = any(one.where == "cam" for one in events)
+    events = [one for one in events if one.where == "cam"] if cam else events
     first = min(
         (one for one in events if one.size >= 0.2 * events[0].size), key=lambda one: one.time
     )
     places = list(dict.fromkeys(one.where.replace("_", " ") for one in events))
-    landing, cam = first.details.get("landing_cam_angle"), "cam" in places
+    landing = first.details.get("landing_cam_angle")
     fields: Fields = {
-        "gap": Amount("loft_gap", events[0].size), "place": "cam" if cam else joined(places),
+        "gap": Amount("loft_gap", events[0].size), "place": joined(places),
         "angle": Amount("loft_cam_angle", first.cam_angle % TURN), "cause": cause(facts, run, events),
         "landing": "" if landing is None else Amount("loft_cam_angle", float(landing) % TURN),
         "part": "" if landing is None else lobe_part(facts, run, float(landing)),
@@ -229,7 +231,7 @@ RULES = (
          guide="how-to/10-seating.md"),
     Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of duration][ {at}]", flex, FLEX,
          step="stiffer pushrod or lever: valvetrain study", remark="to flex", guide="how-to/08-flex.md"),
-    Rule("V102", "notes", "the valve lands at {value}[ {where}]; one hydraulic engine was called smooth to {limit}",
+    Rule("V102", "notes", "the valve lands at up to {value}[ {where}]; one hydraulic engine was called smooth to {limit}",
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
          guide="limits.md", unless=("V101",)),
     Rule("C121", "notes", "a fifth above inertia asks for {closed} on the seat and {open} at full lift[ {at}]; you have {have} and {full}",

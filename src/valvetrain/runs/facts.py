@@ -37,7 +37,8 @@ def case_facts(problem: Problem, members: Sequence[Member]) -> tuple[Fact, ...]:
             if contacts := default_contacts(contacts_of):
                 found.append(Fact("default-contacts", contacts))
             if not any(one.friction_coefficient for one in contacts_of.values()):
-                found.append(Fact("no-friction"))
+                rolls = member.gear.parameters.follower.shape == "roller"
+                found.append(Fact("no-friction", {"place": "valve_tip" if rolls else "cam"}))
             ramp = getattr(member.gear.mechanism.kinematics.law, "assumed_ramp", None)
             if ramp is not None:
                 found.append(Fact("assumed-ramp", {"velocity": float(ramp)}))

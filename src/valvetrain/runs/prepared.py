@@ -33,6 +33,7 @@ from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
 from valvetrain.springs.contract import LargeSpring
 from valvetrain.springs.equivalent import EquivalentSpring
+from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.driven import DrivenSprings
 from valvetrain.system.prescribed import PrescribedSpring, names_of
@@ -116,11 +117,10 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
     """The member assembled with its springs at ``rest``; what its parts refuse is its ``refusal``."""
     gear = member.gear
     permitted = None if gear is None else gear.parameters.valve.permitted_seating_velocity
-    # Under prescribed motion the statics of the springs are computed during the first runs: with_quantities() adds their frequencies.
     frame = Frame(
         member.springs,
         tuple(rest[spring] for spring in member.springs if spring in rest),
-        () if gear is None else statics_of(member, rest)[1],
+        (),
         problem.lift_event,
         problem.valve_lift.lift,
         source,
@@ -144,7 +144,11 @@ def prepare(problem: Problem, member: Member, rest: Rest, source: str) -> Prepar
         plain = train if own else massless.system({}, problem.built)
         assert isinstance(plain, TrainSystem)
         motion = rigid_motion(plain, gear.parameters)
-        frame = replace(frame, valve_lift=train.mechanism.kinematics.valve_lift)
+        frame = replace(
+            frame,
+            valve_lift=train.mechanism.kinematics.valve_lift,
+            surge_frequencies=_surge_frequencies(member, train, rest),
+        )
         return PreparedRun(member, frame, system, equilibrium, motion)
     except FAILURES as error:
         return PreparedRun(member, frame, refusal=reason(error))
@@ -155,6 +159,14 @@ def statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tu
     found = tuple(rest[spring] for spring in member.springs if spring in rest)
     frequencies = (surge_frequency(spring, rest.get(spring)) for spring in member.springs)
     return found, tuple(value for value in frequencies if value is not None)
+
+
+def _surge_frequencies(member: Member, train: TrainSystem, rest: Rest) -> tuple[float, ...]:
+    """First surge frequencies (Hz), valve closed: of a reduced rod its own, which few turns lower beneath that by torsion alone."""
+    models = [one for row in train.springs for one in getattr(row, "members", (row,))]
+    if not all(isinstance(model, ReducedRod) for model in models):
+        return statics_of(member, rest)[1]
+    return tuple(model.surge_frequency(0.0) for model in models if isinstance(model, ReducedRod))
 
 
 def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -> float | None:

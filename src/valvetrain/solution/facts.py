@@ -12,7 +12,7 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "assumed-wire": (),
     "default-contacts": ("places", "restitution"),
     "no-damping": ("spring",),
-    "no-friction": (),
+    "no-friction": ("place",),
     "assumed-ramp": ("velocity",),
     "split-loads": (
         "rates_by", "preloads_by", "outer_rate", "inner_rate", "outer_preload", "inner_preload", "outer_free_length", "inner_free_length",

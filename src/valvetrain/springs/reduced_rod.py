@@ -341,6 +341,28 @@ class ReducedRod:
             np.add.reduceat(pressed, first, axis=1),
         )
 
+    def stiffness(self, retainer_displacement: float) -> Array:
+        """Stiffness (N/m) of the coordinates, of unit mass each, and of the retainer, which is last,
+        about rest at a displacement (m); touching coils stay closed.
+        """
+        here, state = self._at(retainer_displacement), self.initial_state(retainer_displacement)
+        apart, depth = self._apart(state, here)
+        closed = self.tables.contact_stiffness * (depth > 0)
+        slope, turns = here.rest_slope, here.gradient_slope
+        by_travel = here.overlap_slope + turns @ apart - here.gradient @ slope
+        inner = here.stiffness + (here.gradient.T * closed) @ here.gradient
+        coupled = here.load_slope + here.stiffness_slope @ apart - here.stiffness @ slope
+        coupled += (closed * by_travel) @ here.gradient + (closed * depth) @ turns
+        tangent = self.tangent(state, retainer_displacement)
+        return np.block([[inner, coupled[:, None]], [coupled[None], np.array([[tangent]])]])
+
+    def surge_frequency(self, retainer_displacement: float) -> float:
+        """Frequency (Hz) of the mode, both ends fixed, that takes most mass along with the retainer."""
+        stiffness = self.stiffness(retainer_displacement)
+        squares, modes = np.linalg.eigh(stiffness[:-1, :-1])
+        carried = (stiffness[-1, :-1] @ modes / squares) ** 2
+        return float(np.sqrt(squares[np.argmax(carried)]) / (2 * np.pi))
+
     def tangent(self, state: Array, retainer_displacement: float) -> float:
         if not self.pulls and self.force(state, retainer_displacement).retainer <= 0.0:
             return 0.0

@@ -70,7 +70,7 @@ ROWS = (
     Row("spring needed", ("{needed_closed_spring_force..needed_open_spring_force}",), of="train"),
     Row("surge", ("{surge_amplitude_force}",), "0 to peak"),
     Row("coil bind", ("{coil_bind_clearance} left",), "at full lift"),
-    Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{closed_nominal_shear_stress..open_nominal_shear_stress}"),
+    Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
         "least to most"),
     Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train"),
     Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
