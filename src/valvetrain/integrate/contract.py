@@ -7,6 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
+import numpy as np
+from numpy.typing import NDArray
+
 from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainRunner, TrainState
 from valvetrain.solution.provenance import Provenance
@@ -15,6 +18,8 @@ from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.nested import carried_state
 from valvetrain.system.contract import System
 from valvetrain.system.train_rest import TrainRest
+
+Array = NDArray[np.float64]
 
 #: Longest run-up that is taken for meant.
 MAX_TURNS = 10_000
@@ -143,11 +148,16 @@ class Integrator(Protocol):
 class Orbit:
     """State at the start of a cam revolution, with the springs (as the run's step made them) and the cam
     speed (rad/s) that it belongs to.
+
+    ``motion`` (2, S): displacement (m) of the retainer over that revolution and its derivative by the cam angle (m/rad),
+    None where it does not repeat. ``contraction``: of the search that found it.
     """
 
     state: TrainState
     springs: tuple[SpringModel, ...]
     cam_speed: float
+    motion: Array | None = None
+    contraction: float = 0.1
 
     def at(self, ready: TrainRunner) -> TrainState:
         """The state for the same train at the speed of ``ready``: positions as they are, velocities

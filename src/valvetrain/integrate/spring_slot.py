@@ -4,6 +4,7 @@ coil contacts are written down.
 
 from __future__ import annotations
 
+import threading
 import warnings
 from typing import Any
 
@@ -21,7 +22,17 @@ SPRING_SIGNATURE = types.Tuple((_f8, _f8))(
     _vector, types.Array(types.int64, 1, "C"), _vector, _f8, _f8, _f8
 )
 SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
+_READY = threading.Lock()
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
+
+
+def compiled_once(kernel: Any, signature: Any) -> Any:
+    """A loop compiled (or read from its cache) for spring kernels as first-class functions, and for nothing else."""
+    with _READY:  # a thread that came second would compile what the first has closed
+        if not kernel.signatures:
+            kernel.compile(signature)
+            kernel.disable_compile()
+    return kernel
 
 
 @njit(**OPTIONS)

@@ -19,6 +19,8 @@ TRUSTED, WINDOWS = 0.6, (4, 6, 8, 12)
 """Largest multiplier of the map that the last cycles show with which an orbit is taken to attract
 untested: those that repel despite such had 0.7 and more (245 orbits of a card, 144 of a chain, 157 of a reduced rod).
 """
+FAST = 0.1
+"""Contraction per cycle, of corrected cycles, below which an orbit attracts untested: of 156 such none repelled."""
 BEYOND = 2.0
 """How far an extrapolation may leave the range of the states seen, in scales of its unknown or in
 widths of that range.
@@ -48,6 +50,12 @@ class SteadyState:
     def converged(self) -> bool:
         """True when every cycle repeats the one before."""
         return self.period == 1
+
+    @property
+    def contraction(self) -> float:
+        """Ratio of the change of one cycle to that of the cycle before, in the mean of the search, up to 1."""
+        first, last, count = self.residuals[0], self.residuals[-1], len(self.residuals)
+        return min(1.0, (last / first) ** (1 / (count - 1))) if count > 1 and first > 0 else FAST
 
 
 def residual_norm(change: Array, weights: Array) -> float:
@@ -103,6 +111,7 @@ def accelerate(
     longest_period: int = 8,
     probed: bool = True,
     patient: bool = True,
+    correct: CycleMap | None = None,
 ) -> SteadyState:
     """Anderson acceleration of the cycle map (D. G. Anderson, J. ACM 12 (1965) 547; Walker and Ni,
     SIAM J. Numer. Anal. 49 (2011)).
@@ -113,8 +122,11 @@ def accelerate(
     way to the plain cycle. Acceleration finds unstable orbits too, which no train shows: unless what the search saw of
     the map contracts well (:data:`TRUSTED`), or not ``probed``, an orbit is accepted only when plain cycles from a
     small disturbance come back to it. Falls back to plain cycles (``patient``: :func:`repeat_cycles`), and looks
-    for a sub-harmonic, when half of ``cycles`` are spent or the orbit found repels.
+    for a sub-harmonic, when half of ``cycles`` are spent or the orbit found repels. ``correct``: makes of a cycle's
+    change a step to where it would vanish, by what is known of the map; none settle then, and an orbit that they
+    approach fast (:data:`FAST`) is not tested.
     """
+    settle = 0 if correct else settle
     x, residuals = np.array(start, dtype=float), []
     inputs: list[Array] = []
     changes: list[Array] = []
@@ -126,7 +138,8 @@ def accelerate(
         change = image - x
         seen = [*seen, (x, change)][-max(WINDOWS) :]
         residuals.append(residual_norm(change, weights))
-        if residuals[-1] <= tolerance and not (probed and _doubtful(seen, weights)):
+        fast = correct is not None and residuals[-1] <= residuals[0] * FAST ** max(count, 1)
+        if residuals[-1] <= tolerance and (not probed or fast or not _doubtful(seen, weights)):
             return SteadyState(image, tuple(residuals), 1, len(residuals), "anderson", tolerance)
         if residuals[-1] <= tolerance:
             attracts, ended = _attracts(cycle, image, weights, tolerance)
@@ -145,11 +158,12 @@ def accelerate(
         if count < settle:
             x = image
             continue
+        step = correct(change) if correct else change
         if residuals[-1] > 10 * best:
-            inputs, changes, x, best = [], [], image, residuals[-1]
+            inputs, changes, x, best = [], [], x + step, residuals[-1]
             continue
         best = min(best, residuals[-1])
-        inputs, changes = [*inputs, x][-memory:], [*changes, change][-memory:]
+        inputs, changes = [*inputs, x][-memory:], [*changes, step][-memory:]
         x = _mixed(inputs, changes, weights)
         if _far(x, low, high, weights):
             inputs, changes, x = [], [], image

@@ -15,13 +15,10 @@ damping pumped energy into chains of contacts.
 
 from __future__ import annotations
 
-import threading
-import warnings
 from typing import Any
 
 import numpy as np
 from numba import types
-from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from valvetrain.compiled import njit
 from valvetrain.contact.kernels import (
@@ -39,7 +36,7 @@ from valvetrain.contact.kernels import (
     update_impact,
 )
 from valvetrain.contact.own_law import call_law
-from valvetrain.integrate.spring_slot import write_contacts
+from valvetrain.integrate.spring_slot import SPRING_FUNCTION, compiled_once, write_contacts
 from valvetrain.integrate.train_damping import damp, guide, losses, meet_neighbours
 from valvetrain.integrate.train_friction import friction_loss, rub
 from valvetrain.integrate.train_impacts import finest_step, meets_damper, parts_of
@@ -56,10 +53,6 @@ from valvetrain.integrate.train_tuples import PEAK_PENETRATION, Motion, Records,
 from valvetrain.mechanism.gaps import OPTIONS, penetration_and_gradient, table_value
 from valvetrain.system.train_system import TrainArrays
 
-# Spring kernels enter as first-class functions; numba calls that experimental each time it compiles
-# the loop.
-warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
-
 f8, i8 = types.float64, types.int64
 _vector, _integers = types.Array(f8, 1, "C"), types.Array(i8, 1, "C")
 _matrix, _integer_matrix, _cube = (
@@ -67,8 +60,6 @@ _matrix, _integer_matrix, _cube = (
     types.Array(i8, 2, "C"),
     types.Array(f8, 3, "C"),
 )
-SPRING_SIGNATURE = types.UniTuple(f8, 2)(_vector, _integers, _vector, f8, f8, f8)
-SPRING_FUNCTION = types.FunctionType(SPRING_SIGNATURE)
 
 
 _TRAIN = types.NamedTuple(
@@ -517,15 +508,6 @@ def advance_train(spring_a, spring_b, train, slot_a, slot_b, motion, records):
     return _integrate(spring_a, spring_b, train, slot_a, slot_b, motion, records, scratch)
 
 
-_READY = threading.Lock()
-
-
 def ready_train_kernel() -> Any:
-    """:func:`advance_train` compiled (or read from its cache) for spring kernels as first-class
-    functions, and for nothing else.
-    """
-    with _READY:  # a thread that came second would compile what the first has closed
-        if not advance_train.signatures:
-            advance_train.compile(_SIGNATURE)
-            advance_train.disable_compile()
-    return advance_train
+    """:func:`advance_train` compiled for spring kernels as first-class functions."""
+    return compiled_once(advance_train, _SIGNATURE)

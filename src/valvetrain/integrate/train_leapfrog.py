@@ -127,8 +127,7 @@ class TrainLeapfrog:
         channels = train_channels(found.runner.system, rest, (found.record,), found.start)
         events, spacing = _events(found.runner, found.record)
         statistics |= spacing | least_forces(found.runner.system, found.record, options)
-        orbit = Orbit(found.start, found.runner.springs, cam_speed)
-        return Solution(channels, events, found.status, statistics, provenance), orbit
+        return Solution(channels, events, found.status, statistics, provenance), found.orbit
 
     def _settled(
         self,
@@ -146,13 +145,12 @@ class TrainLeapfrog:
         tolerance = until.tolerance or (FEW_TOLERANCE if large else TOLERANCE)
         for _ in range(FINER_STEPS + 1):
             ready = runner(system, cam_speed, chosen, rest=rest)
-            begun = None if start is None else start.at(ready)
             found = steady_train(
                 ready,
                 "repeat" if large else until.method,
                 tolerance,
                 most,
-                begun,
+                start,
                 compared=until.compared and not large,
                 least=min(least, most),
                 probed=until.probed,

@@ -10,11 +10,19 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from valvetrain.integrate.steady import SteadyState, accelerate, repeat_cycles
+from valvetrain.integrate.contract import Orbit
+from valvetrain.integrate.spring_return import rigid_motion, spring_return
+from valvetrain.integrate.steady import (
+    FAST,
+    SteadyState,
+    accelerate,
+    repeat_cycles,
+    residual_norm,
+)
 from valvetrain.integrate.train_channels import COMPARED, LONG_SEARCH, Scatter, scatter_of
 from valvetrain.integrate.train_run import OFF_CAM, CycleRecord, TrainRunner, TrainState
 from valvetrain.parameters.summary import share_text
-from valvetrain.solution.status import Status
+from valvetrain.solution.status import COMPLETED, Status
 
 Array = NDArray[np.float64]
 
@@ -22,6 +30,11 @@ TOLERANCE = 1e-5
 """Largest change per cycle, relative to the lift (positions) and to lift times cam speed
 (velocities).
 """
+
+SLOWEST = 0.3
+"""Contraction per cycle that is expected at most: beyond, a cycle is recorded once too often."""
+FASTEST = 1e4
+"""Speed (m/s, rad/s) beyond which a cycle ended early."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +96,16 @@ class SteadyTrain:
         )
 
     @property
+    def orbit(self) -> Orbit:
+        """The motion as a start for another speed."""
+        record, place = self.record, self.runner.system.arrays.retainer
+        motion = np.array([record.q[:, place], record.v[:, place] / record.cam_speed])
+        settled, fast = self.search.converged, self.search.contraction
+        return Orbit(
+            self.start, self.runner.springs, record.cam_speed, motion if settled else None, fast
+        )
+
+    @property
     def _unread_lift(self) -> float:
         """Lift (m) of the law where the cam touches nothing, neither in the last cycle nor, of
         motion that does not settle, in those compared: such may fly for one; 0 where it touches.
@@ -94,57 +117,113 @@ class SteadyTrain:
         return float(system.mechanism.kinematics.maximum_lift)
 
 
+@dataclass
+class _Cycles:
+    """The cycle map of a train on packed states. The cycle that is expected to be the last, by the ``contraction``
+    before, is recorded: ``last`` holds its image, its start and its record.
+    """
+
+    runner: TrainRunner
+    template: TrainState
+    weights: Array
+    tolerance: float
+    contraction: float = FAST
+    times: list[float] = field(default_factory=list)
+    changes: list[float] = field(default_factory=list)
+    last: tuple[Array, TrainState, CycleRecord] | None = None
+
+    def __call__(self, vector: Array) -> Array:
+        begun = time.perf_counter()
+        start = _unpack(vector, self.template, self.runner)
+        recorded = self._expected() <= self.tolerance
+        if recorded:
+            end, record = self.runner.cycle(start)
+            # what its status says of the step or the travel is said of the train, not of the search
+            status = COMPLETED if np.all(np.abs(end.v) < FASTEST) else record.status
+        else:
+            end, status = self.runner.after(start)
+        self.times.append(time.perf_counter() - begun)
+        if not (status.completed and self.runner.travel_status(end.q[None]).completed):
+            return np.full_like(vector, np.nan)
+        self.template = replace(end, cam_angle=0.0)
+        image = _pack(end, self.runner)
+        self.changes.append(residual_norm(image - vector, self.weights))
+        if recorded:
+            self.last = image, start, record
+        return image
+
+    def _expected(self) -> float:
+        """Change that the next cycle will bring; infinite before the first."""
+        if not self.changes:
+            return np.inf
+        rate = self.contraction
+        if len(self.changes) > 1:
+            rate = self.changes[-1] / max(self.changes[-2], 1e-300)
+        return self.changes[-1] * min(rate, SLOWEST)
+
+
 def steady_train(
     runner: TrainRunner,
     method: str = "anderson",
     tolerance: float = TOLERANCE,
     cycles: int = 60,
-    start: TrainState | None = None,
+    start: Orbit | None = None,
     compared: bool = True,
     least: int = 1,
     probed: bool = True,
     rattling: float = np.inf,
 ) -> SteadyTrain:
-    """Search the periodic orbit from ``start`` (static equilibrium by default), then record one
-    more cycle.
+    """Search the periodic orbit from ``start`` (static equilibrium by default, the springs in their answer to the
+    rigid lift), with the record of its last cycle.
 
-    ``method``: ``repeat`` (the classical one, of ``least`` cycles and more) or ``anderson``, with a test
+    ``method``: ``repeat`` (the classical one, of ``least`` cycles and more) or ``anderson``, corrected by the springs'
+    own return, with a test
     whether the orbit attracts where ``probed`` and in doubt. The record of the last cycle of a
     train that does not settle is given with its status saying so, and, where requested
     (``compared``; the search is less patient without), with the scatter of some more cycles; so is one that settled to no better than
     ``rattling``, unless the next two cycles have the same numbers.
     """
-    template, times = [start or runner.initial_state()], []
-
-    def cycle(vector: Array) -> Array:
-        begun = time.perf_counter()
-        end, status = runner.after(_unpack(vector, template[0], runner))
-        times.append(time.perf_counter() - begun)
-        if not (status.completed and runner.travel_status(end.q[None]).completed):
-            return np.full_like(vector, np.nan)
-        template[0] = replace(end, cam_angle=0.0)
-        return _pack(end, runner)
-
-    vector, weights = _pack(template[0], runner), _weights(template[0], runner)
+    begin = runner.initial_state() if start is None else start.at(runner)
+    weights, correct = _weights(begin, runner), None
+    cycle = _Cycles(runner, begin, weights, tolerance, FAST if start is None else start.contraction)
     if method == "anderson":
+        springs = spring_return(runner, weights)
+        if springs.parts:
+            correct = springs.corrected
+            if start is None or start.motion is not None:
+                motion = rigid_motion(runner) if start is None else start.motion
+                cycle.template = springs.answer(begin, motion)
         search = accelerate(
-            cycle, vector, weights, tolerance, cycles, probed=probed, patient=compared
+            cycle,
+            _pack(cycle.template, runner),
+            weights,
+            tolerance,
+            cycles,
+            probed=probed,
+            patient=compared,
+            correct=correct,
         )
     else:
+        cycle.tolerance = 0.0
+        vector = _pack(begin, runner)
         search = repeat_cycles(cycle, vector, weights, tolerance, cycles, least=least)
     if not np.isfinite(search.residuals[-1]) and method == "anderson":
         # an extrapolation may have led there: only plain cycles show that the train itself does
-        template[0] = start or runner.initial_state()
-        search = repeat_cycles(cycle, vector, weights, tolerance, cycles)
+        cycle.template = begin
+        search = repeat_cycles(cycle, _pack(begin, runner), weights, tolerance, cycles)
     # what is no part of the motion (histories, contact memories) is taken from the last cycle that
     # was completed
-    first = _unpack(search.state, template[0], runner)
+    first = _unpack(search.state, cycle.template, runner)
     scatter = None
     last = search.residuals[-1]
     if np.isfinite(last) and (last > rattling if search.converged else compared):
         scatter, first = scatter_of(runner, first, unless_equal=search.converged)
-    _, record = runner.cycle(first)
-    return SteadyTrain(runner, search, first, record, float(np.median(times)), tolerance, scatter)
+    if cycle.last is not None and search.state is cycle.last[0] and scatter is None:
+        _, first, record = cycle.last
+    else:
+        _, record = runner.cycle(first)
+    typical = float(np.median(cycle.times))
+    return SteadyTrain(runner, search, first, record, typical, tolerance, scatter)
 
 
 def _split(state: TrainState, runner: TrainRunner) -> list[tuple[Array, int]]:

@@ -111,10 +111,16 @@ class RigidKinematics:
         """Valve travel per drive travel d(valve)/d(drive length) (1), from geometry."""
         return np.asarray(self.ratio.splines[1](self.drive(cam_angle)) / self.drive_scale)
 
-    @property
+    @cached_property
     def maximum_lift(self) -> float:
         """Largest rigid valve lift (m)."""
         return float(np.max(self.valve_lift(np.linspace(0, 2 * np.pi, 1441))))
+
+    @cached_property
+    def turn(self) -> Array:
+        """Rigid valve lift (m) and its derivative (m/rad) at 720 even cam angles of a turn, (2, 720)."""
+        angle = np.arange(720) * np.pi / 360
+        return np.array([self.valve_lift(angle, derivative) for derivative in (0, 1)])
 
 
 def check_lash(kinematics: RigidKinematics) -> None:

@@ -6,6 +6,7 @@ import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -67,14 +68,18 @@ def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]
     )
 
 
-def _library_file(record: CaseRecord, ending: str) -> dict[str, Any]:
-    """Tables of a file next to a library case; empty without one, and where its digest is not that
-    of ``record``.
-    """
-    file = resources.files("valvetrain") / "parameters" / "library" / f"{record.name}.{ending}"
-    if record.name not in library_names() or not file.is_file():
+@cache
+def _content(name: str, ending: str) -> dict[str, Any]:
+    """Tables of a file next to a library case, read once; empty without one."""
+    file = resources.files("valvetrain") / "parameters" / "library" / f"{name}.{ending}"
+    if name not in library_names() or not file.is_file():
         return {}
-    content = tomllib.loads(file.read_text(encoding="utf-8"))
+    return tomllib.loads(file.read_text(encoding="utf-8"))
+
+
+def _library_file(record: CaseRecord, ending: str) -> dict[str, Any]:
+    """Tables of a file next to a library case; empty where its digest is not that of ``record``."""
+    content = _content(record.name, ending)
     return content if content.get("case", {}).get("digest") == record.digest else {}
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.integrate.contract import Orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.forces import surge_engine_speeds
@@ -17,7 +18,7 @@ from valvetrain.quantities.valve_events import closing_ramp, rigid_events
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
-    integrate_point,
+    integrate_from,
     largest_lift,
     prepare,
     provenance_of,
@@ -44,6 +45,8 @@ STOPPED = Status(
     "interrupted", "the study was stopped before this run was finished", remedy="start it again"
 )
 WORKER_LOST = Status("worker-lost", LOST, remedy=LOST_REMEDY)
+#: Speeds of a block of a sweep, and share of a speed up to which the next one starts from its motion.
+BLOCK, CLOSE = 5, 0.05
 #: State of modes -> label in tables.
 STATES = {"closed": "valve closed", "full_lift": "full lift"}
 
@@ -105,44 +108,107 @@ def run_trains(
 ) -> tuple[tuple[Solution, ...], bool]:
     """Solutions of trains in their periodic state, over processes, and whether they were stopped."""
     points = [(index, speed) for speed in engine_speeds for index in range(len(ready))]
+    numbers = {point: number for number, point in enumerate(points)}
+    blocks = [
+        tuple((index, speed) for speed in speeds)
+        for index, one in enumerate(ready)
+        for speeds in speed_blocks(engine_speeds, BLOCK if _quick(one) else 1)
+    ]
+    solutions: dict[int, Solution] = {}
+
+    def arrived(block: int, runs: Sequence[Solution | None]) -> None:
+        for point, run in zip(blocks[block], runs, strict=True):
+            if run is not None:
+                solutions[numbers[point]] = run
+                if finished is not None:
+                    finished(numbers[point], run)
 
     def tell(count: int, total: int) -> None:
         if progress is not None:
-            index, speed = points[count - 1]
+            index, speed = blocks[count - 1][-1]
             progress(count / total, f"{ready[index].member.label} at {speed * 30 / np.pi:.6g} rpm")
 
     def without(point: tuple[int, float], status: Status) -> Solution:
         return unfinished(problem, ready[point[0]].member, point[1], plan, status)
 
+    def lost(block: Sequence[tuple[int, float]]) -> tuple[Solution | None, ...]:
+        """Of several speeds each is tried alone afterwards."""
+        return tuple(None if block[1:] else without(one, WORKER_LOST) for one in block)
+
+    stopped = False
+    shared, left = (problem, ready, plan), blocks
     try:
-        found = map_points(
-            train_point,
-            (problem, ready, plan),
-            points,
-            workers,
-            processes=True,
-            tell=tell,
-            lost=lambda point: without(point, WORKER_LOST),
-            finished=finished,
-        )
-    except PointsStopped as stop:
-        if not stop.results:
+        while left:
+            blocks = left
+            map_points(
+                train_block,
+                shared,
+                blocks,
+                workers,
+                processes=True,
+                tell=tell,
+                lost=lost,
+                finished=arrived,
+            )
+            left = [(one,) for block in blocks for one in block if numbers[one] not in solutions]
+    except PointsStopped:
+        if not solutions:
             raise
-        return tuple(
-            stop.results.get(number) or without(point, STOPPED)
-            for number, point in enumerate(points)
-        ), True
-    return found, False
+        stopped = True
+    runs = (solutions.get(number) or without(one, STOPPED) for one, number in numbers.items())
+    return tuple(runs), stopped
+
+
+def _quick(one: PreparedRun) -> bool:
+    return isinstance(one.system, TrainSystem) and not one.system.has_large_springs
+
+
+def speed_blocks(engine_speeds: Sequence[float], most: int) -> tuple[tuple[float, ...], ...]:
+    """The speeds of a sweep in blocks of at most ``most`` that rise by less than :data:`CLOSE` each: within a
+    block each run starts from the motion before, so that results do not depend on the number of workers.
+    """
+    blocks: list[tuple[float, ...]] = []
+    for speed in engine_speeds:
+        last = blocks[-1] if blocks else ()
+        if last and len(last) < most and 0 < speed - last[-1] < CLOSE * last[-1]:
+            blocks[-1] = *last, speed
+        else:
+            blocks.append((speed,))
+    return tuple(blocks)
+
+
+def train_block(
+    shared: tuple[Problem, tuple[PreparedRun, ...], Plan], block: Sequence[tuple[int, float]]
+) -> tuple[Solution, ...]:
+    """Runs of one member at rising engine speeds, each from the motion of the one before where that repeats."""
+    orbit, runs = None, []
+    for point in block:
+        run, orbit = _train_run(shared, point, orbit)
+        runs.append(run)
+    return tuple(runs)
 
 
 def train_point(
     shared: tuple[Problem, tuple[PreparedRun, ...], Plan], point: tuple[int, float]
 ) -> Solution:
     """One run of one member (index) at one engine speed (rad/s)."""
+    return _train_run(shared, point)[0]
+
+
+def _train_run(
+    shared: tuple[Problem, tuple[PreparedRun, ...], Plan],
+    point: tuple[int, float],
+    start: Orbit | None = None,
+) -> tuple[Solution, Orbit | None]:
+    """As :func:`train_point`, from the motion ``start``; also the motion that it ends on, None where that does not
+    repeat or is that of large springs.
+    """
     problem, ready, plan = shared
     one, engine_speed = ready[point[0]], point[1]
     provenance = provenance_of(problem, one.member, engine_speed, plan.created_at)
-    return with_quantities(one, integrate_point(one, engine_speed, plan, provenance), plan, {})
+    run, orbit = integrate_from(one, engine_speed, plan, provenance, start)
+    carried = orbit if orbit is not None and orbit.motion is not None else None
+    return with_quantities(one, run, plan, {}), carried
 
 
 def rigid_numbers(
