@@ -137,13 +137,13 @@ def run_at(cam_speed: float, orbit: Orbit | None) -> SpeedSample:
     contact force over all its steps.
     """
     ready = runner(OSCILLATOR, cam_speed, TrainOptions(360))
-    settled = steady_train(ready, cycles=200, start=None if orbit is None else orbit.at(ready))
+    settled = steady_train(ready, cycles=200, start=orbit)
     assert settled.status.completed, settled.status.sentence()
     least = float(settled.record.least_forces[0])
     return SpeedSample(
         {"contact-loss": least},
         {"contact-loss": ("cam",)},
-        Orbit(settled.start, settled.runner.springs, cam_speed),
+        settled.orbit,
     )
 
 

@@ -9,15 +9,17 @@ import pytest
 
 from train_parts import contacts, direct, system
 from valvetrain.cam.closed_form import SinePower
-from valvetrain.integrate.steady import PROBE_CYCLES, accelerate, repeat_cycles, residual_norm
+from valvetrain.integrate.spring_return import rigid_motion, spring_return
+from valvetrain.integrate.steady import PROBE_CYCLES, accelerate, repeat_cycles
 from valvetrain.integrate.train_run import TrainOptions, runner
-from valvetrain.integrate.train_steady import steady_train
+from valvetrain.integrate.train_steady import _weights, steady_train
 from valvetrain.parameters.train import (
     CamParameters,
     ContactParameters,
     FollowerParameters,
     ValveParameters,
 )
+from valvetrain.runs.train_runs import speed_blocks
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.springs.multi_mass import MultiMassSpring
 
@@ -60,14 +62,8 @@ def test_the_period_of_what_does_not_settle_is_told(method, rate, period):
     assert found.converged is (period == 1)
 
 
-def test_without_the_test_of_attraction_the_same_orbit_costs_four_cycles_less():
-    """And one that repels is found too: 1 - 1/r of the logistic map, which has period 2 at 3.2."""
-    with_test, without = (
-        accelerate(linear, np.zeros(6), np.ones(6), 1e-9, 1000, probed=probed)
-        for probed in (True, False)
-    )
-    assert np.array_equal(with_test.state, without.state)
-    assert without.cycles == with_test.cycles - PROBE_CYCLES and without.converged
+def test_an_orbit_that_repels_is_accepted_only_without_the_test():
+    """1 - 1/r of the logistic map, which has period 2 at 3.2."""
     repels = accelerate(logistic(3.2), np.array([0.3]), np.ones(1), 1e-8, 400, probed=False)
     assert repels.period == 1 and repels.state == pytest.approx(1 - 1 / 3.2, abs=1e-6)
 
@@ -115,10 +111,6 @@ def test_a_cycle_that_leaves_all_bounds_gives_its_start():
             found = search(cycle, np.ones(1), np.ones(1), 1e-9)
             assert not found.converged and np.all(np.isfinite(found.state))
             assert np.isnan(cycle(found.state))[0] and not np.isfinite(found.residuals[-1])
-
-
-def test_the_norm_is_the_largest_weighted_change():
-    assert residual_norm(np.array([1.0, -4.0]), np.array([1.0, 0.5])) == 2.0
 
 
 def test_both_methods_find_the_same_orbit_of_a_train_and_the_record_repeats():
@@ -176,7 +168,7 @@ def test_an_impacting_follower_stays_where_plain_revolutions_stay(power, engine_
     assert 1 < largest < 20 and np.abs(fast.record.v).max() < 3 * largest
 
 
-@pytest.mark.parametrize(("radius", "tested"), [(0.45, False), (0.8, True)])
+@pytest.mark.parametrize(("radius", "tested"), [(0.45, False), (0.8, True), (0.97, True)])
 def test_an_orbit_is_disturbed_only_where_the_map_seen_leaves_doubt(radius, tested):
     """Closed form: all multipliers of the map have one size, and 0.6 is where trust ends."""
     turned = radius / 0.97 * ROTATION / np.repeat([1.0, 0.9, 0.8], 2)[:, None]
@@ -193,3 +185,58 @@ def test_an_orbit_is_disturbed_only_where_the_map_seen_leaves_doubt(radius, test
     )
     assert asked.converged and np.array_equal(asked.state, plain.state)
     assert asked.cycles - plain.cycles == (PROBE_CYCLES if tested else 0)
+
+
+SPRING = MultiMassSpring.from_card(30e3, 300.0, 0.04, elements=5, mass_damping=16.0)
+
+
+def ready_at(cam_speed):
+    return runner(system(direct(), spring=SPRING), cam_speed, TrainOptions(samples=720))
+
+
+def returned(ready):
+    return spring_return(ready, _weights(ready.initial_state(), ready))
+
+
+def test_a_correction_that_knows_the_map_ends_the_search_in_two_cycles():
+    """Closed form: of a linear map one step with (1 - A)^-1 is the fixed point."""
+    inverse = np.linalg.inv(np.eye(6) - ROTATION)
+    found = accelerate(
+        linear, np.zeros(6), np.ones(6), 1e-9, correct=lambda change: inverse @ change
+    )
+    assert found.converged and found.cycles == 2 and found.state == pytest.approx(TARGET, abs=1e-9)
+
+
+def test_all_modes_of_a_spring_decay_over_a_turn_by_its_mass_damping():
+    """Closed form: every multiplier of the return has the size exp(-a T / 2) where damping follows mass."""
+    ready = ready_at(250.0)
+    (part,) = returned(ready).parts
+    multipliers = np.linalg.eigvals(np.eye(8) - np.linalg.inv(part.inverse))
+    assert np.abs(multipliers) == pytest.approx(np.exp(-8.0 * 2 * np.pi / 250.0), rel=1e-4)
+
+
+def test_the_answer_of_the_springs_repeats_after_a_turn_of_the_same_motion():
+    ready = ready_at(250.0)
+    springs, motion = returned(ready), rigid_motion(ready)
+    first = springs.answer(ready.initial_state(), motion)
+    second = springs.answer(first, motion)
+    still = np.abs(ready.initial_state().springs[0] - first.springs[0])[:4].max()
+    assert still > 5e-7 and second.springs[0] == pytest.approx(first.springs[0], abs=1e-7)
+
+
+@pytest.mark.parametrize("cam_speed", [80.0, 120.0])
+def test_a_speed_alone_and_from_its_neighbour_has_one_motion_in_few_cycles(cam_speed):
+    """The forces agree within 1e-4 of the largest."""
+    alone = steady_train(ready_at(cam_speed))
+    near = steady_train(ready_at(cam_speed), start=steady_train(ready_at(0.99 * cam_speed)).orbit)
+    assert near.search.cycles <= alone.search.cycles <= 6
+    apart = np.abs(near.record.forces - alone.record.forces).max()
+    assert apart < 1e-4 * alone.record.forces.max()
+
+
+def test_the_blocks_of_a_sweep_hold_neighbours_alone():
+    """Contract: all speeds once in their order, at most five a block, none after a wide step or a falling speed."""
+    speeds = (100.0, 102.0, 104.0, 106.0, 108.0, 110.0, 140.0, 141.0, 120.0)
+    blocks = speed_blocks(speeds, 5)
+    assert sum(blocks, ()) == speeds and [len(one) for one in blocks] == [5, 1, 2, 1]
+    assert speed_blocks(speeds, 1) == tuple((one,) for one in speeds)
