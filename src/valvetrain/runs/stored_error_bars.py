@@ -37,7 +37,7 @@ def load_uncertainty(record: CaseRecord) -> tuple[Uncertainty, ...]:
     """Rows that ship with a library case; empty without a file, and for a case other than the one
     that was refined.
     """
-    return rows_of(_library_file(record, "uncertainty"))
+    return rows_of(_library_file(record.name, record.digest, "uncertainty"))
 
 
 def stored_rows(
@@ -69,18 +69,13 @@ def rows_of(content: Mapping[str, Mapping[str, Any]]) -> tuple[Uncertainty, ...]
 
 
 @cache
-def _content(name: str, ending: str) -> dict[str, Any]:
-    """Tables of a file next to a library case, read once; empty without one."""
+def _library_file(name: str, digest: str, ending: str) -> dict[str, Any]:
+    """Tables of a file next to a library case, read once; empty without one, and where its digest is not ``digest``."""
     file = resources.files("valvetrain") / "parameters" / "library" / f"{name}.{ending}"
     if name not in library_names() or not file.is_file():
         return {}
-    return tomllib.loads(file.read_text(encoding="utf-8"))
-
-
-def _library_file(record: CaseRecord, ending: str) -> dict[str, Any]:
-    """Tables of a file next to a library case; empty where its digest is not that of ``record``."""
-    content = _content(record.name, ending)
-    return content if content.get("case", {}).get("digest") == record.digest else {}
+    content = tomllib.loads(file.read_text(encoding="utf-8"))
+    return content if content.get("case", {}).get("digest") == digest else {}
 
 
 def uncertainty_text(study: UncertaintyStudy) -> str:
@@ -155,7 +150,7 @@ def with_blind(rows: Sequence[Comparison], record: CaseRecord) -> tuple[Comparis
     """Comparisons of a fitted case with the numbers of the case that was not fitted to them, where
     these ship next to it.
     """
-    content = _library_file(record, "blind")
+    content = _library_file(record.name, record.digest, "blind")
 
     def head(row: Comparison) -> str:
         return f"{_STATICS if row.engine_speed is None else _rpm(row.engine_speed)}, {row.origin}"
@@ -182,7 +177,7 @@ def load_spread(record: CaseRecord) -> tuple[Spread, ...]:
     """
     return tuple(
         Spread(quantity, int(speed.split()[0]), *map(float, values))
-        for speed, table in _library_file(record, "spread").items()
+        for speed, table in _library_file(record.name, record.digest, "spread").items()
         if speed != "case"
         for quantity, values in table.items()
     )
