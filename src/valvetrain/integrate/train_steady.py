@@ -190,8 +190,8 @@ def steady_train(
         springs = spring_return(runner, weights)
         if springs.parts:
             correct = springs.corrected
-            if start is None or start.motion is not None:
-                motion = rigid_motion(runner) if start is None else start.motion
+            motion = rigid_motion(runner) if start is None else start.motion
+            if motion is not None:
                 cycle.template = springs.answer(begin, motion)
         search = accelerate(
             cycle,
