@@ -257,7 +257,7 @@ def contour_of_lift(
     )
 
 
-def _direction(follower: Follower, place: Array) -> Array:
+def _direction(follower: Follower, place: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """In which direction, along the line and across it, a finger's roller at ``place`` (conjugate) moves as it lifts."""
     ray = (np.conj(place) - complex(follower.pivot[1], follower.pivot[0])) / follower.arm
-    return ray * 1j * (np.sign(follower.pivot[0]) or -1.0)
+    return np.asarray(ray * 1j * (np.sign(follower.pivot[0]) or -1.0))

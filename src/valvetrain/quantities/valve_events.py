@@ -145,8 +145,8 @@ def run_events(
     )
     if first is not None and "release_cam_angle" in first.details:
         opens = float(first.details["release_cam_angle"]) % _TURN
-        ends = opens, opens + (first.cam_angle - opens) % _TURN
-        found |= event_numbers("valve", "lash", ends, top)
+        flight = opens, opens + (first.cam_angle - opens) % _TURN
+        found |= event_numbers("valve", "lash", flight, top)
     if not solution.has("valve_lift", "valve_velocity"):
         return found
     lift, rate = (
