@@ -120,7 +120,7 @@ def spring_return(runner: TrainRunner, weights: Array) -> SpringReturn:
         if 0 < len(own) <= LARGEST and np.all(own > 0):
             turn = _over_a_turn(spring, runner.spring_arrays[number], own, runner, lift)
             if np.all(np.isfinite(turn)) and np.max(np.abs(np.linalg.eigvals(turn))) < 1:
-                inverse: Array = np.linalg.inv(np.eye(len(own)) - turn)
+                inverse = np.linalg.inv(np.eye(len(own)) - turn).astype(np.float64)
                 parts.append(_Part(number, entries, own, inverse))
     return SpringReturn(runner, tuple(parts))
 
