@@ -147,8 +147,9 @@ class CamCardModel(LiftModel):
                 }
         return own
 
+    @property
     def dead_centre(self) -> float | None:
-        """Cam angle (rad) of top dead centre; None of a card without a place of its lobe."""
+        """Cam angle (rad) of top dead centre of gas exchange; None of a card without a place of its lobe."""
         timed = self.lobe_centre is not None or self.events() is not None
         return self.top_dead_centre if timed else None
 

@@ -72,12 +72,6 @@ class PairSeries:
         ranks, places = self.ranks[chosen], self.places[chosen]
         return replace(self, ranks=ranks, places=places, force=force, energy=energy)
 
-    @property
-    def is_whole(self) -> bool:
-        """Whether the series reaches over a whole cam revolution."""
-        angle = self.cam_angle
-        return bool(len(angle) / (len(angle) - 1) * (angle[-1] - angle[0]) > TURN * (1 - 1e-9))
-
     def closed(self) -> PairSeries:
         """The same cam revolution three times in a row."""
         inside = self.cam_angle < self.cam_angle[0] + TURN * (1 - 1e-9)
@@ -140,7 +134,9 @@ def find_clashes(
     """
     if len(pairs.time) < 2 or not pairs.places.size:
         return ()
-    closed = closed and pairs.is_whole
+    angle = pairs.cam_angle
+    span = len(angle) / (len(angle) - 1) * (angle[-1] - angle[0])
+    closed = closed and bool(span > TURN * (1 - 1e-9))
     pairs = pairs.where(np.flatnonzero(np.max(pairs.force, axis=1) > rule.on_force))
     pairs = pairs.closed() if closed else pairs
     period = len(pairs.time) // 3 if closed else 0
@@ -189,13 +185,6 @@ def runs(mask: NDArray[np.bool_], ring: bool = False) -> list[tuple[int, int]]:
     return found
 
 
-def upper_coil_of(place: float) -> int:
-    """Whole coil, counted from 1 at the seat, of coil number ``place``: 1.9 and 2.0 are
-    in coil 2.
-    """
-    return max(2, int(np.ceil(place - 1e-9)))
-
-
 def _clashes(contacts: list[_Contact], pairs: PairSeries, rule: ClashRule) -> list[list[_Contact]]:
     """Groups of contacts, joined from neighbour to neighbour."""
     time, ranks, merge = pairs.time, pairs.ranks.tolist(), rule.merge_share * pairs.first_period
@@ -241,7 +230,8 @@ def _event(pairs: PairSeries, group: list[_Contact], spring: str) -> Event:
             np.max(pairs.force[contact.pair, contact.first : contact.last + 1])
         ),
     )
-    top, coil = start + int(np.argmax(summed)), upper_coil_of(pairs.places[strongest.pair])
+    top = start + int(np.argmax(summed))
+    coil = max(2, int(np.ceil(pairs.places[strongest.pair] - 1e-9)))  # 1.9 and 2.0 are in coil 2
     begin, finish = float(time[start] + time[first]) / 2, float(time[last] + time[end]) / 2
     rests = angle[end] - angle[start] > RESTING_ANGLE
     details: dict[str, Detail] = {

@@ -53,12 +53,8 @@ class LiftModel(StrictModel):
             self.values(folder),
             self.lift_of,
             self.zero_of_angle,
-            self.dead_centre(),
+            getattr(self, "dead_centre", None),  # of a law that says it
         )
-
-    def dead_centre(self) -> float | None:
-        """Cam angle (rad) of top dead centre of gas exchange, of a law that says it."""
-        return None
 
     def values(self, folder: Path) -> dict[str, Any]:
         """Keyword arguments of the law's class; raises a located problem when the table contradicts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -86,10 +87,6 @@ def computed_solid_height(spring: WireShape) -> float:
     knots = np.concatenate([[first] * 3, edges, [last] * 3])
     count = pieces + 3
 
-    def basis(coil: Array, derivative: int = 0) -> Array:
-        """Splines (n, count) at ``coil``, derivatives by the angle."""
-        return _splines(knots, np.clip(coil, first, last), derivative) / (2 * np.pi) ** derivative
-
     # columns: displacement without value and slope at both ends, travel of the upper end, twist without value at both ends
     held = np.zeros((count, 2 * count - 5))
     held[2 : count - 2, : count - 4] = np.eye(count - 4)
@@ -102,8 +99,9 @@ def computed_solid_height(spring: WireShape) -> float:
     angle = (np.diff(edges)[:, None] * weights).ravel() * np.pi
     radius, wire = spring.mean_diameter.value(coil)[:, None] / 2, spring.wire_diameter.value(coil)
     inertia = np.pi * wire**4 / 64
-    bend = basis(coil) @ twist / radius - basis(coil, 2) @ held / radius**2
-    turn = basis(coil, 1) @ twist / radius + basis(coil, 1) @ held / radius**2
+    value, slope, bow = (_splines(knots, coil, order) / math.tau**order for order in (0, 1, 2))
+    bend = value @ twist / radius - bow @ held / radius**2
+    turn = slope @ twist / radius + slope @ held / radius**2
     line = angle * radius[:, 0] * inertia
     stiffness = (bend.T * line * spring.material.youngs_modulus) @ bend
     stiffness += (turn.T * line * 2 * spring.material.shear_modulus) @ turn
@@ -113,7 +111,9 @@ def computed_solid_height(spring: WireShape) -> float:
     upper = np.linspace(0.0, last + 1, int(PLACES * (last + 1)) + 1)
     upper = upper[(upper > first) & (upper < spring.total_coils + 1) & (upper - 1 < last)]
     gaps, seated = _free_gaps(spring, upper)
-    above, below = basis(upper) @ held, basis(upper - 1) @ held
+    above, below = (
+        _splines(knots, np.clip(at, first, last), 0) @ held for at in (upper, upper - 1)
+    )
     below[upper - 1 <= first] = 0.0
     above[seated > 0] = held[-1]
     # the travel of the free wire, and what each touching place takes of it

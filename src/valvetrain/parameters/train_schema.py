@@ -414,7 +414,7 @@ def with_cam_card(train: TrainModel, law: LiftModel | None) -> TrainModel:
                 f"lash is {lash * 1e3:.4g} mm here and {train.lash * 1e3:.4g} mm in [train]; correct one, or leave it out of [train]",
                 ("lift_law", "lash"),
             )
-    crank, top = train.crank, None if law is None else law.dead_centre()
+    crank, top = train.crank, None if law is None else getattr(law, "dead_centre", None)
     if top is not None and crank is not None:
         if crank.top_dead_centre is None and crank.lobe_centre is None:
             changes["crank"] = crank.model_copy(update={"top_dead_centre": top})

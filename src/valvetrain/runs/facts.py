@@ -152,7 +152,9 @@ def beyond_wire_facts(problem: Problem, solutions: Iterable[Solution]) -> Iterat
     """
     for run in solutions:
         label: Fields = {"label": run.label, "engine_speed": run.engine_speed}
-        for spring in _springs_of(problem, run):
+        own = [one.springs for one in problem.members if one.label == run.label]
+        every = {one.name: one for member in problem.members for one in member.springs}
+        for spring in own[0] if own else every.values():
             if spring.name not in run.springs and len(run.springs) > 1:
                 continue
             first = f"{spring.name}_" if len(run.springs) > 1 else ""
@@ -169,11 +171,3 @@ def beyond_wire_facts(problem: Problem, solutions: Iterable[Solution]) -> Iterat
             stress = max(number(one, 0.0) for one in names)
             if stress > number("wire_tensile_strength", MAX_STRENGTH):
                 yield Fact("above-strength", {**label, "stress": stress})
-
-
-def _springs_of(problem: Problem, run: Solution) -> tuple[InstalledSpring, ...]:
-    """The springs that moved in a run: those of its member, of two sets its own alone."""
-    own = next((one for one in problem.members if one.label == run.label), None)
-    if own is not None:
-        return own.springs
-    return tuple({one.name: one for member in problem.members for one in member.springs}.values())

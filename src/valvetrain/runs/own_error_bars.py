@@ -317,7 +317,12 @@ def _rows(
         if any(name in numbers and numbers[name] != run.quantities.get(name) for name in NAMES)
     ]
     clashes = run.quantities.get("clash_count", 0.0) > 0
-    touching = _may_leave_the_cam(run, known)
+    # one of the runs keeps contact with its cam, and one does so only as far as its surge goes: the next may leave it
+    every = (run.quantities, *(numbers for _, numbers in known))
+    least = "minimum_cam_contact_force"
+    forces = [one[least] for one in every if least in one]
+    surge = run.quantities.get("surge_amplitude_force", 0.0)
+    touching = bool(forces) and min(forces) <= surge and max(forces) > 0.0
     chain_of_wire = run.model == "multi-mass" and any(spring.wire is not None for spring in springs)
     for name in NAMES:
         value = run.quantities.get(name, math.nan)
@@ -341,14 +346,6 @@ def _rows(
         yield Uncertainty(
             name, run.engine_speed, value, bar, found.observed_order, found.extrapolated, 0.0, same, same, run.label,
         )  # fmt: skip
-
-
-def _may_leave_the_cam(run: Solution, known: Sequence[tuple[float, Mapping[str, float]]]) -> bool:
-    """Whether one of the runs keeps contact with its cam, and one does so only as far as its surge goes: the next may leave it."""
-    name, surge = "minimum_cam_contact_force", run.quantities.get("surge_amplitude_force", 0.0)
-    found = (run.quantities, *(numbers for _, numbers in known))
-    forces = [numbers[name] for numbers in found if name in numbers]
-    return bool(forces) and min(forces) <= surge and max(forces) > 0.0
 
 
 def _too_hard(run: Solution, further: Sequence[tuple[float, Mapping[str, float]]]) -> list[Fact]:

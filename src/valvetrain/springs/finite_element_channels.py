@@ -125,13 +125,16 @@ def _channels(model: RodModel, run: RodTransient, cam_speed: float, whole: bool)
         interval = run.time[1] - run.time[0] if len(run.time) > 1 else 1.0
         axial_velocity = speed @ at.T
         elastic, contact = _energies(model, strains, gaps, run)
+        kinetic, ends = _kinetic(mesh, run), model.dynamics.ends
+        if ends is not None:  # that lift; bonded ones belong to seat and retainer
+            kinetic += 0.5 * run.velocity[:, [mesh.first, mesh.last], 2] ** 2 @ ends.masses(mesh)
         values |= {
             "axial_displacement": (height - installed.position[:, 2]) @ at.T,
             "axial_velocity": axial_velocity,
             "axial_acceleration": np.diff(axial_velocity, axis=0, prepend=axial_velocity[:1])
             / interval,
             "axial_position": height @ at.T - model.definition.lower_seat_height,
-            "kinetic_energy": _kinetic(mesh, run) + _kinetic_of_ends(model, run),
+            "kinetic_energy": kinetic,
             "elastic_energy": elastic,
             "contact_energy": contact,
         }
@@ -244,15 +247,6 @@ def _energies(
         contact = contact + mesh.guide.energy(run.position, mesh.node_length)
     seats = contact_response(law, depth).energy
     return strains["energy"], contact + stiffness * (seats @ mesh.node_length)
-
-
-def _kinetic_of_ends(model: RodModel, run: RodTransient) -> Array:
-    """Kinetic energy (J) of end coils that lift; the bonded ones belong to seat and retainer."""
-    if model.dynamics.ends is None:
-        return np.zeros(len(run.time))
-    speed = run.velocity[:, [model.mesh.first, model.mesh.last], 2]
-    found: Array = 0.5 * speed**2 @ model.dynamics.ends.masses(model.mesh)
-    return found
 
 
 def _kinetic(mesh: RodMesh, run: RodTransient) -> Array:

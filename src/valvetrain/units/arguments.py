@@ -32,7 +32,9 @@ def known_arguments(function: Callable[Parameters, Result]) -> Callable[Paramete
     """Decorator of a function that refuses an argument it does not have by :class:`UnknownNameError`,
     which names the nearest.
     """
-    known = argument_names(function)
+    every = signature(function).parameters.values()
+    anything = any(one.kind is Parameter.VAR_KEYWORD for one in every)
+    known = () if anything else tuple(one.name for one in every if one.name != "self")
 
     @functools.wraps(function)
     def call(*args: Parameters.args, **kwargs: Parameters.kwargs) -> Result:
@@ -42,11 +44,3 @@ def known_arguments(function: Callable[Parameters, Result]) -> Callable[Paramete
         return function(*args, **kwargs)
 
     return call
-
-
-def argument_names(function: Callable[..., object]) -> tuple[str, ...]:
-    """Names of the arguments that a function takes; none where it takes any."""
-    found = signature(function).parameters.values()
-    if any(one.kind is Parameter.VAR_KEYWORD for one in found):
-        return ()
-    return tuple(one.name for one in found if one.name != "self")

@@ -11,7 +11,6 @@ from valvetrain.findings.words import RPM, speed_text
 from valvetrain.parameters.material import FATIGUE_RANGES
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.definition import definition_of, label_of
-from valvetrain.solution.result import Solution
 from valvetrain.views.style import (
     ANGLE,
     BAD,
@@ -32,22 +31,16 @@ ORDERS = range(3, 31)
 LEAST_PRINTED = 3
 
 
-def _fastest(facts: Facts, channel: str) -> tuple[Solution, str] | None:
-    """The fastest run that has a channel, of a pair that of its outer spring; the run and the name there."""
-    for run in reversed(facts.runs):
-        for spring in run.springs:
-            name = run.channel_of(spring, channel)
-            if run.has(name):
-                return run, name
-    return None
-
-
 def coils(facts: Facts) -> go.Figure | None:
     """Gap (mm) between neighbouring coils over the cam angle, of the fastest run that knows its coils."""
-    known = _fastest(facts, "coil_gap")
-    if known is None:
+    every = (
+        (run, run.channel_of(one, "coil_gap"))
+        for run in reversed(facts.runs)
+        for one in run.springs
+    )
+    run, name = next(((run, name) for run, name in every if run.has(name)), (None, ""))
+    if run is None:
         return None
-    run, name = known
     gaps, uppers = over_turn(run, name), run.arrays.along(name)
     if uppers is None or gaps.ndim != 2:
         return None

@@ -140,7 +140,17 @@ def moving_picture(
     runs = [run for run in study.solutions if run.has("valve_lift") and len(run.time) > 2]
     if study.over_speed or not runs or not study.record.text:
         return None
-    ranked = sorted(runs, key=lambda run: (run is worst, *_worth(run)), reverse=True)
+    drawn = ("_shear_stress", "coil_gap", "axial_displacement")
+    # where there are too many: the worst, those with most coils known, then the fastest
+    ranked = sorted(
+        runs,
+        key=lambda run: (
+            run is worst,
+            sum(any(str(name).endswith(end) for name in run.arrays.variables) for end in drawn),
+            run.engine_speed,
+        ),
+        reverse=True,
+    )
     chosen = [run for run in runs if any(run is one for one in ranked[:MAX_VARIANTS])]
     try:
         _problem(study.record, (), ())
@@ -170,15 +180,6 @@ def moving_picture(
         else "Spring over the cam revolution"
     )
     return Moving(title, one_range(tuple(variants)), tuple(notes))
-
-
-def _worth(run: Solution) -> tuple[int, float]:
-    """Runs to draw where there are too many: those with most coils known, then the fastest."""
-    known = sum(
-        any(str(name).endswith(ending) for name in run.arrays.variables)
-        for ending in ("_shear_stress", "coil_gap", "axial_displacement")
-    )
-    return known, run.engine_speed
 
 
 @lru_cache(maxsize=4)
