@@ -71,7 +71,7 @@ CONE = (
     .replace('mean_diameter = "24 mm"\n', "")
     .replace("44 mm", "22 mm")
     .replace('precompression = "4 mm"', 'precompression = "10 mm"')
-    .replace('"6 mm"', '"4 mm"')
+    .replace('"6 mm"', '"2 mm"')
     .replace("7000 rpm", "2000 rpm")
     .replace(
         "[spring.lower_end]",

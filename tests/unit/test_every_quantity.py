@@ -22,6 +22,8 @@ ELSEWHERE = {
     "peak_cam_contact_pressure",
     "driver_difference_force",  # to its channels, by tests/limits/test_solid_in_train.py
     "closing_ramp_begin_cam_angle", "closing_ramp_end_cam_angle",  # by tests/unit/test_red_line.py
+    # by tests/limits/test_valve_events.py
+    *(f"{event}_{at}_crank_angle" for event in ("ivo", "ivc", "evo", "evc") for at in ("lash", "1_mm", "50_thou")),
     *(one.name for one in CAM),  # by tests/unit/test_check_of_the_cam.py
 }  # fmt: skip
 

@@ -198,6 +198,3 @@ def test_between_its_points_a_profile_is_straight_and_beyond_its_reach_dark():
     assert found[0, 0] == pytest.approx(np.interp(one, points, table[0]), rel=1e-9)
     assert found[0, 1, :975] == pytest.approx(np.interp(two[:975], points, table[1]), rel=1e-9)
     assert np.array_equal(found[0, 1, 975:], [0.0, 0.0])
-    slopes = np.diff(table, axis=1) * FINE
-    assert made.slope[:, 1:-1] == pytest.approx((slopes[:, 1:] + slopes[:, :-1]) / 2)
-    assert made.slope[:, [0, -1]] == pytest.approx(slopes[:, [0, -1]])

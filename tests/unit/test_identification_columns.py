@@ -35,7 +35,7 @@ def read(folder: Path, table: str, more: str = "", head: str = HEAD):
 CURVES = [
     ("compression [mm], load [N]\n3, 90\n5, 150\n", "", "force"),
     ("load [N]; deflection [mm]\n90; 3\n150; 5\n", "", "force"),
-    ("Weg [mm]; Kraft [kN]\n3; 0.09\n5; 0.15\n", "", "force"),
+    ("Federweg [mm]; Kraft [kN]\n3; 0.09\n5; 0.15\n", "", "force"),
     ("height [mm], force [N]\n3, 90\n5, 150\n", "", "load"),
     (
         "force [N], length [cm], time [s]\n90, 0.3, 1\n150, 0.5, 2\n",

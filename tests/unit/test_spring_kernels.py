@@ -300,7 +300,7 @@ BAD = [
     (lambda: MasslessTable((0.0, 1e-3), (100.0, 90.0)), "must rise"),
     (lambda: MasslessTable((0.0,), (100.0,)), "two points"),
     (lambda: MultiMassSpring.from_definition(CLOSED_ENDS, 7e-3, masses_per_coil=0), "masses_per_coil"),
-    (lambda: MultiMassSpring.from_definition(CLOSED_ENDS, -7e-3), "precompression"),
+    (lambda: MultiMassSpring.from_definition(CLOSED_ENDS, -7e-3), "compression"),
     (lambda: MultiMassSpring.from_card(3e4, 250.0, 0.0), "mass"),
     (lambda: MultiMassSpring.from_card(3e4, 250.0, 0.04, elements=1), "elements"),
     (lambda: EquivalentSpring(3e4, 250.0, 0.0), "mass"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import valvetrain as vt
+from train_parts import SINGLE_MASS
 from unit.cli_parts import SMALL
-from unit.test_study_limits import TRAIN
 from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.evaluate import Point, evaluate
 from valvetrain.explore.unavailable import refuse_outputs
@@ -55,7 +55,7 @@ def test_one_model_that_gives_it_is_enough(tmp_path):
     "name", ["peak_clash_force", "open_nominal_shear_stress", "peak_shear_stress"]
 )
 def test_a_card_has_neither_coils_nor_stress(name, tmp_path):
-    case = case_of(tmp_path, TRAIN)
+    case = case_of(tmp_path, SINGLE_MASS)
     with pytest.raises(vt.InputError, match="spring 'spring' is known by card alone"):
         refuse(case, name, "multi-mass", "train.springs.card.0.preload")
     refuse(case, "peak_spring_force", "multi-mass", "train.springs.card.0.preload")

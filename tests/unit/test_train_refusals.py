@@ -187,7 +187,7 @@ def test_the_damping_of_a_trains_spring_is_felt(word):
 
 
 @pytest.mark.parametrize(("old", "new", "words"), [
-    ('mass = {value = "30.49 g"', 'mass = {value = "-30.49 g"', "train.valve.mass"), ('lash = "0 mm"', 'lash = "9 N"', "train.lash"),
+    ('mass = { value = "30.49 g"', 'mass = { value = "-30.49 g"', "train.valve.mass"), ('lash = "0 mm"', 'lash = "9 N"', "train.lash"),
     ('shape = "domed"', 'shape = "dome"', "train.follower.shape"), ("[train.pushrod]", "[train.push_rod]", "pushrod"),
     ('law = "impact"\ncontact_stiffness', "contact_stiffness", "needs its law"),
     ('spring_set = "stock"\nspring_model = "multi-mass"', 'spring_set = "stocky"\nspring_model = "multi-mass"', "spring set 'stocky' is unknown"),

@@ -17,7 +17,7 @@ _TEXTS = (
 )  # fmt: skip
 #: Fields of its parts that change none where the case does not give them.
 _NO_NUMBER = (
-    "permitted_seating_velocity", "face_diameter", "red_line", "force_bandwidth", "replica", "stated_solid_height",
+    "permitted_seating_velocity", "face_diameter", "red_line", "force_bandwidth", "replica", "stated_solid_height", "top_dead_centre",
 )  # fmt: skip
 
 

@@ -31,9 +31,8 @@ from valvetrain.solution.provenance import Option, Provenance, collect_provenanc
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest
 from valvetrain.solution.status import Status
-from valvetrain.springs.contract import LargeSpring
+from valvetrain.springs.contract import LargeSpring, SpringWithModes
 from valvetrain.springs.equivalent import EquivalentSpring
-from valvetrain.springs.reduced_rod import ReducedRod
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.driven import DrivenSprings
 from valvetrain.system.prescribed import PrescribedSpring, names_of
@@ -164,9 +163,8 @@ def statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tu
 def _surge_frequencies(member: Member, train: TrainSystem, rest: Rest) -> tuple[float, ...]:
     """First surge frequencies (Hz), valve closed: of a reduced rod its own, which few turns lower beneath that by torsion alone."""
     models = [one for row in train.springs for one in getattr(row, "members", (row,))]
-    if not all(isinstance(model, ReducedRod) for model in models):
-        return statics_of(member, rest)[1]
-    return tuple(model.surge_frequency(0.0) for model in models if isinstance(model, ReducedRod))
+    known = [model.surge_frequency(0.0) for model in models if isinstance(model, SpringWithModes)]
+    return tuple(known) if len(known) == len(models) else statics_of(member, rest)[1]
 
 
 def surge_frequency(spring: InstalledSpring, rest: SpringAtRest | None = None) -> float | None:

@@ -156,6 +156,17 @@ class WatchedSpring(Protocol):
 
 
 @runtime_checkable
+class SpringWithModes(Protocol):
+    """A spring model with modes of its own, about rest at a retainer displacement (m): ``stiffness`` (N/m) of its
+    coordinates, of unit mass each, and of the retainer, which is last; ``surge_frequency`` (Hz), both ends fixed.
+    """
+
+    def stiffness(self, retainer_displacement: float) -> Array: ...
+
+    def surge_frequency(self, retainer_displacement: float) -> float: ...
+
+
+@runtime_checkable
 class LargeSpring(Protocol):
     """A spring model whose inner state is too large for many samples and for an accelerated search
     of the periodic state.

@@ -10,11 +10,10 @@ import numpy as np
 
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.springs import chain_statics
-from valvetrain.springs.contract import Array, SpringModel
+from valvetrain.springs.contract import Array, SpringModel, SpringWithModes
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.modal_uniform import ModalUniform
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.springs.reduced_rod import ReducedRod
 
 #: Modes of the uniform spring that represents models without matrices of their own.
 MODES = 8
@@ -34,13 +33,13 @@ def spring_matrices(
     model: SpringModel, installed: InstalledSpring | None, retainer_displacement: float
 ) -> SpringMatrices:
     """A spring about rest at ``retainer_displacement`` (m): a chain by its own masses with touching
-    coils held together, a reduced rod by its coordinates, a model without
+    coils held together, one with modes of its own by its coordinates, a model without
     inner motion by its tangent, any other by the modes of the uniform spring of equal rate and mass."""
     if isinstance(model, MultiMassSpring):
         return _chain(model, retainer_displacement)
     if isinstance(model, ModalUniform):
         return _modal(model)
-    if isinstance(model, ReducedRod):
+    if isinstance(model, SpringWithModes):
         masses = np.append(np.ones(model.unknowns), model.retainer_mass())
         return SpringMatrices(masses, model.stiffness(retainer_displacement))
     if model.unknowns and installed is not None:
