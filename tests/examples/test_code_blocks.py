@@ -46,6 +46,10 @@ QUICK = (
     "valvetrain new my-train --kind pushrod",
     "valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm",
     'valvetrain lift intake.s96 --exhaust exhaust.s96 --lift-of tappet --lift-unit inch --at "0.2 inch"',
+    'valvetrain lift --events "IVO 5 after top, IVC 32.5 after bottom, EVO 40 BBDC, EVC 10 ATDC"', "valvetrain lift own.toml",
+    'valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --lobe-centre "108.75 deg"',
+    "valvetrain lift contour.csv --follower flat",
+    'valvetrain lift lobe.dat --angle-of cam --lift-of tappet --lift-unit mm --follower "roller 10 mm" --base-radius "15 mm"',
     "valvetrain serve", "valvetrain serve --folder head-2027 --port 0 --no-open",
     'valvetrain serve --most-running 2 --limit "30 min" --limit "8 GB"',
 )  # fmt: skip
@@ -133,6 +137,9 @@ def write_lobes(place: Path) -> None:
     (place / "lobe.dat").write_text(
         "\n".join(f"{one:g} {value:.5f}" for one, value in zip(angle, lift, strict=True)) + "\n"
     )
+    radius = 4 * np.cos(np.deg2rad(angle)) + np.sqrt(18**2 - (4 * np.sin(np.deg2rad(angle))) ** 2)
+    rows = (f"{one:g},{value:.6f}" for one, value in zip(angle, radius, strict=True))
+    (place / "contour.csv").write_text("\n".join(("angle [deg],radius [mm]", *rows)) + "\n")
     for name in ("intake", "exhaust"):
         around = [*lift, *lift[:36]]
         (place / f"{name}.s96").write_text(
