@@ -67,7 +67,7 @@ PROGRESSIVE = SPRING.replace('free_length = "44 mm"\n', "").replace(
 )
 CONE = (
     SPRING.replace('wire_diameter = "4 mm"', 'wire_diameter = "3 mm"')
-    .replace("total_coils = 5.5", 'total_coils = 4\nsolid_height = "7 mm"')
+    .replace("total_coils = 5.5", "total_coils = 4")
     .replace('mean_diameter = "24 mm"\n', "")
     .replace("44 mm", "22 mm")
     .replace('precompression = "4 mm"', 'precompression = "10 mm"')

@@ -82,6 +82,11 @@ def computed_solid_height(spring: WireShape) -> float:
     force = float(np.max(closing_forces(spring, np.linspace(first, last, SAMPLES))))
     if force <= 0.0:
         return spring.free_length
+    every = np.linspace(0.0, spring.total_coils, 64 * int(np.ceil(spring.total_coils)) + 1)
+    rise = spring.solid_rise(every)
+    if np.any((rise <= 0.0) & (spring.pitch.value(every) > 0.0)):  # coils lie inside one another
+        stacked = np.sum(np.diff(every) * (rise[1:] + rise[:-1]) / 2)
+        return float(stacked + spring.wire_diameter.value(0.0))
     pieces = max(4, int(np.ceil((last - first) * PIECES)))
     edges = np.linspace(first, last, pieces + 1)
     knots = np.concatenate([[first] * 3, edges, [last] * 3])
