@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from valvetrain import registry
 from valvetrain.errors import InputError
+from valvetrain.parameters.bounded_file import file_head
 from valvetrain.solution.read_apart import tried_apart
 
 Array = NDArray[np.float64]
-#: Bytes at the beginning of a file by which its form is recognised.
-HEAD = 4096
 #: Seconds of the processor that reading one file may take, at least.
 MAX_SECONDS = 60
 #: Larger files are not opened.
@@ -163,21 +162,9 @@ def read_here(path: Path) -> Recording:
 
 def form_of(path: Path, name: str) -> RigFormat:
     """The form that recognises the content."""
-    try:
-        if path.exists() and not path.is_file():
-            raise InputError(f"'{name}' is no regular file; give the recording as a file")
-        size = path.stat().st_size
-        with path.open("rb") as stream:
-            head = stream.read(HEAD)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", "") or "the name is no file name"
-        raise InputError(
-            f"recording '{name}' cannot be read: {reason.lower()}; check the name and the folder"
-        ) from error
+    _, head, size = file_head(path, "recording")
     if size > MAX_BYTES:
         raise InputError(f"'{name}' is larger than {MAX_BYTES / 1e9:g} GB; cut the recording")
-    if not head.strip():
-        raise InputError(f"'{name}' is empty; export the recording again")
     readers: list[RigFormat] = [
         registry.find("rig_formats", word) for word in registry.names("rig_formats")
     ]

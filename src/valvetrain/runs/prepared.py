@@ -161,7 +161,7 @@ def statics_of(member: Member, rest: Rest) -> tuple[tuple[SpringAtRest, ...], tu
 
 
 def _surge_frequencies(member: Member, train: TrainSystem, rest: Rest) -> tuple[float, ...]:
-    """First surge frequencies (Hz), valve closed: of a reduced rod its own, which few turns lower beneath that by torsion alone."""
+    """First surge frequencies (Hz) with the valve closed: those of the models where all have modes, else those of the springs at rest."""
     models = [one for row in train.springs for one in getattr(row, "members", (row,))]
     known = [model.surge_frequency(0.0) for model in models if isinstance(model, SpringWithModes)]
     return tuple(known) if len(known) == len(models) else statics_of(member, rest)[1]
