@@ -11,6 +11,7 @@ Staggered grid after Lang, Linn and Arnold (2011), with the arc length in place 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -90,6 +91,7 @@ class WireCurve(Protocol):
         ...
 
 
+@lru_cache(maxsize=16)
 def mesh_spring(
     definition: SpringDefinition,
     elements_per_coil: int = 24,

@@ -41,7 +41,7 @@ class NewtonOptions:
 
     tolerance: float = 1e-5
     iterations: int = 25
-    largest_increment: float = 2e-3
+    largest_increment: float = 4e-3
     smallest_increment: float = 1e-6
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -64,6 +65,7 @@ def closing_forces(spring: WireShape, coil: ArrayLike) -> Array:
     return found
 
 
+@lru_cache(maxsize=64)
 def computed_solid_height(spring: WireShape) -> float:
     """The height (m) of a spring under the force that closes its last coil by torsion.
 
