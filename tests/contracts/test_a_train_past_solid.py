@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 
-from unit.cli_parts import call
+from unit.cli_parts import call, typed
 from valvetrain.parameters.templates import TEMPLATES
 
 SHORT = {
@@ -24,13 +24,7 @@ def test_it_is_the_status_of_that_run(tmp_path):
         "run",
         str(TEMPLATES / "direct.toml"),
         *changes,
-        "--spring",
-        "finite-element",
-        "--engine-speed",
-        "6000, 18000 rpm",
-        "--workers",
-        "1",
-        "--output",
+        *typed("--spring finite-element --engine-speed '6000, 18000 rpm' --workers 1 --output"),
         str(tmp_path / "out"),
         "--no-report",
     )

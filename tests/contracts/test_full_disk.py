@@ -11,19 +11,11 @@ import sys
 
 import pytest
 
-from unit.cli_parts import MODULE, process_environment
+from unit.cli_parts import MODULE, process_environment, typed
 from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
 
-JOB = (
-    "run",
-    "job-t",
-    "--engine-speed",
-    "2000, 2500 rpm",
-    "--spring",
-    "massless,multi-mass",
-    "--no-report",
-    "--output",
-    "out",
+JOB = typed(
+    "run job-t --engine-speed '2000, 2500 rpm' --spring massless,multi-mass --no-report --output out"
 )
 #: Bytes that the disk takes: the first files, not all of them.
 ROOM = 300_000

@@ -15,7 +15,7 @@ import pytest
 
 import valvetrain.quantities.evaluate as evaluate
 from synthetic_study import own_study, rod_run
-from unit.cli_parts import call
+from unit.cli_parts import call, typed
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import write_text
@@ -283,11 +283,7 @@ def test_variants_of_like_labels_each_keep_their_numbers(tmp_path, labels):
 @pytest.mark.parametrize("damping", ["1e6 1/s", "1e9 1/s"])
 def test_a_damping_that_one_model_refuses_costs_that_model_alone(tmp_path, damping):
     words = (
-        "--engine-speed",
-        "2000 rpm",
-        "--spring",
-        "modal-varied,massless",
-        "--set",
+        *typed("--engine-speed '2000 rpm' --spring modal-varied,massless --set"),
         f"spring.damping.mass_damping={damping}",
     )
     result = call("run", "job-t", *words, "--no-report", "--output", str(tmp_path / "out"))

@@ -12,10 +12,9 @@ import sys
 import pytest
 
 from fault_parts import gone, started
-from unit.cli_parts import SMALL, call, wait_until
+from unit.cli_parts import SMALL, call, typed, wait_until
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs import refine as springs
-from valvetrain.runs import refine_trains as trains
 from valvetrain.runs.error_bars import DOUBTFUL, RefinementStopped
 from valvetrain.runs.refine import refined
 
@@ -138,15 +137,7 @@ def test_a_mesh_that_cannot_be_is_told_and_two_meshes_give_the_bars(tmp_path, mo
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.toml").write_text(OWN_MESH)
     result = call(
-        "refine",
-        "small.toml",
-        "--engine-speed",
-        "400 rad/s",
-        "--workers",
-        "1",
-        "--output",
-        "out",
-        "--json",
+        *typed("refine small.toml --engine-speed '400 rad/s' --workers 1 --output out --json")
     )
     assert result.exit_code == 1, result.stderr
     data = json.loads(result.stdout)
@@ -201,31 +192,3 @@ def test_a_run_that_fails_is_told_and_costs_no_other(monkeypatch):
             other.value,
             other.numerical,
         )
-
-
-def test_variants_of_a_train_that_cannot_be_built_are_told(monkeypatch):
-    case = load_case("tdi-pushrod")
-    case = case.replace(train=case.train.replace(variants=case.train.variants[:1]))
-    usual = trains.build
-
-    def building(given):
-        if (
-            given is not case
-            and given.train.contacts["cam"].values["contact_stiffness"]
-            > case.train.contacts["cam"].values["contact_stiffness"]
-        ):
-            raise trains.FAILURES[0]("too stiff")
-        return usual(given)
-
-    monkeypatch.setattr(trains, "build", building)
-    study = trains.refine_trains(case, [200.0], workers=1)
-    assert (
-        len(study.failures) == 1
-        and study.failures[0].startswith("contact stiffness 2: ")
-        and "too stiff" in study.failures[0]
-    )
-    rows = {row.quantity: row for row in study.rows}
-    assert (
-        rows["peak_spring_force"].numerical > 0
-        and rows["peak_spring_force"].label == case.train.variants[0].label
-    )

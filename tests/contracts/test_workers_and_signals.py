@@ -28,7 +28,7 @@ from unit.cli_parts import process, process_environment, wait_until
 from valvetrain.cli.guard import GuardedGroup, interrupted
 from valvetrain.errors import RunFailedError
 from valvetrain.runs.stopping import PointsStopped, Stopped, listening
-from valvetrain.runs.workers import map_cases, map_points, result_of, threads
+from valvetrain.runs.workers import map_points, result_of, threads
 
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc"
@@ -218,12 +218,6 @@ def test_a_study_that_is_stopped_hands_over_what_it_has(tmp_path):
     with pytest.raises(PointsStopped) as cut:
         map_points(stop_at_three, tmp_path, range(6), 1)
     assert cut.value.results == {0: 0, 1: 1, 2: 2}
-
-
-def test_map_cases_survives_a_killed_worker(tmp_path):
-    from functools import partial
-
-    assert map_cases(partial(killed_once, tmp_path), range(5), 2) == (0, 1, 4, 9, 16)
 
 
 def rows_of(folder) -> int:

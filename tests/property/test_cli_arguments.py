@@ -13,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from unit.cli_parts import SMALL, call
+from unit.cli_parts import SMALL, call, typed
 from valvetrain.parameters.loading import LIBRARY
 
 FEW = settings(
@@ -24,53 +24,17 @@ FEW = settings(
 WORDS = st.one_of(
     st.text(max_size=30),
     st.sampled_from(
-        [
-            "run",
-            "compare",
-            "sweep",
-            "static",
-            "modes",
-            "runs",
-            "compare-runs",
-            "new",
-            "cases",
-            "check",
-            "--json",
-            "--quiet",
-            "--limit",
-            "--kind",
-            "--set",
-            "--engine-speed",
-            "--to",
-            "--steps",
-            "--count",
-            "--compression",
-            "--elements-per-coil",
-            "--spring",
-            "--workers",
-            "--output",
-            "--no-report",
-            "job-c",
-            "uniform-spring",
-            "4200 rpm",
-            "7 mm",
-            "8",
-            "--",
-            "-",
-            "",
-            "spring.pitch=7 mm",
-            "spring.total_coils=1e400",
-            "spring.options.finite-element.elements_per_coil=true",
-            "lift_law.power={a=1}",
-            "published.0.role=x",
+        (
+            *typed("run compare sweep static modes runs compare-runs new cases check"),
+            *typed("--json --quiet --limit --kind --set --engine-speed --to --steps --count"),
+            *typed("--compression --elements-per-coil --spring --workers --output --no-report"),
+            *typed("job-c uniform-spring '4200 rpm' '7 mm' 8 -- - '' 'spring.pitch=7 mm'"),
+            *typed("spring.total_coils=1e400 lift_law.power={a=1} published.0.role=x"),
+            *typed("spring.options.finite-element.elements_per_coil=true spring=[[["),
+            *typed("'spring.precompression=nan mm' operation.cycles=1979-05-27"),
+            *typed("'1e308:1e309:1 rpm' /dev/null .."),
             "title=\ud800",
-            "spring=[[[",
-            "spring.precompression=nan mm",
-            "operation.cycles=1979-05-27",
-            "1e308:1e309:1 rpm",
-            "/dev/null",
-            "..",
-        ]
+        )
     ),
 )
 TEXTS = (

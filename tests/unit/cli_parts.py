@@ -5,6 +5,7 @@ to call the commands.
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -72,6 +73,11 @@ peak_spring_force = { value = "1 N", tolerance = "1 N" }
 seating_velocity = "1 m/s"
 peak_spring_force_cam_angle = "181 deg"
 """
+
+
+def typed(line: str) -> tuple[str, ...]:
+    """The words of a command line as a shell parts them."""
+    return tuple(shlex.split(line))
 
 
 def call(*arguments: str) -> Result:

@@ -44,22 +44,6 @@ def test_a_curve_beyond_buckling_fails_with_the_place_and_what_to_do(slender):
     )
 
 
-def test_one_below_buckling_does_not(slender):
-    result = call("static", "slender.toml", "--to", "14 mm", "--steps", "6")
-    assert result.exit_code == 0
-
-
-def test_modes_about_a_buckled_state_fail_too(slender):
-    result = call("modes", "slender.toml", "--compression", "16.5 mm", "--count", "4")
-    assert result.exit_code == 1 and "modes: buckled" in result.stderr
-
-
-def test_in_its_guide_it_says_that_it_leans(slender):
-    result = call("static", "guided.toml", "--to", "18 mm", "--steps", "6")
-    assert result.exit_code == 0
-    assert "bore of 12 mm, without friction" in call("check", "guided.toml").stdout
-
-
 def test_a_bore_too_narrow_is_refused_with_its_place(slender):
     result = call("check", "guided.toml", "--set", "spring.guide.bore=10.5 mm")
     assert (

@@ -18,6 +18,7 @@ from unit.cli_parts import (
     process_environment,
     processor_time,
     sentence,
+    typed,
     wait_until,
 )
 
@@ -88,31 +89,15 @@ def test_json_is_alone_on_standard_output_and_words_go_to_standard_error(tmp_pat
     assert "names no engine speed" in result.stderr
 
 
-def test_wrong_input_ends_with_2_and_one_sentence(tmp_path):
-    result = process("check", "missing.toml", folder=tmp_path)
-    assert result.returncode == 2 and "check the path" in sentence(result)
-
-
-@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="needs the device")
-def test_a_file_without_end_is_refused(tmp_path):
-    result = process("check", "/dev/zero", folder=tmp_path)
-    assert result.returncode == 2 and "is a device" in sentence(result)
-
-
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal as the keyboard does")
 def test_ctrl_c_ends_at_once_with_one_sentence_and_130(tmp_path):
     (tmp_path / "small.toml").write_text(SMALL)
     command = [
         sys.executable,
         *MODULE,
-        "run",
-        "small.toml",
-        "--set",
-        "operation.cycles=10000",
-        "--elements-per-coil",
-        "24",
-        "--limit",
-        "1 d, 1 TB",
+        *typed(
+            "run small.toml --set operation.cycles=10000 --elements-per-coil 24 --limit '1 d, 1 TB'"
+        ),
     ]
     before = sum(os.times()[2:4])
     with subprocess.Popen(
@@ -193,17 +178,6 @@ def group_lives(group: int) -> bool:
     except ProcessLookupError:
         return False
     return True
-
-
-@pytest.mark.skipif(os.name != "posix", reason="closes a pipe early")
-def test_a_reader_that_leaves_early_is_no_error_message(tmp_path):
-    command = [sys.executable, *MODULE, "cases", "gu2021-beehive-blind", "--json"]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=process_environment()
-    ) as running:
-        assert running.stdout is not None and running.stderr is not None
-        running.stdout.close()
-        assert running.stderr.read() == b""
 
 
 def test_an_unexpected_error_is_a_sentence_unless_its_origin_is_asked_for(tmp_path):

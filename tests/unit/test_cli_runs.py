@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from unit.cli_parts import PUBLISHED, SMALL, call, sentence
+from unit.cli_parts import PUBLISHED, SMALL, call, sentence, typed
 from valvetrain.parameters.templates import KINDS
 
 QUICK = ("--workers", "1", "--no-report")
@@ -126,20 +126,11 @@ def test_a_folder_of_ones_own_is_written_directly_and_a_foreign_one_refused(smal
 
 def test_run_options_change_speeds_models_folder_and_values(small):
     result = call(
-        "run",
-        "small.toml",
-        "--engine-speed",
-        "7000, 9000 rpm",
-        "--spring",
-        "modal-varied",
-        "--output",
-        "here",
+        *typed(
+            "run small.toml --engine-speed '7000, 9000 rpm' --spring modal-varied --output here"
+        ),
         *QUICK,
-        "--set",
-        "spring.total_coils=4",
-        "--set",
-        "lift_law.maximum_lift=3 mm",
-        "--json",
+        *typed("--set spring.total_coils=4 --set 'lift_law.maximum_lift=3 mm' --json"),
     )
     assert result.exit_code == 0, result.stderr
     found = json.loads(result.stdout)
@@ -153,27 +144,6 @@ def test_run_options_change_speeds_models_folder_and_values(small):
     assert float(
         load_netcdf(small / "here" / "modal-varied-7000rpm.nc").channel("valve_lift").max()
     ) == pytest.approx(3e-3, rel=1e-6)
-
-
-def test_a_run_without_speeds_gives_statics_and_modes(small):
-    result = call("run", "uniform-spring", "--elements-per-coil", "8", *QUICK)
-    assert result.exit_code == 0 and "statics and modes only" in result.stderr
-    assert re.search(r"axial modes +54[67], ", result.stdout)
-
-
-def test_compare_shows_every_model(small):
-    result = call("compare", "small.toml", *QUICK)
-    assert result.exit_code == 0, result.stderr
-    for model in (
-        "massless",
-        "multi-mass",
-        "modal-varied",
-        "wave-rod",
-        "wave-rod-clash",
-        "finite-element",
-    ):
-        assert len(re.findall(rf"^  {model} +[−–\d]", result.stdout, re.MULTILINE)) == 1, model
-    assert len(result.stdout.splitlines()) < 40
 
 
 def test_quiet_prints_nothing_but_errors(small):
@@ -215,26 +185,15 @@ def test_errors_are_an_object_under_json_with_the_same_exit_codes(small):
         (("run", "--elements-per-coil", "24", "--set", "operation.cycles=10000"), "--limit"),
         (
             (
-                "run",
-                "--spring",
-                "multi-mass",
-                "--set",
-                "spring.options.multi-mass.masses_per_coil=2000",
+                *typed(
+                    "run --spring multi-mass --set spring.options.multi-mass.masses_per_coil=2000"
+                ),
                 *RANGE,
             ),
             "beyond the bound",
         ),
         (
-            (
-                "run",
-                "--spring",
-                "finite-element",
-                "--elements-per-coil",
-                "1000",
-                "--limit",
-                "1 h",
-                *RANGE,
-            ),
+            (*typed("run --spring finite-element --elements-per-coil 1000 --limit '1 h'"), *RANGE),
             "GB",
         ),
     ],
@@ -258,13 +217,8 @@ def test_options_that_no_computer_holds_are_refused_by_the_case(small):
 
 
 def test_a_run_that_diverges_writes_what_it_has_and_ends_with_1(small):
-    words = (
-        "run",
-        "small.toml",
-        "--set",
-        "spring.options.finite-element.time_step=2e-5 s",
-        "--output",
-        "out",
+    words = typed(
+        "run small.toml --set 'spring.options.finite-element.time_step=2e-5 s' --output out"
     )
     result = call(*words, "--json")
     assert result.exit_code == 1, result.stderr

@@ -66,42 +66,6 @@ def test_the_exit_code_tells_of_the_work_not_of_a_reader_that_left(command, tmp_
     ]
 
 
-HELP_OF_ALL = """
-import json, os, sys
-from valvetrain.cli.main import app
-from valvetrain.registry import names as registered_names
-found = {}
-for asked in (["--version"], ["--help"], [], *([word, "--help"] for word in registered_names("commands")), ["lift", "no-such-file", "--help"]):
-    sys.stdout.flush()
-    child = os.fork()
-    if not child:
-        reader, writer = os.pipe()
-        os.close(reader)
-        os.dup2(writer, 1)
-        app(asked, prog_name="valvetrain")
-    found[" ".join(asked)] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-print(json.dumps(found))
-"""
-
-
-@pytest.mark.long
-def test_the_help_of_every_command_ends_well_where_nobody_reads_it(tmp_path):
-    """rich and the parser ended the process with code 1 where a reader left before them
-    (``valvetrain --help | true``).
-    """
-    result = subprocess.run(
-        [sys.executable, "-c", HELP_OF_ALL],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        timeout=120,
-        env=process_environment(),
-    )
-    found = json.loads(result.stdout)
-    assert len(found) > 12 and set(found.values()) == {0}, found
-    assert result.stderr == ""
-
-
 @pytest.mark.parametrize("words", ["--help | true", "run --help | head -1", "--version | true"])
 def test_a_shell_sees_the_help_end_well(words, tmp_path):
     result = shell(f"vt {words}; exit ${{PIPESTATUS[0]}}", tmp_path)

@@ -13,34 +13,12 @@ import valvetrain as vt
 from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.request_cost import (
-    MAX_COUNTED,
-    refine_cost,
-    spring_cost,
-)
 
 RPM = math.pi / 30
 ELEMENTS, MASSES = (
     "spring.options.finite-element.elements_per_coil",
     "spring.options.multi-mass.masses_per_coil",
 )
-
-
-def test_an_estimate_grows_with_what_is_asked_for():
-    spring = load_case("gu2021-beehive-blind").springs[0]
-    fine = spring.with_options("finite-element", elements_per_coil=96)
-    base = spring_cost(spring, "finite-element", 1000)
-    assert spring_cost(fine, "finite-element", 1000).seconds > 3 * base.seconds
-    assert spring_cost(spring, "finite-element", 10_000).seconds > 8 * base.seconds
-    assert spring_cost(spring, "finite-element", 1000, modes=200).seconds > base.seconds
-    assert spring_cost(spring, "finite-element", 1000, points=1000).seconds > 1.5 * base.seconds
-    assert spring_cost(spring, "massless", 1000).seconds < 0.1 * base.seconds
-    assert spring_cost(spring, "solid", 1000).seconds < 1  # refused where it is built
-    assert spring_cost(spring, "finite-element", 10**400) == spring_cost(
-        spring, "finite-element", MAX_COUNTED
-    )
-    few, many = (refine_cost(load_case("job-t"), [3000 * RPM] * count).seconds for count in (1, 4))
-    assert many > 1.5 * few
 
 
 @pytest.mark.parametrize(
@@ -152,22 +130,6 @@ def test_programs_have_the_bounds_of_the_command_line(name, monkeypatch):
         REQUESTS[name]("soon")
     with pytest.raises(AssertionError, match="work was begun"):
         REQUESTS[name]("9 d, 9 TB")
-
-
-#: Bounds of requests that are files are tried where their files are.
-OF_FILES = {"study", "identify", "optimise"}
-
-
-def test_every_public_function_with_a_bound_is_tried_here():
-    import inspect
-
-    from api_pages import HOMES, object_of
-
-    named = {path.rpartition(".")[2]: object_of(path) for path in HOMES}
-    functions = {name: one for name, one in named.items() if inspect.isfunction(one)}
-    assert {
-        name for name, one in functions.items() if "limit" in inspect.signature(one).parameters
-    } == set(REQUESTS) | OF_FILES
 
 
 def test_static_curves_of_no_step_and_of_countless_steps_are_refused():

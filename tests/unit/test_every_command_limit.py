@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from unit.cli_parts import SMALL, call, sentence
-from valvetrain.cli.options import read_count, read_workers
 from valvetrain.errors import InputError
 from valvetrain.runs.cost import read_limits
 
@@ -23,24 +22,6 @@ def test_a_count_beyond_its_bounds_is_refused(words, option, low, high):
         assert f"{option}: {number} is outside {low} to {high}" in sentence(
             call(*words, option, str(number))
         )
-
-
-def test_bounds_belong_to_what_they_bound():
-    assert [read_count(number, 2, 4, "--count") for number in (2, 4)] == [2, 4]
-    assert (read_workers(1), read_workers(256)) == (1, 256) and 1 <= read_workers(None) <= 4
-    for number in (1, 5):
-        with pytest.raises(InputError, match=f"{number} is outside 2 to 4"):
-            read_count(number, 2, 4, "--count")
-
-
-def test_the_machine_decides_how_many_runs_go_at_a_time(monkeypatch):
-    import os
-
-    for cores, expected in ((1, 1), (3, 3), (64, 4)):
-        monkeypatch.setattr(
-            os, "sched_getaffinity", lambda process, cores=cores: set(range(cores)), raising=False
-        )
-        assert read_workers(None) == expected
 
 
 @pytest.mark.parametrize(

@@ -6,18 +6,14 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from sample_rig import WRITERS, Rig, record
 
-import valvetrain as vt
 from unit.cli_parts import SMALL, call
 from unit.test_identification_answer import CARD
-from valvetrain.explore.files import VaryModel, varied_of_table
-from valvetrain.explore.space import Space
 from workbench_parts import SMALL as LIFTED
 
 #: A card of a spring with a nested one, both given by preload, rate and mass alone.
@@ -132,29 +128,6 @@ def test_nested_springs_of_a_card_add_up(answer):
     assert [one["preload"]["value"] for one in rest.values()] == pytest.approx([250, 90])
 
 
-def test_brackets_of_critical_speeds_are_no_wider_than_the_resolution(answer):
-    words = ("--spring", "massless", "--spring-set", "nested", "--resolution", "500 rpm", "--json")
-    found = answer("sweep", "vaz-ohc", "--engine-speed", "4000:5000:1000 rpm", *words)
-    begins = [row["begins"]["from_rest"] for row in json.loads(found)["critical_speeds"] if row["begins"]]  # fmt: skip
-    widths = [one["upper"]["value"] - one["lower"]["value"] for one in begins]
-    assert widths and all(0 <= width <= 500.001 for width in widths)
-
-
-def test_a_run_up_covers_the_speeds_that_were_given(answer):
-    words = ("--from", "2000 rpm", "--to", "2600 rpm", "--duration", "0.3 s")
-    text = answer("run-up", "vaz-ohc", "--spring", "massless", *words)
-    speeds = [float(one) for one in re.search(r"([\d.]+) to ([\d.]+) rpm", text).groups()]
-    assert speeds == sorted(speeds) and all(2000 <= one <= 2600 for one in speeds)
-
-
-def test_durations_of_a_lobe_at_lifts_that_were_given(answer):
-    """A lift of ``10 (1 - x^2)^3`` mm passes L at ``x^2 = 1 - (L/10)^(1/3)``."""
-    text = answer("lift", "lobe.csv", "--at", "1, 5 mm")
-    for height in (1, 5):
-        duration = np.degrees(2 * np.sqrt(1 - (height / 10) ** (1 / 3)))
-        assert value(text, f"duration at {height} mm") == pytest.approx(duration, abs=0.01)
-
-
 def test_a_measured_lift_moves_the_spring_of_a_case(answer):
     words = ("--spring", "massless", "--engine-speed", "3000 rpm", "--draws", "5")
     text = answer("lift", "lobe.csv", "--case", "lifted.toml", *words)
@@ -168,24 +141,3 @@ def test_a_table_of_forces_beyond_coil_bind_gives_rate_and_bind(answer):
     assert value(text, "rate at the installed height") == pytest.approx(40, rel=0.02)
     assert value(text, "force at the installed height") == pytest.approx(280, rel=0.01)
     assert value(text, "solid height") == pytest.approx(34, abs=0.2)
-
-
-@pytest.mark.parametrize(
-    ("varied", "middle", "sixth", "least", "most"),
-    [
-        ('mean = "32 N/mm"\nstandard_deviation = "1 N/mm"', 32.0, 31.0, 28.0, 36.0),
-        ('mean = "32 N/mm"\nstandard_deviation = "1 N/mm"\nhigh = "32.5 N/mm"', 31.6, 30.8, 28.0, 32.5),
-        ('median = "32 N/mm"\nfactor = 1.1', 32.0, 32.0 / 1.1, 22.0, 46.0),
-        ('tolerance = "5 %"', 32.0, 32.0 * (1 - 0.05 / 3), 30.0, 34.0),
-        ('tolerance = "2 N/mm"\nshape = "uniform"', 32.0, 30.0 + 4 * 0.1587, 30.0, 34.0),
-    ],
-)  # fmt: skip
-def test_a_varied_quantity_has_the_distribution_that_was_given(
-    folder, varied, middle, sixth, least, most
-):
-    """Median and 15.87 % quantile, one standard deviation below the mean of a normal one; bounds."""
-    table = VaryModel.model_validate({"key": "spring.0.rate"} | tomllib.loads(varied))
-    space = Space([varied_of_table(table, vt.load_case(folder / "pair.toml"))])
-    found = space.points([[0.5], [0.158655], [1e-4], [1 - 1e-4]])[:, 0] / 1e3
-    assert found[:2] == pytest.approx([middle, sixth], rel=4e-3)
-    assert least <= found[2] < found[3] <= most

@@ -13,7 +13,6 @@ import pytest
 
 from unit.cli_parts import SMALL, call
 from valvetrain.errors import InputError
-from valvetrain.runs.cost import estimate
 from valvetrain.runs.differences import input_differences, result_differences
 from valvetrain.runs.run_folders import ANSWER, check_folder, link_latest, new_folder
 from valvetrain.runs.saved_runs import (
@@ -96,16 +95,6 @@ def test_the_digest_tells_inputs_apart(source):
     assert len({one.digest, *(other.digest for other in others)}) == 3
 
 
-def test_two_files_of_one_name_both_stay(source):
-    (source / "b").mkdir()
-    (source / "b" / "a.csv").write_text("other")
-    inputs = collect_inputs(
-        "mine", TEXT + '[train.cam]\nfile = { value = "b/a.csv" }\n', source, {}
-    )
-    assert set(inputs.side_files) == {"a.csv", "a-2.csv"}
-    assert tomllib.loads(inputs.text)["train"]["cam"]["file"] == {"value": "a-2.csv"}
-
-
 def test_a_file_that_is_gone_is_a_sentence(source):
     with pytest.raises(
         InputError, match=r"the file 'lifts/a\.csv' that case 'mine' names cannot be read"
@@ -126,16 +115,6 @@ def test_nothing_is_overwritten_and_the_newest_is_linked(tmp_path):
         run.folder.name for run in (later, *reversed(runs))
     ]
     assert run_of_path(link).answer == later.answer
-
-
-def test_where_links_are_not_possible_a_text_file_says_which_is_newest(tmp_path, monkeypatch):
-    def refused(*_, **__):
-        raise OSError("no links here")
-
-    monkeypatch.setattr(os, "symlink", refused)
-    run = made(tmp_path, Inputs("mine", "x = 1"), answer())
-    assert (tmp_path / "mine" / "latest").read_text() == run.folder.name + "\n"
-    assert run_of_path(tmp_path / "mine" / "latest").folder == run.folder
 
 
 def test_runs_are_found_by_folder_digest_case_and_latest(tmp_path):
@@ -180,15 +159,6 @@ def test_a_list_of_files_never_reaches_outside_its_folder(tmp_path):
     save_run(tmp_path / "out", Inputs("mine", "x = 1"), answer(files=["../precious.txt"]))
     save_run(tmp_path / "out", Inputs("mine", "x = 1"), answer())
     assert (tmp_path / "precious.txt").read_text() == "kept"
-
-
-def test_damaged_runs_are_left_out_of_the_list(tmp_path):
-    made(tmp_path, Inputs("mine", "x = 1"), answer())
-    for name, text in (("empty", ""), ("list", "[]"), ("foreign", "{}")):
-        (tmp_path / "mine" / name).mkdir()
-        (tmp_path / "mine" / name / ANSWER).write_text(text)
-    assert len(list_saved_runs(root=tmp_path)) == 1
-    assert list_saved_runs(root=tmp_path / "nowhere") == ()
 
 
 def test_differences_of_inputs_and_results(tmp_path):
@@ -249,70 +219,6 @@ def test_numbers_of_the_computation_are_no_difference_and_other_speeds_are_refus
     with pytest.raises(InputError) as refused:
         result_differences(run(900.0, 1000.0), run(990.0, 1000.0, 8000.0))
     assert "4000" in str(refused.value) and "8000" in str(refused.value)
-
-
-def identified(rate: float, computed: float, **more: object) -> dict[str, object]:
-    found = {
-        "quantities": {"rate": {"best": rate, "low": rate - 300.0}},
-        "share": 1.0,
-        "told": {"rate": 0.9},
-    }
-    rows = [
-        {
-            "measurement": "load",
-            "key": f"force at {place} mm",
-            "measured": 388.0,
-            "computed": value,
-            "fitted": True,
-        }
-        for place, value in ((12, computed), (16, 520.0))
-    ]
-    given = {
-        "command": "identify",
-        "case": "card",
-        "branches": [found],
-        "measurements": rows,
-        "created_at": "now",
-        "evaluations": 30,
-    }
-    return given | {"files": ["a"], "kept_from_before": 7, "evidence": {"log": None}} | more
-
-
-def test_numbers_that_are_no_runs_differ_too(tmp_path):
-    """An identification has no runs: what it found is compared by the names it stands under, how it
-    was asked for is not.
-    """
-    one = SavedRun(tmp_path, identified(32000.0, 389.0))
-    two = SavedRun(
-        tmp_path,
-        identified(
-            33600.0, 398.0, kept_from_before=9, files=[], predictions={"float": {"best": 1.0}}
-        ),
-    )
-    assert [(row.quantity, row.run, row.a, row.b) for row in result_differences(one, two)] == [
-        ("low", "branches, 1, quantities, rate", 31700.0, 33300.0),
-        ("best", "branches, 1, quantities, rate", 32000.0, 33600.0),
-        ("computed", "measurements, load force at 12 mm", 389.0, 398.0),
-        ("best", "predictions, float", None, 1.0),
-    ]
-    assert not result_differences(one, one)
-
-
-def test_cost_grows_as_the_work_does():
-    usual = {
-        "runs": 10,
-        "simulated_time": 3.0,
-        "processor_time": 10.0,
-        "samples": 720.0,
-        "channels": 100.0,
-    }
-    cost = estimate(**usual)
-    assert cost.seconds == pytest.approx(30.0, rel=0.05)
-    assert estimate(**usual, workers=2).seconds == pytest.approx(cost.seconds / 2)
-    assert estimate(**usual, refinement=3.0).seconds == pytest.approx(9 * cost.seconds, rel=0.05)
-    assert cost.bytes == pytest.approx(12 * 8 * 720 * 100)
-    assert estimate(**usual, whole=False).bytes < cost.bytes / 3
-    assert (cost + cost).seconds == 2 * cost.seconds
 
 
 def test_a_failed_run_is_named_where_the_numbers_are_the_same(tmp_path, monkeypatch):

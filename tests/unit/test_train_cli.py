@@ -11,6 +11,7 @@ import re
 import pytest
 from typer.testing import CliRunner
 
+from unit.cli_parts import typed
 from valvetrain.cli.main import app
 
 QUICK = ["--workers", "1", "--json"]
@@ -31,11 +32,7 @@ def folder(tmp_path_factory):
 def compared(folder):
     target = folder / "compare"
     words = (
-        "compare",
-        "tdi-pushrod",
-        "--spring",
-        "massless,multi-mass,modal-uniform,wave-rod",
-        "--output",
+        *typed("compare tdi-pushrod --spring massless,multi-mass,modal-uniform,wave-rod --output"),
         str(target),
         *QUICK,
     )
@@ -59,41 +56,10 @@ def test_compare_gives_every_model_its_numbers_with_units(compared):
         assert any(event["kind"] == "seating" for event in run["events"])
 
 
-def test_compare_writes_data_and_a_page_whole(compared):
-    data, target = compared
-    names = {path.name for path in target.rglob("*") if path.is_file()}
-    assert {
-        "quantities.csv",
-        "events.csv",
-        "report.html",
-        "wave-rod-4000rpm.nc",
-        "wave-rod-4000rpm.csv",
-    } <= names
-    assert all(path.rpartition("/")[2] in names for path in data["files"])
-    assert (target / "report.html").read_text().rstrip().endswith("</html>")
-
-
-def test_saved_runs_are_read_back_without_loss(compared):
-    from valvetrain.solution.netcdf import load_netcdf
-
-    _, target = compared
-    solution = load_netcdf(target / "wave-rod-4000rpm.nc")
-    assert solution.status.completed and solution.model == "wave-rod"
-    assert solution.channel("valve_lift").max() == pytest.approx(7.89e-3, rel=1e-2)
-    assert solution.channels["cam_contact_force"].attrs["units"] == "N"
-
-
 def test_sweep_tells_where_contact_is_lost(folder):
     target = folder / "sweep"
-    words = (
-        "sweep",
-        "tdi-pushrod",
-        "--engine-speed",
-        "6500:8500:500",
-        "--spring",
-        "massless",
-        "--spring-set",
-        "stock",
+    words = typed(
+        "sweep tdi-pushrod --engine-speed 6500:8500:500 --spring massless --spring-set stock"
     )
     data = json.loads(call(*words, "--output", str(target), *QUICK).stdout)
     assert [run["engine_speed"]["value"] for run in data["runs"]] == pytest.approx(
@@ -154,11 +120,7 @@ def test_wrong_input_is_one_sentence_and_exit_code_two(words, sentence, tmp_path
 
 def test_what_does_not_settle_exits_with_one_and_names_a_key_that_helps(folder):
     words = (
-        "compare",
-        "tdi-pushrod",
-        "--spring",
-        "massless",
-        "--output",
+        *typed("compare tdi-pushrod --spring massless --output"),
         str(folder / "short"),
         "--no-report",
         *QUICK,
@@ -180,48 +142,4 @@ def test_what_does_not_settle_exits_with_one_and_names_a_key_that_helps(folder):
         run["quantities"]["steady_tolerance_ratio"]["value"]
         == 1e-5
         < run["quantities"]["steady_residual_ratio"]["value"]
-    )
-
-
-def test_a_second_run_leaves_no_files_of_other_engine_speeds(folder):
-    target = folder / "twice"
-    words = (
-        "compare",
-        "tdi-pushrod",
-        "--spring",
-        "massless",
-        "--output",
-        str(target),
-        "--no-report",
-        *QUICK,
-    )
-    call(*words, "--engine-speed", "3000 rpm")
-    (target / "mine-3000rpm.csv").write_text("kept")
-    call(*words, "--engine-speed", "3500 rpm")
-    assert sorted(path.name for path in target.glob("*rpm.*")) == [
-        "massless-3500rpm.csv",
-        "massless-3500rpm.nc",
-        "mine-3000rpm.csv",
-    ]
-
-
-@pytest.mark.long
-def test_a_train_that_floats_at_the_nose_is_still_reported(folder):
-    words = (
-        "run",
-        "tdi-pushrod",
-        "--engine-speed",
-        "9500 rpm",
-        "--output",
-        str(folder / "float"),
-        *QUICK,
-    )
-    result = CliRunner().invoke(app, list(words))
-    data = json.loads(result.stdout)
-    unsettled = [run for run in data["runs"] if run["status"]["code"] != "completed"]
-    page = (folder / "float" / "report.html").read_text()
-    assert result.exit_code == (1 if unsettled else 0) and data["completed"] is not bool(unsettled)
-    assert (
-        f"{len(data['runs']) - len(unsettled)} of {len(data['runs'])} completed" in page
-        and "nan%" not in page
     )

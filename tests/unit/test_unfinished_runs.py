@@ -12,17 +12,15 @@ import sys
 import pytest
 
 from fault_parts import gone, started
-from unit.cli_parts import SMALL, call, sentence, wait_until
+from unit.cli_parts import SMALL, call, sentence, typed, wait_until
 from valvetrain.errors import InputError
 from valvetrain.runs.run_folders import (
     LIST,
     lock_folder,
     mark_unfinished,
     unfinished_runs,
-    whole_lines,
 )
 from valvetrain.runs.saved_runs import SavedRun, list_saved_runs
-from valvetrain.solution.atomic import append_whole
 
 pytestmark = pytest.mark.skipif(
     os.name != "posix", reason="living runs are known by the lock of a POSIX system"
@@ -111,15 +109,8 @@ def test_a_folder_that_another_run_writes_into_is_refused_and_loses_nothing(comm
 def test_of_two_begun_at_the_same_moment_the_second_is_refused(command, tmp_path):
     """Before either has a finished run to list: each wrote its files between those of the other."""
     (tmp_path / "small.toml").write_text(SMALL)
-    card = (
-        "--wire-diameter",
-        "4.4 mm",
-        "--outer-diameter",
-        "32 mm",
-        "--installed",
-        "46 mm, 350 N",
-        "--open-load",
-        "34 mm, 830 N",
+    card = typed(
+        "--wire-diameter '4.4 mm' --outer-diameter '32 mm' --installed '46 mm, 350 N' --open-load '34 mm, 830 N'"
     )
     asked = card if command == "spring-card" else (str(tmp_path / "small.toml"),)
     release = lock_folder(tmp_path / "deep" / "out")
@@ -166,37 +157,6 @@ def test_a_line_that_a_kill_cut_costs_no_other(cut, tmp_path):
     assert [path.name for path in folder.iterdir()] == [LIST]
 
 
-def test_a_line_for_which_there_is_no_space_leaves_nothing_of_itself(tmp_path, monkeypatch):
-    """The next line was glued to what had been written of it."""
-    handle, write = mark_unfinished(tmp_path / "a"), os.write
-    append_whole(handle, b"first\n")
-    monkeypatch.setattr(os, "write", lambda number, content: write(number, content[:4]))
-    with pytest.raises(OSError, match="No space left"):
-        append_whole(handle, b"second\n")
-    monkeypatch.undo()
-    append_whole(handle, b"third\n")
-    os.close(handle)
-    assert (
-        whole_lines(tmp_path / "a" / LIST) == [b"first", b"third"]
-        and whole_lines(tmp_path / "none") == []
-    )
-
-
-def test_a_command_that_is_refused_leaves_no_folder(tmp_path):
-    (tmp_path / "small.toml").write_text(SMALL)
-    sentence(
-        call(
-            "run",
-            str(tmp_path / "small.toml"),
-            "--engine-speed",
-            "fast",
-            "--output",
-            str(tmp_path / "a" / "b"),
-        )
-    )
-    assert not (tmp_path / "a").exists()
-
-
 def test_a_refinement_clears_what_a_killed_run_left_in_its_folder(tmp_path):
     (tmp_path / "small.toml").write_text(
         SMALL.replace("elements_per_coil = 6", "elements_per_coil = 8")
@@ -219,20 +179,9 @@ def test_a_refinement_clears_what_a_killed_run_left_in_its_folder(tmp_path):
     not sys.platform.startswith("linux"), reason="finds processes by their environment in /proc"
 )
 def test_a_run_that_is_killed_is_listed_with_what_it_holds_and_how_to_go_on(tmp_path):
-    words = (
-        "sweep",
-        "tdi-pushrod",
-        "--engine-speed",
-        "1000:5000:25 rpm",
-        "--spring",
-        "massless",
-        "--spring-set",
-        "stock",
-        "--no-critical-speeds",
-        "--workers",
-        "1",
-        "--set",
-        "title=two words",
+    words = typed(
+        "sweep tdi-pushrod --engine-speed '1000:5000:25 rpm' --spring massless --spring-set stock "
+        "--no-critical-speeds --workers 1 --set 'title=two words'"
     )
     with started(*words, folder=tmp_path) as (run, mark):
         wait_until(
