@@ -34,15 +34,6 @@ def figures(lift, **more):
     return {one.name: one for one in lift_figures(lift, **more)}
 
 
-def test_the_closed_form_is_its_own_derivative():
-    grid = np.linspace(NOSE - 0.99 * HALF, NOSE + 0.99 * HALF, 4001)
-    for derivative in (1, 2, 3):
-        slope = np.gradient(law(grid, derivative - 1), grid)[2:-2]
-        expected = law(grid, derivative)
-        within = 2e-5 * np.abs(expected).max() + 1e-9
-        np.testing.assert_allclose(slope, expected[2:-2], atol=within)
-
-
 def test_figures_of_clean_stations_are_those_of_the_closed_form():
     found = figures(smooth_lift(STATIONS, law(STATIONS), noise=2e-9), heights=(0.2 * 25.4e-3,))
     root5 = np.sqrt(0.2)

@@ -352,35 +352,3 @@ def test_counts_are_told_from_a_smooth_angle(per_sample, step):
         abs(np.mean(away))
         < 0.03 * max(step, 1e-9) + 0.5 * per_sample * (step > per_sample) * 0.1 + 1e-9
     )
-
-
-def test_rounding_makes_no_outliers():
-    clean = recording(
-        Rig(
-            force_noise=0.0,
-            lift_noise=0.0,
-            jitter=0.0,
-            force_drift=0.0,
-            turn_variation=0.0,
-            drift_of_speed=0.0,
-        )
-    )
-    assert not cycles_in(clean, "clean", replace(WHEEL, offset=0.0)).outliers
-
-
-def test_a_span_of_the_recording_is_that_part(recorded):
-    whole, part = (
-        cycles_in(recorded, "span", replace(ENCODER, offset=0.0, span=span))
-        for span in (None, ("0.1 s", "0.3 s"))
-    )
-    first = int(np.argmin(np.abs(whole.grid.cut_times - part.grid.cut_times[0])))
-    assert 0.1 < part.grid.cut_times[0] and part.grid.cut_times[-1] < 0.3 and part.grid.cycles == 4
-    np.testing.assert_allclose(
-        part.grid.cut_times, whole.grid.cut_times[first : first + 5], atol=2e-6
-    )
-
-
-def test_a_lift_larger_than_that_of_the_case_has_that_gain(recorded):
-    found = cycles_in(recorded, "known", WHEEL, lambda angle: lift(angle) / 1.05)
-    assert found.alignment.gain == pytest.approx(1.05, abs=3e-3)
-    assert cycles_in(recorded, "known", WHEEL, lift).alignment.gain == pytest.approx(1.0, abs=3e-3)

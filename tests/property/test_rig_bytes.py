@@ -19,7 +19,6 @@ from valvetrain.errors import InputError
 from valvetrain.rig.channels import RigAnswers
 from valvetrain.rig.cycles import cycles_in
 from valvetrain.rig.reader import Recording, RigFormat, form_of, read_recording
-from valvetrain.solution import read_apart
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -77,16 +76,6 @@ def test_damaged_recordings_of_every_form_are_read_or_refused(files):
         ), (name, outcomes)
 
 
-@pytest.mark.parametrize("interpreter", ["", "/gone/bin/python", None])
-def test_without_an_interpreter_the_sentence_is_on_it_and_not_on_the_recording(
-    files, monkeypatch, interpreter
-):
-    monkeypatch.setattr(sys, "executable", interpreter)
-    (path,) = files.glob("*.mf4")
-    with pytest.raises(InputError, match=r"is not read, .* does not start as a Python"):
-        read_recording(path)
-
-
 @settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
@@ -136,39 +125,6 @@ def read_any(folder, content):
         )
     except InputError as error:
         assert one_sentence(str(error))
-
-
-def test_a_reader_that_dies_is_a_sentence(tmp_path, monkeypatch, files):
-    """What upsets a library beyond an exception ends its own process only."""
-    (tmp_path / "fatal.py").write_text(
-        "import os\nfrom valvetrain.rig.reader import RigFormat\n"
-        "SPEC = RigFormat('fatal', lambda head, name: head.startswith(b'fatal'), lambda *given: os.abort())\n"
-    )
-    monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setitem(registry.BUILT_IN["rig_formats"], "mdf", "fatal:SPEC")
-    registry.places.cache_clear()
-    registry._load.cache_clear()
-    changed = (
-        "from valvetrain import registry; registry.BUILT_IN['rig_formats']['mdf'] = 'fatal:SPEC'"
-    )
-    apart = f"{changed}; from {read_apart.__name__} import serve; serve()"
-    real = subprocess.run
-    monkeypatch.setattr(
-        read_apart.subprocess,
-        "run",
-        lambda command, **more: real([command[0], "-P", "-c", apart, *command[4:]], **more),
-    )
-    (tmp_path / "it").write_bytes(b"fatal")
-    try:
-        with pytest.raises(
-            InputError,
-            match="is damaged",
-        ):
-            read_recording(tmp_path / "it")
-    finally:
-        monkeypatch.undo()
-        registry.places.cache_clear()
-        registry._load.cache_clear()
 
 
 def test_a_module_beside_the_recording_is_not_run(tmp_path, monkeypatch, files):

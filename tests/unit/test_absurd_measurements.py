@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from unit.cli_parts import call, sentence
 from valvetrain.errors import InputError
 from valvetrain.measured.cycles import read_cycles
 from valvetrain.measured.force_height import ForceHeight, read_force_height
@@ -92,20 +91,6 @@ def test_a_misfit_of_the_order_of_the_force_is_no_answer(monkeypatch, rate, stat
     monkeypatch.setattr(tester, "forces_by_rod", None)
     with pytest.raises(InputError, match=r"no spring of this wire .* N off"):
         fitted(rate, stations=stations)
-
-
-def test_the_command_refuses_such_a_table_with_a_code(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    file = table(tmp_path, HEIGHTS, 300 + 25 * (40 - HEIGHTS))
-    sizes = (
-        "--wire-diameter",
-        "3.9 mm",
-        "--outer-diameter",
-        "26 mm",
-        "--installed-height",
-        "38 mm",
-    )
-    assert "8.5 active turns" in sentence(call("spring-card", str(file), *sizes))
 
 
 def mesh(facets=40):

@@ -11,10 +11,8 @@ from synthetic_spring import beehive_reader, bump, run
 from valvetrain.quantities.compare import compare
 from valvetrain.solution.provenance import PublishedValue
 from valvetrain.solution.quantity import Quantity
-from valvetrain.sources.reader import half_height
 
 FOOT, HEIGHT, PLACE, SUBSTEPS = 300.0, 1000.0, 254.6, 20
-SAMPLE = np.radians(0.5)
 SPEED = 8000 * np.pi / 30
 
 
@@ -58,19 +56,6 @@ def test_a_run_no_finer_than_the_source_has_its_own_samples():
     reader = beehive_reader(run({"seat_force": lambda degrees: FOOT + bump(degrees, 254.6, 3)}))
     assert not reader.phases and "stage_3_least_sampled_peak_force" not in reader.found
     assert reader.found["stage_3_peak_force"] == np.max(reader.cycle.channel("seat_force"))
-
-
-def test_samples_stand_every_half_degree_at_each_phase_of_the_record():
-    angle, force = pulsed(1.0).sampled(["seat_force"])
-    assert force.shape[0] == SUBSTEPS
-    assert np.allclose(np.diff(angle, axis=1), SAMPLE)
-    assert np.allclose(np.diff(angle[:, 0]), SAMPLE / SUBSTEPS)
-
-
-def test_a_spike_at_the_edge_of_the_record_keeps_what_is_there():
-    angle = np.linspace(0, 1, 1001)
-    width, area = half_height(angle, np.maximum(0.0, 1 - angle / 0.1), 0, 0.5)
-    assert (width, area) == (pytest.approx(0.05, rel=0.02), pytest.approx(0.05, rel=0.02))
 
 
 TALL, WIDE = 2000.0, 500.0

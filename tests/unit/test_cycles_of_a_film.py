@@ -8,26 +8,10 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
-from valvetrain.film.cycles import closed_window, mean_of, on_grid, peaks, segments, whole_turns
+from valvetrain.film.cycles import closed_window, on_grid, peaks, segments
 
 TURN = 2 * np.pi
 GRID = np.radians(np.arange(360.0))
-
-
-@pytest.mark.parametrize(
-    ("first", "last", "turns"),
-    [
-        (0, 719, [0, 1]),
-        (0, 718, [0]),
-        (-1, 359, [0]),
-        (2, 721, [1]),
-        (2, 700, [0]),
-        (380, 400, [1]),
-        (-360, 359, [-1, 0]),
-    ],
-)
-def test_a_turn_is_whole_where_its_ends_are_within_a_frame(first, last, turns):
-    assert whole_turns(np.radians(np.arange(first, last + 0.5))) == turns
 
 
 def test_a_motion_is_drawn_across_two_frames_and_not_across_three():
@@ -84,47 +68,12 @@ def test_peaks_are_means_over_the_turns_between_the_frames():
             peaks(angle, few, spread, [0, 1, 2])
 
 
-def test_a_mean_is_of_the_turns_that_know_the_angle():
-    values = np.array([[1.0, np.nan, np.nan], [3.0, 5.0, np.nan]])
-    np.testing.assert_array_equal(mean_of(values), [2.0, 5.0, np.nan])
-
-
 def open_but(*dwells: tuple[int, int]) -> np.ndarray:
     """1 mm of lift, 0 from the first to the last degree of each dwell."""
     mean = np.full(360, 1e-3)
     for first, last in dwells:
         mean[np.arange(first, last + 1) % 360] = 0.0
     return mean
-
-
-@pytest.mark.parametrize(
-    ("dwells", "lost", "window"),
-    [
-        # The average over 24 stations stays below 6 % at 111 to 250 deg: 140 deg, of which 6 % and
-        # 12 deg go at either end.
-        pytest.param(((100, 260),), (), (131.4, 230.6), id="one dwell"),
-        pytest.param(((300, 460),), (), (331.4, 430.6), id="across the beginning of a turn"),
-        pytest.param(((20, 99), (150, 310)), (), (181.4, 280.6), id="the longer of two"),
-        # A straight line from 0 at 349 to 1 mm at 371 deg passes 6 % of the average at 345 deg: 135
-        # deg from 211 on.
-        pytest.param(
-            ((200, 359),), (350, 370), (231.1, 325.9), id="not seen where the valve opens"
-        ),
-        pytest.param(((100, 179), (280, 359)), (), None, id="two of 59 deg"),
-    ],
-)
-def test_the_valve_is_closed_where_its_average_is_low(dwells, lost, window):
-    mean = open_but(*dwells)
-    if lost:
-        mean[np.arange(lost[0], lost[1] + 1) % 360] = np.nan
-    found = np.degrees(closed_window(GRID, mean))
-    if window is None:
-        assert found[1] - found[0] == pytest.approx(59 - 2 * (0.06 * 59 + 12), abs=0.1)
-    else:
-        assert found == pytest.approx(window, abs=0.1)
-    assert np.degrees(closed_window(GRID + 0.3, mean)) == pytest.approx(
-        found + np.degrees(0.3), abs=1e-9
-    )
 
 
 @pytest.mark.parametrize(

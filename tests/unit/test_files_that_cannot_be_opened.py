@@ -7,7 +7,6 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -18,7 +17,6 @@ from valvetrain.film.frames import open_film
 from valvetrain.measured.tables import read_content
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.writing import replace_file
-from valvetrain.rig import reader as reader_process
 from valvetrain.rig.reader import read_recording
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.solution.atomic import checked_content
@@ -89,39 +87,6 @@ def test_a_file_that_is_none_is_refused_in_one_sentence(reader, tmp_path):
             read(tmp_path / name)
         assert words in str(refused.value) and "\n" not in str(refused.value)
         assert not re.search(r"read: ;|\(\)|None|Errno", str(refused.value)), refused.value
-
-
-def test_a_recording_is_of_a_known_form_and_size(tmp_path, monkeypatch):
-    path = tmp_path / "own.csv"
-    path.write_bytes(b"x" * 2000)
-    forms = {
-        "first": SimpleNamespace(
-            label="firsts", recognise=lambda head, name: head.startswith(b"1")
-        ),
-        "second": SimpleNamespace(
-            label="seconds", recognise=lambda head, name: name.endswith(".2")
-        ),
-    }
-    monkeypatch.setattr(
-        reader_process,
-        "registry",
-        SimpleNamespace(names=lambda kind: tuple(forms), find=lambda kind, word: forms[word]),
-    )
-    for content, name, form in (
-        (b"12", "own.csv", "first"),
-        (b"21", "own.2", "second"),
-        (b"12", "own.2", "first"),
-    ):
-        path.write_bytes(content)
-        assert reader_process.form_of(path, name) is forms[form]
-    path.write_bytes(b"x" * 2000)
-    with pytest.raises(
-        InputError, match="'own' is none of firsts, seconds; export the recording in one of them"
-    ):
-        reader_process.form_of(path, "own")
-    monkeypatch.setattr(reader_process, "MAX_BYTES", 1999)
-    with pytest.raises(InputError, match=r"'own' is larger than 1\.999e-06 GB; cut the recording"):
-        reader_process.form_of(path, "own")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="modes of files are those of POSIX")

@@ -11,22 +11,13 @@ import pytest
 
 import film_parts as made
 import valvetrain as vt
-from valvetrain.film import tables
-from valvetrain.film.answer import FilmAnswer
-from valvetrain.film.cycles import CoilPeak, mean_of
+from valvetrain.film.cycles import mean_of
 from valvetrain.film.model import FilmedModel
 from valvetrain.film.rules import FilmFacts, shared_errors
 from valvetrain.film.surge import SurgeLine
 from valvetrain.findings.table import explain
 from valvetrain.findings.words import Words
-from valvetrain.views.columns import RowColumn, csv_row, json_row, table_of
 from valvetrain.views.results import answer_of, figures_of
-
-PEAKS = (
-    CoilPeak(1, 2e-3, 4e-5, 1e-5, 7),
-    CoilPeak(2, 5e-3, float("nan"), 2e-5, 7),
-    CoilPeak(3, 1e-4, 5e-6, 1e-5, 6),
-)
 
 
 def filmed(frames: int = 300, **changes):
@@ -123,24 +114,6 @@ def test_the_next_step_states_the_error_of_the_film():
     )
     fast = with_lines((900.0, 1e-3), (400.0, 1e-4))
     assert shared_errors(FilmFacts(fast)).startswith("1 mm")
-
-
-def test_peaks_have_the_digits_of_a_length_and_a_share_where_it_is_more_than_scatter():
-    """1.96 deviations; a share only where the peak is more than twenty of them."""
-    rows = [tables.PeakRow(one, peak) for one, peak in zip(PEAKS, (2.1e-3, 4.9e-3, 2e-4), strict=True)]  # fmt: skip
-    shown = table_of("Peaks", [*tables.PEAK_COLUMNS, *tables.MODEL_COLUMNS], rows, Words()).rows
-    assert [row[:2] for row in shown] == [("1", "2 mm"), ("2", "5 mm"), ("3", "0.1 mm")]
-    assert [row[3] for row in shown] == ["40 µm", "", "5 µm"]
-    assert [row[5] for row in shown] == ["+5.0 %", "−2.0 %", "–"]
-
-
-def test_a_column_more_is_one_entry_of_the_list(monkeypatch):
-    more = RowColumn("twice", None, lambda row: 2 * row.peak.mean, "twice", "twice [mm]", 1e3, quantity="maximum_lift")  # fmt: skip
-    monkeypatch.setattr(tables, "PEAK_COLUMNS", [*tables.PEAK_COLUMNS, more])
-    (row, *_), columns = tables.peak_table(made.turning_motion(), None), tables.peak_columns(None)
-    assert json_row(columns, row)["twice"] == 2 * row.peak.mean
-    assert csv_row(columns, row)[-1] == pytest.approx(2e3 * row.peak.mean)
-    assert "twice" in FilmAnswer(made.turning_motion()).tables()["peaks"].columns
 
 
 def test_a_report_has_the_files_and_a_page(tmp_path):

@@ -12,28 +12,15 @@ import pytest
 import film_parts as made
 import valvetrain as vt
 from unit.cli_parts import call as invoke
+from unit.cli_parts import typed
 from valvetrain.film.surge import alias_of, fit_surge
 
 cv2 = pytest.importorskip("cv2")
-FILM = (
-    "film",
-    "film.avi",
-    "--frame-rate",
-    "2000 1/s",
-    "--line",
-    "6, 10, 6, 239",
-    "--scale",
-    "4, 0, 4, 120, 20 mm",
+FILM = typed(
+    "film film.avi --frame-rate '2000 1/s' --line '6, 10, 6, 239' --scale '4, 0, 4, 120, 20 mm'"
 )
-CAM = (
-    "--marker",
-    "4, 4",
-    "--marker-radius",
-    "2",
-    "--marker-angle",
-    "63.0253575 deg",
-    "--cam-speed",
-    "1623.4 rpm",
+CAM = typed(
+    "--marker '4, 4' --marker-radius 2 --marker-angle '63.0253575 deg' --cam-speed '1623.4 rpm'"
 )
 
 

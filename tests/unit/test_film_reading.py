@@ -16,7 +16,6 @@ import valvetrain as vt
 from valvetrain.film.cycles import by_marker
 from valvetrain.film.frames import open_film
 from valvetrain.film.space_time import SightLine, find_line, read_space_time
-from valvetrain.views.results import answer_of, figures_of
 
 cv2 = pytest.importorskip("cv2")
 SETUP = vt.film.FilmSetup(
@@ -116,12 +115,6 @@ def test_lost_frames_are_counted_and_leave_the_rest_where_it_was(tmp_path):
     assert not read(names).notes, "every tenth number is how some cameras count"
 
 
-def test_repeated_frames_are_spoken_of():
-    film = NOISE.copy()
-    film[11] = film[10]
-    assert "1 frames repeat" in " ".join(read(film).notes)
-
-
 def test_a_video_that_is_cut_short_says_so(tmp_path):
     whole = video(tmp_path / "film.avi", np.concatenate([NOISE] * 3))
     content = whole.read_bytes()
@@ -176,26 +169,6 @@ def test_numbers_depend_neither_on_the_width_of_the_line_nor_on_the_first_frame(
             assert abs(one.mean - two.mean) < 1.96 * np.hypot(one.spread, two.spread) + 2e-6
 
 
-def test_the_same_film_gives_the_same_bits():
-    film, _ = made.turning_film()
-    first, again = made.turning_motion(), vt.film.coil_motion(film, SETUP)
-    assert (again.places == first.places).all() and again.peaks == first.peaks
-    assert again.surge.lines == first.surge.lines
-
-
-def test_cycles_are_measured_cycles_in_si_with_their_turns():
-    motion = made.turning_motion()
-    cycles = motion.cycles[-1]
-    assert (
-        cycles.quantity == "coil_6_displacement"
-        and cycles.unit == "m"
-        and cycles.values.shape == (3, 360)
-    )
-    assert cycles.cam_speed == motion.phase.cam_speed and np.nanmax(cycles.values) == pytest.approx(
-        9e-3, rel=5e-3
-    )
-
-
 def test_frames_that_are_lost_leave_displacements_open(tmp_path):
     film, _ = made.turning_film()
     kept = np.r_[0:120, 127:300]
@@ -229,14 +202,3 @@ def test_a_spring_alone_is_laid_under_the_film_too():
         vt.film.film_over_model(motion, "job-t", "massless")
     with pytest.raises(vt.InputError, match="spring 'inner' is unknown"):
         vt.film.film_over_model(motion, "job-t", "multi-mass", "inner")
-
-
-def test_a_single_turn_has_no_scatter_and_a_white_glare_is_spoken_of():
-    film, _ = made.turning_film()
-    bright = np.clip(film[:90].astype(int) * 4, 0, 255).astype(np.uint8)
-    motion = vt.film.coil_motion(bright, replace(SETUP, cam_speed=made.CAM_SPEED))
-    words = " ".join(motion.notes)
-    assert "Y212" in answer_of(motion).findings.codes and "the glare is as white" in words
-    assert all(np.isnan(one.scatter) and one.spread > 0 for one in motion.peaks)
-    assert {"coils", "space-time", "spectrum"} <= set(figures_of(answer_of(motion)))
-    assert {row[3] for row in answer_of(motion).tables()["peaks"].rows} == {""}

@@ -4,13 +4,13 @@ a run.
 
 import json
 import shutil
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import valvetrain as vt
 from unit.cli_parts import call as invoke
+from unit.cli_parts import typed
 from valvetrain.cam import build_lift_law
 from valvetrain.errors import InputError
 from valvetrain.lift.band import lift_band_study
@@ -169,37 +169,6 @@ def test_the_noise_is_carried_into_forces(table, tmp_path):
     assert spreads[1].value == alone.quantities["peak_spring_force"]
 
 
-def test_the_mean_law_is_told_apart_from_the_draws(table, tmp_path, monkeypatch):
-    """Studies written by hand, the mean law's first: values are its own, spreads those of the
-    draws, each sentence names its draw.
-    """
-    from valvetrain.lift import band as lift_band
-    from valvetrain.solution.quantity import Quantity
-
-    force, loft = (Quantity(name, 400.0, "massless") for name in ("peak_spring_force", "loft_gap"))
-    made = [
-        SimpleNamespace(quantities={force: 500.0, loft: 1e-4}, failures=("of the mean",)),
-        SimpleNamespace(quantities={force: 503.0, loft: 2e-4}, failures=()),
-        SimpleNamespace(quantities={force: 509.0}, failures=("not settled", "not completed")),
-        SimpleNamespace(quantities={force: 506.0, loft: np.nan}, failures=()),
-        SimpleNamespace(quantities={force: 512.0, loft: np.inf}, failures=("too stiff",)),
-    ]
-    picked = lambda work, shared, places, *given, **more: [made[place] for place in places]
-    monkeypatch.setattr(lift_band, "map_points", picked)
-    case = vt.load_case("job-t").replace(
-        {"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law}
-    )
-    study = lift_band_study(case, "2000 rpm", draws=4)
-    assert study.mean is made[0] and study.failures == (
-        "draw 2: not settled",
-        "draw 2: not completed",
-        "draw 4: too stiff",
-    )
-    one, other = study.spread("peak_spring_force"), study.spread("loft_gap")
-    assert (one.value, one.draws) == (500.0, 4) and one.spread == pytest.approx(np.sqrt(15.0))
-    assert (other.value, other.draws) == (1e-4, 1) and np.isnan(other.spread)
-
-
 def test_the_spread_does_not_depend_on_workers(table, tmp_path):
     case = vt.load_case("job-t").replace(
         {"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law}
@@ -207,37 +176,6 @@ def test_the_spread_does_not_depend_on_workers(table, tmp_path):
     words = {"draws": 4, "spring_models": ["massless"]}
     found = [lift_band_study(case, "5000 rpm", workers=n, **words).spreads for n in (1, 2)]
     assert list(map(repr, found[0])) == list(map(repr, found[1]))
-
-
-@pytest.mark.long
-def test_searched_speeds_are_carried_with_their_spread(table, tmp_path, monkeypatch):
-    """Each law's own critical speeds: here 700 rad/s and the number of the law; a law that never
-    floats is left out of the spread.
-    """
-    from valvetrain.lift import band as lift_band
-
-    asked = []
-
-    def searched(case, speeds, **options):
-        draw = case.lift_law.values["draw"]
-        asked.append((draw, speeds, options["spring_models"]))
-        found = [SimpleNamespace(label="massless", kind="float", engine_speed=700.0 + draw)]
-        speed = float("nan") if draw == 2 else 800.0 + 2 * draw
-        found.append(SimpleNamespace(label="massless", kind="bounce", engine_speed=speed))
-        return SimpleNamespace(still={}, labels=("massless",), critical_speeds=tuple(found))
-
-    monkeypatch.setattr(lift_band, "sweep", searched)
-    case = vt.load_case("job-t").replace(
-        {"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law}
-    )
-    study = lift_band_study(
-        case, "2000 rpm", draws=4, search="4000:9000:500 rpm", spring_models=["massless"], workers=1
-    )
-    assert asked == [(draw, "4000:9000:500 rpm", ("massless",)) for draw in range(5)]
-    lifted, bounced = (study.spread(f"{kind}_engine_speed") for kind in ("float", "bounce"))
-    for one, value, of in ((lifted, 700.0, [1, 2, 3, 4]), (bounced, 800.0, [2, 6, 8])):
-        assert (one.value, one.draws) == (value, len(of))
-        assert one.spread == pytest.approx(np.std(of, ddof=1))
 
 
 def test_a_request_of_many_laws_is_refused_with_its_numbers(table, tmp_path):
@@ -254,16 +192,7 @@ def test_a_lift_that_was_not_measured_has_no_band():
 
 
 def test_a_lobe_becomes_the_lift_of_a_case(table):
-    words = (
-        "--case",
-        "job-t",
-        "--spring",
-        "massless",
-        "--engine-speed",
-        "2000 rpm",
-        "--draws",
-        "4",
-    )
+    words = typed("--case job-t --spring massless --engine-speed '2000 rpm' --draws 4")
     result = invoke("lift", str(table), *words, "--json")
     assert result.exit_code == 0, result.output
     data = json.loads(result.stdout)
@@ -277,15 +206,3 @@ def test_a_lobe_becomes_the_lift_of_a_case(table):
         and carried["peak_spring_force"]["standard_deviation"] > 0
     )
     shutil.rmtree("runs")
-
-
-def test_a_law_that_does_not_run_makes_the_answer_incomplete():
-    from valvetrain.lift.band import LiftBandStudy
-    from valvetrain.lift.command import _data
-    from valvetrain.lift.rules import LiftFacts
-    from valvetrain.solution.provenance import CaseRecord
-    from valvetrain.solution.study import Study
-
-    whole = LiftBandStudy(Study(CaseRecord("own")), ())
-    failed = LiftBandStudy(whole.mean, (), ("draw 3: diverged",))
-    assert [_data(LiftFacts(carried=one))["completed"] for one in (None, whole, failed)] == [True, True, False]  # fmt: skip

@@ -9,7 +9,7 @@ import pytest
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.measured.lift_file import LiftAnswers, lifts_in, read_lift
+from valvetrain.measured.lift_file import LiftAnswers, lifts_in
 from valvetrain.measured.lift_formats import LiftTable
 
 ANGLES = np.arange(-70.0, 71.0)
@@ -189,13 +189,6 @@ def test_what_is_written_is_read_again(form):
     )
 
 
-def test_the_name_of_a_file_decides_nothing(tmp_path):
-    file = tmp_path / "lobe.cam"
-    file.write_text(s96(WHOLE, WHOLE[:36]))
-    (lobe,) = read_lift(file, LiftAnswers(lift_of="tappet", lift_unit="mm"))
-    assert lobe.form == "s96"
-
-
 BAD = {
     "a row too short": ("1 2\n1 2 3\n", "line 2 of own.txt has 3 numbers"),
     "words among rows": ("1 2\nfoo\n", "line 2 of own.txt is no row of numbers"),
@@ -217,23 +210,6 @@ def test_a_faulty_file_gets_one_sentence(fault):
     with pytest.raises(InputError) as caught:
         read(content, **answers)
     assert words in str(caught.value) and "\n" not in str(caught.value)
-
-
-def test_files_that_are_no_files(tmp_path):
-    faults = {
-        tmp_path: "is a folder",
-        tmp_path / "none": "cannot be read",
-        "/dev/zero": "is a device",
-    }
-    for name, words in faults.items():
-        with pytest.raises(InputError, match=words):
-            read_lift(name)
-    (tmp_path / "empty").write_text("  \n")
-    with pytest.raises(InputError, match="is empty"):
-        read_lift(tmp_path / "empty")
-    (tmp_path / "large").write_bytes(b"1 2\n" * 2_000_000)
-    with pytest.raises(InputError, match="larger than 5 MB"):
-        read_lift(tmp_path / "large")
 
 
 def test_a_workbook_without_its_reader_is_said(monkeypatch):

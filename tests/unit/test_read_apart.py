@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import itertools
 import subprocess
 import sys
@@ -74,67 +73,6 @@ def test_without_an_interpreter_no_damage_is_told(reader_of_tests, monkeypatch, 
 def test_a_reader_that_is_not_found_is_no_damage_of_the_file(reader_of_tests):
     with pytest.raises(InputError, match=r"is not read.*No module named 'no_module_of_this_name'"):
         reader_of_tests("return 1\nimport no_module_of_this_name")
-
-
-@pytest.mark.parametrize(
-    "trouble",
-    [
-        OSError(errno.EAGAIN, "no room for a process"),
-        OSError(errno.ENOMEM, "no memory"),
-        "a signal",
-    ],
-)
-@pytest.mark.parametrize("times", [1, 9])
-def test_a_process_that_a_full_machine_does_not_start_is_tried_again(
-    reader_of_tests, monkeypatch, trouble, times
-):
-    """And where it never starts, the sentence says how it ended."""
-    run, left = subprocess.run, [trouble] * times
-    monkeypatch.setattr(read_apart, "_PAUSES", (0.0, 0.0))
-
-    def full(command, **options):
-        if not left:
-            return run(command, **options)
-        if isinstance(found := left.pop(), OSError):
-            raise found
-        return run([sys.executable, "-c", "import os; os.kill(os.getpid(), 9)"], **options)
-
-    monkeypatch.setattr(read_apart.subprocess, "run", full)
-    with (
-        nullcontext()
-        if times == 1
-        else pytest.raises(InputError, match=r"no room|no memory|signal 9")
-    ):
-        reader_of_tests("return 1")
-    assert len(left) == (0 if times == 1 else times - 3)
-
-
-def test_an_interpreter_that_never_gets_ready_is_waited_for_once(
-    reader_of_tests, monkeypatch, tmp_path
-):
-    """Its patience is that of a whole trial; words of a foreign program are told without control
-    characters.
-    """
-    slow = tmp_path / "python"
-    slow.write_text('#!/bin/sh\necho x >> "$0.begun"\nsleep 30\n')
-    slow.chmod(0o755)
-    monkeypatch.setattr(sys, "executable", str(slow))
-    monkeypatch.setattr(read_apart, "MAX_SECONDS", 1)
-    monkeypatch.setattr(read_apart, "_PATIENCE", 1)
-    with pytest.raises(InputError, match="not ready after 1 s"):
-        reader_of_tests("return 1")
-    assert (tmp_path / "python.begun").read_text() == "x\n"
-    slow.write_text("#!/bin/sh\nprintf 'red \\033[31m' >&2\nexit 3\n")
-    with pytest.raises(InputError, match=r"red  \[31m"):
-        reader_of_tests("return 1")
-
-
-def test_the_folder_of_a_session_is_searched_for_the_reader_too(
-    reader_of_tests, tmp_path, monkeypatch
-):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", ["", *(part for part in sys.path if part != str(tmp_path))])
-    reader_of_tests("return 1")
 
 
 def test_a_bound_that_stands_already_drops_no_other():

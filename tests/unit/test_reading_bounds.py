@@ -84,50 +84,6 @@ def test_a_table_of_text_is_read_in_one_pass(text):
     assert time.perf_counter() - start < 5
 
 
-ROWS = [
-    ("0", "0"),
-    ("0.5", "0"),
-    ("1.5", "0.5"),
-    ("2", "0.75"),
-    ("2.5", "1"),
-    ("3", "0.5"),
-    ("4", "0"),
-    ("5", "0"),
-]
-
-
-@pytest.mark.parametrize(
-    "row",
-    [
-        "{} {}",
-        "{}  ;  {}",
-        "{}\t{}",
-        "{} , {}",
-        "{},{}",
-        "{} \t  {}",
-        "{};{};",
-        "|{}|{}|",
-        "+{}, {}e0",
-    ],
-)
-def test_every_way_to_write_a_row_is_read(row):
-    text = "\n".join(row.format(angle, lift) for angle, lift in ROWS)
-    (lobe,) = lifts_in(f"angle; lift\n{text}".encode(), "t.csv", ANSWERS)
-    assert lobe.cam_angles.tolist() == [
-        float(angle) for angle, _ in ROWS
-    ] and lobe.lifts.tolist() == [float(lift) for _, lift in ROWS]
-
-
-def test_a_third_column_is_asked_for_and_words_are_refused():
-    """The third column of a spline's table was left out without a word."""
-    with pytest.raises(InputError, match="does not say what column 1, 2, 3 is"):
-        lifts_in("\n".join(f"{angle},{lift},7" for angle, lift in ROWS).encode(), "t.csv", ANSWERS)
-    with pytest.raises(InputError, match="holds no row of numbers"):
-        lifts_in(
-            "\n".join(f"{angle} {lift} text" for angle, lift in ROWS).encode(), "t.csv", ANSWERS
-        )
-
-
 def test_a_key_may_have_as_many_parts_as_any_case_needs():
     with pytest.raises(InputError, match=rf"line 2: a key has more than {MAX_PARTS} parts"):
         parse_case("\n" + ".".join("abcdefghijklmnopqrstuvwxyzabcdefghi") + " = 1")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.contact_loss import _solved
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities, rigid_table
 from valvetrain.system.build import build
 from valvetrain.system.train_forces import gap_state
@@ -94,21 +93,3 @@ def test_forces_of_all_angles_at_once_are_newtons_law_at_each(parts):
             alone = np.linalg.lstsq(by_difference, side, rcond=None)[0]
             kept = [place for place, k in enumerate(forces.active) if system.arrays.laws[k] >= 0]
             np.testing.assert_allclose(told[row], alone[kept], rtol=1e-6)
-
-
-def test_equations_without_an_answer_of_their_own_are_solved_by_least_squares():
-    one = np.array([[2.0, 0.0], [0.0, 4.0]])
-    twice = np.stack([one, np.zeros((2, 2))])  # a singular one among them
-    np.testing.assert_allclose(
-        _solved(twice, np.ones((2, 2, 1)))[:, :, 0], [[0.5, 0.25], [0.0, 0.0]]
-    )
-    np.testing.assert_allclose(
-        _solved(np.ones((1, 3, 1)), np.array([[[1.0], [2.0], [6.0]]])), [[[3.0]]]
-    )
-
-
-def test_without_the_trains_parameters_the_cam_contact_stays_untold(parts):
-    _, system, motion = parts
-    bare = rigid_motion(system, None, 360).table(200.0)
-    assert "hertz_pressure" not in bare.columns
-    np.testing.assert_array_equal(bare["contact_force"], motion.table(200.0)["contact_force"])

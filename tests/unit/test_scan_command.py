@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from unit.cli_parts import call as invoke
+from unit.cli_parts import typed
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.scan.definition import round_wire
 from valvetrain.scan.reconstruct import spring_from_scan, turned_over
 from valvetrain.views.page import data_of
 
@@ -43,10 +43,7 @@ def answer(folder):
     found = invoke(
         "scan",
         str(folder / "conical.ply"),
-        "--name",
-        "inner",
-        "--json",
-        "--output",
+        *typed("--name inner --json --output"),
         str(folder / "out"),
     )
     return json.loads(found.stdout), folder / "out"
@@ -75,34 +72,11 @@ def test_a_scan_gives_a_spring_that_a_case_takes(answer):
     assert spring.wire.lower_end.kind == "closed-ground" == data["ends"]["lower"]["kind"]
 
 
-def test_the_spring_of_the_file_goes_through_static(answer, folder):
-    found = json.loads(
-        invoke("static", str(answer[1] / "spring.toml"), "--spring", "multi-mass", "--json").stdout
-    )
-    assert found["completed"]
-
-
-def test_the_table_of_curves_holds_those_of_the_answer(answer):
-    data, out = answer
-    lines = (out / "curves.csv").read_text().splitlines()
-    assert (
-        lines[0].startswith("coil,mean diameter [mm]")
-        and len(lines) == len(data["curves"]["coil"]) + 1
-    )
-    row = [float(word) for word in lines[5].split(",")]
-    assert row[1] == pytest.approx(1e3 * data["curves"]["mean_diameter"][4], rel=1e-6)
-    assert row[7:] == pytest.approx(
-        [1e3 * one for one in data["curves"]["centre_line"][4]], rel=1e-5
-    )
-
-
 def test_the_design_stands_beside_the_scan(folder):
     found = invoke(
         "scan",
         str(folder / "design.xyz"),
-        "--unit",
-        "mm",
-        "--design",
+        *typed("--unit mm --design"),
         DESIGN,
         *FAST,
         "--json",
@@ -143,10 +117,6 @@ def test_turned_over_twice_is_the_same(folder, answer):
     assert turned_over(flipped).curves.pitch == pytest.approx(other.curves.pitch, rel=1e-12)
     assert other.axis_direction == pytest.approx([-one for one in scan["axis"]["direction"]])
     assert other.hand == scan["hand"]
-
-
-def test_a_circle_is_its_own_round_wire():
-    assert round_wire(2.0, 0.0) == pytest.approx(4.0, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -218,14 +188,6 @@ def test_a_sector_that_no_coil_shows_is_bridged_and_told_of(name, first, tmp_pat
     found = spring_from_scan(tmp_path / "side.xyz", unit="mm")
     assert found.total_coils[0] == pytest.approx(springs()[name].total_coils, abs=0.05)
     assert np.degrees(found.coverage.sector) == pytest.approx(60.0, abs=3.1)
-
-
-def test_random_points_end_in_one_sentence(tmp_path):
-    points = np.random.default_rng(1).random((20_000, 3)) * 50
-    np.savetxt(tmp_path / "random.xyz", points, fmt="%.5f")
-    found = invoke("scan", str(tmp_path / "random.xyz"), "--unit", "mm")
-    assert found.exit_code == 2
-    assert "one spring" in found.stderr and "fault" not in found.stderr
 
 
 def test_what_cannot_be_bridged_is_named(tmp_path):

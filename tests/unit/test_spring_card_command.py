@@ -10,14 +10,11 @@ import numpy as np
 import pytest
 
 from unit.cli_parts import call as invoke
+from unit.cli_parts import typed
 from valvetrain.errors import InputError
-from valvetrain.measured.force_height import ForceHeight, read_force_height
+from valvetrain.measured.force_height import read_force_height
 from valvetrain.parameters.loading import load_case
-from valvetrain.spring_card.answer import _force
-from valvetrain.spring_card.card import CatalogueCard, SpringLoad
-from valvetrain.spring_card.fit import forces_at, spring_from_card
-from valvetrain.spring_card.rules import CardFacts
-from valvetrain.spring_card.tester import card_from_table, spring_from_tester
+from valvetrain.spring_card.fit import forces_at
 
 CARD = ("spring-card", "--wire-diameter", "4.4 mm", "--outer-diameter", "32 mm")
 LOADS = ("--installed", "46 mm, 350 N", "--open-load", "34 mm, 830 N")
@@ -59,26 +56,6 @@ def test_a_card_gives_a_spring_that_a_case_takes(tmp_path, monkeypatch):
     assert forces_at(spring.wire, [46e-3, 34e-3]) == pytest.approx((350, 830), rel=1e-3)
 
 
-def test_the_line_of_a_card_goes_through_its_loads():
-    """Contract: between even heights the line passed the open load of a spring that closes by 150 N."""
-    low, high = SpringLoad("1.80 in", "130 lbf"), SpringLoad("1.25 in", "318 lbf")
-    card = CatalogueCard(
-        wire_diameter="0.165 in", outer_diameter="1.29 in", top_outer_diameter="1.05 in", installed_load=low, open_load=high,
-        solid_height="1.10 in",
-    )  # fmt: skip
-    line, loads, _ = _force(CardFacts(spring_from_card(card))).data
-    assert np.interp(loads.x, line.x[::-1], line.y[::-1]) == pytest.approx(loads.y, rel=2e-3)
-
-
-def test_the_rate_of_a_table_fills_its_figure():
-    """The figure went to six times the median rate whatever the rates were."""
-    table = ForceHeight(1e-3 * HEIGHTS, FORCES)
-    fit = spring_from_tester(
-        table, card_from_table(table, wire_diameter=4.2e-3, outer_diameter=30.2e-3)
-    )
-    assert 40 < _force(CardFacts(fit)).layout.yaxis2.range[1] < 60
-
-
 def test_inches_and_pounds_are_the_same_card(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     inches = (
@@ -100,13 +77,9 @@ def test_a_table_gives_rate_length_and_pitch_with_intervals(tmp_path, monkeypatc
     shown = invoke(
         "spring-card",
         str(file),
-        "--wire-diameter",
-        "4.2 mm",
-        "--outer-diameter",
-        "30.2 mm",
-        "--installed-height",
-        "48 mm",
-        "--json",
+        *typed(
+            "--wire-diameter '4.2 mm' --outer-diameter '30.2 mm' --installed-height '48 mm' --json"
+        ),
     )
     data = json.loads(shown.stdout)
     assert (

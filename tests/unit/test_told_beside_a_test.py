@@ -4,7 +4,6 @@ the columns of the files.
 
 from __future__ import annotations
 
-import csv
 from dataclasses import replace
 
 import numpy as np
@@ -15,8 +14,6 @@ from synthetic_study import SPEED, modal_run, own_study, rod_run
 from valvetrain.compare_test import compare as compare_test
 from valvetrain.compare_test.answer import AgainstTestAnswer
 from valvetrain.compare_test.comparison import ComparisonRequest
-from valvetrain.compare_test.tables import write_compare_test
-from valvetrain.measured.cycles import MeasuredCycles
 from valvetrain.measured.value_table import MeasuredValue, ValueTable
 
 DRAWN = np.array([[1.2, -0.7, 0.4, -1.5, 0.3], [0.2, 0.9, -1.1, 0.5, -0.6]])
@@ -87,44 +84,3 @@ def test_two_runs_are_compared_at_every_value_that_both_tell_and_at_no_angle(nam
     assert [one.fields["names"] for one in left] == (
         ["shoe size"] if name == "a value no run tells" else []
     )
-
-
-def test_numbers_at_rest_are_those_of_all_springs_below_those_of_the_run_s_own_set():
-    for still, due in (
-        ({"": {"preload": 287.0}}, 287.0),
-        ({"": {"preload": 287.0}, "race": {"preload": 350.0}}, 350.0),
-    ):
-        base = study()
-        runs = tuple(
-            replace(run, provenance=replace(run.provenance, spring_set="race"))
-            for run in base.solutions
-        )
-        found = compare_test.judge_study(
-            replace(base, solutions=runs, still=still),
-            ComparisonRequest(ValueTable((measured("preload", 300.0),)), (SPEED,)),
-            {},
-        )
-        assert [row.model for one in found.runs for row in one.values] == [due, due]
-
-
-def test_the_files_of_cycles_hold_the_cam_angle_in_degrees_the_mean_and_every_run(tmp_path):
-    angle = np.arange(180) * 2 * np.pi / 180
-    values = (
-        500
-        + 300 * np.cos(angle - np.pi)
-        + np.outer(DRAWN[0], np.cos(3 * angle))
-        + np.outer(DRAWN[1], np.sin(3 * angle))
-    )
-    test = MeasuredCycles("spring_force", "N", angle, values, SPEED / 2)
-    found = compare_test.judge_study(study(), ComparisonRequest(test, (SPEED,)), {})
-    paths = {path.name: path for path in write_compare_test(found, tmp_path)}
-    head, *rows = csv.reader(paths["curves.csv"].read_text().splitlines())
-    told = dict(zip(head, np.array(rows, dtype=float).T, strict=True))
-    known = {"cam angle [deg]": np.arange(0.0, 360.0, 2.0), "test [N]": values.mean(axis=0)}
-    for one in found.runs:
-        known[f"{one.label} [N]"] = one.curve
-        known[f"{one.label} less test [N]"] = one.curve - values.mean(axis=0)
-        known[f"half width of its band [N] ({one.label})"] = one.band.half_width
-    assert len(found.runs) == 2 and list(told) == list(known)
-    for name, column in known.items():
-        assert told[name] == pytest.approx(column, rel=1e-8, abs=1e-6), name
