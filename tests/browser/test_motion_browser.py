@@ -296,10 +296,6 @@ def test_without_webgl_the_forces_move(browser, report, tmp_path):
     visit.context.close()
 
 
-def test_the_data_are_whole_json(study):
-    assert motion_data(moving_picture(study))["version"] == 1
-
-
 def test_nothing_serious_is_wrong_for_screen_readers(browser, report, tmp_path):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     visit = opened(browser, report, tmp_path, 390)

@@ -15,10 +15,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from valvetrain.measured.cycles import MeasuredCycles, write_cycles
 from valvetrain.views.page import data_of
 from workbench_browser_parts import (
     CASE,
@@ -163,20 +161,6 @@ def test_a_reload_and_another_tab_find_the_job_which_is_then_cancelled(bench, pa
     other.context.close()
 
 
-def test_a_run_without_a_model_or_with_a_wrong_speed_is_refused(bench, page, finished):
-    open_case(bench, page)
-    page.get_by_label("Engine speeds (crank)").fill("4200 bananas")
-    page.wait_for_function(
-        "document.getElementById('order-refusal').textContent.includes('bananas')"
-    )
-    page.get_by_label("Engine speeds (crank)").fill("4200 rpm")
-    for box in page.locator(".models input:checked").all():
-        box.uncheck()
-    page.wait_for_function(
-        "document.getElementById('order-refusal').textContent.includes('no spring model')"
-    )
-
-
 def test_the_slider_moves_the_curve_and_its_value_can_be_kept(bench, page, finished):
     open_case(bench, page)
     page.select_option("#live-quantity", "spring.precompression")
@@ -249,29 +233,6 @@ def test_files_of_a_run_are_handed_out(bench, page, finished, tmp_path):
         tomllib.loads(paths["Case file"].read_text("utf-8"))["spring"]["wire_diameter"]["value"]
         == "3.7709 mm"
     )
-
-
-def test_measured_cycles_are_laid_over_a_run(bench, page, finished, tmp_path):
-    """The test is made up: a level of 500 N, 7 N up and down in two repeats, so its mean is known."""
-    angle = np.linspace(0.0, 2 * np.pi, 360, endpoint=False)
-    values = 500.0 + np.outer([7.0, -7.0], np.ones(360))
-    test = write_cycles(
-        tmp_path / "level.csv",
-        [MeasuredCycles("seat_force", "N", angle, values, 70 * np.pi, synthetic=True)],
-    )
-    page.goto(f"{bench.url}/run/{finished}")
-    page.set_input_files("#test-file", str(test))
-    page.wait_for_selector("#test-opening", timeout=30_000)
-    page.locator("#test-opening").scroll_into_view_if_needed()
-    page.wait_for_function(
-        "(value) => Array.from(document.querySelectorAll('.plot'), (plot) => Array.from(plot._fullData ?? [])).flat()"
-        ".some((trace) => trace.y?.length && Array.from(trace.y).slice(0, 5).every((one) => Math.abs(one - value) < 1e-3))",
-        arg=500,
-    )  # figures are drawn when they come into view
-    page.set_input_files(
-        "#test-file", {"name": "broken.csv", "mimeType": "text/csv", "buffer": b"\x00\x01 no test"}
-    )
-    page.locator(".upload [role=alert]").wait_for()
 
 
 def test_a_file_that_is_no_case_is_refused_and_a_case_opens(bench, page, tmp_path):

@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 from valvetrain.measured.cycles import MeasuredCycles, write_cycles
-from valvetrain.workbench import form
 from valvetrain.workbench.workspace import Workspace
 from workbench_browser_parts import Bench, nothing_serious, open_case, opened, shown, watched
 from workbench_parts import kept, page_with
@@ -118,46 +117,6 @@ def test_a_test_over_a_run_outlives_a_reload_and_is_removed(bench, page, finishe
         page.get_by_role("button", name=f"Remove {name}").wait_for(state="detached")
     page.wait_for_selector("#test-opening", state="detached")
     assert not folder.exists()
-
-
-FORM = """async (code) => {
-  const form = (await import("data:text/javascript," + encodeURIComponent(code))).default;
-  const field = (key, text) => ({key, text});
-  const group = (key, fields) => ({key, fields});
-  const made = {...form.data(), open: [], additions: [{key: "spring.1"}], $emit() {}, $nextTick() {}};
-  Object.entries(form.methods).forEach(([name, method]) => { made[name] = method.bind(made); });
-  const both = [group("spring.0", [field("spring.0.mass", "42 g")]), group("spring.1", [field("spring.1.mass", "9 g")])];
-  const show = (groups, additions) => { made.groups = groups; made.additions = additions; made.take(); };
-  show(both, []);
-  made.type(both[0].fields[0], "43");
-  made.type(both[1].fields[0], "9 mm"); made.send(both[1].fields[0], "9 mm"); made.answer("spring.1.mass", "is a length");
-  made.answer("spring.1", "it stays");
-  const refused = {...made.refused};
-  show([both[0]], [{key: "spring.1"}]);
-  const gone = [{...made.refused}, {...made.texts}, {...made.typing}];
-  show(both, []);
-  const again = made.texts["spring.1.mass"];
-  made.add({key: "train.gas"}); made.answer("train.gas", "no"); const waits = made.awaited;
-  made.add({key: "train.gas"}); made.answer("spring.0.mass", "no");
-  return {refused, gone, again, waits, still: made.awaited};
-}"""
-
-
-def test_what_was_typed_in_a_table_goes_with_the_table(bench):
-    """The script of the form alone: a table that is removed and added again shows what the case
-    holds.
-    """
-    page = bench.page()
-    code = (Path(form.__file__).parent / "pages" / "form.js").read_text("utf-8")
-    found = page.evaluate(FORM, code)
-    page.context.close()
-    assert set(found["refused"]) == {"spring.1.mass", "spring.1"}
-    assert found["gone"] == [
-        {"spring.1": "it stays"},
-        {"spring.0.mass": "43"},
-        {"spring.0.mass": True},
-    ]
-    assert found["again"] == "9 g" and found["waits"] == "" and found["still"] == "train.gas"
 
 
 #: Words of somebody else, which would run a script wherever they are taken for HTML.

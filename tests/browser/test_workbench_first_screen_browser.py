@@ -62,15 +62,3 @@ def test_float_cam_force_and_margin_follow_the_slider(bench):
             timeout=60_000,
         )
         assert 6000 < number_of(page, "Float speed, about") < 9000
-
-
-def test_a_solid_height_above_the_lift_is_refused_in_its_field(bench):
-    with watched(bench) as page:
-        open_case(bench, page, CASE)
-        page.get_by_label("Find a quantity").fill("solid height")
-        field = page.locator("[id='field-train-springs-card-0-solid_height']")
-        field.fill("1.6 in")
-        field.press("Enter")
-        refusal = page.locator("[data-key='train.springs.card.0.solid_height'] [role=alert]")
-        refusal.wait_for()
-        assert "solid_height" in refusal.inner_text() and "1.15 in" in refusal.inner_text()

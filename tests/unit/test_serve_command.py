@@ -5,7 +5,6 @@ Evidence: what the command prints, the settings that reach the pages, and ports 
 
 from __future__ import annotations
 
-import asyncio
 import os
 import re
 import signal
@@ -68,25 +67,6 @@ def test_the_address_is_printed_when_it_answers_and_not_before(started, monkeypa
     monkeypatch.setattr(pages, "start", start)
     told = call("serve", "--no-open", "--port", "0", "--host", "0.0.0.0").stderr
     assert "http://" not in told and "token" not in told and "has ended" in told
-
-
-def test_listening_is_told_once_the_port_takes_connections():
-    """Contract: with a port that nobody holds it waits; it ends once somebody listens there."""
-
-    async def run():
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            port = free.getsockname()[1]
-        waiting = asyncio.create_task(pages._until_listening("0.0.0.0", port))
-        await asyncio.sleep(4 * pages.LOOK)
-        assert not waiting.done()
-        server = await asyncio.start_server(
-            lambda reader, writer: writer.close(), "127.0.0.1", port
-        )
-        async with server:
-            await asyncio.wait_for(waiting, 10)
-
-    asyncio.run(run())
 
 
 def test_another_address_gets_a_random_token_that_is_printed_once(started, monkeypatch):

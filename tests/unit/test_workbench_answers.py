@@ -19,8 +19,8 @@ from valvetrain.runs.saved_runs import Inputs, save_run
 from valvetrain.views.json import study_json
 from valvetrain.views.page import data_of, unpacked
 from valvetrain.views.results import answer_of
-from valvetrain.workbench.answers import against, compare, saved_study
-from valvetrain.workbench.pages.parts import comparison_part, over, run_part
+from valvetrain.workbench.answers import against, saved_study
+from valvetrain.workbench.pages.parts import run_part
 from valvetrain.workbench.pages.parts import test_part as shown_test
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL
@@ -56,33 +56,12 @@ def runs(study, tmp_path_factory):
     return found
 
 
-def test_two_runs_are_compared(runs):
-    found = compare(*runs).tables()
-    assert ("spring.rate", "32 N/mm", "40 N/mm") in found["inputs"].rows
-    peak = next(
-        row
-        for row in found["results"].rows
-        if row[0] == "peak spring force below 10 kHz" and row[1].startswith("massless")
-    )
-    assert [cell.split()[1] for cell in peak[2:4]] == ["N", "N"]
-    assert [round(float(cell.split()[0])) for cell in peak[2:4]] == [538, 610]
-    assert not compare(runs[0], runs[0]).tables()["results"].rows
-
-
 def test_the_part_of_a_run_says_and_draws_what_its_page_does(runs, study):
     part, answer = run_part(runs[0]), answer_of(study)
     assert escape(answer.verdict.text[1:]) in part["html"]
     for line in answer.lines:
         assert escape(line.label) in part["html"]
     assert unpacked(part["data"]) == data_of(runs[0].page.read_text("utf-8"))
-
-
-def test_curves_of_two_runs_are_over_each_other(runs):
-    drawn = unpacked(comparison_part(*runs)["data"])["data-force"]
-    first, second = (unpacked(run_part(run)["data"])["data-force"] for run in runs)
-    solid = [one for one in second["data"] if one["line"].get("dash", "solid") == "solid"]
-    assert len(drawn["data"]) == len(first["data"]) + len(solid)
-    assert over(first, second | {"data": []}) is None
 
 
 def test_a_run_without_a_page_of_this_kind_is_named(runs, tmp_path):

@@ -74,14 +74,6 @@ def test_every_value_of_a_case_stands_in_its_form_and_is_taken_back(path):
             )
 
 
-def test_options_of_the_reduced_rod_are_shown_of_wires_alone():
-    """Contract: it is the default of wires in trains, and no card has one."""
-    shown = {
-        key for key in flat((TEMPLATES / "pushrod.toml").read_text("utf-8")) if "reduced" in key
-    }
-    assert shown == {"train.springs.wire.0.options.reduced-rod.elements_per_coil"}
-
-
 def test_a_value_keeps_the_unit_it_is_written_in():
     form = flat((TEMPLATES / "finger.toml").read_text("utf-8"))
     for field in form.values():

@@ -15,7 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.loading import LIBRARY, library_names
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.registry import names as registered_names
-from valvetrain.workbench.lift_laws import STORE, law_of, with_law, with_law_of
+from valvetrain.workbench.lift_laws import STORE, with_law
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING
 
@@ -106,14 +106,6 @@ def test_what_is_kept_may_be_damaged(workspace, tmp_path, content):
     workspace.change_law(case, "polynomial")
     assert law(workspace, case)["maximum_lift"]["status"] == "assumed"
     assert (tmp_path / "outside").read_text() == "{}" and not path.is_symlink()
-
-
-def test_a_case_that_takes_no_other_law_says_so(monkeypatch):
-    monkeypatch.setattr(
-        "valvetrain.workbench.lift_laws.saved", lambda document: SMALL
-    )  # a writer that loses what it was given
-    with pytest.raises(InputError, match="change it in the case file itself"):
-        with_law_of(f"{DOTTED}{SPRING}", law_of(SMALL))
 
 
 def test_a_kind_of_law_that_is_none_is_refused():

@@ -74,13 +74,6 @@ def test_a_refusal_is_a_sentence_and_the_next_curve_comes(changes, speed, words)
     assert case.answer({}, "")["sentence"] == ""
 
 
-def test_a_slider_to_and_fro_keeps_what_is_built_and_no_more(monkeypatch):
-    case = LiveCase(SMALL, Path(), "massless")
-    for mass in (*range(40, 40 + 2 * live_worker.MAX_BUILT), 40):
-        assert not case.answer({"spring.mass": f"{mass} g"}, "")["sentence"]
-    assert len(case._built) == live_worker.MAX_BUILT
-
-
 def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
     """Processor time of reading, building and integrating at its highest speed, the best of sixty."""
     text = (LIBRARY / "gu2021-beehive-blind.toml").read_text("utf-8")
@@ -206,14 +199,6 @@ def test_the_float_speed_is_where_a_run_begins_to_float():
         ("minimum spring margin", "minimum_spring_margin_force"),
     ):
         assert told[label][0] == pytest.approx(runs[0].quantities[name], rel=1e-6, abs=1e-9)
-
-
-def test_a_search_that_is_asked_to_stop_ends_between_two_runs():
-    asked = []
-    found = LiveCase(template_text("direct"), Path(), "massless").float_speed(
-        {}, lambda: bool(asked) or asked.append(1)
-    )
-    assert found["skipped"] and found["sentence"] == ""
 
 
 def test_a_spring_alone_has_no_float_speed():

@@ -9,12 +9,10 @@ from __future__ import annotations
 import pytest
 
 from valvetrain.workbench import saved_runs as saved_tests
-from valvetrain.workbench.job_process import study_file, write_inputs
-from valvetrain.workbench.jobs import JobRequest
 from valvetrain.workbench.saved_runs import keep_test, remove_test, saved_name
 from valvetrain.workbench.store import checked_name
 from valvetrain.workbench.workspace import Workspace
-from workbench_parts import SMALL, kept
+from workbench_parts import kept
 
 
 @pytest.fixture
@@ -50,19 +48,3 @@ def test_two_tests_never_take_the_place_of_each_other(workspace):
     assert saved_name("cycles-2.nc") == "cycles-2.nc" and saved_name(
         f"{stem}-5600-rpm.csv"
     ).endswith(".csv")
-
-
-@pytest.mark.parametrize("name", ["study", "Study", "small"])
-def test_a_study_of_any_case_has_two_files(workspace, name):
-    case = workspace.upload(f"{name}.toml", SMALL.encode())
-    request = JobRequest(
-        "study",
-        case,
-        study="outputs = ['preload']\n[[vary]]\nkey = 'spring.mass'\nvalues = '1, 2 g'\n",
-    )
-    write_inputs(workspace, "one", request, SMALL)
-    folder = workspace.jobs_folder / "one"
-    assert (folder / f"{case}.toml").read_text() == SMALL and "outputs" in (
-        folder / study_file(case)
-    ).read_text()
-    assert f'case = "{case}.toml"' in (folder / study_file(case)).read_text()

@@ -14,7 +14,6 @@ import re
 import socket
 import threading
 import time
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -396,51 +395,6 @@ def raw(port: int, *lines: str, body: bytes = b"") -> bytes:
         return found
 
 
-def test_on_a_real_socket_the_same_is_refused(served):
-    own = f"Host: 127.0.0.1:{served}"
-    assert b" 200 " in raw(served, "GET / HTTP/1.1", own, "Connection: close")[:20]
-    assert b" 403 " in raw(served, "GET / HTTP/1.1", "Host: evil.example", "Connection: close")[:20]
-    assert (
-        b" 403 "
-        in raw(served, "GET /%2e%2e/%2e%2e/etc/passwd HTTP/1.1", own, "Connection: close")[:20]
-    )
-    upgrade = (
-        "Upgrade: websocket",
-        "Connection: Upgrade",
-        "Sec-WebSocket-Version: 13",
-        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
-    )
-    assert (
-        b" 403 "
-        in raw(served, "GET /ws HTTP/1.1", own, *upgrade, "Origin: http://evil.example")[:20]
-    )
-    assert (
-        b" 101 "
-        in raw(served, "GET /ws HTTP/1.1", own, *upgrade, f"Origin: http://127.0.0.1:{served}")[:20]
-    )
-    long = raw(
-        served,
-        "POST /echo HTTP/1.1",
-        own,
-        f"Origin: http://127.0.0.1:{served}",
-        "Content-Length: 5000",
-        body=b"x" * 5000,
-    )
-    assert b" 413 " in long[:20]
-    with pytest.raises(OSError):
-        socket.create_connection((_other_address(), served), timeout=2).close()
-
-
-def _other_address() -> str:
-    """An address of this machine beyond loopback; one that leads nowhere where it has none."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
-        try:
-            line.connect(("192.0.2.1", 9))  # nothing is sent
-            return str(line.getsockname()[0])
-        except OSError:
-            return "240.0.0.1"
-
-
 def test_a_body_that_does_not_arrive_is_not_waited_for(served, monkeypatch):
     """128 of them would keep out everybody else."""
     monkeypatch.setattr(safety, "BODY_TIME", 0.3)
@@ -448,34 +402,3 @@ def test_a_body_that_does_not_arrive_is_not_waited_for(served, monkeypatch):
     begun = time.monotonic()
     answer = raw(served, "POST /echo HTTP/1.1", *own, "Content-Length: 100")
     assert b" 408 " in answer[:20] and time.monotonic() - begun < 3.0
-
-
-def test_the_pages_are_served_behind_the_guard_with_its_settings(monkeypatch):
-    """Nothing is served here: what the web framework would be told is what is looked at."""
-    nicegui = pytest.importorskip("nicegui")
-    from valvetrain.workbench import pages
-    from valvetrain.workbench.pages import desk, routes
-    from valvetrain.workbench.pages.connections import uvicorn_options
-
-    added, asked, begun = [], {}, []
-    monkeypatch.setattr(desk, "Desk", lambda *parts: SimpleNamespace(parts=parts, close=None))
-    monkeypatch.setattr(routes, "register", lambda one: begun.append(one.parts))
-    monkeypatch.setattr(
-        nicegui.app, "add_middleware", lambda kind, **more: added.append((kind, more))
-    )
-    for name in ("on_startup", "on_shutdown"):
-        monkeypatch.setattr(nicegui.app, name, lambda one: None)
-    monkeypatch.setattr(nicegui.ui, "run", lambda **more: asked.update(more))
-    settings = ServeSettings(host="127.0.0.1", port=8765, open_page=False)
-    pages.start("workspace", "jobs", settings)
-    assert added == [(Guard, {"settings": settings})] and begun == [("workspace", "jobs", settings)]
-    assert {key: asked[key] for key in ("host", "port", "show", "reload")} == {
-        "host": "127.0.0.1",
-        "port": 8765,
-        "show": False,
-        "reload": False,
-    }
-    assert uvicorn_options(settings).items() <= asked.items()
-    for token, shown in (("", True), (TOKEN, False)):
-        pages.start("workspace", "jobs", ServeSettings(token=token, open_page=True))
-        assert asked["show"] is shown, "the command of the browser is read by every user"

@@ -7,7 +7,6 @@ what stands on disk afterwards.
 
 from __future__ import annotations
 
-import asyncio
 import errno
 import shutil
 import sqlite3
@@ -19,7 +18,6 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.workbench import saved_runs as saved_tests
 from valvetrain.workbench import side_files as passing
-from valvetrain.workbench.jobs import Jobs
 from valvetrain.workbench.saved_runs import MAX_TESTS, keep_test
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING, TABLE, kept, lifts
@@ -97,43 +95,6 @@ def test_no_more_tests_are_kept_than_may_be(workspace, monkeypatch):
         and refused.count(None) == 1
     )
     assert len(saved_tests.saved_tests(run)) == MAX_TESTS
-
-
-def test_the_pages_answer_while_a_file_is_read(workspace, table, monkeypatch):
-    """A table that takes long to read blocks what waits for it, not the server."""
-    pytest.importorskip("nicegui")
-    httpx = pytest.importorskip("httpx")
-    from fastapi import FastAPI
-
-    from valvetrain.workbench.pages import files
-    from valvetrain.workbench.pages.desk import Desk
-    from valvetrain.workbench.settings import ServeSettings
-
-    hold = threading.Event()
-    monkeypatch.setattr(Workspace, "attach", lambda *given: hold.wait(10))
-    monkeypatch.setattr(Workspace, "upload", lambda *given: hold.wait(10))
-    app = FastAPI()
-
-    async def both(jobs) -> list[int]:
-        async with httpx.AsyncClient(
-            transport=httpx.ASGITransport(app=app), base_url="http://127.0.0.1"
-        ) as line:
-            sent = {"file": ("a.toml", b"x")}
-            slow = [
-                asyncio.create_task(
-                    line.post(f"/upload/file?case={table}&name=a.csv", content=b"1")
-                ),
-                asyncio.create_task(line.post("/upload/case", files=sent)),
-            ]
-            await asyncio.sleep(0.1)
-            answer = await asyncio.wait_for(line.get(f"/download-case/{table}"), 5)
-            assert not any(one.done() for one in slow)
-            hold.set()
-            return [answer.status_code, *(one.status_code for one in await asyncio.gather(*slow))]
-
-    with Jobs(workspace) as jobs:
-        files.register(app, Desk(workspace, jobs, ServeSettings()))
-        assert asyncio.run(both(jobs)) == [200, 200, 200]
 
 
 # -- tables that were read
