@@ -193,16 +193,3 @@ def test_the_branch_force_belongs_to_the_periodic_state(method):
     )
     branch = record.forces[:, link] + record.gaps[:, link] * law.stiffness
     assert branch == pytest.approx(truth.y[0], abs=1e-3 * np.max(np.abs(branch)))
-
-
-@pytest.mark.parametrize(
-    ("values", "word"),
-    [
-        ((-1.0, 1e6, 1.0), "stiffness"),
-        ((1e6, 0.0, 1.0), "branch stiffness"),
-        ((1e6, 1e6, 0.0), "branch damping"),
-    ],
-)
-def test_impossible_links_are_refused(values, word):
-    with pytest.raises(InputError, match=word):
-        MaxwellLink(*values)

@@ -162,23 +162,6 @@ def test_a_folder_that_others_can_write_is_not_trusted(load, monkeypatch, tmp_pa
     )
 
 
-def test_all_kernels_of_the_package_are_kept_this_way():
-    texts = {
-        path.name: path.read_text(encoding="utf-8")
-        for path in compiled.PACKAGE.rglob("*.py")
-        if path.name != "compiled.py"
-    }
-    imports = {
-        name: [line for line in text.splitlines() if "import" in line and "njit" in line]
-        for name, text in texts.items()
-    }
-    found = {name: lines for name, lines in imports.items() if lines}
-    assert len(found) > 20
-    assert {line for lines in found.values() for line in lines} == {
-        "from valvetrain.compiled import njit"
-    }
-
-
 def test_stored_numbers_are_of_one_rounding():
     """Contract: where another processor's linear algebra rounds a fit otherwise, its stored numbers have
     another key, and the same one where it rounds alike.

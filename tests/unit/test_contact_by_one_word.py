@@ -61,20 +61,6 @@ def test_a_restitution_becomes_a_damping_at_the_reference_velocity():
     assert build_contact_law("flores", contact_stiffness=1e8).restitution == 0.7
 
 
-@pytest.mark.parametrize("name", LAWS)
-def test_values_in_the_units_of_their_own_law_stay_as_they_are(name):
-    values = {
-        "contact_stiffness": 3e9,
-        "damping": 7.0,
-        "restitution": 0.4,
-        "full_damping_depth": 1e-5,
-    }
-    law = build_contact_law(name, **values)
-    assert law.contact_stiffness == 3e9
-    for key in ("damping", "restitution", "full_damping_depth"):
-        assert getattr(law, key, values[key]) == values[key]
-
-
 @pytest.mark.parametrize(
     ("values", "words"),
     [
@@ -86,18 +72,6 @@ def test_values_in_the_units_of_their_own_law_stay_as_they_are(name):
 def test_what_no_law_has_is_refused(values, words):
     with pytest.raises(InputError, match=words):
         build_contact_law("flores", **values)
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"train.contacts.cam.contact_stiffness": "3 N"}, "contact stiffness"),
-        ({"train.contacts.cam.damping": "3 N/m"}, "damping of a contact"),
-    ],
-)
-def test_units_of_no_law_are_refused(change, words):
-    with pytest.raises(InputError, match=words):
-        load_case("tdi-pushrod", change)
 
 
 @pytest.mark.parametrize(

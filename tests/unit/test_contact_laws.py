@@ -139,15 +139,6 @@ def test_impossible_values_are_refused_with_the_reason(build, word):
         build()
 
 
-def test_library_builds_by_name():
-    assert (
-        build_contact_law(
-            "impact", contact_stiffness=1e9, damping=100.0, full_damping_depth=1e-4
-        ).name
-        == "impact"
-    )
-
-
 @pytest.mark.parametrize("law", [LankaraniNikravesh, Flores])
 @pytest.mark.parametrize("exponent", [0.0, -1.5, float("nan")])
 def test_a_force_that_does_not_grow_with_penetration_is_refused(law, exponent):

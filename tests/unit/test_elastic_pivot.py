@@ -9,8 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from train_parts import KINDS, LAW, system
-from valvetrain.mechanism.build import build_mechanism
+from train_parts import KINDS, system
 from valvetrain.mechanism.parts import ElasticLink
 from valvetrain.mechanism.planar import support_parts
 from valvetrain.parameters.train import SupportParameters
@@ -41,26 +40,6 @@ def test_a_pivot_carries_the_lever_and_yields_along_its_direction(kind, directio
     assert link.geometry_row()[:2].tolist() == [0.0, 1.0], (
         "it is pressed by the travel of the pivot"
     )
-
-
-@pytest.mark.parametrize("model", ["planar", "lumped"])
-@pytest.mark.parametrize("kind", LEVERS)
-def test_the_link_of_a_pivot_is_the_same_in_both_models(kind, model):
-    built = build_mechanism(
-        KINDS[kind](model=model, support=SupportParameters(STIFFNESS, MASS, DAMPING)), LAW
-    )
-    (link,) = [one for one in built.interactions if one.name == "support"]
-    np.testing.assert_array_equal(link.law.parameters(), [STIFFNESS, DAMPING])
-
-
-@pytest.mark.parametrize("kind", LEVERS)
-def test_a_rigid_pivot_adds_nothing(kind):
-    assert support_parts(KINDS[kind](), LEVER) == ([], [], (0.0, 0.0), "")
-    assert not [
-        one.name
-        for one in build_mechanism(KINDS[kind](), LAW).interactions
-        if one.name == "support"
-    ]
 
 
 @pytest.mark.parametrize("kind", LEVERS)

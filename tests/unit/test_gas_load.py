@@ -24,23 +24,6 @@ def test_a_pulse_of_gas_does_not_swing_beyond_the_forces_given():
     assert np.all(np.abs(found[(np.degrees(FINE) < 100) | (np.degrees(FINE) > 117)]) < 1e-9)
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_between_two_angles_the_force_stays_between_their_values(seed):
-    chance = np.random.default_rng(seed)
-    angles = np.sort(chance.uniform(0, 2 * np.pi, 12))
-    forces = chance.normal(0.0, 1000.0, 12)
-    found = force_at(angles, forces)
-    # the table's nodes are a quarter degree apart: a value holds for its neighbourhood of one cell
-    sides = [
-        np.searchsorted(angles, np.mod(FINE + side, 2 * np.pi), side="right") - 1
-        for side in np.radians([-0.25, 0.0, 0.25])
-    ]
-    ends = np.array(
-        [values for place in sides for values in (forces[place], forces[(place + 1) % 12])]
-    )
-    assert np.all(found >= ends.min(axis=0) - 1e-6) and np.all(found <= ends.max(axis=0) + 1e-6)
-
-
 def test_the_force_passes_through_what_is_given_and_is_the_monotone_cubic():
     """Closed form: between two equal steps of the same sign the slope is their harmonic mean; next
     to a level it is zero.

@@ -9,9 +9,8 @@ import pytest
 
 from twins.rod_cases import small_spring, uniform_spring
 from twins.rod_energy import spline
-from valvetrain.cosserat.contact_line import span_weights, true_distance
+from valvetrain.cosserat.contact_line import true_distance
 from valvetrain.cosserat.mesh import mesh_spring
-from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics
 from valvetrain.parameters.spring import EndCoil
 
@@ -24,17 +23,6 @@ def nearest(points: np.ndarray, curve: np.ndarray) -> np.ndarray:
         share = np.clip(np.sum((point - start) * along, axis=1) / np.sum(along**2, axis=1), 0, 1)
         best[k] = np.min(np.linalg.norm(point - start - share[:, None] * along, axis=1))
     return best
-
-
-def test_weights_are_those_of_a_quadratic_spline():
-    t = np.linspace(-0.5, 0.5, 7)
-    weights = np.stack(span_weights(t))
-    assert np.allclose(weights.sum(axis=0), 1)
-    assert np.allclose(weights[2] - weights[0], t)
-    x = np.random.default_rng(0).standard_normal((6, 3))
-    assert np.allclose(
-        spline(x, np.array([2.4999999])), spline(x, np.array([2.5000001])), atol=1e-6
-    )
 
 
 def test_true_distance_is_the_closest_point_one_turn_below():
@@ -112,16 +100,3 @@ def test_contact_line_covers_the_wire_on_every_mesh(held, per_coil):
     expected = spring.integrate_along_wire(between=(1.0, 5.0))
     assert mesh.contact.length.sum() == pytest.approx(expected, rel=1e-9)
     assert np.all(mesh.contact.length >= 0)
-
-
-def test_gaps_follow_the_wire_when_it_moves_as_a_rigid_body():
-    mesh = mesh_spring(small_spring(), 16)
-    turn = np.linalg.qr(np.random.default_rng(4).standard_normal((3, 3)))[0]
-    turn *= np.sign(np.linalg.det(turn))
-    squeezed = mesh.position * [1, 1, 0.93]
-    statics = RodStatics(mesh)
-    moved = RodState(squeezed @ turn.T + [1e-2, 2e-2, 3e-2], mesh.frame)
-    finite = mesh.contact.points
-    assert (
-        np.abs(statics.gaps(moved.position)[finite] - statics.gaps(squeezed)[finite]).max() < 1e-12
-    )

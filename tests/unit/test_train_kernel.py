@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
 from train_parts import KINDS, STIFF, contacts, system
 from twins.train_step import integrate_in_time
-from valvetrain.integrate.train_run import IMPACT_STEPS, TrainOptions, runner
+from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
 from valvetrain.system.train_forces import gap_state
 
@@ -73,56 +71,3 @@ def test_the_loop_equals_its_plain_twin(kind, law):
     assert row == pytest.approx(q, rel=1e-9, abs=1e-13)
     assert np.max(np.abs(v)) > 0.1
     assert end.cam_angle == pytest.approx(2 * np.pi)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("law", ["impact", "rough"])
-def test_a_cycle_of_which_nothing_is_written_ends_in_the_same_bits(kind, law):
-    """Three cycles, the later ones from a state that moves, blows resolved; masses of a spring and
-    memories of laws included.
-    """
-    changes = {
-        "lash": 1e-4,
-        "support": None if kind == "direct" else SupportParameters(5e7, 0.1, 200.0),
-    }
-    if law == "impact":
-        changes["contacts"] = dict.fromkeys(
-            ("cam", "tappet", "rocker", "valve_tip", "seat"), IMPACT
-        )
-    else:
-        place = "cam" if kind in ("direct", "finger") else "valve_tip"
-        changes["contacts"] = contacts() | {
-            place: ContactParameters("linear", STIFF.values, 0.12, 0.02)
-        }
-    ready = runner(system(KINDS[kind](**changes)), 400.0, TrainOptions(samples=720))
-    one = other = ready.initial_state()
-    for _ in range(3):
-        (one, record), (other, status) = ready.cycle(one, judged=False), ready.after(other)
-        assert status == record.status and len(record.transitions.cam_angle) > 1
-        for name in ("q", "v", "law_state", "held"):
-            assert getattr(one, name).tobytes() == getattr(other, name).tobytes()
-        assert [state.tobytes() for state in one.springs] == [
-            state.tobytes() for state in other.springs
-        ]
-        assert (one.cam_angle, one.last_step) == (other.cam_angle, other.last_step)
-
-
-def test_a_twin_with_another_mass_is_another_motion():
-    ready = runner(system(KINDS["direct"]()), 250.0, TrainOptions(samples=720))
-    heavier = runner(
-        system(KINDS["direct"](valve=ValveParameters(0.1))), 250.0, TrainOptions(samples=720)
-    )
-    one, other = (item.cycle(item.initial_state())[1].q for item in (ready, heavier))
-    assert np.max(np.abs(one - other)) > 1e-8
-
-
-@pytest.mark.parametrize("finer", [0.5, 1.0, 1.7, 4.0])
-def test_a_prescribed_step_finer_than_the_usual_divides_a_blow_as_much_more(finer):
-    """A coarser one divides it as usual; the parts are whole, rounded up, and none stay none."""
-    built, usual = system(KINDS["direct"]()), TrainOptions().step_fraction
-    still = runner(built, 250.0).rest
-    for asked in (IMPACT_STEPS, 3, 0):
-        options = TrainOptions(time_step=usual * still.own_time_step / finer, impact_steps=asked)
-        made = runner(built, 250.0, options, rest=still)
-        assert made.options.impact_steps == math.ceil(round(asked * max(finer, 1.0), 9))
-    assert runner(built, 250.0, rest=still).options.impact_steps == IMPACT_STEPS

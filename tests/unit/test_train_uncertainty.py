@@ -4,7 +4,6 @@ where not.
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +12,6 @@ import pytest
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs import stored_error_bars
 from valvetrain.runs.error_bars import OWN, STIFFNESS_FACTORS
-from valvetrain.runs.refine import refined
 from valvetrain.runs.refine_trains import refine_trains
 from valvetrain.runs.run import run_study
 from valvetrain.solution.definition import is_defined
@@ -79,17 +77,6 @@ def test_rows_hold_the_run_and_cover_the_finer_ones(study):
     )
 
 
-def test_file_of_a_train_says_what_the_study_says(study):
-    rows = stored_error_bars.rows_of(tomllib.loads(stored_error_bars.uncertainty_text(study)))
-    assert [(row.quantity, row.label) for row in rows] == [
-        (row.quantity, row.label) for row in study.rows
-    ]
-    assert [row.value for row in rows] == pytest.approx([row.value for row in study.rows], rel=1e-6)
-    assert [row.engine_speed for row in rows] == pytest.approx(
-        [row.engine_speed for row in study.rows]
-    )
-
-
 @pytest.mark.parametrize(("name", "variants"), [("tdi-pushrod", 4), ("vaz-ohc", 8)])
 def test_shipped_files_belong_to_their_case(name, variants):
     case = load_case(name)
@@ -113,13 +100,6 @@ def test_runs_tell_the_bars_of_their_numbers_and_no_others():
     told = study_json(own)["uncertainties"]
     assert len(told) == len(stored_error_bars.load_uncertainty(case.record()))
     assert {one["label"] for one in told} == set(own.labels)
-
-
-def test_a_train_refined_by_the_common_way_is_refined_as_a_train():
-    found = refined(one_variant("performance, as printed"), (2000 * RPM,), workers=1)
-    assert {row.label for row in found.rows} == {
-        "performance, as printed"
-    } and found.elements_per_coil == ()
 
 
 def test_a_member_that_cannot_run_is_named_and_the_others_are_refined():

@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from synthetic_train import ANGLE, CAM_SPEED, COUNT, TIME, degrees, found, lift_of, rigid, train
-from valvetrain.integrate.clash import runs
 from valvetrain.quantities.clash import clash_events
 from valvetrain.quantities.train_numbers import counted_quantities, of_kind
 from valvetrain.solution.status import Cause, Event
-
-
-def test_stretches_on_a_line_and_on_a_ring():
-    flag = np.zeros(10, dtype=bool)
-    flag[[0, 1, 8, 9, 4]] = True
-    assert runs(flag) == [(0, 1), (4, 4), (8, 9)]
-    assert runs(flag, ring=True) == [(4, 4), (8, 11)]
-    assert runs(flag[:9], ring=True) == [(4, 4), (8, 10)]
-    assert runs(flag[:8], ring=True) == [(0, 1), (4, 4)]
-    for whole, ends in ((np.ones(5, dtype=bool), [(0, 4)]), (np.zeros(5, dtype=bool), [])):
-        assert runs(whole) == runs(whole, ring=True) == ends
 
 
 def test_a_quiet_cycle_seats_once_and_nothing_else():
@@ -54,41 +41,6 @@ def test_a_straight_landing_is_met_exactly_between_the_samples():
     run = found(valve_lift=lift, valve_velocity=velocity)
     assert run.quantities["seating_velocity"] == pytest.approx(0.5, rel=1e-12)
     assert run.quantities["seating_cam_angle"] == pytest.approx(touch, abs=1e-9)
-
-
-def test_landing_is_second_order_in_the_samples():
-    """A cubic on to the seat: the error stays below the remainder of the straight line, of second
-    order in the samples.
-    """
-    from valvetrain.quantities.train_events import SMALLEST_GAP, _sampled_openings
-
-    errors = []
-    for count in (360, 720, 1440):
-        time = np.arange(count) * (2 * np.pi / CAM_SPEED) / count
-        end = 0.62 * time[-1]
-        left = end - time  # lift = 0.3 left + 40 left^2 + 2e4 left^3
-        lift, rate = 0.3 * left + 40 * left**2 + 2e4 * left**3, -(0.3 + 80 * left + 6e4 * left**2)
-        made = (
-            train()
-            .channels.isel(sample=slice(0, count))
-            .assign_coords(time=("sample", time), cam_angle=("sample", CAM_SPEED * time))
-        )
-        run = type(train())(
-            made.assign(
-                valve_lift=("sample", lift, made.valve_lift.attrs),
-                valve_velocity=("sample", rate, made.valve_lift.attrs),
-            )
-        )
-        (opening,) = _sampled_openings(run)
-        velocity = opening.velocity
-        step = time[1]
-        ahead = (
-            step + SMALLEST_GAP / 0.3
-        )  # the last sample off the seat is at most this long before the touch
-        errors.append(
-            abs(velocity - 0.3) / (0.5 * 1.2e5 * ahead * (ahead + step))
-        )  # over the remainder of a straight line
-    assert 0 < max(errors) <= 1.001
 
 
 def test_the_log_of_the_integrator_is_the_truth_of_a_seating():
@@ -352,23 +304,3 @@ def test_a_follower_that_comes_down_after_the_rigid_valve_has_seated_lands_there
     assert loft.duration < np.radians(45) / CAM_SPEED
     assert np.degrees(loft.details["landing_cam_angle"]) == pytest.approx(285, abs=0.3)
     assert loft.details["landing_force"] == 3536.0
-
-
-def test_details_of_an_event_are_its_own_and_cannot_be_changed():
-    """Neither through the event nor through what it was made of; it travels between processes as it
-    is.
-    """
-    given = {"upper_coil": 2.0}
-    event = Event("clash", 1.0, 0.01, 1e-3, 310.0, "N", details=given)
-    given["upper_coil"] = 9.0
-    assert dict(event.details) == {"upper_coil": 2.0}
-    with pytest.raises(TypeError):
-        event.details["upper_coil"] = 3.0
-    again = pickle.loads(pickle.dumps(event))
-    assert (
-        again == event
-        and dict(again.details) == {"upper_coil": 2.0}
-        and dict(Event("rest", 0.0, 0.0, 0.0, 0.0, "m").details) == {}
-    )
-    with pytest.raises(TypeError):
-        again.details["upper_coil"] = 3.0
