@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 from spring_parts import MODELS, drive, raised_cosine
-from valvetrain.cosserat.layout import SIZE
-from valvetrain.springs import finite_element_kernel as places
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -25,9 +23,3 @@ def test_without_a_word_the_retainer_rests_and_no_step_is_taken(name):
     told, rest = model.outputs(state, where), model.outputs(state, where, 0.0)
     assert told.retainer_force == rest.retainer_force and told.seat_force == rest.seat_force
     assert np.array_equal(told.axial_velocity, rest.axial_velocity)
-
-
-def test_what_stands_behind_the_buffer_of_a_rod_shares_no_place():
-    single = [places.TRAVEL, places.COUNTER, places.WATCHED, places.LOST]
-    assert len(set(single)) == 4 and min(single) == SIZE and places.STRETCH == max(single) + 1
-    assert places.STATE_SIZE == places.STRETCH + 2 * places.STRETCHES

@@ -19,14 +19,12 @@ from spring_parts import (
     raised_cosine,
 )
 from valvetrain.cosserat.layout import row
-from valvetrain.integrate.clash import steps_between
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.registry import places
 from valvetrain.runs.statics import rod_statics
 from valvetrain.springs.contract import (
     SpringModel,
     SpringOutputs,
-    contact_watch_of,
     outputs_at,
 )
 from valvetrain.springs.finite_element import FiniteElementRod
@@ -320,31 +318,6 @@ def test_clash_happens_in_the_clashing_event_and_costs_energy():
         state = model.initial_state(0.0)
         drive(model, state, displacement, velocity, time_step)
         assert model.energy(state, 0.0).dissipated > 1e-6
-
-
-#: Spacing of the record of a model's coil contacts over its first natural period: twice as much of a rod with
-#: its many points; None without coils.
-RECORDED = {
-    **dict.fromkeys(("chain", "chain-damped", "chain-7-per-coil", "wave-rod-clash", "nested", "nested-rubbing",
-                    "reduced-rod", "reduced-rod-damped"), 1e-3),
-    "finite-element": 2e-3,
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_record_of_coil_contacts_is_as_fine_as_its_model_says(name):
-    """Blows last some 10 us, so two rows at least fall into each; the steps between rows follow
-    from the time step.
-    """
-    watch = contact_watch_of(MODELS[name])
-    share = None if watch is None else watch.interval / watch.first_period
-    assert share == pytest.approx(RECORDED[name]) if name in RECORDED else share is None
-    if watch is not None:
-        assert [steps_between(watch, step) for step in (1e-7, 2e-7, 1e-5)] == [
-            round(watch.interval / 1e-7),
-            round(watch.interval / 2e-7),
-            1,
-        ]
 
 
 @cache

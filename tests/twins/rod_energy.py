@@ -92,11 +92,3 @@ def contact(x, offset, upper_place, lower_place, distance, length, stiffness):
         out[i - 1 : i + 2, :3] -= above[:, None] * force
         out[i - offset - 1 : i - offset + 2, :3] += below[:, None] * force
     return energy, out, gaps
-
-
-def seats(x, lower, upper, length, stiffness):
-    """Energy and gradient (nv, 6) of the seat planes."""
-    below, above = np.maximum(lower - x[:, 2], 0.0), np.maximum(x[:, 2] - upper, 0.0)
-    out = np.zeros((len(x), 6))
-    out[:, 2] = stiffness * length * (above - below)
-    return 0.5 * stiffness * length @ (below**2 + above**2), out

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from valvetrain.errors import InputError
 from valvetrain.parameters.curves import (
     Constant,
     Curve,
@@ -67,17 +66,6 @@ def test_at_a_knot_of_lines_the_slope_is_that_of_the_line_which_begins_there():
     assert LINES.derivative([-1.0, 7.0]).tolist() == [0.0, 0.0]
 
 
-def test_sums_stay_simple_where_they_can():
-    coil = np.linspace(0, 6, 37)
-    assert add_curves(Constant(4.0), Constant(1.0), -1.0) == Constant(3.0)
-    mixed = add_curves(LINES, PiecewiseLinear((0.0, 3.0, 6.0), (1.0, 2.0, 0.0)), -1.0)
-    assert isinstance(mixed, PiecewiseLinear)
-    assert mixed.value(coil) == pytest.approx(
-        LINES.value(coil) - np.interp(coil, [0, 3, 6], [1, 2, 0]), abs=1e-14
-    )
-    assert isinstance(add_curves(TABLE, LINES), WeightedSum)
-
-
 @pytest.mark.parametrize("weight", [None, 1.0, -1.0, 0.25])
 @pytest.mark.parametrize(
     ("first", "second"),
@@ -105,18 +93,3 @@ def test_a_height_gives_back_its_table():
 def test_formulas_meet_their_ends_and_middle():
     barrel = CURVES["parabola"]
     assert barrel.value([0.0, 3.0, 6.0]) == pytest.approx([20.0, 26.0, 20.0])
-
-
-@pytest.mark.parametrize(
-    ("coils", "values", "words"),
-    [
-        ((0.0, 1.0), (1.0,), "one value per coil"),
-        ((0.0,), (1.0,), "two knots"),
-        ((0.0, 0.0), (1.0, 2.0), "must increase"),
-        ((0.0, np.inf), (1.0, 2.0), "not a finite"),
-    ],
-)
-@pytest.mark.parametrize("kind", [PiecewiseLinear, Table])
-def test_bad_knots_are_refused(kind, coils, values, words):
-    with pytest.raises(InputError, match=words):
-        kind(coils, values)

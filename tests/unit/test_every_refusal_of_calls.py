@@ -4,7 +4,6 @@ with the words that name it.
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 
@@ -14,21 +13,17 @@ from validation.calculix.solver import run_deck
 
 import synthetic_study as made
 import valvetrain as vt
-from valvetrain.cam.closed_form import SinePower
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
-from valvetrain.quantities.cycle import Cycle, reported_cycle
+from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.channels import Variable, spring_channels
-from valvetrain.solution.netcdf import load_netcdf
 from valvetrain.springs.chain_layout import ChainLayout, chain_from_definition, check_masses
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.stress import shear_stress_factor
 from valvetrain.springs.wire_from_card import wire_from_card
-from valvetrain.views.files import UnfinishedRun
 
 SPRING = vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7)
 CARD = SpringCard(rate=30e3, preload=250.0)
 VARIED = vt.springs.ModalVaried((450.0,), 0.01, (1e-3, 0.02), (40.0, 800.0), 5e-3)
-LAW = SinePower(maximum_lift=9e-3, opening_start=1.0, closing_end=3.0)
 RUN = made.rod_run()
 CHAIN = {
     "stiffness": np.ones(3),
@@ -125,53 +120,3 @@ def test_a_call_is_refused_in_words(name):
     with pytest.raises(vt.InputError, match=words) as refusal:
         call()
     assert len(str(refusal.value)) > 20
-
-
-def test_what_is_within_is_taken():
-    check_masses("one", 0.0, 0.0, 0.0, 0.0)
-    check_masses("one", 1.0, 0.1, 1.0, 0.1)
-    assert VARIED.secant_stiffness(0.02) == pytest.approx(40e3) and channels().has("seat_force")
-    assert isinstance(reported_cycle(RUN), Cycle)
-
-
-def test_runs_that_are_kept_as_they_come_are_found_and_go_with_the_rest(tmp_path):
-    kept, run, other = UnfinishedRun(lambda: tmp_path), made.modal_run(), made.rod_run()
-    assert kept.file_of(run) is None and kept.folder is None
-    kept.finish()
-    kept.add(3, run)
-    kept.add(7, run.reduced())
-    place = kept.file_of(run)
-    assert (
-        place == tmp_path / "run-0004.nc"
-        and place.is_file()
-        and kept.file_of(other) is None
-        and not kept.gaps.sentences
-    )
-    rows = [
-        json.loads(line)
-        for line in (tmp_path / "unfinished-runs.jsonl").read_text(encoding="utf-8").splitlines()
-    ]
-    assert [row.get("file") for row in rows] == ["run-0004.nc", None] and rows[0][
-        "label"
-    ] == run.label
-    assert load_netcdf(place).channel("seat_force") == pytest.approx(run.channel("seat_force"))
-    kept.begin(tmp_path / "elsewhere")
-    assert kept.file_of(run) is None
-    kept.begin(tmp_path)
-    kept.finish()
-    assert (
-        not list(tmp_path.glob("*.nc"))
-        and not (tmp_path / "unfinished-runs.jsonl").exists()
-        and kept.file_of(run) is None
-    )
-    kept.finish()
-
-
-@pytest.mark.parametrize("word", ["massless", "multi-mass"])
-def test_the_path_behind_a_curve_reaches_as_far_as_the_curve(word):
-    curve = vt.static_curve(SPRING, spring_model=word, largest_compression=8e-3, steps=4)
-    assert (
-        curve.path is not None
-        and curve.path.compression[-1] == pytest.approx(8e-3) == curve.compression[-1]
-    )
-    assert len(curve.compression) == 5 < len(curve.path.compression)

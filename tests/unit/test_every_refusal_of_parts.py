@@ -37,6 +37,7 @@ from valvetrain.mechanism.parts import (
     MaxwellLink,
 )
 from valvetrain.parameters import Constant, Material, PiecewiseLinear, SpringDefinition, cylindrical
+from valvetrain.parameters.curves import Table
 from valvetrain.parameters.installed_spring import CoilContact, DampingParameters, InstalledSpring
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.train import FollowerParameters, GasLoad
@@ -111,6 +112,7 @@ GIVEN: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
                                          "total_coils": 7, "material": SPRING.material}),
     "cylindrical": (cylindrical, {"wire_diameter": 3.8e-3, "mean_diameter": 22e-3, "pitch": 7e-3, "total_coils": 7}),
     "curve": (PiecewiseLinear, {"coils": (0, 7), "values": (0.007, 0.008)}),
+    "smooth curve": (Table, {"coils": (0, 7), "values": (0.007, 0.008)}),
 }  # fmt: skip
 #: Part, one change of it, words of the refusal.
 REFUSED: list[tuple[str, dict[str, Any], str]] = [
@@ -226,6 +228,8 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("follower", {"tilt": 0.53}, "below 30 degrees"), ("follower", {"tilt": -0.53}, "below 30 degrees"),
     *(("follower", {name: value}, "must not be negative" if value < 0 else "not a finite number")
       for name in ("mass", "damping", "friction") for value in (-1.0, math.inf)),
+    ("buckling", {"free_length": -0.08}, "free_length"), ("buckling", {"free_length": 80.0}, "free_length"),
+    ("buckling", {"mean_diameter": 0.0}, "mean_diameter"),
     *(("buckling", {"seating_coefficient": value}, "must be positive") for value in (0.0, math.inf)),
     ("low pass", {"time": np.linspace(0, 1, 2), "values": np.ones(2)}, "evenly spaced"),
     ("low pass", {"time": np.linspace(0, 0.1, 101) ** 2}, "evenly spaced"),
@@ -277,9 +281,9 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("definition", {"total_coils": 0.0}, "positive number of total_coils"), ("definition", {"hand": "both"}, "use right or left"),
     ("definition", {"material": "steel"}, "is no Material"),
     ("cylindrical", {"closed_coils": -1.0}, "closed_coils"), ("cylindrical", {"closed_coils": math.inf}, "closed_coils"),
-    ("curve", {"values": (0.007, 0.008, 0.009)}, "one value per coil"),
-    ("curve", {"coils": (0,), "values": (0.007,)}, "at least two knots"),
-    ("curve", {"coils": (0, NAN)}, "not a finite number"), ("curve", {"coils": (7, 0)}, "must increase"),
+    *((part, change, words) for part in ("curve", "smooth curve") for change, words in (
+        ({"values": (0.007, 0.008, 0.009)}, "one value per coil"), ({"coils": (0,), "values": (0.007,)}, "at least two knots"),
+        ({"coils": (0, NAN)}, "not a finite number"), ({"coils": (7, 0)}, "must increase"))),
 ]  # fmt: skip
 
 

@@ -44,19 +44,6 @@ def test_steps_that_fail_again_and_again_end_the_path():
     assert statics.failed == FAILURES and statics.asked < 6 * FAILURES
 
 
-def test_failures_are_counted_for_each_target_anew():
-    """Some twenty failures on the way to each of four targets are no reason to give up: all four
-    are reached.
-    """
-    statics = TakesSteps(0.4e-3)
-    found = path(statics, 4e-3, 8e-3, 12e-3, 16e-3)
-    assert [one.converged for one in found] == [True] * 4
-    assert (
-        found[-1].state.compression == pytest.approx(16e-3, abs=1e-12)
-        and statics.failed < 4 * FAILURES
-    )
-
-
 def test_a_path_that_ends_is_left_at_the_smallest_increment_with_what_it_had():
     statics = TakesSteps(1.0, end=5.3e-3)
     found = path(statics, 2e-3, 4e-3, 6e-3)

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-import valvetrain as vt
 from spring_parts import drive
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.condensed import condensed, elastic_statics
@@ -25,9 +24,7 @@ from valvetrain.integrate.contract import Cycles
 from valvetrain.integrate.run import run as integrate
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import Guide
-from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.springs import reduced_rod_cache
-from valvetrain.springs import reduced_rod_kernel as kernels
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import (
     interpolation,
@@ -202,21 +199,6 @@ def test_points_that_are_left_alone_meet_when_those_do_that_are_always_looked_at
     assert largest > 1.02 * spring.rod.static_point(PRELOAD_TRAVEL + LIFT).force
 
 
-def test_what_a_copied_state_holds_at_the_ends_of_its_rows_moves_nothing(spring):
-    """Rows of the scratch begin a cache line, so those of a copy lie elsewhere: whatever stands in
-    them, forces and state are the same bit by bit.
-    """
-    count, arrays = spring.unknowns, (spring.parameters(), spring.integers())
-    assert count % kernels.LINE  # rows that a table fills leave no ends
-    state = spring.initial_state(3e-3)
-    scratch = kernels.SCRATCH * kernels.row_size(count) + kernels.LINE
-    copied = kernels.aligned(state)
-    copied[-scratch:] = np.random.default_rng(2).standard_normal(scratch)
-    forces = [spring.kernel(*arrays, one, 3.001e-3, 1.0, 5e-7) for one in (state, copied)]
-    assert forces[0] == forces[1]
-    assert np.array_equal(state[:-scratch], copied[:-scratch])
-
-
 def test_ends_that_do_not_pull_carry_nothing_where_they_would(rod):
     """A wire pressed together and let go at once flies up: its seat and retainer do not hold it."""
     holds = ReducedRod(rod, LIFT)
@@ -228,15 +210,6 @@ def test_ends_that_do_not_pull_carry_nothing_where_they_would(rod):
         lowest.append(drive(spring, state, rest, rest, time_step).min())
     assert lowest[0] < -50.0 and lowest[1] == 0.0
     assert loose.tangent(loose.initial_state(7.9e-3), 0.0) >= 0.0
-
-
-def test_a_study_of_geometry_says_what_the_tables_cost():
-    case = vt.load_case("job-c")
-    parts = [
-        RunRequest("run", case, (300.0,), (word,), (), 1) for word in ("reduced-rod", "multi-mass")
-    ]
-    reduced, chain = (request_cost(part, whole=False).seconds for part in parts)
-    assert reduced - chain > 1.0
 
 
 def test_what_it_does_not_know_is_refused_with_the_name_of_what_does(rod):

@@ -5,7 +5,6 @@ is refused.
 from __future__ import annotations
 
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from typer.testing import CliRunner
 
 import valvetrain as vt
 from valvetrain.cli.main import app
-from valvetrain.cosserat.static import NewtonOptions, compress
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.statics import solid_quantities
@@ -158,23 +156,3 @@ def test_a_rod_refuses_curves_and_modes_of_nothing():
     ):
         with pytest.raises(InputError, match=words):
             wrong()
-
-
-def test_an_increment_that_failed_is_not_tried_again_at_once():
-    """A stand-in that holds increments up to 0.1 mm alone: what failed is halved and grows slowly."""
-    failed, held = [], []
-
-    class Stiff:
-        options = NewtonOptions()
-
-        def solve(self, state, compression):
-            step = compression - state.compression
-            holds = abs(step) <= 1.0000001e-4
-            (held if holds else failed).append((state.compression, step))
-            return SimpleNamespace(
-                converged=holds, state=SimpleNamespace(compression=compression) if holds else state
-            )
-
-    found = compress(Stiff(), [0.35e-3, 1.1e-3], SimpleNamespace(compression=0.0))
-    assert found[-1].state.compression == pytest.approx(1.1e-3, abs=1e-12)
-    assert len(set(failed)) == len(failed) and len(failed) < len(held) < 20, (failed, held)

@@ -4,41 +4,10 @@ it; trains that differ in lash or spring model differ in their rest.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
 import pytest
 
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.statics import static_study
-from valvetrain.runs.train_runs import prepare_trains
-from valvetrain.solution.partial_failures import PartialFailures
-from valvetrain.system import train_rest
-from valvetrain.system.build import build
-
-
-def test_each_distinct_rest_is_solved_once(monkeypatch):
-    solved: list[np.ndarray] = []
-    plain = train_rest.static_equilibrium
-
-    def counted(system, cam_angle, start=None):
-        solved.append(plain(system, cam_angle, start))
-        return solved[-1]
-
-    monkeypatch.setattr(train_rest, "static_equilibrium", counted)
-    whole = build(load_case("vaz-ohc"))
-    problem = replace(whole, members=whole.only(lambda one: one.model.word in ("massless", "multi-mass")))  # fmt: skip
-    twice = (*problem.members, *(replace(one, label=f"{one.label}, again") for one in problem.members))  # fmt: skip
-    failures = PartialFailures()
-    ready, _ = prepare_trains(replace(problem, members=twice), problem.engine_speeds, failures)
-    lashes = {one.gear.parameters.lash for one in problem.members}
-    models = {one.model.word for one in problem.members}
-    assert not failures.sentences and len(ready) == 2 * len(problem.members)
-    assert len(solved) == len(lashes) * len(models) == len(problem.members) == 4
-    rests = [one.rest.equilibrium for one in ready[: len(problem.members)]]
-    by_lash = {one.gear.parameters.lash: rest for one, rest in zip(problem.members, rests, strict=True)}  # fmt: skip
-    first, second = by_lash.values()
-    assert np.max(np.abs(first - second)) > 1e-5  # no rest of one lash is that of the other
 
 
 def test_the_springs_of_the_set_in_use_come_first():

@@ -16,7 +16,6 @@ from valvetrain.cosserat.mesh import mesh_spring
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.cosserat.transient import simulate
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Constant, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
@@ -95,26 +94,6 @@ def test_a_diverging_variant_does_not_touch_its_neighbours():
         np.testing.assert_allclose(
             broken.dense_seat_force[index], sound.dense_seat_force[index], rtol=1e-9
         )
-
-
-def test_the_step_is_stable_for_the_stiffest_variant():
-    built = [variant(factor, 12) for factor in (1.0, 1.02)]
-    batch = simulate_batch(
-        [mesh for mesh, _ in built], [state for _, state in built], push, INTERVAL, 10, DYNAMICS
-    )
-    assert batch.completed.all()
-    assert 0 < batch.time_step < INTERVAL
-
-
-def test_rods_too_long_for_the_lanes_run_one_by_one():
-    spring = cylindrical(
-        2e-3, 24e-3, 5e-3, 9.0, closed_coils=0.0, lower_end=OPEN_END, upper_end=OPEN_END
-    )
-    mesh = mesh_spring(spring, 24)
-    state = compress(RodStatics(mesh), [1e-3])[-1].state
-    batch = simulate_batch([mesh], [state], push, INTERVAL, 5, DYNAMICS)
-    single = simulate(mesh, state, push, INTERVAL, 5, DYNAMICS)
-    np.testing.assert_allclose(batch.seat_force[0], single.seat_force, rtol=1e-12)
 
 
 def test_meshes_of_different_size_are_refused():

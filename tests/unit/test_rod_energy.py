@@ -138,66 +138,6 @@ def test_contact_tangent_is_nearly_the_difference_of_the_gradient():
         )
 
 
-def test_rotation_matrix_and_column():
-    q = np.random.default_rng(0).standard_normal(4)
-    q /= np.linalg.norm(q)
-    R = np.empty((3, 3))
-    kern.rotation_matrix(q, R)
-    assert np.allclose(R, twin.rotation_matrix(q), atol=1e-15)
-    assert np.allclose(R @ R.T, np.eye(3), atol=1e-15) and np.linalg.det(R) == pytest.approx(1.0)
-    assert [kern.sum_column(R, k, 1.0, 2.0, 3.0) for k in range(3)] == pytest.approx(
-        R.T @ [1.0, 2.0, 3.0]
-    )
-
-
-@pytest.mark.parametrize("per_coil", [12, 24])
-@pytest.mark.parametrize("seed", [0, 1])
-def test_kernels_equal_their_twins(per_coil, seed):
-    mesh = only("", small_mesh(per_coil)) if seed else small_mesh(per_coil)
-    mesh = replace(small_mesh(per_coil), contact=mesh.contact) if seed else mesh
-    state = random_state(mesh, seed)
-    x, q, size = state.position, state.frame, 6 * mesh.vertices
-    band = np.zeros((2 * kern.HALF_BAND + 1, size))
-
-    residual = np.zeros(size)
-    energy = kern.stretch_terms(
-        mesh.first,
-        mesh.last,
-        x,
-        q,
-        mesh.edge_length,
-        mesh.stretch_stiffness,
-        mesh.rest_stretch,
-        residual,
-        band,
-        False,
-    )
-    expected, gradient = twin.stretch(
-        mesh.first, mesh.last, x, q, mesh.edge_length, mesh.stretch_stiffness, mesh.rest_stretch
-    )
-    same(energy, residual, expected, gradient)
-
-    residual = np.zeros(size)
-    energy = kern.bend_terms(
-        mesh.first, mesh.last, q, mesh.bend_stiffness, mesh.rest_bend, residual, band, False
-    )
-    same(
-        energy, residual, *twin.bend(mesh.first, mesh.last, q, mesh.bend_stiffness, mesh.rest_bend)
-    )
-
-    lower, upper = (
-        x[:, 2] + 1e-5 * np.sin(np.arange(mesh.vertices)),
-        x[:, 2] + 1e-5 * np.cos(np.arange(mesh.vertices)) + 1e-5,
-    )
-    residual = np.zeros(size)
-    energy = kern.seat_terms(
-        x, lower, upper, mesh.node_length, 2e10, LINEAR, NO_NUMBERS, residual, band, False
-    )
-    depth = np.maximum(lower - x[:, 2], 0)
-    upper = np.where(depth > 0, np.inf, upper)
-    same(energy, residual, *twin.seats(x, lower, upper, mesh.node_length, 2e10))
-
-
 def same(energy, residual, expected, gradient):
     assert expected > 0
     assert energy == pytest.approx(expected, rel=1e-12)

@@ -226,23 +226,6 @@ def test_watched_is_the_wire_whose_gap_to_the_turn_below_lies_within_reach(reach
     assert max(np.min(np.abs(due - one)) for one in watched) <= 2
 
 
-def test_what_is_no_longer_watched_leaves_no_force_and_no_energy():
-    """Point forces and stored energies of both groups are cleared along the whole wire; nothing
-    else is touched.
-    """
-    b, mesh = buffer(2)
-    wire = mesh.vertices + 1
-    starts = [
-        int(ROW[name]) + shift for name in ("PX", "PY", "PZ", "STORED") for shift in (0, int(GROUP))
-    ]
-    due = b.copy()
-    for place, start in enumerate(starts):
-        b[start : start + wire] = 1.0 + place + np.arange(wire)
-        due[start : start + wire] = 0.0
-    stepping.clear_contact(b, np.uint64(mesh.vertices))
-    assert np.array_equal(b, due, equal_nan=True)
-
-
 def single_spread(b, mesh, places):
     """Contact force per vertex from the point forces, each spread once."""
     work, offset, vertices = b.copy(), mesh.contact.offset, mesh.vertices

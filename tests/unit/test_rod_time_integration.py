@@ -12,7 +12,6 @@ from twins import rod_energy as twin
 from twins.rod_cases import small_spring, uniform_spring
 from valvetrain.cosserat.buffer import RodDynamics, stable_time_step
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
-from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.cosserat.transient import RodTransient, simulate
 from valvetrain.errors import InputError
@@ -202,14 +201,3 @@ def test_the_stable_step_is_stable_and_not_wasteful():
         1.15 * limit / dynamics.step_safety,
     )
     assert not wild.completed
-
-
-def test_samples_can_be_discarded():
-    dynamics = RodDynamics()
-    mesh = mesh_spring(uniform_spring(coils=2.0), 8)
-    state = free_state(mesh)
-    motion = lambda t: bump(t, 5e-4, 0, 3e-4)
-    whole = simulate(mesh, state, motion, 1e-5, 30, dynamics)
-    tail = simulate(mesh, state, motion, 1e-5, 30, dynamics, discard=20)
-    assert np.array_equal(tail.seat_force, whole.seat_force[20:])
-    assert np.array_equal(tail.time, whole.time[20:])

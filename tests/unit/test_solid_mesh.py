@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
-from validation.calculix.deck import seat_plates
 from validation.calculix.jobs import jacobian_quality
 
 from valvetrain.continuum import mesh as hexahedra
-from valvetrain.continuum.mesh import MeshOptions, layer_coils, sweep_spring
-from valvetrain.continuum.section import disc_section
+from valvetrain.continuum.mesh import MeshOptions, sweep_spring
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import conical, cylindrical
 from valvetrain.parameters.curves import Constant
@@ -55,17 +51,6 @@ def test_twenty_node_gradients_reproduce_a_quadratic_field():
     )
 
 
-@pytest.mark.parametrize(("core", "rings"), [(1, 1), (2, 1), (3, 2)])
-def test_section_nodes_are_the_disc(core, rings):
-    section = disc_section(core, rings)
-    assert len(section.quads) == core**2 + 4 * core * rings
-    assert len(np.unique(section.quads)) == len(section.nodes)
-    rim = section.nodes[section.quads[section.rim_quads][:, [1, 2, 5]]]
-    # Enlarged a little so that the area inside the arcs is exactly that of the disc.
-    assert np.ptp(np.hypot(rim[..., 0], rim[..., 1])) < 1e-12
-    assert 1 <= np.hypot(*rim[0, 0]) < 1.01
-
-
 def volume_of(mesh) -> float:
     return hexahedra.volume(mesh.coordinates, mesh.elements)
 
@@ -90,17 +75,6 @@ def test_volume_converges_with_fourth_order(uniform):
         for n in (1, 2)
     ]
     assert 3.5 < np.log2(errors[0] / errors[1]) < 4.5
-
-
-def test_end_sections_are_bonded_and_stand_across_the_wire(uniform):
-    mesh = sweep_spring(uniform)
-    for name, coil in (("seat", 0.0), ("retainer", 3.0)):
-        nodes = mesh.node_sets[name]
-        assert np.allclose(mesh.coil[nodes], coil)
-        away = mesh.coordinates[nodes] - uniform.centreline(coil)
-        tangent = uniform.centreline(coil + 1e-6) - uniform.centreline(coil - 1e-6)
-        assert np.max(np.abs(away @ tangent / np.linalg.norm(tangent))) < 1e-9
-        assert np.max(np.linalg.norm(away, axis=-1)) == pytest.approx(1.9e-3, rel=1e-2)
 
 
 def test_held_turns_move_with_their_seats():
@@ -138,25 +112,6 @@ def test_too_much_grinding_is_refused():
         sweep_spring(spring, MeshOptions(12, 1, 1, ends="ground"))
 
 
-def test_layers_refine_towards_the_clamps(uniform):
-    layers = layer_coils(uniform, MeshOptions(24, 2, 1, end_refinement=3.0))
-    steps = np.diff(layers)
-    assert layers[0] == 0 and layers[-1] == 3
-    assert steps[0] == pytest.approx(steps[-1], rel=1e-6)
-    assert steps[0] < 0.45 * steps[len(steps) // 2]
-
-
-def test_contact_faces_look_down_and_up(uniform):
-    mesh = sweep_spring(uniform, MeshOptions(12, 2, 1))
-    for faces, sign in ((mesh.lower, -1), (mesh.upper, 1)):
-        # Side 4 of a hexahedron: corners 2, 6, 7, 3.
-        corners = mesh.coordinates[mesh.elements[faces.elements][:, [1, 5, 6, 2]]]
-        normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        outward = corners.mean(axis=1) - uniform.centreline(faces.coil)
-        assert np.all(np.abs(np.einsum("na,na->n", normal, outward)) > 0)
-        assert np.all(sign * outward[:, 2] > 0.3 * np.linalg.norm(outward, axis=-1))
-
-
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -177,40 +132,3 @@ def test_tapered_wire_paths_mesh_too():
     mesh = sweep_spring(spring, MeshOptions(24, 2, 1, ends="bonded"))
     assert jacobian_quality(mesh) > 0.2
     assert volume_of(mesh) == pytest.approx(wire_volume(spring), rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("free", "grinding", "ground", "reach"),
-    [
-        ((0.0, 6.0), (0.0, 0.0), False, (0.0, 0.9, 5.1, 6.0)),
-        ((0.5, 5.75), (0.25, 0.75), True, (0.5, 1.4, 4.85, 5.75)),
-        ((0.5, 5.75), (0.25, 0.75), False, (0.5, 1.4, 4.35, 5.25)),
-        ((0.25, 5.75), (1.0, 0.1), False, (1.0, 1.9, 4.85, 5.75)),
-        ((2.9, 3.3), (2.0, 1.0), True, (2.9, 3.3, 2.9, 3.3)),
-    ],
-)
-def test_seat_plates_are_blocks_under_and_over_the_wire(free, grinding, ground, reach):
-    """A cone of 4 mm wire, 30 mm over its widest coil: blocks of three quarters of that to each
-    side, one wire thick (mm).
-    """
-    cone = SimpleNamespace(
-        free_coils=free,
-        total_coils=6.0,
-        wire_diameter=Constant(4e-3),
-        outer_diameter=lambda coil: 30e-3 - 1e-3 * coil,
-        lower_end=SimpleNamespace(ground_coils=grinding[0]),
-        upper_end=SimpleNamespace(ground_coils=grinding[1]),
-        lower_seat_height=-1e-3,
-        upper_seat_height=37e-3,
-    )
-    lower, upper = seat_plates(cone, ground)
-    for plate, told, heights in (
-        (lower, ("SEATPLANE", "SEAT", "S2"), (-5, -1)),
-        (upper, ("RETAINERPLANE", "RETAINER", "S1"), (37, 41)),
-    ):
-        assert (plate.name, plate.node_set, plate.side) == told
-        square = [(-22.5, -22.5), (22.5, -22.5), (22.5, 22.5), (-22.5, 22.5)]
-        assert 1e3 * plate.corners == pytest.approx(
-            np.array([(*corner, height) for height in heights for corner in square])
-        )
-    assert (lower.first, lower.last, upper.first, upper.last) == pytest.approx(reach)

@@ -15,7 +15,6 @@ from valvetrain.parameters.constructors import (
 )
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
 from valvetrain.parameters.material import MATERIALS, OTEVA_90_SC, Material, material_by_name
-from valvetrain.parameters.schema_spring import EndModel
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
 
 WIRE, DIAMETER, PITCH, TURNS = 4e-3, 24e-3, 7e-3, 6.0
@@ -107,9 +106,7 @@ def build(**changes):
 @pytest.mark.parametrize(
     ("wrong", "reason"),
     [
-        ({"total_coils": 0.0}, "has 0.0 turns"),
         ({"total_coils": float("nan")}, "has nan turns"),
-        ({"hand": "both"}, "use right or left"),
         (
             {"lower_end": EndCoil("closed", 3.0), "upper_end": EndCoil("closed", 2.8)},
             "of which 5.8 are inactive",
@@ -138,21 +135,6 @@ def test_an_impossible_spring_is_refused_with_its_reason(wrong, reason):
     assert build().name == "spring"
 
 
-def test_open_ends_hold_no_turns_in_python_as_in_a_case_file():
-    assert (EndCoil("open").inactive_coils, EndCoil("open").ground_coils) == (0.0, 0.0)
-    assert (EndCoil("closed").inactive_coils, EndCoil("closed").ground_coils) == (0.75, 0.0)
-    assert EndCoil() == EndCoil("closed-ground", 0.75, 0.75)
-    assert EndCoil("open", 0.5, 0.25).inactive_coils == 0.5
-    for kind in ("closed-ground", "closed", "open"):
-        assert EndModel(kind=kind).build() == EndCoil(kind)
-    bare = cylindrical(WIRE, DIAMETER, PITCH, TURNS, closed_coils=0)
-    assert bare == cylindrical(
-        WIRE, DIAMETER, PITCH, TURNS, closed_coils=0, lower_end=OPEN_END, upper_end=OPEN_END
-    )
-    assert bare.free_coils == (0.0, TURNS)
-    assert cylindrical(WIRE, DIAMETER, PITCH, TURNS).lower_end == EndCoil()
-
-
 def test_constructors_take_units_and_refuse_slips():
     plain = cylindrical(4e-3, 24e-3, 8e-3, 7.0)
     assert cylindrical("4 mm", "24 mm", "8 mm", 7.0) == plain
@@ -170,8 +152,6 @@ def test_constructors_take_units_and_refuse_slips():
 def test_ends_and_constructors_refuse_what_cannot_be():
     with pytest.raises(InputError, match="end coil kind 'ground'"):
         EndCoil("ground")
-    with pytest.raises(InputError, match="between 0 and 3"):
-        EndCoil(inactive_coils=3.5)
     with pytest.raises(InputError, match="no space between the closed ends"):
         pitch_with_closed_ends(2.5, WIRE, PITCH)
     with pytest.raises(InputError, match="slimmer in the middle"):

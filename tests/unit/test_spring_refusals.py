@@ -1,7 +1,5 @@
 """Wrong input about springs: each slip gets one sentence that names it, or what was meant."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -12,13 +10,10 @@ from valvetrain.cosserat.static import RodStatics, TipLoads
 from valvetrain.errors import InputError
 from valvetrain.parameters.constructors import cylindrical, variable_pitch
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
-from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, SpringCard
+from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
-from valvetrain.quantities.cycle import Frame
-from valvetrain.quantities.evaluate import evaluate
-from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import rod_statics, statics_by_model
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.multi_mass import MultiMassSpring
@@ -147,22 +142,3 @@ def test_axial_mass_of_all_modes_is_the_mass_that_moves_whatever_hangs_on_the_re
         every = natural_modes(RodStatics(mesh), free_state(mesh), 10_000, end_mass)
         assert np.sum(every.axial_mass_share) == pytest.approx(1.0, abs=0.02), end_mass
     assert every.axial_mass_share[np.argmin(every.natural_frequency)] > 0.9
-
-
-def test_coils_whose_contact_is_off_do_not_clash():
-    """Nothing is listed or counted for job-t; nor for a record with contact forces once it is
-    judged as of springs without contact.
-    """
-    for solution in run_study(
-        load_case("job-t"), spring_models=["finite-element", "multi-mass"], workers=1
-    ).solutions:
-        assert solution.status.completed and "clash_count" not in solution.quantities
-        assert not [event for event in solution.events if event.kind == "clash"]
-    case = load_case("job-c")
-    (clashing,) = run_study(case, spring_models=["multi-mass"], workers=1).solutions
-    assert clashing.quantities["clash_count"] > 0
-    off = replace(case.springs[0], contact=CoilContact(0.0))
-    judged = evaluate(clashing, Frame(springs=(off,)))
-    assert "clash_count" not in judged.quantities and not [
-        event for event in judged.events if event.kind == "clash"
-    ]

@@ -3,7 +3,6 @@ unless its ends are held.
 """
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,11 +11,7 @@ from spring_parts import drive, raised_cosine
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
-from valvetrain.runs.coil_bind import bound
 from valvetrain.runs.run import run_study
-from valvetrain.solution.channels import spring_channels
-from valvetrain.solution.provenance import Provenance
-from valvetrain.solution.result import Solution
 from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.springs.spec import spring_model
 from valvetrain.springs.wave_rod import WaveRod
@@ -166,42 +161,3 @@ def test_a_spring_whose_card_does_not_tell_its_solid_height_is_not_judged():
         workers=1,
     ).solutions
     assert solution.status.code != "coil-bind" and "coil_bind_clearance" not in solution.quantities
-
-
-@pytest.mark.parametrize(
-    ("rooms", "named"),
-    [
-        ({"one": 8e-3, "two": 7e-3}, "two"),
-        ({"one": 7e-3, "two": 8e-3}, "one"),
-        ({"one": 7e-3, "two": 7e-3}, "one"),
-        ({"one": None, "two": 7e-3}, "two"),
-        ({"one": 7e-3, "two": None}, "one"),
-        ({"one": None, "two": None}, None),
-        ({"one": 9.5e-3, "two": 12e-3}, None),
-    ],
-)
-def test_of_several_springs_the_first_to_be_solid_is_named(rooms, named):
-    """A lift of 9 mm: a nested pair is solid where the one with less room is, the first of two that
-    have the same.
-    """
-    angle = np.radians(np.arange(0.0, 360.0, 2.0))
-    lift = 4.5e-3 * (1 - np.cos(angle))
-    run = Solution(
-        spring_channels(angle / 300.0, angle, {"valve_lift": lift}),
-        provenance=Provenance("own", "massless", 600.0),
-    )
-    found = bound(
-        run, tuple(SimpleNamespace(name=name, room=room) for name, room in rooms.items())
-    ).status
-    if named is None:
-        assert found == run.status
-        return
-    first = angle[lift >= 7e-3][0]
-    assert (found.code, found.where, found.time) == (
-        "coil-bind",
-        named,
-        pytest.approx(first / 300.0),
-    )
-    assert found.message == (
-        f"spring '{named}' is solid at 7 mm of lift, which the retainer passes at {np.degrees(first):.1f} cam degrees, where the run ends"
-    )
