@@ -13,7 +13,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "valvetrain"
-DATA_FLOW = "case file -> parameters -> Problem -> System -> integrate -> Solution -> quantities -> findings -> views"
 
 
 @dataclass(frozen=True)

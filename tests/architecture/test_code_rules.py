@@ -184,16 +184,6 @@ def is_compiled(function: Function, tree: ast.Module) -> bool:
     )
 
 
-def test_the_rules_catch_what_they_should():
-    tree = ast.parse(
-        "class A:\n    speed: float\n    def f(self, angle): ...\n"
-        "def g(x: int, *, rpm=1) -> int: ...\ndef _h(lift): ...\n@njit(cache=True)\ndef k(x):\n    'Doc.'\n"
-    )
-    assert bare_names(tree) == ["A.f(angle)", "g(rpm)", "A.speed"]
-    assert untyped(tree) == ["A.f(angle) -> ?", "g(rpm)"]
-    assert undocumented(tree) == ["A", "A.f", "g"]
-
-
 def test_files_stay_short():
     paths = [
         *modules().values(),

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from architecture.layout import DATA_FLOW, ROOT
+from architecture.layout import ROOT
 from valvetrain.cli.main import app
 
 DOCS = ROOT / "docs"
@@ -21,7 +21,6 @@ PAGES = sorted(path for path in DOCS.rglob("*.md") if "_site" not in path.parts)
 ALL = [*PAGES, *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))]
 #: Pages that a build writes.
 BUILT = {"commands", "api/index", "gallery/index", "notebooks/index"}
-FENCE = re.compile(r"^(?P<fence>```+|:::+)[^\n]*\n.*?^(?P=fence)[ ]*$", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"^```(?P<language>\w+)\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<!\\)\]\(([^()\s]+)\)")
 TREE = re.compile(
@@ -92,10 +91,6 @@ def test_every_page_is_reached_from_the_first():
     assert not reached - pages - BUILT
 
 
-def test_the_first_page_says_how_data_flow():
-    assert DATA_FLOW in text_of(DOCS / "index.md")
-
-
 def lost_links(path: Path) -> list[str]:
     """Links of a page to a file or an anchor that is not there."""
     lost = []
@@ -112,14 +107,6 @@ def lost_links(path: Path) -> list[str]:
 @identity
 def test_links_lead_somewhere(path):
     assert not lost_links(path)
-
-
-def test_a_lost_link_is_found(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text(
-        "# One *two*\n\n[a](#one-two) [b](#one) [c](other.md) [d](page.md#one-two) [e](https://example.org)\n\n```text\n[f](no.md)\n```\n"
-    )
-    assert lost_links(page) == ["#one", "other.md"]
 
 
 @cache
@@ -171,18 +158,6 @@ def test_commands_of_a_page_exist_with_their_options(path):
     }
     lines = [line for line in lines_of_commands(text) if " ".join(line.split()[:2]) not in added]
     assert not [words for words in map(refused, lines) if words]
-
-
-def test_a_slip_in_a_command_is_found():
-    assert (
-        refused("valvetrain rum gu2021-beehive-blind")
-        and refused("valvetrain run x --engine-sped 1")
-        and not refused("valvetrain run x --json")
-    )
-    assert lines_of_commands(
-        "```bash\nvalvetrain run x \\\n  --json\n```\nand `valvetrain new y`\n\n    valvetrain cases\n"
-    )[0].endswith("--json")
-    assert len(lines_of_commands("`valvetrain new y`\n\n    valvetrain cases\n")) == 2
 
 
 @identity

@@ -16,13 +16,9 @@ import pytest
 from api_pages import HOMES, object_of
 
 import valvetrain
-from architecture.layout import DATA_FLOW, PACKAGE, ROOT
+from architecture.layout import PACKAGE, ROOT
 
 TOP = [path for path in HOMES if path.count(".") == 1]
-
-
-def test_the_first_line_is_the_data_flow():
-    assert (valvetrain.__doc__ or "").splitlines()[0] == DATA_FLOW
 
 
 def test_the_top_has_few_names():

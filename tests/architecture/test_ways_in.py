@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
@@ -23,12 +22,6 @@ def pinned(path: str) -> dict[str, str]:
             r"^([\w.-]+)==(\S+) \\$", (ROOT / path).read_text(encoding="utf-8"), re.MULTILINE
         )
     )
-
-
-def test_the_readme_shows_the_two_commands_first():
-    first_block = re.search(r"^```\w*\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
-    assert first_block
-    assert re.findall(r"^make \w+", first_block[1], re.MULTILINE) == ["make run", "make test"]
 
 
 def test_every_make_command_of_the_documents_exists():
@@ -78,14 +71,6 @@ def test_everything_that_make_and_the_documents_start_exists():
     assert named and not [(page, name) for page, name in named if not (ROOT / name).exists()]
 
 
-def test_every_link_of_the_readme_leads_to_a_file():
-    links = [
-        link.split("#")[0] for link in re.findall(r"\]\(([^)\s]+)\)", README) if "://" not in link
-    ]
-    assert links
-    assert not [link for link in links if not (ROOT / link).exists()]
-
-
 def test_ci_runs_the_tests_by_the_same_command():
     steps = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
     assert (
@@ -129,29 +114,3 @@ def test_the_lowest_versions_are_those_of_the_project():
     assert {re.split("[<>=]", one)[0] for one in project["dependencies"]} <= {
         pin.partition("==")[0] for pin in pins
     }
-
-
-@pytest.mark.parametrize(
-    ("variables", "folder"),
-    [
-        ((), ".venv"),
-        (("PYTHON=python3.12",), ".venv-python3.12"),
-        (("PYTHON=/opt/bin/python3.13",), ".venv-python3.13"),
-        (("LOWEST=1",), ".venv-lowest"),
-    ],
-)
-def test_each_interpreter_and_the_lowest_versions_have_their_own_environment(variables, folder):
-    clean = {
-        name: value
-        for name, value in os.environ.items()
-        if name not in ("PYTHON", "VENV", "LOWEST", "MAKEFLAGS", "MAKELEVEL")
-    }
-    told = subprocess.run(
-        ["make", "-n", "run", *variables],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-        env=clean,
-    )
-    assert f"\n{folder}/bin/valvetrain run" in f"\n{told.stdout}"

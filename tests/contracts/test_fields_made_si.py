@@ -6,14 +6,12 @@ from __future__ import annotations
 
 import ast
 import dataclasses
-import inspect
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from validation.calculix.jobs import SolidSpring
 
 import valvetrain as vt
 from valvetrain.cosserat.batch import simulate_batch
@@ -215,10 +213,3 @@ def test_an_argument_is_the_same_as_a_number_and_as_text(name):
     assert np.asarray(read(2 * number)) != pytest.approx(np.asarray(read(number)), rel=1e-3)
     with pytest.raises(vt.InputError):
         read("3 apples")
-
-
-def test_a_solid_spring_reads_the_unit_before_it_calls_the_solver():
-    for method in (SolidSpring.static_curve, SolidSpring.modes):
-        with pytest.raises(vt.InputError, match="apples"):
-            method(SolidSpring(SPRING), "3 apples")
-        assert "Given" in str(inspect.signature(method).parameters["compression"].annotation)

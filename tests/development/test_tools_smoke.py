@@ -5,7 +5,6 @@ faults (``make bench`` and so on).
 from __future__ import annotations
 
 import importlib
-import json
 import os
 import subprocess
 import sys
@@ -95,16 +94,6 @@ def test_points_of_a_study_are_measured():
     from benchmarks import study_points
 
     assert study_points.wall_time("multi-mass", 2, 1) > 0
-
-
-def test_rows_are_printed_and_saved(tmp_path):
-    from benchmarks.rows import Row, save
-
-    save([Row("job", "program", "setting", 1.0)], tmp_path)
-    assert (
-        json.loads((tmp_path / "speed.json").read_text())["rows"][0]["wall"] == 1.0
-        and "| job |" in (tmp_path / "speed.md").read_text()
-    )
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, clashing_run, run
-from synthetic_train import ANGLE, CAM_SPEED, found, train
+from synthetic_train import ANGLE, CAM_SPEED, train
 from valvetrain.errors import InputError
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
@@ -198,32 +198,12 @@ def test_clash_numbers_are_those_of_the_last_turn_and_absent_without_contact():
     assert passed.events == () and "clash_count" not in passed.quantities
 
 
-def test_main_clash_needs_an_event_and_a_surge_frequency():
-    assert (
-        "main_clash_peak_force"
-        in evaluate(
-            clashing_run(2880), Frame(surge_frequencies=(600.0,), lift_event=EVENT)
-        ).quantities
-    )
-    assert (
-        "main_clash_peak_force"
-        not in evaluate(clashing_run(2880), Frame(surge_frequencies=(600.0,))).quantities
-    )
-
-
 def test_a_diverged_run_gives_nothing_and_a_short_one_no_peak():
     broken = run({"seat_force": lambda degrees: np.where(degrees > 300, np.nan, 300.0)})
     assert evaluate(broken).quantities == {}
     whole = run({"seat_force": lambda degrees: 300 + degrees}, turns=1)
     cut = type(whole)(whole.channels.isel(sample=slice(0, 300)), provenance=whole.provenance)
     assert "peak_spring_force" not in evaluate(cut).quantities
-
-
-def test_evaluating_twice_changes_nothing():
-    for once in (evaluate(clashing_run(), Frame((SPRING,))), found()):
-        frame = Frame((SPRING,)) if once.provenance.system != "train" else None
-        again = evaluate(once, frame) if frame else found(once)
-        assert again.events == once.events and again.quantities == once.quantities
 
 
 def test_an_unknown_source_is_refused():

@@ -5,16 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from synthetic_spring import ENGINE_SPEED, EVENT, beehive_reader, bump, clashing_run, run
+from synthetic_spring import EVENT, beehive_reader, bump, clashing_run, run
 from valvetrain.errors import InputError
 from valvetrain.quantities.clash import (
     IMPULSE_SHARE,
-    _vertex,
     find_clash_window,
     main_clash_quantities,
 )
 from valvetrain.quantities.cycle import reported_cycle
-from valvetrain.quantities.forces import energy_balance, surge_order
+from valvetrain.quantities.forces import energy_balance
 from valvetrain.quantities.signal import filtered_force, low_pass
 
 DEG = np.pi / 180
@@ -122,10 +121,6 @@ def test_filter_refuses_what_it_cannot_do():
     assert filtered_force(run({"seat_force": _force}, per_turn=72), 10e3) is None
 
 
-def test_surge_order_of_the_beehive_at_5600_rpm():
-    assert 360 / surge_order(630.0, ENGINE_SPEED) == pytest.approx(26.67, abs=0.01)
-
-
 def test_energy_balance_finds_the_energy_that_was_lost():
     def missing(factor):
         angle = np.linspace(0, 4 * np.pi, 1440)
@@ -170,27 +165,6 @@ def test_main_clash_of_a_made_up_force():
     assert found["main_clash_impulse"] == pytest.approx(
         np.trapezoid(fine.ravel()[here] - 300.0, time[here]), rel=0.02
     )
-
-
-@pytest.mark.parametrize("size", [1e-6, 1e-3, 1.0, 1e6])
-@pytest.mark.parametrize(
-    ("shape", "place"),
-    [
-        (lambda x: -((x - 10.25) ** 2), 10.25),  # a parabola: its vertex, between the samples
-        (lambda x: -((x - 10.0) ** 2), 10.0),
-        (lambda x: -np.abs(x - 10.0), 10.0),  # a kink alike on both sides
-        (
-            lambda x: np.exp(-x),
-            0.0,
-        ),  # falls ever slower from the first sample on: no vertex near, the sample itself
-        (lambda x: np.exp(x - 20.0), 20.0),
-        (lambda x: -x, 0.0),
-    ],
-)
-def test_the_angle_of_a_largest_force_does_not_depend_on_its_size(shape, place, size):
-    steps = np.arange(21.0)
-    found = _vertex(0.01 * steps, size * shape(steps), np.arange(21))
-    assert found == pytest.approx(0.01 * place, abs=1e-9)
 
 
 def test_filter_of_a_closed_period_sees_its_end_before_its_beginning():

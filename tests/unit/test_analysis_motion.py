@@ -3,34 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, run
-from valvetrain.integrate.clash import RECORDED, ClashRule, runs
+from valvetrain.integrate.clash import RECORDED, ClashRule
 from valvetrain.quantities.clash import clash_events
-from valvetrain.quantities.compare import compare, pair_angles
+from valvetrain.quantities.compare import pair_angles
 from valvetrain.quantities.cycle import Frame, reported_cycle
-from valvetrain.quantities.signal import separate_spikes
 from valvetrain.quantities.statics import (
-    natural_quantities,
-    rest_quantities,
     slope_change,
     static_quantities,
 )
 from valvetrain.solution.channels import FINE
-from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.quantity import Quantity, unit_of
-from valvetrain.solution.static import SpringAtRest, StaticCurve
+from valvetrain.solution.static import StaticCurve
 from valvetrain.solution.status import Event
 from valvetrain.sources.library import GU2021
-from valvetrain.sources.reader import bounce, interval, meetings
+from valvetrain.sources.reader import bounce, meetings
 
 DEG = np.pi / 180
 SPIKES = (20.0, 46.5, 73.0, 100.0, 245.5, 300.0, 327.0, 354.5)
-COUNTERPARTS = {name: origin.run for name, origin in GU2021.origins.items()}
 MEETINGS, INTERVAL, BOUNCE = (
     next(one for one in GU2021.readings if one.kind == kind)
     for kind in ("meetings", "interval", "bounce")
@@ -175,20 +168,6 @@ def test_touches_close_together_are_one_collision():
     assert [one / DEG for one in found.values()] == pytest.approx([20, 100, 245.5, 300, 327, 354.5])
 
 
-@pytest.mark.parametrize(
-    ("angles", "mean"), [((20, 46, 72, 240, 266, 292, 345), 26.0), ((20, 240), None)]
-)
-def test_mean_interval_skips_stage_2_and_missed_collisions(angles, mean):
-    found = {f"clash_{n}_cam_angle": angle * DEG for n, angle in enumerate(angles, start=1)}
-    told = interval(_reader(_motion(), **found), INTERVAL)
-    assert told == ({} if mean is None else {INTERVAL.names[0]: pytest.approx(mean * DEG)})
-
-
-def test_separation_follows_speed_and_frequency():
-    reader = GU2021.reader(reported_cycle(_motion()), EVENT, 630.0)
-    assert reader.separation == pytest.approx(0.35 * 26.667 * DEG, rel=1e-4)
-
-
 def test_clashes_merge_neighbours_and_leave_resting_coils_out():
     events = clash_events(_motion(), surge_frequencies=(2000 / 3,))
     assert len(events) == 6  # two clashes of coils 1-2 and one of 2-3, in each of two turns
@@ -242,11 +221,6 @@ def test_hysteresis_keeps_a_chattering_contact_whole():
     assert len(clash_events(_motion(coil_contact_force=contact), ClashRule(off_force=0.8))) > 2
 
 
-def test_runs_of_true():
-    assert runs(np.array([1, 1, 0, 0, 1, 0, 1], dtype=bool)) == [(0, 1), (4, 4), (6, 6)]
-    assert runs(np.zeros(3, dtype=bool)) == []
-
-
 def test_bounce_is_that_of_the_point_that_bounces_and_is_pressed_hardest_at_the_spike():
     """One point is pressed harder but stays in contact, another leaves for three degrees and comes
     back, a third touches between samples only, ten degrees later.
@@ -282,12 +256,6 @@ def test_bounce_is_that_of_the_point_that_bounces_and_is_pressed_hardest_at_the_
     assert told(240.25, 2.5) == {}  # back in another collision
 
 
-def test_separate_spikes_takes_the_largest_first():
-    position = np.arange(10.0)
-    size = np.array([0, 3, 0, 5, 0, 0, 4, 0, 1, 0.0])
-    assert list(separate_spikes(position, size, 2.5, 2.0)) == [3, 6]
-
-
 def test_statics_of_a_bilinear_spring():
     compression = np.linspace(0, 10e-3, 101)
     force = 40e3 * compression + 4e3 * np.maximum(compression - 5e-3, 0)
@@ -310,89 +278,6 @@ def test_statics_of_a_bilinear_spring():
     assert static_quantities(curve, 11e-3) == {}
 
 
-def test_quantities_at_rest_join_curve_and_modes():
-    modes = ModalResult(
-        7e-3,
-        np.array([500.0, 630.0, 1120.0]),
-        np.zeros((3, 2, 3)),
-        np.arange(2.0),
-        np.ones(3),
-        (1, 2),
-    )
-    found = rest_quantities(
-        SpringAtRest("spring", "finite-element", 7e-3, modes=modes), ["natural_1_frequency"]
-    )
-    assert found == {
-        "mode_1_frequency": 630.0,
-        "mode_2_frequency": 1120.0,
-        "natural_1_frequency": 500.0,
-    }
-
-
-def test_units_follow_the_last_word():
-    assert [
-        unit_of(name)
-        for name in (
-            "stage_2_peak_force",
-            "clash_1_cam_angle",
-            "node_2_stage_1_velocity_range",
-            "preload",
-        )
-    ] == [
-        "N",
-        "rad",
-        "m/s",
-        "N",
-    ]
-
-
-def _published(quantity, value, **more):
-    defaults = {
-        "unit": "N",
-        "model": "solid finite elements",
-        "role": "prediction",
-        "engine_speed": 100.0,
-    }
-    defaults |= {
-        "source": "s",
-        "tolerance": None,
-        "relation": "equal",
-        "used_for": "",
-        "doubt": "",
-        "reading": "",
-    }
-    return SimpleNamespace(quantity=quantity, value=value, **{**defaults, **more})
-
-
-def test_published_collision_meets_the_nearest_computed_one():
-    computed = {
-        Quantity(f"clash_{n}_cam_angle", 100.0, "finite-element"): angle * DEG
-        for n, angle in enumerate((5, 20, 48), start=1)
-    }
-    rows = compare(
-        [_published("clash_1_cam_angle", 20 * DEG), _published("clash_2_cam_angle", 46.5 * DEG)],
-        computed,
-        COUNTERPARTS,
-        GU2021.counted,
-    )
-    assert [row.difference / DEG for row in rows] == pytest.approx([0, 1.5])
-
-
-def test_models_meet_their_counterparts_only():
-    values = {
-        Quantity("stage_2_peak_force", 100.0, "modal-varied"): 1.0,
-        Quantity("preload"): 289.0,
-    }
-    peak = "stage_2_peak_force"
-    published = [
-        _published(peak, 2.0),
-        _published(peak, 2.0, model="analytical modal"),
-        _published("preload", 289.0, engine_speed=None),
-    ]
-    rows = compare(published, values, COUNTERPARTS)
-    assert [row.computed for row in rows] == [None, 1.0, 289.0]
-
-
 def test_large_deflection_of_an_even_spring_is_no_stiffness_change():
     compression = np.linspace(0, 7e-3, 30)
     stiffness = 39.42e3 * (
@@ -405,16 +290,6 @@ def test_large_deflection_of_an_even_spring_is_no_stiffness_change():
     assert slope_change(
         compression, force + 2e3 * np.maximum(compression - 4e-3, 0)
     ) == pytest.approx(4e-3, abs=0.2e-3)
-
-
-def test_numbered_frequencies_are_named_only_where_asked_for():
-    modes = ModalResult(
-        0.0, np.array([393.0, 396.0, 463.0]), np.zeros((3, 2, 3)), np.arange(2.0), np.ones(3), (2,)
-    )
-    assert natural_quantities(modes, []) == {}
-    assert natural_quantities(modes, ["natural_3_frequency", "natural_9_frequency", "preload"]) == {
-        "natural_3_frequency": 463.0
-    }
 
 
 @pytest.mark.parametrize(

@@ -7,14 +7,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from synthetic_spring import EVENT, beehive_reader, bump, clashing_run, run
+from synthetic_spring import EVENT, beehive_reader, bump, run
 from valvetrain.cam.build import build_lift_law
 from valvetrain.cam.event import find_lift_event
 from valvetrain.parameters.lift_law import LiftLawParameters
 from valvetrain.parameters.loading import load_case
-from valvetrain.quantities.cycle import Frame, reported_cycle
-from valvetrain.quantities.evaluate import evaluate
-from valvetrain.quantities.signal import WINDOWS, is_covered, window_bounds
 from valvetrain.solution.study import LiftEvent
 
 DEG = np.pi / 180
@@ -83,32 +80,6 @@ def test_no_event_without_lift_or_across_the_zero(law):
     assert find_lift_event(None) is None
 
 
-def test_windows_share_the_cycle_between_them():
-    cycle = reported_cycle(run({"seat_force": lambda degrees: 300 + 0 * degrees}))
-    counts = [int(np.sum(cycle.window(*window_bounds(EVENT, window)))) for window in WINDOWS]
-    assert counts == [254, 212, 254]
-    assert all(is_covered(cycle, EVENT, window) for window in WINDOWS)
-
-
-def test_no_source_no_stages_and_no_event_no_stages():
-    made = run({"seat_force": lambda degrees: 300 + 50 * bump(degrees, 180, 100)})
-    own, other = evaluate(made, Frame(lift_event=EVENT)), evaluate(made, Frame(source="gu2021"))
-    assert not [
-        name for name in {**own.quantities, **other.quantities} if "stage" in name or "node" in name
-    ]
-    assert (
-        "stage_2_peak_force" in evaluate(made, Frame(lift_event=EVENT, source="gu2021")).quantities
-    )
-
-
-def test_an_empty_stage_is_left_out():
-    made = run({"seat_force": 300 + np.arange(1440.0) % 720})
-    found = beehive_reader(made, LiftEvent(0.0, np.radians(140.0))).found
-    assert "stage_2_peak_force" in found and not [
-        name for name in found if name.startswith("stage_1")
-    ]
-
-
 @pytest.mark.parametrize("ripple", [60, 120])
 def test_a_ripple_on_the_rising_flank_is_no_maximum_of_stage_2(ripple):
     """Below the middle of the forces, however far it stands out: the two maxima and the valley stay
@@ -137,13 +108,3 @@ def test_a_ripple_on_the_rising_flank_is_no_maximum_of_stage_2(ripple):
     )
     assert {name: rippled[name] for name in names} == {name: smooth[name] for name in names}
     assert np.degrees(smooth["stage_2_first_peak_cam_angle"]) == pytest.approx(165, abs=5)
-
-
-def test_highest_instant_stands_beside_the_sampled_spike():
-    made = clashing_run()
-    cycle, found = reported_cycle(made), beehive_reader(made).found
-    late = cycle.cam_angle >= np.radians(240.0)
-    assert found["stage_3_every_instant_peak_force"] == np.max(
-        made.channel("seat_force_fine")[cycle.samples][late]
-    )
-    assert found["stage_3_every_instant_peak_force"] >= found["stage_3_peak_force"]

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.parameters.train import TrainParameters
 from valvetrain.runs.run import run_study, sweep_study
 from valvetrain.runs.workers import available_cores, map_cases, map_points
 
@@ -118,18 +116,3 @@ def test_a_sweep_survives_one_bad_speed_and_names_it(monkeypatch):
     assert "massless at 4774.65 rpm" in sentence and "no equilibrium" in sentence
     _, velocity = found.series(found.labels[0], "seating_velocity")
     assert np.isfinite(velocity[0]) and np.isnan(velocity[1])
-
-
-def test_variants_of_one_train_share_its_mechanism_and_equal_springs_share_nothing_else():
-    from valvetrain.system.build import build
-
-    train = load_case("vaz-ohc").train
-    assert isinstance(train, TrainParameters)
-    members = build(load_case("vaz-ohc")).members
-    gears = {id(member.gear) for member in members}
-    assert len(gears) == len(
-        {
-            replace(variant, label="", spring_set="", spring_model="", note="")
-            for variant in train.variants
-        }
-    )

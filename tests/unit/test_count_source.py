@@ -8,21 +8,9 @@ import sys
 import tomllib
 
 import pytest
-from count_source import ROOT, complaints, meaningful, tokens_of
+from count_source import ROOT, complaints, tokens_of
 
-#: ``print(f"{a:{b}} c")  # why`` as tokenizers of Python 3.11 and of 3.12 and later split it.
-OLD = "ENCODING NAME OP STRING OP COMMENT NEWLINE ENDMARKER"
-NEW = (
-    "ENCODING NAME OP FSTRING_START OP NAME OP FSTRING_MIDDLE OP NAME OP OP FSTRING_MIDDLE "
-    "FSTRING_END OP COMMENT NEWLINE ENDMARKER"
-)
-NESTED = "NAME OP FSTRING_START OP FSTRING_START OP NAME OP FSTRING_END OP FSTRING_END"
 BOUNDS = {"cam": 100, "springs": 200, "page_bytes": 50}
-
-
-@pytest.mark.parametrize(("kinds", "number"), [(OLD, 4), (NEW, 4), (NESTED, 3)])
-def test_an_f_string_is_one_token_of_any_tokenizer(kinds, number):
-    assert meaningful(kinds.split()) == number
 
 
 def test_an_f_string_is_one_token_of_this_python(tmp_path):

@@ -29,10 +29,8 @@ from valvetrain.solution import atomic as checksum
 from valvetrain.solution import netcdf, read_apart
 from valvetrain.solution.metadata import refuse_claims
 from valvetrain.solution.netcdf import (
-    load_modal_result,
     load_netcdf,
     load_static_curve,
-    save_modal_result,
     save_netcdf,
     save_static_curve,
 )
@@ -87,13 +85,6 @@ def test_one_exchanged_bit_anywhere_is_damage(tmp_path, save, load, name, place)
     content[int(place * len(content))] ^= 1
     path.write_bytes(bytes(content))
     refused(load, path)
-
-
-@pytest.mark.parametrize(("save", "load", "name"), READERS)
-def test_a_file_of_before_the_checksum_is_read(tmp_path, save, load, name):
-    path = save(RUN, tmp_path / name)
-    without_checksum(path)
-    assert load(path).identical(RUN)
 
 
 @pytest.mark.parametrize(("save", "load", "name"), READERS)
@@ -215,26 +206,6 @@ def test_deep_and_empty_descriptions_are_refused(opened, text):
     refused(load_netcdf, opened, "not a valvetrain")
 
 
-def test_a_description_without_statistics_is_read_as_none(opened):
-    description(opened, statistics=...)
-    assert load_netcdf(opened).statistics == {}
-
-
-@pytest.mark.parametrize(
-    ("more", "words"),
-    [
-        ({"axial_modes": [99]}, "axial_modes"),
-        ({"axial_modes": "x"}, "axial_modes"),
-        ({"compression": ...}, "compression"),
-    ],
-)
-def test_modes_that_lie_are_refused(tmp_path, more, words):
-    path = save_modal_result(at_rest()[0].modes, tmp_path / "modes.nc")
-    without_checksum(path)
-    description(path, **more)
-    refused(load_modal_result, path, words)
-
-
 @pytest.mark.parametrize("name", ["force", "coil_gap", "coil_number"])
 def test_a_curve_without_one_of_its_rows_is_refused(tmp_path, name):
     path = save_static_curve(at_rest()[0].curve, tmp_path / "curve.nc")
@@ -305,18 +276,6 @@ def test_a_variable_whose_one_piece_is_far_larger_than_what_is_stored_is_refused
     refuse_claims(tmp_path / "empty.nc")
 
 
-def test_what_its_checksum_vouches_for_is_read_at_once(tmp_path, monkeypatch):
-    tried = []
-    monkeypatch.setattr(netcdf, "tried_apart", lambda *given: tried.append(given))
-    path = save_netcdf(RUN, tmp_path / "run.nc")
-    assert load_netcdf(path).identical(RUN) and not tried
-    without_checksum(path)
-    assert load_netcdf(path).identical(RUN)
-    assert [given[:3] for given in tried] == [
-        ("valvetrain.solution.netcdf:dataset_of", path, str(path))
-    ]
-
-
 # ---- kept runs
 
 ANSWER = {
@@ -350,18 +309,6 @@ def test_a_changed_number_of_a_kept_run_is_damage_and_no_difference(tmp_path, ol
     with pytest.raises(InputError, match="checksum"):
         find_run(str(path.parent))
     assert [run.folder.name for run in list_saved_runs(root=tmp_path)] == ["a"]
-
-
-def test_a_run_of_before_the_checksum_is_read(tmp_path):
-    run = kept(tmp_path / "own" / "a")
-    path = run.folder / "run.json"
-    path.write_text(
-        json.dumps(
-            {key: value for key, value in json.loads(path.read_text()).items() if key != "checksum"}
-        ),
-        encoding="utf-8",
-    )
-    assert find_run(str(run.folder)).answer["case"] == "own"
 
 
 @pytest.mark.parametrize(

@@ -173,17 +173,6 @@ def test_what_no_file_holds_is_refused_and_nothing_is_written(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_files_of_others_and_damaged_ones_are_refused(tmp_path):
-    path = vt.save((ANGLE, LEVEL), tmp_path / "curve.nc")
-    whole = path.read_bytes()
-    path.write_bytes(whole[:-200] + b"x" + whole[-199:])
-    with pytest.raises(InputError, match="is damaged"):
-        vt.load(path)
-    path.write_bytes(b"nothing")
-    with pytest.raises(InputError, match="cannot be read as NetCDF"):
-        vt.load(path)
-
-
 def test_a_study_of_functions_is_saved_without_the_function(tmp_path):
     def double(size):
         return 2 * size

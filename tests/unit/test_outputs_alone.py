@@ -2,7 +2,6 @@
 between both ways.
 """
 
-import pickle
 from importlib import import_module
 
 import numpy as np
@@ -13,7 +12,6 @@ from valvetrain.errors import InputError
 from valvetrain.explore import evaluate  # noqa: F401  imported before its parts are counted
 from valvetrain.runs import statics
 from valvetrain.springs.multi_mass import MultiMassSpring
-from valvetrain.views.json import study_json
 
 #: A spring of textbook size in no library case, and its lift.
 SPRING = vt.Spring(
@@ -51,18 +49,6 @@ def counted(monkeypatch):
     watch(statics, "spring_statics", "rest")
     watch(MultiMassSpring, "outputs_at", "inner")
     return counts
-
-
-def test_a_result_computes_nothing_when_it_is_read_printed_or_sent(counted):
-    study = vt.simulate(CASE.parameters, "3000 rpm", spring_models="multi-mass", workers=1)
-    (run,) = study.solutions
-    done = dict(counted)
-    assert done["rest"] == 1 and done["inner"] > 0
-    assert run["axial_velocity"].dims == ("cam_angle", "coil_number") and len(run.quantities) > 50
-    assert study.verdict and repr(study) and study_json(study) and study.error_bars.rows == ()
-    sent = pickle.loads(pickle.dumps(study))
-    assert sent.solutions[0].identical(run) and sent.quantities == study.quantities
-    assert counted == done
 
 
 def test_outputs_are_computed_alone(counted):

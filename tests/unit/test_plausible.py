@@ -12,20 +12,17 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from unit.cli_parts import SMALL, call, sentence
+from unit.cli_parts import call, sentence
 from valvetrain.cam.closed_form import Zero
 from valvetrain.cam.polydyne import Polydyne
 from valvetrain.cam.spline import Spline, Stations
 from valvetrain.errors import InputError
-from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.plausible import (
-    FOUND,
     implausible,
     lift_extremes,
     plausible_rest,
     refuse_implausible_motion,
 )
-from valvetrain.runs.refine import refined
 from valvetrain.solution.static import Leaning, RestPoint, SpringAtRest, StaticCurve, StaticStress
 from valvetrain.system.build import build
 
@@ -139,35 +136,6 @@ def test_a_run_with_a_wire_faster_than_any_is_named_and_keeps_its_numbers():
     assert told.quantities == run.quantities
 
 
-def test_friction_that_holds_a_valve_is_refused():
-    case = vt.load_case("tdi-pushrod", {"train.valve.friction": "1e9 N"})
-    with pytest.raises(
-        InputError,
-        match=r"train.valve.friction: the friction in a guide is 1e\+09 N, above 10000 N",
-    ):
-        vt.simulate(case, "3000 rpm", spring_models=["massless"], spring_set=["stock"])
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("raw_peak_spring_force", 7e8),
-        ("peak_cam_contact_force", 2e6),
-        ("guide_force", 1e9),
-        ("peak_shear_stress", 1e11),
-        ("inner_axial_velocity", -1155.0),
-    ],
-)
-def test_each_range_of_results_holds_its_quantities(name, value):
-    limits = [limit for limit in FOUND if limit.holds(name)]
-    assert (
-        len(limits) == 1
-        and limits[0].why_not(value)
-        and not limits[0].why_not(0.01 * limits[0].high)
-    )
-    assert limits[0].why_not(math.nan)
-
-
 def test_a_static_curve_of_nonsense_is_named_and_keeps_its_numbers(tmp_path):
     """A card bears what it is told, and no spring 150 kN."""
     (tmp_path / "hard.toml").write_text(HARD_CARD)
@@ -256,23 +224,3 @@ def test_a_lift_that_no_cam_gives_has_no_static_curve(tmp_path):
     assert refused.exit_code == 2
     assert "the largest lift is 150 mm, above 100 mm" in refused.stderr.splitlines()[-1]
     assert call("static", str(tmp_path / "long.toml"), "--implausible").exit_code == 0
-
-
-def test_a_refinement_keeps_implausible_runs_by_an_option_only(monkeypatch):
-    """A spring driven open in three degrees of the cam: its wire is faster than any steel bears."""
-    monkeypatch.setattr("valvetrain.runs.refusals.refuse_implausible", lambda *_: None)
-    text = (
-        SMALL.replace("100 deg", "178.5 deg")
-        .replace("260 deg", "181.5 deg")
-        .replace("elements_per_coil = 6", "elements_per_coil = 8")
-    )
-    case = parse_case(text, name="small")
-    named, passed = (
-        refined(case, workers=1, implausible=implausible) for implausible in (False, True)
-    )
-    assert {row.engine_speed for row in named.rows} == {None} and len(named.failures) == 8
-    assert all("diverged: " in words and "--implausible" in words for words in named.failures)
-    assert not passed.failures and {row.engine_speed is None for row in passed.rows} == {
-        True,
-        False,
-    }

@@ -4,7 +4,6 @@ and orders of arguments, units (contract).
 
 from __future__ import annotations
 
-import inspect
 import warnings
 
 import matplotlib as mpl
@@ -13,7 +12,6 @@ import pint
 import pytest
 
 import valvetrain as vt
-from unit.cli_parts import call
 from valvetrain import registry
 from valvetrain.errors import UnusualValueWarning
 from valvetrain.parameters.train import CamParameters, ValveParameters
@@ -142,13 +140,6 @@ def test_no_case_of_the_library_is_unusual():
             vt.load_case(case.name)
 
 
-def test_the_command_warns_in_a_sentence_once(tmp_path):
-    vt.Case("tdi-pushrod").save(tmp_path / "heavy.toml")
-    found = call("check", str(tmp_path / "heavy.toml"), "--set", "train.valve.mass=30 kg")
-    lines = [line for line in found.stderr.splitlines() if line.startswith("warning:")]
-    assert len(lines) == 1 and "mass" in lines[0] and "30000 g" in lines[0], found.stderr
-
-
 def test_degrees_and_millimetres_are_not_taken_for_radians_and_metres():
     degrees = np.arange(90.0, 271.0)
     lifts = 9e-3 * np.clip(1 - ((degrees - 180) / 60) ** 2, 0, None) ** 3
@@ -160,34 +151,3 @@ def test_degrees_and_millimetres_are_not_taken_for_radians_and_metres():
         vt.measured.smooth_lift(degrees, lifts)
     with pytest.raises(vt.InputError, match=r"lifts: 9 m .* 9 mm"):
         vt.measured.smooth_lift(np.radians(degrees), 1e3 * lifts)
-
-
-def test_one_order_and_one_name_of_arguments():
-    """Contract: case and engine speeds come first, ``spring_set`` is the name everywhere."""
-    functions = (vt.simulate, vt.compare, vt.sweep, vt.critical_speeds)
-    for function in functions:
-        names = list(inspect.signature(function).parameters)
-        assert names[:3] == ["case", "engine_speeds", "spring_models"] and "spring_set" in names
-    others = (
-        vt.system.build.build,
-        vt.run_up,
-        vt.runs.train_modes,
-        vt.lift.lift_band_study,
-        vt.compare_test.compare_with_test,
-    )
-    for function in (*functions, *others, vt.Outputs):
-        names = inspect.signature(function).parameters
-        assert "spring_set" in names and "spring_sets" not in names, function
-    assert list(inspect.signature(vt.Case.compare).parameters)[1:3] == ["engine_speeds", "models"]
-
-
-def test_one_name_or_several():
-    case = "tdi-pushrod"
-    one = vt.simulate(case, "1000 rpm", "massless", spring_set="stock", workers=1).solutions
-    several = vt.simulate(case, "1000 rpm", ["massless"], spring_set=["stock"], workers=1).solutions
-    assert vt.diff(one[0], several[0]) == {}
-    with pytest.raises(vt.InputError, match="spring_set"):
-        vt.simulate(case, spring_sets="stock")
-    members = vt.system.build.build(case, spring_models="multi-mass", spring_set="stock").members
-    assert [member.label for member in members] == ["multi-mass"]
-    assert len(vt.runs.train_modes(case, "massless", spring_set="stock")) == 2

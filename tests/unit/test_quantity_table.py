@@ -7,7 +7,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 from quantity_pages import quantities_page
 
@@ -25,7 +24,6 @@ from valvetrain.solution.definition import (
     shown,
     tables,
 )
-from valvetrain.solution.quantity import unit_of
 from valvetrain.units import DIMENSIONS, dimension_powers
 
 ROWS = [one for rows in tables().values() for one in rows]
@@ -108,27 +106,6 @@ def test_the_committed_page_is_the_generated_one():
     assert PAGE.read_text(encoding="utf-8") == quantities_page(), (
         "run python scripts/write_pages.py quantities"
     )
-
-
-def test_values_are_shown_in_the_fields_units():
-    value, unit = shown("valve_open_duration", 0.0125)
-    assert (value, unit) == (pytest.approx(12.5), "ms")
-    assert shown("peak_lever_speed", np.pi) == (pytest.approx(180.0), "deg/s")
-    assert shown("clash_count", 4.0) == (4.0, "")
-    values, unit = shown("peak_shear_stress", np.array([1e6, 2e8]))
-    assert unit == "MPa" and values == pytest.approx([1.0, 200.0])
-
-
-def test_units_of_json_are_si():
-    units = {
-        "mode_1_frequency": "Hz",
-        "clash_count": "1",
-        "peak_valve_acceleration": "m/s2",
-        "main_clash_impulse": "N s",
-        "card_rate": "N/m",
-    }
-    assert {name: unit_of(name) for name in units} == units
-    assert unit_of("peak_lever_bending_moment") == "N m"
 
 
 def test_a_package_adds_a_table(other_table):

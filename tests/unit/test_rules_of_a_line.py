@@ -4,25 +4,18 @@ they are followed.
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
-import click
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import valvetrain as vt
-from valvetrain.cli import guard
 from valvetrain.errors import InputError
 from valvetrain.parameters.train import ContactParameters
-from valvetrain.rig import shaft as rig_shaft
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid, grid_of, set_to_zero
-from valvetrain.rig.reader import RigChannel
 from valvetrain.rig.shaft import ShaftAngle
 from valvetrain.runs import refine_trains
 from valvetrain.runs.refine import refine_springs
-from valvetrain.views.motion.springs import _shares
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
@@ -40,21 +33,6 @@ def test_more_damping_of_a_restitution_is_the_restitution_of_more_damping(factor
     changed = refine_trains._with(contact, "damping", factor).values["restitution"]
     assert number(changed) == pytest.approx(factor * number(0.7), rel=1e-3)
     assert (changed < 0.7) is (factor > 1)
-
-
-@pytest.mark.parametrize(
-    ("ends", "places", "shares"),
-    [
-        ((0.8, 5.2), (0.0, 1.0), True),
-        ((0.8, 1.7), (0.0, 1.0), False),
-        ((0.8, 5.2), (0.0, 1.2), False),
-        ((0.8, 5.2), (-0.1, 1.0), False),
-    ],
-)
-def test_places_are_shares_only_where_they_reach_from_zero_to_one_of_more_than_a_turn(
-    ends, places, shares
-):
-    assert _shares(np.array(places), SimpleNamespace(free_coils=ends)) is shares
 
 
 def test_a_dwell_is_looked_for_from_the_first_sample_on():
@@ -80,19 +58,6 @@ def test_a_dwell_is_looked_for_from_the_first_sample_on():
     assert found == pytest.approx(np.array([[7.0, 6.0], [5.0, 5.0]]))
 
 
-@pytest.mark.parametrize(
-    ("error", "words"),
-    [(click.Abort(), "interrupted"), (ValueError("x"), "fault in valvetrain (ValueError: x)")],
-)
-def test_an_abort_of_the_parser_is_an_interrupt_and_nothing_else_is(
-    error, words, capsys, monkeypatch
-):
-    monkeypatch.setattr(guard, "_reported", [])
-    monkeypatch.delenv(guard.TRACEBACK_VARIABLE, raising=False)
-    code = guard._report(error, {})
-    assert words in capsys.readouterr().err and code == (130 if words == "interrupted" else 1)
-
-
 def test_cycles_of_a_steady_shaft_have_its_speed():
     """25 rad/s over two seconds: seven whole turns, each of 2 pi / 25 s."""
     times = np.linspace(0.0, 2.0, 200)
@@ -100,19 +65,6 @@ def test_cycles_of_a_steady_shaft_have_its_speed():
     assert grid.cam_speeds == pytest.approx(np.full(7, 25.0)) and np.diff(
         grid.cut_times
     ) == pytest.approx(2 * np.pi / 25)
-
-
-@pytest.mark.parametrize(("ratio", "told"), [(1, False), (2, True)])
-def test_one_mark_a_crank_turn_leaves_half_a_cam_turn_open(ratio, told):
-    edges = np.linspace(0.0, 1.0, 21)
-    channel = RigChannel("mark", "V", np.zeros(10), step=0.1)
-    assert (
-        any(
-            "half a cam revolution off" in note
-            for note in rig_shaft._by_single_pulse(edges, ratio, channel).notes
-        )
-        is told
-    )
 
 
 def test_a_refinement_at_no_speed_is_refused_before_anything_is_computed():

@@ -8,17 +8,12 @@ import numpy as np
 import pytest
 from validation.calculix.jobs import axial_modes
 
-import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import as_written
 from valvetrain.explore.space import Varied
-from valvetrain.integrate.contract import Cycles, RunOptions
-from valvetrain.integrate.run import run
 from valvetrain.parameters.overrides import set_value
 from valvetrain.parameters.train_schema import LeverModel
 from valvetrain.quantities.cycle import Cycle
-from valvetrain.solution.modes import TrainModes
-from valvetrain.system.prescribed import PrescribedSpring
 
 DEG = np.pi / 180
 
@@ -53,15 +48,6 @@ def test_samples_far_apart_at_an_end_cover_no_more_than_the_first_of_them():
         and cycle.covers(-1 * DEG, 44 * DEG)
         and not cycle.covers(-2 * DEG, 43 * DEG)
     )
-
-
-@pytest.mark.parametrize(("bound", "kept"), [(1e12, True), (10.0, False)])
-def test_the_leapfrog_leaves_out_a_record_beyond_its_bound(bound, kept, monkeypatch):
-    monkeypatch.setattr("valvetrain.integrate.leapfrog.MAX_RECORD", bound)
-    problem = vt.system.build.build("gu2021-beehive-blind")
-    model = problem.model_of("multi-mass", problem.springs[0])
-    found = run(PrescribedSpring((model,), problem.valve_lift), 200.0, Cycles(1), RunOptions(8))
-    assert found.status.completed and ("kinetic_energy" in found.channels.data_vars) is kept
 
 
 @pytest.mark.parametrize(
@@ -108,26 +94,6 @@ def test_nothing_is_multiplied_or_shifted_in_a_table_that_is_not_there():
     with pytest.raises(InputError, match="the case has no 'train' there"):
         set_value(tree, "train.valve.mass", lambda before: before)
     assert tree == {"spring": {"wire_diameter": "4 mm"}}
-
-
-@pytest.mark.parametrize("count", [1, 5, 6, 7, 9])
-def test_modes_of_a_train_show_the_first_six_frequencies(count):
-    modes = TrainModes(
-        "own",
-        "valve open",
-        0.0,
-        9e-3,
-        100.5 * np.arange(1, count + 1),
-        ("a",),
-        ("a",),
-        np.ones((count, 1)),
-        np.ones((count, 1)),
-    )
-    numbers = ", ".join(f"{100.5 * one:g}" for one in range(1, min(count, 6) + 1))
-    assert (
-        repr(modes)
-        == f"TrainModes of own, valve open, 9 mm of lift\n  {numbers}{', ...' if count > 6 else ''} Hz"
-    )
 
 
 @pytest.mark.parametrize(

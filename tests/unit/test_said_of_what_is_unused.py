@@ -87,22 +87,6 @@ def test_the_modal_model_presses_with_nothing_in_the_free_state():
     assert curve.force[1] == pytest.approx(static_curve(case, "9 mm", steps=3).force[1], rel=1e-3)
 
 
-def test_a_run_tells_no_option_that_its_spring_has_not():
-    (run,) = run_study(
-        load_case("job-t"), engine_speeds=[200.0], spring_models=["multi-mass"], workers=1
-    ).solutions
-    assert "masses_per_coil" in run.provenance.options and "elements" not in run.provenance.options
-    (run,) = run_study(
-        load_case("job-t", {"spring.options.finite-element.elements_per_coil": 6}),
-        engine_speeds=[400.0],
-        spring_models=["finite-element"],
-        workers=1,
-    ).solutions
-    assert (
-        "elements_per_coil" in run.provenance.options and "card_lift" not in run.provenance.options
-    )
-
-
 def test_a_train_says_that_its_spring_buckles_by_the_formula_unless_it_is_guided():
     problem = build(load_case("vaz-ohc"))
     wire = cylindrical("1 mm", "10 mm", "4 mm", 20, closed_coils=0, name="slender")

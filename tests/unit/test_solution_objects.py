@@ -10,11 +10,9 @@ import pytest
 
 from valvetrain.errors import InputError
 from valvetrain.solution.channels import spring_channels
-from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
-from valvetrain.solution.status import Event
 
 
 def test_undeclared_channel_and_missing_label_are_refused():
@@ -50,21 +48,6 @@ def test_a_solution_of_plain_arrays_and_one_of_their_dataset_are_the_same():
     assert pickle.loads(pickle.dumps(labelled)).identical(plain)
 
 
-def test_missing_channel_is_named_with_those_that_exist():
-    solution = Solution(spring_channels([0.0], [0.0], {"seat_force": [1.0]}))
-    assert solution.has("seat_force") and not solution.has("seat_force", "coil_gap")
-    with pytest.raises(InputError, match="seat_force"):
-        solution.channel("coil_gap")
-
-
-def test_objects_travel_between_processes():
-    event = Event("clash", 1.0, 0.1, 1e-4, 5.0, "N", "", {"impulse": 1.0})
-    solution = Solution(
-        spring_channels([0.0], [0.0], {"seat_force": [1.0]}), (event,), statistics={"steps": 1}
-    )
-    assert pickle.loads(pickle.dumps(solution)).identical(solution)
-
-
 def test_static_curve_interpolates_inside_only():
     steps = np.linspace(0, 8e-3, 9)
     empty = np.zeros((9, 0))
@@ -91,8 +74,3 @@ def test_modal_result_refuses_wrong_shapes_and_indices():
         ModalResult(**good, axial_modes=(2,))
     with pytest.raises(InputError, match="shape"):
         ModalResult(**{**good, "shape": np.zeros((2, 3))}, axial_modes=())
-
-
-def test_relative_difference_is_absent_without_a_base():
-    row = Comparison("a", None, "m", "FE", "N", 0.0, 1.0, 1.0, "prediction", None, "")
-    assert row.relative_difference is None

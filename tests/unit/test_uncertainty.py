@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +21,6 @@ from valvetrain.runs.error_bars import (
 from valvetrain.runs.refine import refine_springs
 from valvetrain.runs.run import run_study
 from valvetrain.solution.definition import is_defined
-from valvetrain.solution.quantity import Quantity
 
 RPM, DEG = 2 * np.pi / 60, np.pi / 180
 
@@ -170,14 +168,6 @@ def test_stiffer_contact_clashes_harder():
     assert told == sorted(told) and told[-1] == 1.0
 
 
-def stored(case: Case) -> dict[Quantity, float]:
-    """The numbers that were refined, as if a run had given them."""
-    return {
-        Quantity(row.quantity, row.engine_speed, row.label): row.value
-        for row in stored_error_bars.load_uncertainty(case.record())
-    }
-
-
 def test_shipped_file_belongs_to_its_case_and_to_no_other():
     case = load_case("gu2021-beehive-blind")
     rows = stored_error_bars.load_uncertainty(case.record())
@@ -210,18 +200,6 @@ def test_shipped_preload_and_mode_are_those_of_this_version():
     assert modal_result(rod).axial_frequencies[0] == pytest.approx(
         rows["mode_1_frequency"], rel=1e-6
     )
-
-
-def test_file_says_what_the_study_says(coarse):
-    content = tomllib.loads(stored_error_bars.uncertainty_text(coarse))
-    assert content["case"] == {"digest": coarse.record.digest, "elements_per_coil": [16, 24, 36]}
-    rows = stored_error_bars.rows_of(content)
-    assert [row.quantity for row in rows] == [row.quantity for row in coarse.rows]
-    for read, made in zip(rows, coarse.rows, strict=True):
-        assert read.value == pytest.approx(
-            made.value, rel=1e-6
-        ) and read.numerical == pytest.approx(made.numerical, rel=1e-6)
-        assert (read.observed_order is None) == (made.observed_order is None)
 
 
 def test_a_case_without_a_lift_law_is_refused():

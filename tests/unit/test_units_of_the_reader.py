@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import json
-from html import unescape
 
-import numpy as np
 import pint
 import pytest
 from typer.testing import CliRunner
 
-import valvetrain as vt
 from valvetrain.cli.main import app
 from valvetrain.errors import InputError
 from valvetrain.parameters.templates import template_text
 from valvetrain.solution.definition import definition_of, shown, tables
-from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.units import dimension_of, dimension_powers
 from valvetrain.units.reader import (
     IMPERIAL,
@@ -26,8 +22,6 @@ from valvetrain.units.reader import (
     shown_system,
 )
 from valvetrain.views.page import data_of
-from valvetrain.views.results import answer_of, write_page
-from valvetrain.views.style import in_reader_units
 from valvetrain.views.text import amount
 
 ROWS = [one for rows in tables().values() for one in rows if "{" not in one.name]
@@ -139,24 +133,3 @@ def test_check_in_imperial_and_by_the_environment(tmp_path, monkeypatch):
     assert as_json["findings"][0]["fields"]["left"]["value"]["unit"] == "m"
     wrong = CliRunner().invoke(app, ["check", str(path), "--units", "stones"])
     assert wrong.exit_code == 2
-
-
-def test_a_page_of_inches_has_all_its_numbers_and_axes_in_them(tmp_path):
-    """Verdict, rows, both panels that share an axis, lines across it, and the next step."""
-    study = vt.simulate("job-t", "2000 rpm", spring_models=["massless"])
-    request_units("imperial")
-    try:
-        page = write_page(answer_of(study), tmp_path, PartialFailures()).read_text()
-        with for_reader():
-            told = answer_of(study)
-            figure = in_reader_units(study.figure("rest"))
-    finally:
-        request_units("si")
-    plain = study.figure("rest")
-    assert str(told.verdict) in unescape(page) and "lbf" in str(told.verdict)
-    assert told.next_step.endswith("--units imperial")
-    for trace, was in zip(figure.data, plain.data, strict=True):
-        assert np.asarray(trace.x) == pytest.approx(np.asarray(was.x, float) / 25.4, rel=1e-5)
-    assert [one.x0 for one in figure.layout.shapes] == pytest.approx(
-        [one.x0 / 25.4 for one in plain.layout.shapes]
-    )

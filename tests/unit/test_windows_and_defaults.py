@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError, UnusualValueWarning
-from valvetrain.measured.lift_file import LiftAnswers, read_lift
 from valvetrain.parameters.installed_spring import DampingParameters
 from valvetrain.units import si
 from valvetrain.units.inputs import PLAUSIBLE
@@ -35,20 +34,6 @@ def test_a_value_in_its_usual_unit_is_believed_and_doubted_outside_its_window(na
         with pytest.raises(InputError, match="the value"):
             si(value * scale, name, "the value")
     assert PLAUSIBLE[name].default_unit == unit
-
-
-def test_a_table_of_lifts_needs_eight_rows(tmp_path):
-    answers = LiftAnswers(angle_of="crank", lift_of="valve", lift_unit="mm")
-    lines = ["0 0", "10 1", "20 2", "30 3", "40 3", "50 2", "60 1", "70 0"]
-    for count in (7, 8):
-        (tmp_path / "lift.txt").write_text("\n".join(lines[:count]))
-        if count == 8:
-            (lobe,) = read_lift(tmp_path / "lift.txt", answers)
-            assert lobe.cam_angles == pytest.approx(np.radians([0, 5, 10, 15, 20, 25, 30, 35]))
-            assert lobe.lifts == pytest.approx([0, 1e-3, 2e-3, 3e-3, 3e-3, 2e-3, 1e-3, 0])
-        else:
-            with pytest.raises(InputError, match="holds 7 stations"):
-                read_lift(tmp_path / "lift.txt", answers)
 
 
 def test_a_damping_is_changed_by_its_ratio_or_by_its_coefficients():

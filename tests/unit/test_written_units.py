@@ -40,11 +40,6 @@ def test_a_bare_rate_is_doubted_at_its_key():
         soft(41)
 
 
-def test_a_massless_spring_takes_a_rate_with_its_unit():
-    with pytest.warns(UnusualValueWarning, match="11 N/m"):
-        assert vt.springs.MasslessSpring("11 N/m", "1 N").rate == pytest.approx(11.0)
-
-
 def test_speeds_with_their_unit_are_believed_by_a_case_of_python():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
