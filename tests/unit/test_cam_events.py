@@ -98,6 +98,13 @@ def test_events_that_say_no_side_or_no_cam_are_refused(more, sentence):
         parse_case(CARD + more, "own")
 
 
+def test_a_word_for_an_angle_is_refused_before_the_other_event_is_asked_for():
+    for events, where in (({"IVO": "five"}, "intake_opens"), ({"IVO": "5 before top"}, "")):
+        with pytest.raises(InputError) as refused:
+            CamEvents.of(events, "intake")
+        assert refused.value.where == where
+
+
 def test_a_list_of_other_events_is_refused():
     for text in ("5 ATDC", "IVO 5 ATDC, IVO 6 ATDC", "", "XYZ 5 ATDC"):
         with pytest.raises(InputError):

@@ -12,6 +12,7 @@ from synthetic_study import train_study
 from valvetrain.findings.control import control_of
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.table import findings_of
+from valvetrain.findings.words import speed_text
 from valvetrain.runs.critical_search import Search, SpeedSample
 from valvetrain.runs.critical_speeds import CriticalOptions, _decisive, critical_speed
 from valvetrain.solution.critical import (
@@ -25,6 +26,7 @@ from valvetrain.solution.provenance import CaseRecord
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
 from valvetrain.solution.study import Study
+from valvetrain.views.answer import Answer
 from valvetrain.views.over_speed import bars
 
 RPM = np.pi / 30
@@ -127,6 +129,17 @@ def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
     bracket = deciding.begins.from_rest
     assert bracket.lower_engine_speed / RPM < 6512 < bracket.upper_engine_speed / RPM
     assert first.upper_engine_speed < deciding.first_engine_speed < 6512 * RPM
+
+
+def test_the_speed_of_every_warning_is_a_column():
+    """A warning gave 430 N of surge at a speed that was none of the four in the table."""
+    runs = tuple(
+        run(speed, bounce_height=3e-4 * (speed == 5300)) for speed in range(4000, 8001, 100)
+    )
+    answer = Answer(sweep(lost("contact-loss", 6940, **SURGE), runs=runs))
+    (bounces,) = answer.findings.by("C110")
+    assert {speed_text(bounces.engine_speed), "4000 rpm", "6900 rpm"} <= set(answer.headings)
+    assert len(answer.headings) == 4
 
 
 def test_the_range_of_a_critical_speed_is_that_of_the_loss_that_stays():

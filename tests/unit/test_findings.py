@@ -52,6 +52,7 @@ RUNS = {
     "ls-7300": ls("7300 rpm"),
     "ls-7375": ls("7375 rpm"),
     "ls-limit": ls("5000 rpm", train__valve__permitted_seating_velocity="0.3 m/s"),
+    "ls-permitted": ls("5000 rpm", train__valve__permitted_seating_velocity="3 m/s"),
     "ls-open": (LS, "5000 rpm", {"train.springs.mydual[1].solid_height": None}, MODAL),
     "ls-undamped": (LS, "5000 rpm", {"train.springs.mydual[0].damping": None, "train.springs.mydual[1].damping": None}, MODAL),
     "ls-close": (LS, "5000 rpm", {"train.spring_set": "card", "train.springs.card[0].solid_height": "1.19 in"}, MODAL),
@@ -263,9 +264,38 @@ def test_numbers_of_a_finding_are_those_of_the_physics():
     assert barely.fields["rigid"].value == pytest.approx(1130, abs=10)
 
 
+def marks(name: str) -> dict[str, str]:
+    return {line.label: line.mark for line in Answer(study(name)).lines}
+
+
 def test_marks_of_rows_are_those_of_findings_about_them():
-    marks = {line.label: line.mark for line in Answer(study("ls-7300")).lines}
-    assert marks["on the cam"] == "bad" and marks["bounce"] == "warn" and marks["spring"] == "ok"
+    found = marks("ls-7300")
+    assert found["on the cam"] == "bad" and found["bounce"] == "warn"
+
+
+@pytest.mark.parametrize(
+    ("row", "checked", "passed", "unknown"),
+    [
+        ("coil bind", "ls-5000", "ls-close", None), ("to the piston", "piston-far", "piston-near", None),
+        ("landing", "ls-permitted", "ls-limit", "ls-5000"), ("wire, shear", "wire-strong", "wire-weak", "wire"),
+        ("spring", None, None, "ls-5000"),
+    ],
+)  # fmt: skip
+def test_a_row_has_a_tick_only_where_its_limit_is_known_and_kept(row, checked, passed, unknown):
+    """1540 MPa of a wire whose strength nobody knows had a tick."""
+    for name, mark in ((checked, "ok"), (passed, "warn"), (unknown, "")):
+        assert name is None or marks(name)[row] == mark
+
+
+def test_a_finding_of_several_speeds_names_those_at_which_it_holds():
+    """``between 3000 and 9000 rpm`` named speeds at which nothing was."""
+    facts = Facts(
+        vt.simulate("tdi-pushrod", "3000, 4000, 5000, 6000, 7000 rpm", workers=1, **STOCK)
+    )
+    by_speed = {round(run.engine_speed / RPM): run for run in facts.runs}
+    said = facts.where([by_speed[speed] for speed in (3000, 5000, 6000)])
+    assert "3000" in said and "5000 to 6000" in said and "4000" not in said
+    assert facts.where(facts.runs) == "at every speed"
 
 
 def test_rules_and_rows_read_quantities_that_exist():

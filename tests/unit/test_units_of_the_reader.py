@@ -125,7 +125,7 @@ def test_check_in_imperial_and_by_the_environment(tmp_path, monkeypatch):
     path.write_text(template_text("pushrod"), encoding="utf-8")
     flag = CliRunner().invoke(app, ["check", str(path), "--units", "imperial"]).stdout
     plain = CliRunner().invoke(app, ["check", str(path)]).stdout
-    assert "400 lbf/in" in flag and "0.0005 in/deg" in flag and "lbf" not in plain
+    assert "400 lbf/in" in flag and "0.5 thou/deg" in flag and "lbf" not in plain
     monkeypatch.setenv("VALVETRAIN_UNITS", "imperial")
     assert CliRunner().invoke(app, ["check", str(path)]).stdout == flag
     as_json = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).stdout)

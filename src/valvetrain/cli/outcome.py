@@ -170,6 +170,10 @@ class _Plain(Console):
         """Replace rich's handling of a broken pipe, which would end the process with code 1."""
         raise BrokenPipeError
 
+    def print(self, *objects: Any, crop: bool = False, **manner: Any) -> None:
+        """Print lines that do not wrap, such as commands to copy, as long as they are; see the base class."""
+        super().print(*objects, crop=crop, **manner)
+
     def render_str(self, text: str, **manner: Any) -> Text:
         """Text with control sequences escaped; see the base class."""
         return super().render_str(

@@ -575,7 +575,6 @@ def say_sweep_time(request: StudyRequest) -> None:
             workers=request.workers,
         )
     if seconds is not None and seconds > WORTH_SAYING:
-        cores = f" on each of {request.workers} cores" if request.workers > 1 else ""
         tell(
-            f"this will take about {duration_text(seconds)} of processor time{cores}, by a run at the middle and at the highest speed"
+            f"this will take about {duration_text(seconds)}, by a run at the middle and at the highest speed"
         )

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.findings.control import Control, control_of
-from valvetrain.findings.words import Amount, joined, speed_text, speeds_text
+from valvetrain.findings.words import Amount, joined, speed_text
 from valvetrain.mechanism.rigid import OPEN_SHARE
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.solution.result import Solution
@@ -30,10 +30,12 @@ TRUST = (
 #: Ends of runs whose numbers count: the motion ended, or does not repeat.
 JUDGED = ("completed", "not-converged")
 #: A number of runs that a negative value of has no meaning: a valve that flies loses no lift.
-LOSSES = ("lift_loss_displacement",)
+LOSSES = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range")
 #: What decides blows and raw peaks, of which no error bar tells.
 CONSTANTS = "contact constants"
 LOST = ("loft", "loss-of-contact")
+#: Ranges of engine speed that a sentence names.
+SPANS = 3
 TURN = 2 * math.pi
 Array = NDArray[np.float64]
 #: Cam angle (rad) over which :meth:`Facts.motion` looks ahead, and share of the lift below which a valve is shut.
@@ -213,7 +215,7 @@ class Facts:
         return f"{speed} ({run.label})".strip() if self.several else speed
 
     def where(self, runs: Sequence[Solution]) -> str:
-        """``from 5600 rpm up``, ``at every speed``, ``at 7000 and 7200 rpm``; empty where one speed was run."""
+        """``from 5600 rpm up``, ``at every speed``, ``at 4000 and 7000 to 7200 rpm``; empty where one speed was run."""
         hit = tuple(sorted({run.engine_speed for run in runs}))
         if len(self.speeds) < 2 or not hit:
             return ""
@@ -221,9 +223,16 @@ class Facts:
             return "at every speed"
         if hit == self.speeds[-len(hit) :] and len(hit) > 1:
             return f"from {speed_text(hit[0])} up"
-        if len(hit) <= 3:
-            return f"at {speeds_text(hit)}"
-        return f"between {speed_text(hit[0], '')} and {speed_text(hit[-1])}"
+        spans = list[list[float]]()
+        for before, speed in zip((math.nan, *self.speeds), self.speeds, strict=False):
+            if speed in hit and before in hit:
+                spans[-1].append(speed)
+            elif speed in hit:
+                spans.append([speed])
+        if len(spans) > SPANS:
+            return f"at {len(hit)} of {len(self.speeds)} speeds from {speed_text(hit[0])} up"
+        ends = (dict.fromkeys(speed_text(one, "") for one in (span[0], span[-1])) for span in spans)
+        return f"at {joined([' to '.join(one) for one in ends])} rpm"
 
     @property
     def red_line(self) -> float:

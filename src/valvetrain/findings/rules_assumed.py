@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from valvetrain.findings.engine import Condition, Fields, Hit, Rule
 from valvetrain.findings.facts import TURN, Facts, cam_angles, over_turn
 from valvetrain.findings.rules_train import SEAT
-from valvetrain.findings.words import Amount, digits_text, joined
+from valvetrain.findings.words import Amount, joined
 from valvetrain.solution.facts import Fact
 
 #: Fields of a fact that its rule names, as text or amounts.
@@ -31,7 +30,7 @@ def rests_on(*codes: str, read: Reader = lambda _: {}) -> Condition:
 
 
 def _ramp(fact: Fact) -> Fields:
-    return {"ramp": digits_text(1e3 * math.radians(float(fact.fields["velocity"])))}
+    return {"ramp": Amount("cam_closing_ramp_velocity", float(fact.fields["velocity"]))}
 
 
 def _rubs(fact: Fact) -> Fields:
@@ -86,12 +85,12 @@ RULES = (
          guide="how-to/05-coil-bind.md"),
     Rule("A116", "warns", "solid at {stated:4} is stated for {spring}, and its wire binds at {computed:4}",
          rests_on("other-solid-height", read=_heights), ("coil_bind_clearance",), "the stated height counts", guide="how-to/05-coil-bind.md"),
-    Rule("A101", "notes", "the ramp of the cam is assumed ({ramp} mm per cam deg)", rests_on("assumed-ramp", read=_ramp),
+    Rule("A101", "notes", "the ramp of the cam is assumed ({ramp} of the cam)", rests_on("assumed-ramp", read=_ramp),
          SEAT, step="measure your ramp: ramp_velocity, ramp_lift", remark="assumed ramp"),
     Rule("A102", "notes", "contacts at {places} have usual steel values", rests_on("default-contacts", read=_places),
          remark="default contacts"),
     Rule("A103", "notes", "springs known by card alone: no clash, no stress", rests_on("card-alone"),
-         step="valvetrain spring-card gives them a wire", remark="springs by card (no clash, no stress)"),
+         step="give them a wire: valvetrain spring-card", remark="springs by card (no clash, no stress)"),
     Rule("A115", "notes", "angles are those of the cam, half of the crank's; full lift at {value}[; zero: {zero}]", angles,
          remark="cam angles (full lift at {value}[; 0: {zero}])", guide="how-to/13-degrees-and-heights.md"),
     Rule("A113", "notes", "no contact of the train has friction, so the power of the cam is too small", rests_on("no-friction", read=_rubs),
@@ -103,7 +102,7 @@ RULES = (
     Rule("A108", "notes", "a chain of masses stands for the rod: surge and clash are estimates",
          rests_on("chain-of-wire", "not-the-default"), remark="a chain for the wire (estimates)"),
     Rule("A109", "notes", "the wire of the spring is assumed from its card", rests_on("assumed-wire"),
-         step="valvetrain spring-card fits the wire", remark="a wire assumed from the card"),
+         step="fit the wire: valvetrain spring-card", remark="a wire assumed from the card"),
     Rule("A110", "notes", "the solid follows the train that runs with {driver}, which does not feel {force} of it",
          rests_on("follows-a-train", read=_driver), remark="a train that runs with {driver}"),
     Rule("A111", "notes", "the ends of the solid are bonded to their seats: where it pulls, a real spring would lift",

@@ -146,7 +146,7 @@ SWEEP = "valvetrain sweep {case}"
 ALONE = (
     Rule("K101", "decides", STRIKE, strikes, CLASH, BLOW, SWEEP, STRIKES,
          "how-to/16-force-spikes.md"),
-    Rule("E101", "decides", "the spring would leave its seat: least force {value}[ {where}]", lifts,
+    Rule("E101", "decides", "the spring would leave its seat: least force {value}[ {at}]", lifts,
          FORCE, guide="how-to/03-resonance.md"),
     Rule("K103", "decides", "no coil strikes another: at most {value} on the retainer[ {at}]", quiet,
          CLASH, step=SWEEP, mark="ok", unless=("K101", "E101")),
@@ -155,7 +155,7 @@ ALONE = (
          unless=("K10", "E101")),
 )  # fmt: skip
 RULES = (
-    Rule("S101", "warns", "{value} of shear, above the {limit} its wire may bear at rest[ {where}]",
+    Rule("S101", "warns", "{value} of shear, above the {limit} its wire may bear at rest[ {at}]",
          above("open_uncorrected_shear_stress", "permitted_shear_stress", springs=True),
          (*STRESS, "open_uncorrected_shear_stress"), remark="above its static limit", guide="how-to/17-life.md"),
     Rule("S102", "warns", "no wire bears {value}[ {at}]: above its tensile strength of {limit}",

@@ -114,12 +114,9 @@ def held(facts: Facts) -> Iterator[Hit]:
     if facts.searched and facts.train and _first(facts) is None:
         last = max(one.last_engine_speed for one in facts.study.critical_speeds)
         kept = facts.amounts(CONTACT[0])
-        least = min(kept, key=lambda pair: pair[0].value, default=None)
-        fields: Fields = {
-            "speed": speed_text(last), "round": speed_text(last, ""),
-            "least": least[0] if least else "", "there": facts.at(least[1]) if least else "",
-        }  # fmt: skip
-        yield Hit(Amount(SPEED, last), None, None, fields)
+        least, run = min(kept, key=lambda pair: pair[0].value, default=("", None))
+        fields: Fields = {"speed": speed_text(last), "round": speed_text(last, ""), "least": least}
+        yield Hit(Amount(SPEED, last), run, None, fields)
 
 
 def islands(facts: Facts) -> Iterator[Hit]:
@@ -308,7 +305,7 @@ RULES = (
     Rule("W102", "decides", "in control to {speed}, {short} above the red line[ ({label})]", lost_beyond, CONTACT,
          "then it {does}[, {cause}]", COMPARE, RANGE, DROPS, "ok", ("D10",)),
     Rule("W103", "decides", "in control up to {speed}, the highest searched", held, CONTACT,
-         "[{least} left on the cam][ {there}]", COMPARE, mark="ok", unless=("D10",)),
+         "[{least} left on the cam][ {at}]", COMPARE, mark="ok", unless=("D10",)),
     Rule("W110", "warns", "{does} at {spans} rpm as well, a short range[ ({label})]", islands, CONTACT, "[{cause}]",
          guide="how-to/03-resonance.md"),
     Rule("W114", "warns", "nothing is known of control at {spans} rpm: the spring's ends would lift", silent,

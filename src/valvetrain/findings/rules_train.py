@@ -107,11 +107,17 @@ def flight(facts: Facts, run: Solution) -> Hit | None:
 @per_run
 def lands(facts: Facts, run: Solution) -> Hit | None:
     """The part of the lobe on which the valve meets its seat, of a cam whose ramp is known."""
-    angle = facts.amount(run, "seating_cam_angle")
-    if angle is None or not math.isfinite(facts.value(run, "closing_ramp_begin_cam_angle")):
+    angle, ramp = (
+        facts.amount(run, "seating_cam_angle"),
+        facts.value(run, "closing_ramp_begin_cam_angle"),
+    )
+    if angle is None or not math.isfinite(ramp):
         return None
-    part = lobe_part(facts, run, angle.value)
-    return Hit(angle, run, fields={"part": part}, severity=run.engine_speed) if part else None
+    before = (ramp - angle.value) % TURN < TURN / 4
+    part = (
+        lobe_part(facts, run, angle.value) or f"the {'closing flank' if before else 'base circle'}"
+    )
+    return Hit(angle, run, fields={"part": part}, severity=run.engine_speed)
 
 
 @per_run
@@ -172,16 +178,11 @@ def near_seat(facts: Facts, run: Solution) -> Hit | None:
 @per_run
 def flex(facts: Facts, run: Solution) -> Hit | None:
     """Flexing parts take more than 0.05 mm of lift or one crank degree of duration from the valve."""
-    lost = facts.amount(run, "lift_loss_displacement")
-    rigid, real = (
-        facts.value(run, f"{name}_50_thou_open_crank_angle_range")
-        for name in ("rigid_valve", "valve")
-    )
-    shorter = rigid - real
-    if lost is None or lost.value <= 0 or not (lost.value > FLOAT or shorter > math.radians(1)):
+    lost, shorter = (facts.amount(run, name) for name in FLEX)
+    angle = shorter.value if shorter else 0.0
+    if lost is None or lost.value <= 0 or not (lost.value > FLOAT or angle > math.radians(1)):
         return None
-    angle = Amount("valve_50_thou_lost_crank_angle_range", shorter) if shorter > 0 else ""
-    return Hit(lost, run, fields={"shorter": angle})
+    return Hit(lost, run, fields={"shorter": shorter or ""})
 
 
 def needs(facts: Facts) -> Iterator[Hit]:
@@ -200,7 +201,7 @@ def needs(facts: Facts) -> Iterator[Hit]:
 
 
 CONTACT = ("minimum_cam_contact_force", "loss_of_contact_duration", "loft_gap")
-SEAT = ("seating_velocity", "bounce_height")
+SEAT = ("seating_velocity",)
 FLEX = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range")
 PISTON = ("minimum_piston_clearance_gap",)
 NEEDED = ("needed_closed_spring_force", "needed_open_spring_force", "needed_spring_rate")
@@ -209,29 +210,29 @@ SWEEP = "valvetrain sweep {case}"
 RULES = (
     Rule("P101", "decides", "the valve meets the piston[ {at}]", below(PISTON[0], 1e-9), PISTON,
          step="check timing and depth of the table 'piston'"),
-    Rule("C101", "decides", "the valve floats: {value} above its path[ {where}]", floats,
+    Rule("C101", "decides", "the valve floats: {value} above its path[ {at}]", floats,
          (*CONTACT, "float_excess_lift"), "[{cause}]", SWEEP, "[left at {angle}][, met again at {landing}][ on {part}]",
          "how-to/09-loft.md", unless=("U", "W10", "D10")),
-    Rule("C102", "decides", "contact is lost at the {place}[, {gap} open][ for {value}][ {where}]", loses, CONTACT,
+    Rule("C102", "decides", "contact is lost at the {place}[, {gap} open][ for {value}][ {at}]", loses, CONTACT,
          "[{cause}]", SWEEP, "[opens at {angle}][, meets at {landing}][ on {part}]", "how-to/09-loft.md", unless=("U", "W10", "D10", "C101")),
     Rule("C103", "decides", "in control, barely: {value} left on the cam[ at {angle}][ {at}]", barely, CONTACT,
          "rigid parts would leave {rigid}", SWEEP, "rigid parts {rigid}", "how-to/09-loft.md", "warn", ("U", "W10", "D10", "C10")),
     Rule("C104", "decides", "in control: {value} left on the cam[ at {angle}][ {at}]", kept, CONTACT,
          "[rigid parts would leave {rigid}]", SWEEP, mark="ok", unless=("U", "W10", "D10", "C10")),
-    Rule("C110", "warns", "the valve bounces {value} off its seat[ {where}]", above("bounce_height", BOUNCE), SEAT,
+    Rule("C110", "warns", "the valve bounces {value} off its seat[ {at}]", above("bounce_height", BOUNCE), ("bounce_height",),
          remark="bounces", guide="how-to/10-seating.md"),
     Rule("P102", "warns", "{value} left to the piston[ {at}]", below(PISTON[0], NEAR_PISTON), PISTON, remark="close",
          unless=("P101",)),
-    Rule("V101", "warns", "the valve lands at {value}[ {where}], above your limit of {limit}",
+    Rule("V101", "warns", "the valve lands at {value}[ {at}], above your limit of {limit}",
          above("seating_velocity", "permitted_seating_velocity"), SEAT, remark="above {limit}",
          guide="how-to/10-seating.md"),
     Rule("C122", "notes", "the longest flight lasts {value}[ {at}][, {repeats}]", flight, ("loft_gap",),
          remark="longest {value}[, {repeats}]", guide="how-to/09-loft.md"),
     Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}, {part}",
          guide="how-to/10-seating.md"),
-    Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of duration][ {at}]", flex, FLEX,
-         step="stiffer pushrod or lever: valvetrain study", remark="to flex", guide="how-to/08-flex.md"),
-    Rule("V102", "notes", "the valve lands at up to {value}[ {where}]; one hydraulic engine was called smooth to {limit}",
+    Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of open time][ {at}]", flex, FLEX,
+         step="stiffer pushrod or lever: valvetrain study", remark="lift and open time", guide="how-to/08-flex.md"),
+    Rule("V102", "notes", "the valve lands at {value}[ {at}]; one hydraulic engine was called smooth to {limit}",
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
          guide="limits.md", unless=("V101",)),
     Rule("C121", "notes", "a fifth above inertia asks for {closed} on the seat and {open} at full lift[ {at}]; you have {have} and {full}",

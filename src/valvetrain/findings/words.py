@@ -20,6 +20,7 @@ COARSE, UNRESOLVED = 0.05, 0.5
 NOTHING = 1e-9
 #: One turn per minute (rad/s).
 RPM = math.pi / 30
+DEGREE = math.pi / 180
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +69,12 @@ UNITS: dict[str, dict[str, tuple[Unit, ...]]] = {
         "power": (Unit("W", 1),),
         "mass": (Unit("g", 1e-3),),
         "frequency": (Unit("Hz", 1),),
-        "angle": (Unit("deg", math.pi / 180),),
+        "angle": (Unit("deg", DEGREE),),
         "angular speed": (Unit("rpm", RPM),),
         "ratio": (Unit("", 1),),
         "strain": (Unit("µm/m", 1e-6),),
+        "cam velocity": (Unit("mm/deg", 1e-3 / DEGREE),),
+        "cam acceleration": (Unit("µm/deg²", 1e-6 / DEGREE**2),),
     },
     # small lengths in thousandths of an inch, as engine shops write them
     "imperial": {
@@ -84,7 +87,9 @@ UNITS: dict[str, dict[str, tuple[Unit, ...]]] = {
         "velocity": (Unit("ft/s", 0.3048),),
         "acceleration": (Unit("g", 9.80665),),
         "moment": (Unit("lbf in", 0.112984829),),
-        "power": (Unit("hp", 745.69987),),
+        "cam velocity": (Unit("thou/deg", 25.4e-6 / DEGREE),),
+        "cam acceleration": (Unit("thou/deg²", 25.4e-6 / DEGREE**2),),
+        "power": (Unit("W", 1, 745.69987), Unit("hp", 745.69987)),
     },
 }
 _TURNING = re.compile(r"(cam|crank)_angle(_range)?$")

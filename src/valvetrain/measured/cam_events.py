@@ -44,11 +44,12 @@ class CamEvents:
         Raises :class:`InputError` for an event that is missing, an angle of unknown side, and a valve that closes first.
         """
         first, last = (valve[0].upper() + end for end in ("VO", "VC"))
-        if missing := next((event for event in (first, last) if event not in texts), ""):
+        angles = {one: _angle(one, texts[one]) for one in (first, last) if one in texts}
+        if missing := next((event for event in (first, last) if event not in angles), ""):
             raise InputError(
                 f'{first} and {last} go together; add {_key(missing)} = "{_example(missing)}"'
             )
-        opens, closes = (_angle(event, texts[event]) for event in (first, last))
+        opens, closes = angles[first], angles[last]
         if not 0 < closes - opens < TURN:
             raise InputError(
                 f"{_key(first)} and {_key(last)} are {math.degrees(closes - opens):g} crank degrees apart; check before, after, top and bottom"

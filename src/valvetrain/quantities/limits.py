@@ -7,21 +7,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from valvetrain.solution.definition import NESTED, label_of, shown
-
-#: Text behind a number that passes its limit, and what :func:`passed_limits` explains.
-MARK = "\u00a0!"
-
-
-#: What a verdict says of a value that passes its limit.
-OWN_PHRASE = "above its limit of {}"
+from valvetrain.solution.definition import NESTED
 
 
 @dataclass(frozen=True, slots=True)
 class Limit:
     """``quantity`` that is at or below the quantity ``against`` or, where a run has none, below
-    ``value`` (SI; None for no limit); at or above it where ``least``. ``reason`` with its source,
-    ``phrase`` of a verdict; a value that the case gives is a limit of its own.
+    ``value`` (SI; None for no limit); at or above it where ``least``. ``reason`` with its source;
+    a value that the case gives is a limit of its own.
     """
 
     quantity: str
@@ -29,7 +22,6 @@ class Limit:
     value: float | None = None
     against: str = ""
     least: bool = False
-    phrase: str = OWN_PHRASE
 
 
 _SHEAR = (
@@ -45,7 +37,7 @@ OF_CASE = "the limit that the case sets"
 LIMITS: tuple[Limit, ...] = (
     Limit("open_uncorrected_shear_stress", _SHEAR, against="permitted_shear_stress"),
     Limit("coil_bind_clearance", "the coils are solid before the largest lift", 0.0, least=True),
-    Limit("seating_velocity", _SEATING, 0.52, against="permitted_seating_velocity", phrase="above the {} called smooth"),
+    Limit("seating_velocity", _SEATING, 0.52, against="permitted_seating_velocity"),
 )  # fmt: skip
 
 
@@ -58,15 +50,6 @@ class PassedLimit:
     limit: float
     least: bool
     reason: str
-    phrase: str = OWN_PHRASE
-
-    @property
-    def comparison(self) -> str:
-        """Value and limit in words, in the units shown."""
-        value, unit = shown(self.quantity, self.value)
-        limit, _ = shown(self.quantity, self.limit)
-        side = "below" if self.least else "above"
-        return f"{label_of(self.quantity)} {value:.4g} {unit}, {side} {limit:.4g} {unit}"
 
 
 def passed_limits(values: Mapping[str, float]) -> dict[str, PassedLimit]:
@@ -87,6 +70,6 @@ def passed_limits(values: Mapping[str, float]) -> dict[str, PassedLimit]:
             value = values[name]
             if value < bound if limit.least else value > bound:
                 of_case = own is not None and limit.value is not None
-                reason, phrase = (OF_CASE, OWN_PHRASE) if of_case else (limit.reason, limit.phrase)
-                found[name] = PassedLimit(name, value, bound, limit.least, reason, phrase)
+                reason = OF_CASE if of_case else limit.reason
+                found[name] = PassedLimit(name, value, bound, limit.least, reason)
     return found

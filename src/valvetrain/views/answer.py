@@ -70,7 +70,7 @@ class Answer(ShownStudy):
     @property
     def headings(self) -> list[str]:
         """What tells the columns of the first table apart."""
-        return headings(self.facts)
+        return headings(self.facts, self.findings)
 
     @cached_property
     def models(self) -> TextTable | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import plotly.graph_objects as go
@@ -11,6 +11,7 @@ import plotly.graph_objects as go
 from valvetrain.findings.engine import Findings, Mark
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.rules_rest import BIND, orders_of
+from valvetrain.findings.rules_spring import NEAR
 from valvetrain.findings.springs_at_rest import State, marks_of, pair_of, states_of
 from valvetrain.findings.words import RPM, Amount, Words, digits_text
 from valvetrain.solution.modes import TrainModes
@@ -56,13 +57,24 @@ def rest_lines(facts: Facts, findings: Findings, words: Words) -> list[Line]:
             }
             amount = both.get(label)
             cells.append("" if amount is None else words.amount(amount))
-        mark: Mark = ""
-        if label == "coil bind":
-            about = findings.about(BIND)
-            mark = about[0].mark if about else "ok"
-            note = next((one.remark for one in about if one.remark), note)
-        lines.append(Line(label, tuple(cells), mark, note))
+        bind = label == "coil bind"
+        lines.append(
+            bind_line(cells, note, findings, words) if bind else Line(label, tuple(cells), "", note)
+        )
     return lines
+
+
+def bind_line(cells: Sequence[str], note: str, findings: Findings, words: Words) -> Line:
+    """The row of coil bind: as its finding says, else with a tick and the limit."""
+    about = [one for one in findings.about(BIND) if one.mark != "ok"]
+    mark: Mark = about[0].mark if about else "ok"
+    limit = "" if about else f"{note}, limit {words.amount(Amount('coil_bind_clearance', NEAR))}"
+    return Line(
+        "coil bind",
+        tuple(cells),
+        mark,
+        next((one.remark for one in about if one.remark), limit or note),
+    )
 
 
 def _static(words: Words, states: tuple[State, ...]) -> Iterator[tuple[str, Read, str]]:

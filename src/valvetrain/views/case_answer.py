@@ -12,13 +12,13 @@ import plotly.graph_objects as go
 
 from valvetrain.cam.contract import LiftLaw
 from valvetrain.errors import InputError
-from valvetrain.findings.engine import Mark
-from valvetrain.findings.rules_case import BIND, RULES, CaseFacts
+from valvetrain.findings.rules_case import RULES, CaseFacts
 from valvetrain.findings.rules_train import NEEDED
-from valvetrain.findings.words import Amount, digits_text, speed_text
-from valvetrain.parameters.summary import unit_text
-from valvetrain.solution.definition import is_defined, label_of, shown
+from valvetrain.findings.words import Amount, speed_text
+from valvetrain.quantities.cam_shape import lash_lift
+from valvetrain.solution.definition import is_defined, label_of
 from valvetrain.solution.static import RestPoint
+from valvetrain.views.at_rest import bind_line
 from valvetrain.views.motion.still import case_picture
 from valvetrain.views.shown import ShownByRules
 from valvetrain.views.style import ANGLE, LEAD, SECOND, FigureSpec, line, panels, styled
@@ -77,15 +77,18 @@ class CaseAnswer(ShownByRules):
         case, texts = self.facts.parameters, list[tuple[str, str | tuple[str, ...], str]]()
         valve = amounts.get("rigid_maximum_valve_lift", "")
         law = amounts.get("maximum_lift", "")
-        lobe = (
-            "lobe"
-            if self.facts.gear and self.facts.gear.mechanism.kinematics.law_of == "drive"
-            else "law"
-        )
-        note = f"the {lobe} lifts {law}" if valve and valve != law else ""
+        gear = self.facts.gear
+        driven = gear is not None and gear.mechanism.kinematics.law_of == "drive"
+        note = f"the {'lobe' if driven else 'law'} lifts {law}" if valve and valve != law else ""
         texts.append(("valve lift" if valve else "lift", valve or law, note))
         if case.train is not None and case.train.lash:
-            texts.append(("lash", self.words.amount(Amount("maximum_lift", case.train.lash)), ""))
+            texts.append(
+                (
+                    "lash",
+                    self.words.amount(Amount("maximum_lift", case.train.lash)),
+                    self._ramp_left(),
+                )
+            )
         for label, place in (("closed", 0), ("full lift", 1)):
             texts.append((label, self._loads(place), ""))
         texts.append(("rate", self._rates(), "closed"))
@@ -98,37 +101,49 @@ class CaseAnswer(ShownByRules):
         at = next((one for one in self.durations if math.isclose(one, OPEN, rel_tol=1e-3)), None)
         if at is not None:
             wide = Amount("valve_50_thou_open_crank_angle_range", self.durations[at])
-            texts.append(("open", self.words.amount(wide), "the law, at 0.050 in"))
+            texts.append(
+                (
+                    "open",
+                    self.words.amount(wide),
+                    f"above 0.050 in of {'lobe' if driven else 'valve' if gear else 'spring'} lift",
+                )
+            )
         speeds = case.operation.engine_speeds
         reach = [speed_text(one) for one in (speeds[:1] if len(speeds) == 1 else (min(speeds, default=0), max(speeds, default=0)))]  # fmt: skip
         texts.append(("engine speed", " to ".join(reach) if speeds else "", ""))
         return [self._line(*one) for one in texts if any(one[1])]
 
     def _line(self, label: str, cells: str | tuple[str, ...], note: str) -> Line:
-        mark: Mark = ""
         if isinstance(cells, str):
             cells = (cells, *[""] * (len(self.headings) - 1))
-        if label == "coil bind":
-            mark = "ok"
-        about = [one for one in self.findings.about(BIND) if one.remark and label == "coil bind"]
-        return Line(label, cells, mark, about[0].remark if about else note)
+        return (
+            bind_line(cells, note, self.findings, self.words)
+            if label == "coil bind"
+            else Line(label, cells, "", note)
+        )
+
+    def _ramp_left(self) -> str:
+        """Up to which lash, about, the valve meets its seat on the closing ramp."""
+        case, of_lobe = self.facts.parameters, lash_lift(self.facts.gear)
+        ramp = self.facts.values.get("cam_ramp_lift", 0.0)
+        if case.train is None or not ramp or not of_lobe:
+            return ""
+        most = Amount("cam_ramp_lift", case.train.lash * ramp / of_lobe)
+        return f"on the ramp up to about {self.words.amount(most, 2)}"
 
     def _text(self, name: str) -> str:
         amount = self.facts.amount(name)
-        if amount is None or not is_defined(name):
-            return ""
-        value, unit = shown(name, amount.value)
-        return f"{digits_text(float(value), 0, 4)} {unit_text(unit)}".strip()
+        return "" if amount is None or not is_defined(name) else self.words.amount(amount, 4)
 
     def _needed(self) -> tuple[str, str, str]:
         """What the springs would need together for a fifth above the inertia force at the highest speed in use."""
         needed = [self.facts.amount(name) for name in NEEDED]
         if not all(needed):
-            return "spring needed", "", ""
+            return "", "", ""
         closed, full, rate = (self.words.amount(one) for one in needed if one)
         top = speed_text(self.facts.parameters.operation.top_speed)
-        note = f"seat to full lift at {top}, a fifth above inertia; or {rate} at your seat load"
-        return "spring needed", f"{closed} to {full}", note
+        note = f"seat to full lift, a fifth above inertia; or {rate} at your seat load"
+        return f"needed at {top}", f"{closed} to {full}", note
 
     def _loads(self, place: int) -> tuple[str, ...]:
         return self._each(lambda one: Amount("preload", one[place].force))

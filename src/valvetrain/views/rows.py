@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from valvetrain.findings.engine import Findings, Mark
+from valvetrain.findings.engine import Findings, Mark, above, below
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.table import rules
+from valvetrain.findings.rules_spring import NEAR
+from valvetrain.findings.rules_sweep import ALIKE, SPEED
+from valvetrain.findings.rules_train import BOUNCE, FLOAT, NEAR_PISTON
 from valvetrain.findings.words import (
     Amount,
     MissingFieldError,
@@ -31,6 +35,29 @@ GRAVITY: tuple[Mark, ...] = ("bad", "warn", "ok", "")
 COLUMNS = 4
 
 
+class Limit(NamedTuple):
+    """A ``quantity`` that is to be at most ``limit`` (SI, or the name of another quantity of the run), or at least that, and
+    what stands behind a row that keeps it: a template with ``value`` and ``limit``.
+    """
+
+    quantity: str
+    limit: float | str
+    least: bool = False
+    text: str = "limit {limit}"
+
+    def kept(self, facts: Facts, run: Solution, words: Words) -> str:
+        """The text, of one run, where every run keeps the limit; empty where one does not, or number or limit are unknown."""
+        bound = facts.value(run, self.limit) if isinstance(self.limit, str) else self.limit
+        amount, passed = facts.amount(run, self.quantity), below if self.least else above
+        if (
+            amount is None
+            or not math.isfinite(bound)
+            or any(passed(self.quantity, self.limit)(facts))
+        ):
+            return ""
+        return words.fill(self.text, {"value": amount, "limit": Amount(self.quantity, bound)})
+
+
 @dataclass(frozen=True)
 class Row:
     """A row of the first table.
@@ -41,12 +68,14 @@ class Row:
     texts : templates over the names of quantities of a run; the first that can be filled is taken
     note : a few words behind it, where no finding has any
     of : what has the row, ``train``, ``spring`` or both (empty)
+    limit : what it is checked against; a row without one has no tick of its own
     """
 
     label: str
     texts: tuple[str, ...]
     note: str = ""
     of: str = ""
+    limit: Limit | None = None
 
     @property
     def reads(self) -> tuple[str, ...]:
@@ -59,46 +88,58 @@ SEAT = "{minimum_spring_force..peak_spring_force}"
 ROWS = (
     Row("on the cam", (CAM % "open_", CAM % ""), "valve open, at every step", "train"),
     Row("off the cam", ("[{loft_gap}][, {loft_duration}]",), of="train"),
-    Row("above its path", ("[{float_excess_lift}]",), of="train"),
+    Row("above its path", ("[{float_excess_lift}]",), of="train", limit=Limit("float_excess_lift", FLOAT)),
     Row("on the retainer", ("{minimum_retainer_force..peak_retainer_force}",), "what cam and valve feel", "spring"),
     Row("on the seat", (SEAT,), "below 10 kHz", "spring"),
     Row("coil on coil", ("{surge_clash_peak_force}",), "hardest blow", "spring"),
-    Row("landing", ("{seating_velocity}",), of="train"),
-    Row("bounce", ("[{bounce_height:2}]",), of="train"),
-    Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train"),
+    Row("landing", ("{seating_velocity}",), of="train", limit=Limit("seating_velocity", "permitted_seating_velocity")),
+    Row("bounce", ("[{bounce_height:2}]",), of="train", limit=Limit("bounce_height", BOUNCE)),
+    Row("to the piston", ("{minimum_piston_clearance_gap} left",), of="train", limit=Limit("minimum_piston_clearance_gap", NEAR_PISTON, least=True)),
     Row("spring", (SEAT,), of="train"),
     Row("spring needed", ("{needed_closed_spring_force..needed_open_spring_force}",), of="train"),
     Row("surge", ("{surge_amplitude_force}",), "0 to peak"),
-    Row("coil bind", ("{coil_bind_clearance} left",), "at full lift"),
+    Row("coil bind", ("{coil_bind_clearance} left",), "at full lift", limit=Limit("coil_bind_clearance", NEAR, least=True)),
     Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
-        "least to most"),
+        "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="at rest {value} of {limit} permitted")),
     Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train"),
-    Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
+    Row("lost to flex", ("[{lift_loss_displacement:2}][, {valve_50_thou_lost_crank_angle_range:2}]",), "lift and open time", "train"),
     Row("cam power", ("{mean_cam_power}",), "per valve", "train"),
     Row("first mode", ("{surge_frequency}",), of="spring"),
+    Row("first modes", ("{inner_surge_frequency..outer_surge_frequency}",), "of inner and outer spring"),
 )  # fmt: skip
 
 
-def columns(facts: Facts) -> list[Solution]:
-    """The runs of the first table: those that decide; of many the first, the last and some between. Over engine speed
-    those of the variant that loses control first, but of two springs both at the highest speed in use.
+def columns(facts: Facts, findings: Findings) -> list[Solution]:
+    """The runs of the first table: at the speeds of the gravest findings, where control is first lost, at the highest and
+    the lowest speed in use, and at some between;
+    over engine speed of the variant that loses control first, but of two springs of both.
     """
-    asked = {id(run) for run in facts.study.solutions}
-    runs = [run for run in facts.runs if id(run) in asked] or list(facts.runs)
-    if facts.study.command == "compare-springs" and runs:
-        shared = [
-            {run.engine_speed for run in runs if run.label == one} for one in facts.lead_labels
-        ]
-        common = set.intersection(*shared) or {runs[-1].engine_speed}
-        return [run for run in runs if run.engine_speed == max(common)][:COLUMNS]
+    asked, runs = {id(run) for run in facts.study.solutions}, list(facts.runs)
     if facts.run_up and runs:
         lost = (run.label for run in runs if facts.value(run, "loft_gap") > 0)
         label = next(lost, runs[-1].label)
         runs = [run for run in runs if run.label == label]
-    elif facts.sweep:
+    elif facts.study.command == "sweep":
         runs = [run for run in runs if run.label == facts.first_label] or runs
-    places = np.linspace(0, len(runs) - 1, COLUMNS).round() if runs else np.zeros(0)
-    return [runs[int(place)] for place in np.unique(places)]
+    labels = {run.label for run in runs}
+    named = [one for one in findings if one.label in labels and one.value is not None]
+    worst = [one.engine_speed for one in named if one.level != "notes"]
+    noted = [one.engine_speed for one in named]
+    speeds = sorted(
+        {run.engine_speed for run in runs if id(run) in asked or run.engine_speed in noted}
+    )
+    if not speeds:
+        return runs[:COLUMNS]
+    count = max(COLUMNS // len(labels), 1)
+    even = [speeds[int(place)] for place in np.linspace(0, len(speeds) - 1, count).round()]
+    lost = [one.value for one in findings if one.quantity == SPEED and one.level != "notes"]
+    begin = [next((speed for speed in speeds if speed >= (one or 0.0)), 0.0) for one in lost]
+    chosen = list[float]()
+    for speed in dict.fromkeys((*worst, *begin, speeds[-1], speeds[0], *noted, *even)):
+        alike = speed not in worst and any(abs(speed - one) < ALIKE * one for one in chosen)
+        if speed in speeds and not alike and len(chosen) < count:
+            chosen.append(speed)
+    return [run for run in runs if run.engine_speed in chosen][:COLUMNS]
 
 
 def _rest(facts: Facts) -> list[SpringAtRest]:
@@ -106,14 +147,14 @@ def _rest(facts: Facts) -> list[SpringAtRest]:
     return [] if facts.study.solutions else [one for one in facts.study.rest if one.curve][:COLUMNS]
 
 
-def headings(facts: Facts) -> list[str]:
+def headings(facts: Facts, findings: Findings) -> list[str]:
     """What tells the columns apart: the label, the engine speed, or both; of springs at rest the model."""
     if facts.study.at_rest_only:
         return rest_headings(facts)
     if rest := _rest(facts):
         several = len({one.spring for one in rest}) > 1
         return [f"{one.spring}, {one.model}" if several else one.model for one in rest]
-    runs = columns(facts)
+    runs = columns(facts, findings)
     speeds = len({run.engine_speed for run in runs}) > 1
     labels = len({run.label for run in runs}) > 1
     return [
@@ -125,7 +166,7 @@ def headings(facts: Facts) -> list[str]:
 
 
 def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
-    """Six to ten rows; the mark is that of the gravest finding about a row, ``ok`` where a rule looked and found nothing.
+    """Six to ten rows; the mark is that of the gravest finding about a row, ``ok`` where its limit was checked and kept.
 
     Parameters
     ----------
@@ -136,8 +177,13 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         return rest_lines(facts, findings, words)
     if rest := _rest(facts):
         return _rest_rows(rest, words)
-    looked_at = {name for rule in rules(facts.kinds) for name in rule.reads}
-    lines, brief, told, runs = list[Line](), replace(words, brief=True), set[str](), columns(facts)
+    lines, brief, told, runs = (
+        list[Line](),
+        replace(words, brief=True),
+        set[str](),
+        columns(facts, findings),
+    )
+    speeds = {run.engine_speed for run in runs}
     for row in (*ROWS, *_added_rows()):
         if row.of not in ("", "train" if facts.train else "spring"):
             continue
@@ -145,14 +191,16 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
         if not any(cells):
             continue
         about = findings.about(row.reads)
-        amounts = [facts.amount(run, name) for run in runs for name in row.reads]
-        sure = all(one.resolved for one in amounts if one)
-        sound: Mark = "ok" if looked_at & set(row.reads) else ""
-        mark = min((one.mark for one in about), key=GRAVITY.index, default=sound)
+        mark: Mark = min((one.mark for one in about), key=GRAVITY.index, default="")
         telling = next((one for one in about if one.remark and one.code not in told), None)
         told.add(telling.code if telling else "")
         remark = telling.remark if telling else row.note
-        lines.append(Line(row.label, cells, mark if sure or mark != "ok" else "", remark))
+        if telling and telling.engine_speed is not None and telling.engine_speed not in speeds:
+            remark += f" at {speed_text(telling.engine_speed)}"
+        limit = "" if mark or row.limit is None else row.limit.kept(facts, runs[-1], brief)
+        if limit:
+            mark, remark = "ok", ", ".join(filter(None, (remark, limit)))
+        lines.append(Line(row.label, cells, mark, remark))
     return lines
 
 

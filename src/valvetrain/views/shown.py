@@ -111,9 +111,14 @@ class Shown(ABC):
     @property
     def bullets(self) -> list[Finding]:
         """What is said besides verdict and rows: warnings, then models and published values."""
-        told = {one.remark for one in self.lines if one.remark}
+        told = tuple(one.remark for one in self.lines if one.remark)
         rest = self.findings[1:]
-        warned = [one for one in rest if one.level == "warns" and one.remark not in told]
+        warned = [
+            one
+            for one in rest
+            if one.level == "warns"
+            and not (one.remark and any(remark.startswith(one.remark) for remark in told))
+        ]
         decided = [one for one in rest if one.level == "decides" and one.mark != "ok"]
         in_table = ("M110", "M111") if self.models is not None else ()
         notes = [

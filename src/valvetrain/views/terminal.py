@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
@@ -35,7 +35,7 @@ def plain(answer: Shown, page: str = "", width: int = 100) -> str:
     """The screen as plain text of ``width`` columns."""
     console = Console(width=width, file=io.StringIO(), force_terminal=False)
     with console.capture() as capture:
-        console.print(screen(answer, page))
+        console.print(screen(answer, page), crop=False)
     return "\n".join(line.rstrip() for line in capture.get().splitlines())
 
 
@@ -61,16 +61,18 @@ def _parts(answer: Shown, page: str, folder: str) -> Iterator[RenderableType]:
     if answer.rests_on:
         yield Text(f"  rests on: {', '.join(answer.rests_on)}", style="dim")
     if answer.next_step:
-        yield Text.assemble(
-            ("  next: " if answer.next_step.startswith("valvetrain ") else "  to do: ", "dim"),
-            answer.next_step,
-        )
+        command = answer.next_step.startswith("valvetrain ")
+        yield _line("next" if command else "to do", answer.next_step, wraps=not command)
     if folder and not page:
-        yield Text.assemble(("  files: ", "dim"), folder, overflow="fold")
+        yield _line("files", folder)
     if page:
-        number = len(answer.findings)
-        count = f"  ({number} finding{'s' * (number != 1)})"
-        yield Text.assemble(("  page: ", "dim"), page, (count, "dim"), overflow="fold")
+        yield _line("page", page)
+
+
+def _line(word: str, text: str, wraps: bool = False) -> Text:
+    """A text behind a grey word, on one line of any length unless it ``wraps``: a command or a path is copied as it is."""
+    manner: dict[str, Any] = {} if wraps else {"no_wrap": True, "overflow": "ignore"}
+    return Text.assemble((f"  {word}: ", "dim"), text, **manner)
 
 
 def _rows(answer: Shown) -> Table:

@@ -18,7 +18,7 @@ CAUSES: dict[str, str] = {
     Cause.VIBRATION: "the train vibrates",
     Cause.COILS_STRIKE: "coils meet under surge",
     Cause.COILS_REST: "coils come to rest on each other as the spring closes",
-    Cause.FLANK_ENDS: "end of the closing flank",
+    Cause.FLANK_ENDS: "the lift ends",
     Cause.BOUNCE_ENDS: "end of a bounce",
     Cause.REBOUND: "rebound from the seat",
     Cause.REBOUND_IN_SURGE: "rebound with the spring force lowered by surge",
