@@ -121,7 +121,10 @@ def compute(job: Job, bars: bool = False) -> dict[Key, Entry]:
         found = vt.critical_speeds(path_of(job.case), f"{job.speed} rpm", **arguments, ranges=False)
         return {
             Key(job.case, "", row.label, job.spring_set, f"{row.kind} speed"): Entry(
-                row.nominal_engine_speed, "rad/s", "critical speed", CRITICAL
+                row.deciding_speed if not row.found else row.engine_speed,
+                "rad/s",
+                "critical speed",
+                CRITICAL,
             )
             for row in found.rows
         }

@@ -159,8 +159,7 @@ def number_of(answer: Mapping[str, Any], row: Row) -> float:
         return _of_lift(answer, row)
     if row.quantity in ("contact-loss", "float"):
         (found,) = [one for one in answer["critical_speeds"] if one["kind"] == row.quantity]
-        bracket: float = found["begins"]["from_rest"]["lower"]["value"]
-        return bracket
+        return float(found["engine_speed"]["value"])
     return _of_runs(answer, row)
 
 

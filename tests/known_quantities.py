@@ -26,13 +26,8 @@ from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion, rigid_quantities
 from valvetrain.quantities.statics import design_quantities, rest_quantities
-from valvetrain.runs.critical_speeds import (
-    CriticalOptions,
-    Limit,
-    Search,
-    SpeedSample,
-    critical_speed,
-)
+from valvetrain.runs.critical_scan import Scan, SpeedSample
+from valvetrain.runs.critical_speeds import CriticalOptions, critical_speed
 from valvetrain.solution.critical import KINDS
 from valvetrain.solution.modes import ModalResult
 from valvetrain.solution.result import Solution
@@ -540,31 +535,23 @@ def train_on_every_step() -> Known:
 
 
 def sweep() -> Known:
-    """Margins that pass zero at 690, 745 and 801 rad/s: each kind is lost from its own edge on, met
-    to the resolution of 0.5 rad/s.
-    """
+    """Measures that pass zero at 690, 745 and 801 rad/s: the roots are met to a relative 1e-6."""
     edges = {"contact-loss": 690.3, "float": 745.1, "bounce": 801.7}
 
-    def look(engine_speed: float, orbit: object) -> SpeedSample:
-        return SpeedSample(
-            {kind: edge - engine_speed for kind, edge in edges.items()},
-            dict.fromkeys(edges, "cam"),
-            "motion",
-        )
+    def look(engine_speed: float, orbit: object, precise: bool) -> SpeedSample:
+        return SpeedSample({kind: edge - engine_speed for kind, edge in edges.items()})
 
-    speeds = np.arange(600.0, 901.0, 50.0).tolist()
-    limits = tuple(Limit(kind, None, 100.0) for kind in edges)
-    search = Search(look, {speed: look(speed, None) for speed in speeds}, limits, 0.5)
+    scan = Scan(look, 0.5)
+    for speed in np.arange(600.0, 901.0, 50.0).tolist():
+        scan.at(speed)
     found = {
-        KINDS[kind]: critical_speed(
-            search, kind, "own", 600.0, 900.0, CriticalOptions()
-        ).engine_speed
+        KINDS[kind]: critical_speed(kind, scan, "own", CriticalOptions()).engine_speed
         for kind in edges
     }
     return found, {
-        "contact_loss_engine_speed": (690.3, 0.51),
-        "float_engine_speed": (745.1, 0.51),
-        "bounce_engine_speed": (801.7, 0.51),
+        "contact_loss_engine_speed": (690.3, 1e-3),
+        "float_engine_speed": (745.1, 1e-3),
+        "bounce_engine_speed": (801.7, 1e-3),
     }
 
 

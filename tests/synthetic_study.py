@@ -15,7 +15,6 @@ from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import (
     CriticalSpeed,
     CriticalSpeeds,
-    Crossing,
     RangeMember,
     SpeedBracket,
 )
@@ -429,45 +428,29 @@ def critical_speeds() -> CriticalSpeeds:
     hysteresis and its ranges; no bounce.
     """
 
-    def at(speed: float) -> SpeedBracket:
-        return SpeedBracket(speed, speed + 1)
-
-    searched = (2000 * np.pi / 30, 8000 * np.pi / 30, 10 * np.pi / 30)
-    again = (SpeedBracket(690.0, 8000 * np.pi / 30),)
+    first, last = 2000 * np.pi / 30, 8000 * np.pi / 30
+    ranges = SpeedBracket(650.0, 680.0), SpeedBracket(690.0, last)
     return CriticalSpeeds(
         (
-            CriticalSpeed(
-                "stock",
-                "contact-loss",
-                0.0,
-                *searched,
-                True,
-                ("cam",),
-                Crossing(*[at(650.0)] * 3),
-                Crossing(*[at(680.0)] * 3),
-                again,
-                31,
-            ),
+            CriticalSpeed("stock", "contact-loss", 0.0, first, last, ranges, ("cam",), 0, 31),
             CriticalSpeed(
                 "stock",
                 "float",
                 5e-5,
-                *searched,
-                True,
+                first,
+                last,
+                (SpeedBracket(700.4, last),),
                 ("valve",),
-                Crossing(at(700.0), at(720.0), at(690.0)),
-                None,
-                (),
+                0,
                 23,
-                700.4,
                 (
                     RangeMember("mesh", "×1.5", 700.1),
                     RangeMember("model", "multi-mass", 680.0),
                     RangeMember("damping", "×1.5", 720.0),
                 ),
-                (),
-                "sharp",
+                onset="sharp",
+                falling_engine_speed=680.0,
             ),
-            CriticalSpeed("stock", "bounce", 1e-4, *searched),
+            CriticalSpeed("stock", "bounce", 1e-4, first, last),
         )
     )

@@ -27,7 +27,7 @@ KNOWN = {
     "views/results.py:picture_for_notebook": "no display",
     "views/results.py:html_for_notebook": "no display",
     "runs/at_rest.py:RestSolver.solve": "no number, the failure of the study",
-    "runs/critical_repeats.py:variants_of": "a member of the range with its refusal and no speed",
+    "runs/critical_ranges.py:variants_of": "a member of the range with its refusal and no speed",
     "runs/facts.py:_chain_of_wire": "no fact: the run is refused with the reason",
     "runs/own_error_bars.py:_way": "no further run",
     "runs/own_error_bars.py:_run_again": "no number of a further run",

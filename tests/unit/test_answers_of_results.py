@@ -21,7 +21,7 @@ SPRING = vt.Spring(
 
 
 def critical(**values):
-    return CriticalSpeed("own", "float", 5e-5, 3000 * RPM, 9000 * RPM, RPM, **values)
+    return CriticalSpeed("own", "float", 5e-5, 3000 * RPM, 9000 * RPM, **values)
 
 
 def test_every_mode_of_a_spring_has_a_kind_and_surge_follows_from_it():

@@ -13,12 +13,9 @@ from valvetrain.findings.control import control_of
 from valvetrain.findings.facts import Facts
 from valvetrain.findings.table import findings_of
 from valvetrain.findings.words import speed_text
-from valvetrain.runs.critical_search import Search, SpeedSample
-from valvetrain.runs.critical_speeds import CriticalOptions, _decisive, critical_speed
 from valvetrain.solution.critical import (
     CriticalSpeed,
     CriticalSpeeds,
-    Crossing,
     RangeMember,
     SpeedBracket,
 )
@@ -51,15 +48,16 @@ def lost(
     kind: str, begin: float, end: float = math.inf, *again: SpeedBracket, **more: object
 ) -> CriticalSpeed:
     """Control lost from ``begin`` to ``end`` (rpm) of a search from 4000 to 8000 rpm."""
-    ends = None if math.isinf(end) else Crossing(bracket(end, end + 10))
     place = {"contact-loss": "cam", "float": "valve", "bounce": "seat"}[kind]
-    row = CriticalSpeed(LABEL, kind, 0.0, 4000 * RPM, 8000 * RPM, 10 * RPM, True, (place,),
-                        Crossing(bracket(begin - 5, begin)), ends, again, nominal_engine_speed=begin * RPM)  # fmt: skip
+    ranges = bracket(begin, min(end, 8000)), *again
+    row = CriticalSpeed(LABEL, kind, 0.0, 4000 * RPM, 8000 * RPM, ranges, (place,))
     return replace(row, **more)
 
 
 def sweep(*rows: CriticalSpeed, runs: tuple[Solution, ...] = ()) -> Study:
     swept = runs or (run(4000), run(8000))
+    other = min((row.engine_speed for row in rows if row.kind != "contact-loss"), default=math.inf)
+    rows = tuple(row.decided(other) if row.kind == "contact-loss" else row for row in rows)
     return Study(CaseRecord("own"), "sweep", swept, critical_speeds=CriticalSpeeds(rows))
 
 
@@ -104,33 +102,6 @@ def test_what_is_wide_or_floats_or_bounces_or_comes_often_ends_control(rows):
     assert findings_of(study).verdict.value == pytest.approx(begin)
 
 
-def test_the_ranges_of_a_search_are_narrowed_up_to_the_first_that_is_long():
-    """The speeds of a sweep made the width of a range above the first one."""
-
-    def margin(speed: float) -> float:
-        short = 5018 < speed < 5060 or 5490 < speed < 5530
-        return -1.0 if short or 6512 < speed < 7333 else 100.0
-
-    def at(speed: float, orbit: object = None) -> SpeedSample:
-        value = margin(speed / RPM)
-        return SpeedSample({"contact-loss": max(value, 0.0)}, {"contact-loss": ("cam",)}, None, {"contact-loss": value})  # fmt: skip
-
-    swept = (4000, 4500, 5040, 5300, 5500, 6000, 6600, 7000, 8000)
-    options = CriticalOptions()
-    search = Search(at, {one * RPM: at(one * RPM) for one in swept}, options.limits, 10 * RPM)
-    row = critical_speed(search, "contact-loss", LABEL, 4000 * RPM, 8000 * RPM, options)
-    first, second = row.again
-    assert first.lower_engine_speed / RPM == pytest.approx(5495, abs=5.5)
-    assert first.upper_engine_speed / RPM == pytest.approx(5525, abs=5.5)
-    assert second.lower_engine_speed / RPM == pytest.approx(6517, abs=5.5)
-    study = sweep(replace(row, nominal_engine_speed=row.begins.from_rest.upper_engine_speed))
-    assert control_of(study, LABEL).limit == second.lower_engine_speed
-    deciding = _decisive(row, search, math.inf)
-    bracket = deciding.begins.from_rest
-    assert bracket.lower_engine_speed / RPM < 6512 < bracket.upper_engine_speed / RPM
-    assert first.upper_engine_speed < deciding.first_engine_speed < 6512 * RPM
-
-
 def test_the_speed_of_every_warning_is_a_column():
     """A warning gave 430 N of surge at a speed that was none of the four in the table."""
     runs = tuple(
@@ -144,18 +115,16 @@ def test_the_speed_of_every_warning_is_a_column():
 
 def test_the_range_of_a_critical_speed_is_that_of_the_loss_that_stays():
     """Contract: the range of a short loss at 5040 rpm was given for control that ends at 6517."""
-    found = lost("contact-loss", 5040, 5060, bracket(6517, 8000), decisive_engine_speed=6517 * RPM)
+    found = lost("contact-loss", 5040, 5060, bracket(6517, 8000)).decided(math.inf)
     row = replace(found, members=(RangeMember("mesh", "×1.5", 6600 * RPM),))
     assert row.engine_speed == 5040 * RPM and row.causes == ("mesh",)
-    assert row.span == SpeedBracket(6517 * RPM, 6600 * RPM)
-    assert row.short_ranges(math.inf) == row.ranges[:1]
+    assert row.span == SpeedBracket(6517 * RPM, 6600 * RPM) and row.short_count == 1
 
 
 def test_what_a_search_could_not_see_and_two_motions_are_named():
     pulled = sweep(lost("contact-loss", 6100, pulled=(bracket(5000, 5100),)))
     assert findings_of(pulled).by("W114") and not findings_of(pulled).by("W112")
-    begins = Crossing(bracket(6095, 6100), bracket(6400, 6410), bracket(5900, 5910))
-    both = sweep(lost("contact-loss", 6100, begins=begins))
+    both = sweep(lost("contact-loss", 6100, falling_engine_speed=5900 * RPM))
     assert findings_of(both).by("W112") and not findings_of(both).by("W114")
 
 

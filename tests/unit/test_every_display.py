@@ -14,7 +14,7 @@ from valvetrain.cosserat.static import compress
 from valvetrain.errors import InputError
 from valvetrain.integrate.run import joined
 from valvetrain.parameters.constructors import cylindrical
-from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, Crossing, SpeedBracket
+from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, SpeedBracket
 from valvetrain.solution.display import frame, table
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.status import Status
@@ -113,25 +113,19 @@ def bracket(low: float, high: float) -> SpeedBracket:
 
 
 def test_critical_speeds_by_kind_and_as_a_frame():
-    begins = Crossing(bracket(7000, 7010), bracket(7100, 7110), bracket(6800, 6810))
+    searched = 1000 * RPM, 9000 * RPM
     lost = CriticalSpeed(
-        "stock", "contact-loss", 0.0, 1000 * RPM, 9000 * RPM, 10 * RPM, True, ("cam",), begins
-    )
-    early = CriticalSpeed(
-        "stock", "bounce", 1e-4, 1000 * RPM, 9000 * RPM, 10 * RPM, True, ("seat",)
-    )
-    never = CriticalSpeed("other", "float", 5e-5, 1000 * RPM, 9000 * RPM, 10 * RPM)
+        "stock", "contact-loss", 0.0, *searched, (bracket(7010, 9000),), ("cam",),
+        falling_engine_speed=6810 * RPM,
+    )  # fmt: skip
+    early = CriticalSpeed("stock", "bounce", 1e-4, *searched, (bracket(0, 9000),), ("seat",))
+    never = CriticalSpeed("other", "float", 5e-5, *searched)
     assert lost.engine_speed == pytest.approx(7010 * RPM) and early.engine_speed == pytest.approx(
         1000 * RPM
     )
     assert math.isnan(never.engine_speed) and str(bracket(5000, 5000)) == "5000"
-    assert (
-        begins.hysteresis == pytest.approx(290 * RPM)
-        and Crossing(bracket(1, 2), bracket(1, 2), bracket(2, 3)).hysteresis == 0.0
-    )
-    assert math.isnan(replace(begins, rising=None).hysteresis) and math.isnan(
-        replace(begins, falling=None).hysteresis
-    )
+    assert lost.both_motions == pytest.approx((6810 * RPM, 7010 * RPM))
+    assert early.both_motions is None
     found = CriticalSpeeds((lost, early, never))
     assert (
         found.of("bounce") is early
@@ -146,10 +140,9 @@ def test_critical_speeds_by_kind_and_as_a_frame():
         found.quantities("other") == {} and found.labels == ("stock", "other") and len(found) == 3
     )
     told = found.to_pandas()
-    assert told["from_rest_lower_engine_speed"][0] == pytest.approx(7000 * RPM)
-    assert told["falling_upper_engine_speed"][0] == pytest.approx(6810 * RPM) and np.isnan(
-        told["rising_lower_engine_speed"][1]
-    )
+    assert told["engine_speed"][0] == pytest.approx(7010 * RPM)
+    assert told["falling_engine_speed"][0] == pytest.approx(6810 * RPM)
+    assert np.isnan(told["falling_engine_speed"][1])
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def test_a_run_loses_contact_where_the_search_over_speed_does():
     found = vt.critical_speeds(
         "tdi-pushrod", "6800:7000:200 rpm", spring_models=["multi-mass"], spring_set="stock", ranges=False, workers=1
     )  # fmt: skip
-    onset = found.of("contact-loss").nominal_engine_speed / RPM
+    onset = found.of("contact-loss").engine_speed / RPM
     for engine_speed, lost in ((onset - 1, False), (onset + 1, True)):
         study = vt.simulate("tdi-pushrod", f"{engine_speed} rpm", spring_models=["multi-mass"], spring_set="stock", workers=1)  # fmt: skip
         (run,) = study.solutions

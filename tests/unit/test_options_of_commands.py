@@ -128,6 +128,23 @@ def test_nested_springs_of_a_card_add_up(answer):
     assert [one["preload"]["value"] for one in rest.values()] == pytest.approx([250, 90])
 
 
+def test_the_resolution_of_critical_speeds_is_that_of_their_scan(answer):
+    def runs(resolution: str) -> float:
+        words = (
+            "--spring",
+            "massless",
+            "--spring-set",
+            "nested",
+            "--resolution",
+            resolution,
+            "--json",
+        )
+        found = answer("sweep", "vaz-ohc", "--engine-speed", "4000:5000:1000 rpm", *words)
+        return sum(row["runs_count"]["value"] for row in json.loads(found)["critical_speeds"])
+
+    assert runs("500 rpm") < runs("10 rpm")
+
+
 def test_a_measured_lift_moves_the_spring_of_a_case(answer):
     words = ("--spring", "massless", "--engine-speed", "3000 rpm", "--draws", "5")
     text = answer("lift", "lobe.csv", "--case", "lifted.toml", *words)

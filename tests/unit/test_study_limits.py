@@ -41,7 +41,7 @@ def test_a_limit_speed_is_that_of_a_sweep_at_every_point(folder):
         case = vt.Case(str(folder / "train.toml")).set({"train.springs.card.0.preload": preload})
         found = {one.kind: one for one in case.critical_speeds(speeds, ranges=False)}
         for column, kind in ((1, "contact-loss"), (2, "float")):
-            nominal = found[kind].nominal_engine_speed
+            nominal = found[kind].engine_speed
             assert table.values[row, column] == pytest.approx(nominal, abs=11 * RPM)
     assert np.all(np.diff(table.values, axis=0) > 0), "more preload keeps control longer"
     assert "contact_loss_engine_speed [rad/s]" in points_csv(table)

@@ -70,7 +70,11 @@ CriticalOption = Annotated[
 ]
 ResolutionOption = Annotated[
     str,
-    typer.Option("--resolution", metavar="SPEED", help="Width of the brackets of critical speeds."),
+    typer.Option(
+        "--resolution",
+        metavar="SPEED",
+        help="A fifth of the distance of the speeds at which critical speeds are looked for.",
+    ),
 ]
 FloatOption = Annotated[
     str,

@@ -77,8 +77,7 @@ def control_of(study: Study, label: str) -> Control:
     losses = [Loss(one, one.ranges) for one in rows]
     contact = next((one for one in losses if one.row.kind == "contact-loss"), None)
     others = [one for one in losses if one is not contact]
-    other = min((one.begin for one in others), default=math.inf)
-    islands = () if contact is None else contact.row.short_ranges(other)
+    islands = () if contact is None else contact.ranges[: contact.row.short_count]
     if contact is not None and islands:
         left = contact.ranges[len(islands) :]
         losses = [*others, *([Loss(contact.row, left)] if left else [])]

@@ -51,10 +51,10 @@ def range_of(row: CriticalSpeed) -> tuple[Fields, float]:
     """A range that is worth a word, with its causes, and its half width (rad/s); empty and 0 of a narrow one."""
     span = row.span
     if span is None or not row.causes:
-        return {}, row.resolution / 2
+        return {}, 0.0
     low, high = span.lower_engine_speed, span.upper_engine_speed
     if high - low <= WIDE * row.deciding_speed:
-        return {}, row.resolution / 2
+        return {}, 0.0
     width = high - low if math.isfinite(high) and low > 0 else 0.0
     begin = f"below {speed_text(row.first_engine_speed, '')}" if low <= 0 else about(low)
     end = about(high) if math.isfinite(high) else f"above {speed_text(row.last_engine_speed, '')}"

@@ -306,9 +306,9 @@ def critical_speeds(
     ----------
     case, spring_models, spring_set, workers, progress, limit, implausible : as for
         :func:`simulate`
-    engine_speeds : speeds of the crank at which the search begins, by default those of :func:`sweep`; it continues between
-        them where control may be lost
-    resolution : width of a bracket, "10 rpm", rad/s or a pint quantity
+    engine_speeds : speeds of the crank between which settled motion is scanned, by default those of :func:`sweep`
+    resolution : a fifth of the distance of the speeds scanned, and to what a change is narrowed where the motion does
+        not repeat; "10 rpm", rad/s or a pint quantity
     float_lift : lift above the rigid one beyond which the valve floats, "50 um", m or a pint
         quantity
     bounce_height : height above the seat beyond which a bounce counts, likewise
@@ -317,9 +317,8 @@ def critical_speeds(
 
     Returns
     -------
-    CriticalSpeeds, a row per label and kind: ``engine_speed`` moves smoothly with the inputs,
-    ``numerical`` and ``damping`` are ranges, ``onset`` is sharp, graze or non-repeating; brackets
-    from rest, with rising and with falling speed; all in rad/s
+    CriticalSpeeds, a row per label and kind: ``engine_speed``, a root, moves smoothly with the inputs, ``span`` is its
+    range, ``ranges`` are all of lost control, ``onset`` is sharp, graze or non-repeating; all in rad/s
 
     Raises
     ------

@@ -1,28 +1,19 @@
-"""Critical speeds of a train: where it loses contact, floats and bounces, searched between the
-speeds of a sweep.
-"""
+"""Critical speeds of a train: where it loses contact, floats and bounces, as roots between the speeds of a scan."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any
 
 from valvetrain.errors import InputError
-from valvetrain.integrate.contract import Periodic
+from valvetrain.integrate.contract import Orbit, Periodic
 from valvetrain.quantities.end_events import PULL
-from valvetrain.quantities.train_events import drive_forces
+from valvetrain.quantities.train_events import counted_losses, drive_forces
 from valvetrain.runs.critical_causes import with_cause
-from valvetrain.runs.critical_repeats import (
-    NOMINAL_TOLERANCE,
-    Repeat,
-    Variant,
-    repeated,
-    variants_of,
-)
-from valvetrain.runs.critical_search import Limit, Search, SpeedSample
+from valvetrain.runs.critical_ranges import Variant, range_members, variants_of
+from valvetrain.runs.critical_scan import Scan, SpeedSample
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
@@ -36,12 +27,9 @@ from valvetrain.solution.critical import (
     BOUNCE_HEIGHT,
     FLOAT_LIFT,
     KINDS,
-    MAX_AGAIN,
     NARROW,
     CriticalSpeed,
     CriticalSpeeds,
-    Crossing,
-    SpeedBracket,
 )
 from valvetrain.solution.result import Solution
 from valvetrain.system.problem import Problem
@@ -52,21 +40,22 @@ RPM = math.pi / 30
 #: Stiffness (N/m) of a drive at the cam, typical: it continues a contact force below zero by the
 #: gap, to judge how deep control is lost; the speed of zero does not depend on it.
 DRIVE_STIFFNESS = 5e7
-#: Change per cycle at which the runs of the search repeat: what is left moves an onset by less than
-#: a tenth of the default resolution.
-SEARCH_TOLERANCE = 1e-4
+#: Distance between the speeds of a scan, in resolutions.
+SCAN = 5.0
+#: Change per cycle at which the runs of the scan repeat, and precise ones: what is left of these moves a root by less
+#: than its relative width.
+SCAN_TOLERANCE, PRECISE_TOLERANCE = 1e-4, 1e-6
 #: Cycles of the search for a periodic motion: half of them accelerated, then as many plain ones as show
-#: a period of eight. With 60 the same speeds are found at twice the time of all that never repeats.
-SEARCH_CYCLES = 24
-#: A repeat of a speed starts from the motion of a run no further away than this share of it.
-CLOSE = 0.01
+#: a period of eight. With 60 the same speeds result at twice the time of all that never repeats.
+SCAN_CYCLES = 24
 
 
 @dataclass(frozen=True, slots=True)
 class CriticalOptions:
     """Options of the search.
 
-    ``resolution``: width (rad/s of the crank) of a bracket. ``float_lift``: lift (m) above the
+    ``resolution`` (rad/s of the crank): width to which a change is narrowed where motion does not repeat; speeds are
+    scanned :data:`SCAN` of it apart. ``float_lift``: lift (m) above the
     rigid one beyond which a train floats. ``bounce_height``: lift (m) beyond which a bounce counts.
     ``ranges``: repeat each speed with finer numerics and other damping, not the nominal one alone.
     """
@@ -84,16 +73,6 @@ class CriticalOptions:
                     f"the {name.replace('_', ' ')} of critical speeds must be positive; give such as '{example}'",
                     f"--{name.replace('_', '-')}",
                 )
-
-    @property
-    def limits(self) -> tuple[Limit, ...]:
-        """How each kind is searched."""
-        contact, floats, bounces = KINDS
-        return (
-            Limit(contact, None, 100.0),
-            Limit(floats, self.float_lift, 5.0, contact, within=True),
-            Limit(bounces, self.bounce_height, 10.0, contact),
-        )
 
     def limit_of(self, kind: str) -> float:
         """Limit (SI) of a kind: the contact force of a loss of contact is zero."""
@@ -116,47 +95,38 @@ def read_options(
 
 
 def sample_of(
-    solution: Solution, options: CriticalOptions, orbit: Any = None, missing: float = 0.0
+    solution: Solution, options: CriticalOptions, orbit: Orbit | None = None
 ) -> SpeedSample:
-    """Margins of a run of a train: least contact force of the drive while open (N), and lift left
-    to float and to bounce (m, at most the limit itself, at least its negative). A run without its
-    numbers has lost control. ``missing``: :func:`missing_force` of the run.
+    """What a run of a train says of control: least contact force of the drive while open (N), below zero by the force
+    that would about close the largest gap, and lift left to float and to bounce (m, at least minus the limit).
     """
     least = {name: one for name, one in drive_forces(solution).items() if math.isfinite(one)}
     whole = bool(least) and "float_excess_lift" in solution.quantities
     opened = tuple(name for name, force in least.items() if force <= 0)
     contact, floats, bounces = KINDS
-    margins = {contact: max(0.0, min(least.values())) if whole else math.nan}
+    gap = max((one.size for one in counted_losses(solution.events)), default=0.0)
+    force = min(least.values(), default=math.nan)
+    measures = {contact: force if force > 0 else -DRIVE_STIFFNESS * gap}
     for kind, name, limit in (
         (floats, "float_excess_lift", options.float_lift),
         (bounces, "bounce_height", options.bounce_height),
     ):
-        size = float(solution.quantities.get(name, 0.0))  # none as far as a run to coil bind goes
-        margins[kind] = max(-limit, limit - size) if whole else math.nan
-    locations = {contact: opened or ("run",), floats: ("valve",), bounces: ("seat",)}
-    measures = {contact: margins[contact] or -missing}
+        # none as far as a run to coil bind goes
+        measures[kind] = max(-limit, limit - float(solution.quantities.get(name, 0.0)))
+    if not whole:
+        measures = dict.fromkeys(KINDS, math.nan)
     repeats = solution.status.completed and solution.statistics.get("motion_period_count") == 1
-    force = float(solution.quantities.get("minimum_cam_contact_force", math.nan))
     ended = whole and "bounce_height" not in solution.quantities  # before the valve closed
     pulls = any(event.kind == PULL for event in solution.events)
-    unknown = frozenset(KINDS if pulls else {bounces} if ended else ())
-    return SpeedSample(margins, locations, orbit, measures, repeats, force, unknown, pulls)
-
-
-def missing_force(ready: PreparedRun, solution: Solution) -> float:
-    """Force (N) that would about close the largest gap of the drive's contacts while the valve is
-    open, of a run with the events of its integrator; 0 where none opens.
-    """
-    begin, end = ready.window or (0.0, 2 * math.pi)
-    drive = set() if ready.motion is None else set(ready.motion.forces.places)
-    gaps = (
-        float(event.details["largest_gap"])
-        for event in solution.events
-        if event.kind == "touch"
-        and event.where in drive
-        and (float(event.details["release_cam_angle"]) - begin) % (2 * math.pi) <= end - begin
+    return SpeedSample(
+        measures,
+        {contact: opened or ("run",), floats: ("valve",), bounces: ("seat",)},
+        orbit if repeats else None,
+        repeats,
+        float(solution.quantities.get("minimum_cam_contact_force", math.nan)),
+        frozenset(KINDS if pulls else {bounces} if ended else ()),
+        pulls,
     )
-    return DRIVE_STIFFNESS * max(gaps, default=0.0)
 
 
 def standing_force(ready: PreparedRun) -> float:
@@ -184,7 +154,7 @@ def find_critical_speeds(
     Members are searched in parallel, each alone and in the same order of runs, so that the result
     does not depend on ``workers``. ``tell(done, total)`` is called after each member.
     """
-    jobs: list[tuple[int, Mapping[float, SpeedSample]]] = []
+    jobs: list[tuple[int, dict[float, SpeedSample]]] = []
     for index, one in enumerate(ready):
         runs = (run for run in solutions if run.label == one.member.label)
         samples = {run.engine_speed: sample_of(run, options) for run in runs}
@@ -197,230 +167,140 @@ def find_critical_speeds(
 
 def _search(
     shared: tuple[Problem, tuple[PreparedRun, ...], Plan, CriticalOptions],
-    job: tuple[int, Mapping[float, SpeedSample]],
+    job: tuple[int, dict[float, SpeedSample]],
 ) -> tuple[CriticalSpeed, ...]:
-    """The search of one member, by its index, from the samples of its sweep."""
+    """The critical speeds of one member, by its index, from the samples of its sweep."""
     problem, ready, plan, options = shared
     index, samples = job
-    # margins are those of the train's contacts: what the coils do inside is not looked at
-    one, reduced = ready[index], replace(plan, whole=False, keep="ends", coil_contacts=False)
+    one = ready[index]
     assert isinstance(one.system, TrainSystem)
     large = one.system.has_large_springs
-    until = (
-        Periodic() if large else Periodic(SEARCH_CYCLES, tolerance=SEARCH_TOLERANCE, compared=False)
+    scan = scan_of(problem, Variant("", "", one), plan, options, samples)
+    changed: dict[Variant, Scan] = {}
+    if not large:
+        scan.fill(SCAN * options.resolution)
+        for kind in KINDS:
+            scan.look_into_dips(kind)
+        if options.ranges:
+            changed = {
+                each: scan_of(problem, each, plan, options, {}, scan if each.cause == "damping" else None)
+                for each in variants_of(problem, one)
+            }  # fmt: skip
+    rows = [critical_speed(kind, scan, one.member.label, options) for kind in KINDS]
+    other = min((row.engine_speed for row in rows[1:] if row.ranges), default=math.inf)
+    rows[0] = rows[0].decided(other)
+    if changed:
+        whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
+        rows = [with_range(row, scan, changed, whole[row.kind]) for row in rows]
+    curve = tuple(
+        (at, run.cam_force)
+        for at, run in sorted((scan.samples | scan.precise).items())
+        if math.isfinite(run.cam_force)
     )
-
-    def run(
-        engine_speed: float,
-        orbit: Any = None,
-        variant: Variant = Variant("", "", one),
-        periodic: Periodic = until,
-    ) -> SpeedSample:
-        step = variant.time_step(engine_speed, plan.samples)
-        return _sample(
-            problem, variant.ready, reduced, options, engine_speed, orbit, step, periodic
-        )
-
-    search = Search(run, samples, options.limits, options.resolution)
-
-    def repeating(periodic: Periodic, chosen: Variant | None = None) -> Repeat:
-        """Runs, each once, from the motion of the nearest one before, or of one of the search."""
-        variant = chosen or Variant("", "", one)
-        # a repeat of other steps, meshes or models shall not begin, and end at once, on the motion that it judges
-        near = (search.samples,) if variant.cause in ("", "damping") else ()
-
-        def at(engine_speed: float, known: Mapping[float, SpeedSample]) -> SpeedSample:
-            pools = (known, *near)
-            start = next(filter(None, (_nearest(pool, engine_speed) for pool in pools)), None)
-            return run(engine_speed, start, variant, periodic)
-
-        return Repeat(variant.cause, variant.change, at, variant.ready.refusal)
-
-    precise = repeating(replace(until, tolerance=NOMINAL_TOLERANCE))
-    # ranges are of uncertain inputs: whether each of their orbits attracts is not tested
-    variants = variants_of(problem, one) if options.ranges else ()
-    repeats = [repeating(replace(until, probed=False), each) for each in variants]
-    ends = min(samples), max(samples)
-    rows = [critical_speed(search, kind, one.member.label, *ends, options) for kind in KINDS]
-    whole = {kind: options.limit_of(kind) or standing_force(one) for kind in KINDS}
-    contact, *more = rows
-    other = min((row.ranges[0].lower_engine_speed for row in more if row.found), default=math.inf)
-    deciding = _decisive(contact, search, other)
-    rows = [
-        repeated(row, search, precise, repeats, whole[row.kind], options.limits)
-        for row in (deciding, *more)
-    ]
-    if deciding is not contact:
-        stays = rows[0]
-        onset = repeated(contact, search, precise, (), whole[contact.kind], options.limits)
-        rows[0] = replace(
-            onset,
-            members=stays.members,
-            onset=stays.onset,
-            decisive_engine_speed=stays.nominal_engine_speed,
-        )
-    runs = sorted(search.samples.items())
-    curve = tuple((at, run.cam_force) for at, run in runs if math.isfinite(run.cam_force))
-    rows = [replace(row, curve=curve if row.kind == "contact-loss" else ()) for row in rows]
+    rows[0] = replace(rows[0], curve=curve)
     if not options.ranges:
         return tuple(rows)
 
-    @cache
     def run_there(engine_speed: float) -> Solution:
         all_channels = replace(plan, whole=True, keep="ends")
         origin = provenance_of(problem, one.member, engine_speed, plan.created_at)
-        return with_quantities(
-            one, integrate_point(one, engine_speed, all_channels, origin), all_channels, {}
-        )
+        run = integrate_point(one, engine_speed, all_channels, origin)
+        return with_quantities(one, run, all_channels, {})
 
     return tuple(with_cause(row, one, run_there) for row in rows)
 
 
-def _decisive(row: CriticalSpeed, search: Search, other: float) -> CriticalSpeed:
-    """The row as if its search had begun above the short ranges of lost contact below the one that stays,
-    which is below ``other`` losses (rad/s); itself where none is short.
-    """
-    short = row.short_ranges(other)
-    if not short or len(row.ranges) == len(short):
-        return row
-    begin = row.ranges[len(short)].lower_engine_speed
-    first = short[-1].upper_engine_speed * (1 + NARROW)
-    search.sample(first)
-    kept = (
-        one
-        for one in search.samples
-        if first <= one < begin and not search.known(one).lost(row.kind)
-    )
-    bracket = SpeedBracket(max(kept, default=first), begin)
-    return replace(row, begins=Crossing(bracket), first_engine_speed=first)
-
-
-def _nearest(samples: Mapping[float, SpeedSample], engine_speed: float) -> Any:
-    """The orbit of the nearest sample that repeats, within :data:`CLOSE`; None for none."""
-    distances = {
-        abs(speed - engine_speed): sample.orbit
-        for speed, sample in samples.items()
-        if sample.repeats and sample.orbit is not None
-    }
-    nearest = min(distances, default=math.inf)
-    return distances[nearest] if nearest <= CLOSE * engine_speed else None
-
-
-def _sample(
+def scan_of(
     problem: Problem,
-    ready: PreparedRun,
+    variant: Variant,
     plan: Plan,
     options: CriticalOptions,
-    engine_speed: float,
-    orbit: Any = None,
-    time_step: float | None = None,
-    periodic: Periodic = Periodic(),
-) -> SpeedSample:
-    """One run of the search (rad/s of the crank), from ``orbit`` or from rest."""
-    origin = provenance_of(problem, ready.member, engine_speed, plan.created_at)
-    solution, ended = integrate_from(
-        ready,
-        engine_speed,
-        plan,
-        origin,
-        orbit,
-        time_step=time_step,
-        periodic=periodic,
+    samples: dict[float, SpeedSample],
+    beside: Scan | None = None,
+) -> Scan:
+    """The scan of a train, or of one in which something is changed; see :class:`Scan`."""
+    # margins are those of the train's contacts: what the coils do inside is not looked at
+    reduced = replace(plan, whole=False, keep="ends", coil_contacts=False)
+    ready = variant.ready
+    large = isinstance(ready.system, TrainSystem) and ready.system.has_large_springs
+    # ranges are of uncertain inputs: whether each of their orbits attracts is not tested
+    usual = Periodic(
+        SCAN_CYCLES, tolerance=SCAN_TOLERANCE, compared=False, probed=not variant.cause
     )
-    missing = missing_force(ready, solution)
-    return sample_of(with_quantities(ready, solution, plan, {}), options, ended, missing)
+
+    def run(engine_speed: float, orbit: Orbit | None, precise: bool) -> SpeedSample:
+        origin = provenance_of(problem, ready.member, engine_speed, plan.created_at)
+        tolerance = PRECISE_TOLERANCE if precise else SCAN_TOLERANCE
+        solution, ended = integrate_from(
+            ready,
+            engine_speed,
+            reduced,
+            origin,
+            orbit,
+            time_step=variant.time_step(engine_speed, plan.samples),
+            periodic=Periodic() if large else replace(usual, tolerance=tolerance),
+        )
+        return sample_of(with_quantities(ready, solution, reduced, {}), options, ended)
+
+    width = options.resolution if large else 0.0
+    return Scan(run, options.resolution, beside, samples, width=width)
 
 
-def first_bracket(
+def first_loss(
     kind: str,
     problem: Problem,
     ready: PreparedRun,
     engine_speeds: Sequence[float],
     options: CriticalOptions,
     stopped: Callable[[], bool] = lambda: False,
-) -> SpeedBracket | None:
-    """Where a prepared train first loses control by ``kind``, by few runs: rising ``engine_speeds``
-    (rad/s) from rest until it does, then halves of the last step down to the resolution.
+) -> float | None:
+    """The engine speed (rad/s) from which a prepared train loses control by ``kind``, by few runs: at rising
+    ``engine_speeds`` until it does, then to the resolution. A range between two of them is not looked for.
 
-    A range between two of the speeds is not looked for, unlike in :func:`find_critical_speeds`. From
-    0 where control is lost at the first speed, to infinity where it is maintained up to the last; None
-    once ``stopped``, called before each run, is true.
+    0 where control is lost at the first speed, infinite where it is kept up to the last; None once ``stopped``, called
+    before each of these runs, is true.
     """
     plan = Plan("ends", None, False, problem.cycles, problem.cycles_to_settle)
-    low, high, ahead = 0.0, math.inf, list(engine_speeds)
-    while ahead or (low and high - low > options.resolution and math.isfinite(high)):
+    scan, low = scan_of(problem, Variant("", "", ready), plan, options, {}), 0.0
+    for engine_speed in engine_speeds:
         if stopped():
             return None
-        engine_speed = ahead.pop(0) if ahead else (low + high) / 2
-        if _sample(problem, ready, plan, options, engine_speed).lost(kind):
-            high, ahead = engine_speed, []
-        else:
-            low = engine_speed
-    return SpeedBracket(low, high)
+        if scan.at(engine_speed).lost(kind):
+            return scan.root(kind, low, engine_speed, options.resolution) if low else 0.0
+        low = engine_speed
+    return math.inf
 
 
-def critical_speed(
-    search: Search,
-    kind: str,
-    label: str,
-    first_engine_speed: float,
-    last_engine_speed: float,
-    options: CriticalOptions,
+def critical_speed(kind: str, scan: Scan, label: str, options: CriticalOptions) -> CriticalSpeed:
+    """The nominal result of a scan for one kind."""
+    ranges, passed = scan.lost_ranges(kind)
+    begin = ranges[0].lower_engine_speed if ranges else math.inf
+    lost = [one for one in sorted(scan.samples) if one >= begin and scan.samples[one].lost(kind)]
+    return CriticalSpeed(
+        label,
+        kind,
+        options.limit_of(kind),
+        min(scan.samples),
+        max(scan.samples),
+        tuple(ranges),
+        scan.samples[lost[0]].places.get(kind, ()) if lost else (),
+        runs_count=scan.runs_count,
+        pulled=scan.pulled(begin),
+        passed=tuple(passed),
+        falling_engine_speed=scan.falling(kind, begin, SCAN * options.resolution / 2),
+    )
+
+
+def with_range(
+    row: CriticalSpeed, scan: Scan, changed: Mapping[Variant, Scan], whole: float
 ) -> CriticalSpeed:
-    """The result of a search for one kind between two engine speeds (rad/s)."""
-    before, limit = search.runs_count, options.limit_of(kind)
-    none = CriticalSpeed(
-        label, kind, limit, first_engine_speed, last_engine_speed, options.resolution
-    )
-    onset = search.onset(kind)
-    none = replace(none, passed=search.passed(kind))
-    if onset is None:
-        pulled, count = search.pulled(), search.runs_count - before
-        return replace(none, pulled=pulled, runs_count=count)
-    from_speed = onset if isinstance(onset, float) else onset.upper_engine_speed
-    end = search.end(kind, from_speed)
-    begins = None
-    if isinstance(onset, SpeedBracket):
-        sides = (onset.lower_engine_speed, onset.upper_engine_speed)
-        # a motion that does not repeat has no branch that a rising or falling speed could follow
-        steady = all(search.known(one).repeats for one in sides) and not search.pulled_in(onset)
-        begins = search.crossing(kind, onset) if steady else Crossing(onset)
-    ends = None if end is None else Crossing(end)
-    again = _narrowed(search, kind, from_speed)
-    return replace(
-        none,
-        found=True,
-        places=search.known(from_speed).locations[kind],
-        begins=begins,
-        ends=ends,
-        again=again,
-        runs_count=search.runs_count - before,
-        pulled=search.pulled(from_speed),
-    )
-
-
-def _narrowed(search: Search, kind: str, engine_speed: float) -> tuple[SpeedBracket, ...]:
-    """The ranges of loss above a speed (rad/s); the speeds of a sweep do not say where they begin and end, so
-    those up to the first that is not short are narrowed to the resolution.
-    """
-    place = 0
-    while place < min(len(again := _further(search, kind, engine_speed)), MAX_AGAIN):
-        search.narrowed(kind, again[place].lower_engine_speed)
-        again = _further(search, kind, engine_speed)
-        if _is_long(again[place]):
-            break
-        search.end(kind, again[place].lower_engine_speed)
-        again = _further(search, kind, engine_speed)
-        if _is_long(again[place]):
-            break
-        place += 1
-    return again
-
-
-def _is_long(one: SpeedBracket) -> bool:
-    return one.upper_engine_speed - one.lower_engine_speed > NARROW * one.lower_engine_speed
-
-
-def _further(search: Search, kind: str, engine_speed: float) -> tuple[SpeedBracket, ...]:
-    """The ranges of loss above a speed (rad/s), by their lowest and highest sampled speeds."""
-    return tuple(one for one in search.stretches(kind) if one.lower_engine_speed > engine_speed)
+    """The result with its range: of the loss that stays where short ones come before it."""
+    if row.ranges and not row.ranges[0].lower_engine_speed > 0:
+        return row  # control is lost already at the first speed
+    first, place = row.first_engine_speed, row.deciding_place
+    if place:
+        first = row.ranges[place - 1].upper_engine_speed * (1 + NARROW)
+    begin = row.deciding_speed
+    onset, members = range_members(row.kind, scan, changed, begin, first, whole)
+    lost = any(one.engine_speed < math.inf or one.pulled or one.refusal for one in members)
+    return replace(row, members=members, onset=onset) if row.ranges or lost else row

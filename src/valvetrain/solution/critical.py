@@ -1,12 +1,12 @@
 """Critical engine speeds, at which a train loses control of its valve: value, range over model, damping,
-step and mesh, and kind of onset, with the brackets between two runs.
+step and mesh, and kind of onset.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from valvetrain.solution.saveable import Saveable
@@ -42,9 +42,7 @@ PULLED = "ends of the spring would pull"
 
 @dataclass(frozen=True, slots=True)
 class SpeedBracket:
-    """Two engine speeds (rad/s of the crank) between which something changes; no run was made
-    between them.
-    """
+    """Two engine speeds (rad/s of the crank) and what lies between them."""
 
     lower_engine_speed: float
     upper_engine_speed: float
@@ -55,39 +53,6 @@ class SpeedBracket:
             for value in (self.lower_engine_speed, self.upper_engine_speed)
         )
         return low if low == high else f"{low}–{high}"
-
-    def apart(self, other: SpeedBracket) -> float:
-        """Speed (rad/s) between this bracket and ``other``, 0 where they meet or overlap."""
-        gap = max(
-            self.lower_engine_speed - other.upper_engine_speed,
-            other.lower_engine_speed - self.upper_engine_speed,
-        )
-        return max(0.0, gap)
-
-
-@dataclass(frozen=True, slots=True)
-class Crossing:
-    """One loss or recovery of control, found in three ways.
-
-    ``from_rest``: every speed started at rest. ``rising``, ``falling``: every speed started from
-    the motion at its neighbour below, or above; None where that motion did not change within the
-    speeds searched, does not repeat or could not be continued.
-    """
-
-    from_rest: SpeedBracket
-    rising: SpeedBracket | None = None
-    falling: SpeedBracket | None = None
-
-    @property
-    def hysteresis(self) -> float:
-        """Speed (rad/s) between the brackets of rising and of falling speed; 0 where they meet, NaN
-        where one of them is missing.
-        """
-        return (
-            math.nan
-            if self.rising is None or self.falling is None
-            else self.rising.apart(self.falling)
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,14 +80,15 @@ class CriticalSpeed:
 
     ``kind``: ``contact-loss`` (a contact of the drive opens while the valve is open), ``float``
     (the valve is above its rigid lift by more than ``limit``, in m) or ``bounce`` (it leaves its
-    seat again by more than ``limit``). ``places``: codes of the contacts that open first (``valve_tip``; ``run`` of
-    one that failed), ``valve`` or ``seat``. ``begins``: the lowest onset, None where there is none or control is lost already at
-    ``first_engine_speed``. ``ends``: end of that range of speeds, from rest, None where it lasts to
-    ``last_engine_speed``. ``again``: further ranges above it, by their lowest and highest sampled
-    speed. ``runs_count``: runs of the search in addition to those of the sweep.
+    seat again by more than ``limit``). ``ranges`` of lost control as the speed rises, by the roots at their ends: the
+    first from 0 where control is lost already at ``first_engine_speed``, the last to ``last_engine_speed`` where it
+    stays lost; none where control is never lost. ``places``: codes of the contacts that open first (``valve_tip``;
+    ``run`` of one that failed), ``valve`` or ``seat``. ``short_count``: how many of the first ranges are short ones of
+    lost contact, which an engine passes at once, below the loss that stays. ``runs_count``: runs of the search in
+    addition to those of the sweep.
 
-    ``nominal_engine_speed``: the onset itself, inside the bracket; infinite for never. ``members``: the same search with
-    one thing changed each; none where nothing was repeated. ``onset``: ``sharp``; ``graze`` where a tenth of the largest
+    ``members``: roots of the same loss, the one that stays, with one thing changed each; none where nothing was
+    repeated. ``onset`` of it: ``sharp``; ``graze`` where a tenth of the largest
     margin more or less moves it by more than 7.5 % of the speed, for a force that just reaches zero;
     ``non-repeating`` where the motion does not repeat from cycle to cycle.
     ``pulled``: ranges below the onset, by their lowest and highest sampled speed, in which the ends of the spring would
@@ -130,11 +96,11 @@ class CriticalSpeed:
     ``cause``: why control is lost there, as the events of a run have it, with what surge takes off the
     ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not requested.
     ``cam_angle`` (rad), of a loss of contact: where the force of that contact first comes to zero; NaN where unknown.
-    ``curve``, of a loss of contact: engine speed and least cam force (N) of the runs from rest, those of the sweep among them.
-    ``passed``: ranges below the onset, by their lowest and highest sampled speed, that are short (:data:`NARROW`) and
+    ``curve``, of a loss of contact: engine speed and least cam force (N) of all runs, those of the sweep among them.
+    ``passed``: ranges, by their lowest and highest sampled speed, that are short (:data:`NARROW`) and
     whose motion does not repeat: the last revolution of a run lost control there, the next may not.
-    ``decisive_engine_speed``: from where control stays lost, above short ranges of lost contact; ``members`` and ``onset``
-    are then of that speed. NaN where the onset itself decides.
+    ``falling_engine_speed``: below which control returns as the speed falls, where that is more than a short range
+    below the onset; NaN otherwise and where it was not followed.
     """
 
     label: str
@@ -142,14 +108,10 @@ class CriticalSpeed:
     limit: float
     first_engine_speed: float
     last_engine_speed: float
-    resolution: float
-    found: bool = False
+    ranges: tuple[SpeedBracket, ...] = ()
     places: tuple[str, ...] = ()
-    begins: Crossing | None = None
-    ends: Crossing | None = None
-    again: tuple[SpeedBracket, ...] = ()
+    short_count: int = 0
     runs_count: int = 0
-    nominal_engine_speed: float = math.nan
     members: tuple[RangeMember, ...] = ()
     pulled: tuple[SpeedBracket, ...] = ()
     onset: str = ""
@@ -159,69 +121,55 @@ class CriticalSpeed:
     cam_angle: float = math.nan
     curve: tuple[tuple[float, float], ...] = ()
     passed: tuple[SpeedBracket, ...] = ()
-    decisive_engine_speed: float = math.nan
+    falling_engine_speed: float = math.nan
+
+    @property
+    def found(self) -> bool:
+        """Whether control is lost anywhere."""
+        return bool(self.ranges)
 
     @property
     def engine_speed(self) -> float:
-        """Speed (rad/s) from which control is lost, started at rest: it moves smoothly with the
-        inputs where the motion repeats. Without it the upper end of the bracket; NaN for never.
+        """Speed (rad/s) from which control is lost, as it rises; the first one searched where it is lost there already,
+        NaN for never.
         """
-        if not self.found:
+        if not self.ranges:
             return math.nan
-        if math.isfinite(self.nominal_engine_speed):
-            return self.nominal_engine_speed
-        return (
-            self.first_engine_speed
-            if self.begins is None
-            else self.begins.from_rest.upper_engine_speed
-        )
+        return self.ranges[0].lower_engine_speed or self.first_engine_speed
 
     @property
     def deciding_speed(self) -> float:
-        """Speed (rad/s) that the range is of: the decisive one, or the onset; infinite for never."""
-        if math.isfinite(self.decisive_engine_speed):
-            return self.decisive_engine_speed
-        return self.engine_speed if self.found else math.inf
+        """Speed (rad/s) that the range is of: from where control stays lost; infinite for never."""
+        if not self.ranges:
+            return math.inf
+        return self.ranges[self.deciding_place].lower_engine_speed or self.first_engine_speed
 
     @property
-    def ranges(self) -> tuple[SpeedBracket, ...]:
-        """All ranges of lost control; the first from 0 where control is lost at the first speed searched."""
-        if not self.found:
-            return ()
-        begin, end = self.engine_speed, self.last_engine_speed
-        if self.begins is None and not math.isfinite(self.nominal_engine_speed):
-            begin = 0.0
-        if self.ends is not None:
-            end = max(begin, self.ends.from_rest.lower_engine_speed)
-        return SpeedBracket(begin, end), *self.again
+    def deciding_place(self) -> int:
+        """Place of the range of lost control that stays; 0 where none does."""
+        return self.short_count if self.short_count < len(self.ranges) else 0
 
     @property
     def both_motions(self) -> tuple[float, float] | None:
         """Engine speeds (rad/s) between which control is kept where the speed rises and is not regained where
         it falls; None of a range that is narrow or was not followed.
         """
-        begins = self.begins
-        if begins is None or begins.rising is None or begins.falling is None:
+        if not math.isfinite(self.falling_engine_speed):
             return None
-        low, high = begins.falling.lower_engine_speed, begins.rising.upper_engine_speed
-        return (low, high) if high - low > NARROW * low else None
+        return self.falling_engine_speed, self.engine_speed
 
-    def short_ranges(self, other: float) -> tuple[SpeedBracket, ...]:
-        """The ranges of lost contact below the one that stays, each narrow and below every ``other`` loss
-        (rad/s); none of more than :data:`MAX_SHORT`, for control then ends at the first.
+    def decided(self, other: float) -> CriticalSpeed:
+        """The result with the ranges of lost contact below the one that stays counted: each narrow and below every
+        ``other`` loss (rad/s); none of more than :data:`MAX_SHORT`, for control then ends at the first, and none of
+        two motions, for control is not regained for long.
         """
-        found = list[SpeedBracket]()
-        for one in self.ranges:
+        count = 0
+        for one in () if self.both_motions else self.ranges:
             low, high = one.lower_engine_speed, one.upper_engine_speed
-            # of a range with both motions control is not regained for long
-            if (
-                high - low > NARROW * low
-                or high >= min(other, self.last_engine_speed)
-                or self.both_motions
-            ):
+            if high - low > NARROW * low or high >= min(other, self.last_engine_speed):
                 break
-            found.append(one)
-        return tuple(found) if len(found) <= MAX_SHORT else ()
+            count += 1
+        return replace(self, short_count=count if count <= MAX_SHORT else 0)
 
     @property
     def later_text(self) -> str:
@@ -230,14 +178,19 @@ class CriticalSpeed:
         """
         short = ", ".join(map(str, self.passed[:MAX_AGAIN]))
         single = [f"single revolutions {short}"] if short else []
-        if not self.found:
+        if not self.ranges:
             return ", ".join(single)
-        end = f"{self.last_engine_speed / RPM:.6g} or more"
-        parts = [f"until {end if self.ends is None else self.ends.from_rest}"]
-        if self.again:
-            parts.append(f"again {', '.join(map(str, self.again[:MAX_AGAIN]))}")
-        if len(self.again) > MAX_AGAIN:
-            parts.append(f"and {len(self.again) - MAX_AGAIN} times more")
+        first, *again = self.ranges
+        stays = first.upper_engine_speed >= self.last_engine_speed
+        parts = [
+            f"until {self.last_engine_speed / RPM:.6g} or more"
+            if stays
+            else f"until {first.upper_engine_speed / RPM:.0f}"
+        ]
+        if again:
+            parts.append(f"again {', '.join(map(str, again[:MAX_AGAIN]))}")
+        if len(again) > MAX_AGAIN:
+            parts.append(f"and {len(again) - MAX_AGAIN} times more")
         return ", ".join((*parts, *single))
 
     def __repr__(self) -> str:
@@ -302,19 +255,17 @@ class CriticalSpeed:
         """The result in rpm as terminal, page and Python print it: ``6729 (6600 to 6810: model, damping)``,
         ``below 7000, at the cam``, ``none up to 9000``; ``(nominal)`` where nothing was repeated.
         """
-        if not self.found:
+        if not self.ranges:
             speed = f"none up to {self.last_engine_speed / RPM:.6g}"
-        elif self.begins is None:
+        elif not self.ranges[0].lower_engine_speed > 0:
             speed = f"below {self.first_engine_speed / RPM:.6g}"
-        elif math.isfinite(self.nominal_engine_speed):
-            speed = f"{self.nominal_engine_speed / RPM:.0f}"
         else:
-            speed = str(self.begins.from_rest)
-        if math.isfinite(self.decisive_engine_speed):
-            speed += f", stays lost from {self.decisive_engine_speed / RPM:.0f}"
+            speed = f"{self.engine_speed / RPM:.0f}"
+        if self.deciding_place:
+            speed += f", stays lost from {self.deciding_speed / RPM:.0f}"
         if over := self.range_text:
             speed += f" ({over})"
-        elif math.isfinite(self.nominal_engine_speed) and self.span is None:
+        elif self.engine_speed > self.first_engine_speed and self.span is None:
             speed += " (nominal)"
         place = (
             f"at the {places_text(*self.places)}"
@@ -342,7 +293,7 @@ def _range_text(one: SpeedBracket, first: float, last: float) -> str:
 class CriticalSpeeds(Saveable):
     """Results of a search over engine speed, by label and kind.
 
-    >>> never = CriticalSpeed("stock", "float", 5e-5, 700.0, 300 * math.pi, 1.0)
+    >>> never = CriticalSpeed("stock", "float", 5e-5, 700.0, 300 * math.pi)
     >>> CriticalSpeeds((never,))
     critical engine speeds (rpm)
       stock, float: none up to 9000
@@ -390,22 +341,13 @@ class CriticalSpeeds(Saveable):
         from valvetrain.solution.display import frame
 
         missing = SpeedBracket(math.nan, math.nan)
-        brackets = {
-            f"{name}_{end}": [
-                math.nan
-                if one.begins is None
-                else float(getattr(getattr(one.begins, name) or missing, end))
-                for one in self.rows
-            ]
-            for name in ("from_rest", "rising", "falling")
-            for end in ("lower_engine_speed", "upper_engine_speed")
-        }
         plain = (
             "label",
             "kind",
             "places",
             "limit",
             "engine_speed",
+            "falling_engine_speed",
             "onset",
             "first_engine_speed",
             "last_engine_speed",
@@ -416,4 +358,4 @@ class CriticalSpeeds(Saveable):
         }
         ranges["range_causes"] = [", ".join(one.causes) for one in self.rows]
         own = {name: [getattr(one, name) for one in self.rows] for name in plain}
-        return frame(own | ranges | brackets)
+        return frame(own | ranges)

@@ -13,7 +13,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.quantities.limits import passed_limits
 from valvetrain.solution.comparison import Comparison
-from valvetrain.solution.critical import CriticalSpeed, Crossing, SpeedBracket
+from valvetrain.solution.critical import CriticalSpeed, SpeedBracket
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.facts import Fact
 from valvetrain.solution.modes import TrainModes
@@ -276,22 +276,12 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
             for name, end in ends.items()
         }
 
-    def crossing(found: Crossing | None) -> dict[str, Any] | None:
-        return (
-            None
-            if found is None
-            else {
-                name: bracket(getattr(found, name)) for name in ("from_rest", "rising", "falling")
-            }
-        )
-
     return {
         "label": one.label,
         "kind": one.kind,
         "places": list(one.places),
         "limit": measured(one.limit, "N" if one.kind == "contact-loss" else "m"),
         "searched": bracket(SpeedBracket(one.first_engine_speed, one.last_engine_speed)),
-        "resolution": engine_speed_object(one.resolution),
         "engine_speed": engine_speed_object(one.engine_speed) if one.found else None,
         "range": reach(one.span),
         "range_causes": list(one.causes),
@@ -313,9 +303,11 @@ def _critical_object(one: CriticalSpeed) -> dict[str, Any]:
         "cause": one.cause,
         "spring_force_loss": measured(one.spring_force_loss, "N"),
         "text": one.text,
-        "begins": crossing(one.begins),
-        "ends": crossing(one.ends),
-        "again": [bracket(each) for each in one.again],
+        "ranges": [reach(each) for each in one.ranges],
+        "short_count": measured(one.short_count, "1"),
+        "falling_engine_speed": engine_speed_object(one.falling_engine_speed)
+        if one.both_motions
+        else None,
         "passed": [bracket(each) for each in one.passed],
         "runs_count": measured(one.runs_count, "1"),
     }

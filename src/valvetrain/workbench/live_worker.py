@@ -28,7 +28,7 @@ from valvetrain.parameters.loading import case_of_tree, parse_case, parse_toml
 from valvetrain.parameters.overrides import read_assignment
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.quantities.train_numbers import margin_quantities
-from valvetrain.runs.critical_speeds import CriticalOptions, first_bracket
+from valvetrain.runs.critical_speeds import CriticalOptions, first_loss
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
@@ -154,15 +154,15 @@ class LiveCase:
         top = rigid if np.isfinite(rigid) else max(problem.engine_speeds, default=1000.0)
         speeds = [share * top for share in FLOAT_SHARES]
         options = CriticalOptions(resolution=FLOAT_RESOLUTION, ranges=False)
-        found = first_bracket("float", problem, ready, speeds, options, stopped)
+        found = first_loss("float", problem, ready, speeds, options, stopped)
         if found is None:
             return {"skipped": True}
-        low, high = (
-            end * 30 / np.pi for end in (found.lower_engine_speed, found.upper_engine_speed)
-        )
-        if not low or not np.isfinite(high):
-            return {"sentence": f"no float up to {low:.0f} rpm" if low else f"below {high:.0f} rpm"}
-        return {"quantities": {"float speed": (high, "rpm")}}
+        if not found or not np.isfinite(found):
+            low, high = speeds[0] * 30 / np.pi, speeds[-1] * 30 / np.pi
+            return {
+                "sentence": f"no float up to {high:.0f} rpm" if found else f"below {low:.0f} rpm"
+            }
+        return {"quantities": {"float speed": (found * 30 / np.pi, "rpm")}}
 
     def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, PreparedRun, float]:
         """The built case, its run, and the engine speed (rad/s) at which rigid parts lose contact,
