@@ -155,7 +155,7 @@ def noted(folder: Path) -> tuple[list[str], list[tuple[str, str]]]:
 
 def answer_in(folder: Path) -> dict[str, Any]:
     """The answer in a folder of results; empty where there is none."""
-    for name in ("run.json", "study.json", "optimum.json"):
+    for name in ("run.json", "study.json", "optimise.json", "identify.json"):
         if (folder / name).is_file():
             answer: dict[str, Any] = json.loads((folder / name).read_text("utf-8"))
             return answer

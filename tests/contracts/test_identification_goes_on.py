@@ -12,7 +12,6 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -24,7 +23,6 @@ from valvetrain.explore.identification_file import parse_request
 from valvetrain.explore.identify import identify_request
 from valvetrain.explore.observe import Observed, numbers_of
 from valvetrain.explore.store import FILE as STORED
-from valvetrain.explore.store import Store
 from valvetrain.quantities.request import PointRequest
 
 CARD = 'title = "card"\n[spring]\npreload = "250 N"\nrate = "32 N/mm"\nmass = "42 g"\n'
@@ -153,22 +151,6 @@ def test_killed_and_started_again_it_ends_as_if_it_had_not_been(tmp_path: Path) 
     assert int(computed) == int(every) - kept
 
 
-def test_a_record_that_was_cut_is_computed_again_and_the_rest_is_kept(tmp_path: Path) -> None:
-    def double(points: np.ndarray) -> list[dict[str, float]]:
-        return [{"double": 2.0 * float(value)} for (value,) in points]
-
-    with Store(tmp_path, "a") as journal:
-        journal.through(double)(np.arange(5.0)[:, None])
-    path = tmp_path / STORED
-    path.write_bytes(path.read_bytes()[:-7])
-    with Store(tmp_path, "a") as journal:
-        assert len(journal) == 4
-        assert journal.through(double)(np.arange(5.0)[:, None])[4] == {"double": 8.0}
-        assert journal.computed == 1
-    with Store(tmp_path, "a") as journal:
-        assert len(journal) == 5
-
-
 def test_what_is_not_asked_for_changes_nothing(folder: Path) -> None:
     """The best point does not move with the number of draws, nor with a measurement that is only
     compared.
@@ -211,19 +193,18 @@ def test_a_cut_search_with_a_folder_of_its_own_goes_on_there(
     (folder / "card-rate.toml").write_text(FILE.format(method="least-squares"))
     monkeypatch.chdir(folder)
     request = parse_request((folder / "card-rate.toml").read_text(), "card-rate.toml", folder)
-    whole = identify_request(request, folder=folder / "mine", workers=1)
-    lines = (folder / "mine" / STORED).read_bytes().splitlines(keepends=True)
-    (folder / "mine" / STORED).write_bytes(b"".join(lines[:20]))
+    whole = identify_request(request, folder=folder / "mine" / "points", workers=1)
+    stored = folder / "mine" / "points" / STORED
+    lines = stored.read_bytes().splitlines(keepends=True)
+    stored.write_bytes(b"".join(lines[:20]))
     command = ["identify", "card-rate.toml", "--workers", "1", "--json", "--output", "mine"]
     told = CliRunner().invoke(app, command)
     assert told.exit_code == 0, told.output
     answer = json.loads(told.stdout)
-    assert answer["kept_from_before"] == 20 and answer["evaluations"] == whole.evaluations - 20
-    assert answer["branches"][0]["quantities"]["rate"]["best"]["value"] == whole.best["rate"]
-    (folder / "half").mkdir()
-    (folder / "half" / STORED).write_bytes(b"".join(lines[:20]))
-    refused = CliRunner().invoke(app, ["run", "card.toml", "--output", "half"])
-    assert refused.exit_code == 2 and (folder / "half" / STORED).exists()
+    assert answer["reused"] == 20 and answer["evaluations"] == whole.evaluations - 20
+    assert answer["branches"][0]["quantities"]["rate"]["best"] == whole.best["rate"]
+    refused = CliRunner().invoke(app, ["run", "card.toml", "--output", "mine"])
+    assert refused.exit_code == 2 and stored.exists()
 
 
 @pytest.mark.slow
@@ -254,20 +235,16 @@ def test_the_command_keeps_what_it_found_and_goes_on_after_an_interrupt(folder: 
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
-    deadline, points = time.monotonic() + 60, folder / "runs" / "card"
+    deadline, points = time.monotonic() + 60, folder / "runs" / "identify" / "card-rate" / "points"
     while (
-        sum(path.read_bytes().count(b"\n") for path in points.glob(f"*/{STORED}")) < 800
-        and time.monotonic() < deadline
-    ):
+        not (points / STORED).exists() or (points / STORED).read_bytes().count(b"\n") < 800
+    ) and time.monotonic() < deadline:
         time.sleep(0.02)
     started.send_signal(signal.SIGINT)
     out, said = started.communicate(timeout=60)
     assert started.returncode == 130 and "start the command again to continue" in said
     partial = json.loads(out)
-    assert (
-        partial["whole"] is False
-        and partial["branches"][0]["quantities"]["rate"]["best"]["value"] > 0
-    )
+    assert partial["whole"] is False and partial["branches"][0]["quantities"]["rate"]["best"] > 0
     (folder / "card-rate.toml").write_text(
         FILE.format(method="least-squares")
     )  # the points serve another method as well
@@ -277,25 +254,6 @@ def test_the_command_keeps_what_it_found_and_goes_on_after_an_interrupt(folder: 
     answer = json.loads(done.stdout)
     assert answer["completed"] and answer["method"] == "least-squares"
     kept = Path(folder / answer["folder"])
-    assert {"report.html", "draws.nc", STORED, "identification.toml", "run.json"} <= {
+    assert {"report.html", "draws.nc", "identified.toml", "identify.json", "points"} <= {
         path.name for path in kept.iterdir()
     }
-    assert not list(points.glob("points-*")), "the folder of the points has become that of the run"
-
-
-def test_points_of_a_large_batch_are_written_a_few_at_a_time(tmp_path: Path) -> None:
-    """A batch that is cut after its third part leaves the first two in the file."""
-    asked: list[int] = []
-
-    def slow(points: np.ndarray) -> list[dict[str, float]]:
-        asked.append(len(points))
-        if len(asked) == 3:
-            raise KeyboardInterrupt
-        return [{"double": 2.0 * float(value)} for (value,) in points]
-
-    with pytest.raises(KeyboardInterrupt), Store(tmp_path, "a") as journal:
-        journal.at_a_time = 4
-        journal.through(slow)(np.arange(20.0)[:, None])
-    assert asked == [4, 4, 4]
-    with Store(tmp_path, "a") as journal:
-        assert len(journal) == journal.before == 8

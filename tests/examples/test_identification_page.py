@@ -8,14 +8,14 @@ import contextlib
 import io
 import re
 import tomllib
-from dataclasses import fields
+from typing import get_args
 
 import pytest
 from typer.testing import CliRunner
 
 from architecture.layout import ROOT
 from valvetrain.cli.main import app
-from valvetrain.explore.identification_file import METHODS, Search
+from valvetrain.explore.identification_file import Method, Search
 from valvetrain.explore.measurements import FORMS
 
 PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
@@ -36,7 +36,7 @@ def test_the_command_runs_and_writes_its_page(tmp_path, monkeypatch) -> None:
     assert "wire diameter" in result.output and "closed coils" in result.output
     (page,) = tmp_path.glob("runs/catalogue-spring/2*/report.html")
     assert "valvetrain findings I112" in page.read_text(encoding="utf-8")
-    (case,) = tmp_path.glob("runs/catalogue-spring/2*/identified.toml")
+    (case,) = tmp_path.glob("runs/identify/*/identified.toml")
     assert CliRunner().invoke(app, ["static", str(case), "--json"]).exit_code == 0
 
 
@@ -58,7 +58,7 @@ def test_the_file_shown_is_that_of_the_example() -> None:
 
 
 @pytest.mark.parametrize(
-    "word", [*METHODS, *FORMS, *(one.name for one in fields(Search) if one.name != "seed")]
+    "word", [*get_args(Method), *FORMS, *(one for one in Search.model_fields if one != "seed")]
 )
 def test_the_page_names_every_word_of_a_file(word: str) -> None:
     assert f"`{word}`" in PAGE

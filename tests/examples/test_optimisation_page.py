@@ -11,16 +11,15 @@ import numpy as np
 import pytest
 
 from valvetrain.explore.engine import Engine
+from valvetrain.explore.files import FileText, LimitSpeedModel
 from valvetrain.explore.measure import measure_designs
 from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimise import case_of_plan, estimate_search
 from valvetrain.explore.optimum_file import (
     ConfirmModel,
     ConstraintModel,
-    LimitSpeedModel,
     ObjectiveModel,
     OptimumModel,
-    OptimumText,
     SearchModel,
     read_optimum_file,
 )
@@ -35,13 +34,13 @@ BLOCKS = [
 ]
 
 
-def case_is_measured(text: OptimumText) -> None:
+def case_is_measured(text: FileText[OptimumModel]) -> None:
     """All that a search asks of the case is there."""
     plan = read_optimum(text)
     assert estimate_search(plan, 2).cost.seconds < 600  # within the usual bound
     case = case_of_plan(plan)
-    with Engine(list(case[0].values()), 1, None) as engine:
-        (measured,) = measure_designs(engine, [case], plan.measures)
+    with Engine(list(plan.plans.values()), 1, None) as engine:
+        (measured,) = measure_designs(engine, plan.plans, [case], plan.measures)
     assert (
         not measured.failure
         and set(measured.values) == set(plan.measures)
@@ -61,7 +60,7 @@ def test_the_case_of_an_example_is_computed(path):
 @pytest.mark.parametrize("text", BLOCKS, ids=range(len(BLOCKS)))
 def test_the_case_of_the_guide_is_computed(text):
     assert len(BLOCKS) == 2
-    case_is_measured(OptimumText(text, "guide", Path()))
+    case_is_measured(FileText(text, "guide", Path(), OptimumModel))
 
 
 def test_the_guide_names_every_key():

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from valvetrain import registry
-from valvetrain.explore.files import VaryModel
-from valvetrain.explore.study import StudyModel, StudyText, read_plan, read_study_file
+from valvetrain.explore.files import FileText, VaryModel
+from valvetrain.explore.study import StudyModel, read_plan, read_study_file
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
@@ -38,7 +38,7 @@ def test_the_first_point_of_an_example_runs(path):
 
 @pytest.mark.parametrize("text", BLOCKS, ids=range(len(BLOCKS)))
 def test_the_first_point_of_a_study_of_the_guide_runs(text):
-    first_point_runs(read_plan(StudyText(text, "guide", Path())))
+    first_point_runs(read_plan(FileText(text, "guide", Path(), StudyModel)))
 
 
 def test_the_guide_names_every_key_and_every_sampler():

@@ -12,7 +12,6 @@ import pytest
 from scipy.stats import chi2, kstest, norm
 
 import valvetrain as vt
-from valvetrain.explore.identification_files import identification_json
 from valvetrain.views.results import answer_of
 
 TRAVEL = np.linspace(1e-3, 20e-3, 12)
@@ -129,8 +128,7 @@ def test_a_false_model_is_told_first_by_every_method(search: vt.explore.Search) 
     found = vt.identify(FLAT, stiffening(), linear, search=search)
     assert found.fit.p_value < 1e-6 and found.fit.widening > 5
     assert answer_of(found).verdict.code == "I102"
-    told = identification_json(found)["branches"][0]["fit"]
-    assert told["met"] is False and told["degrees_of_freedom"] == pytest.approx(11, abs=0.01)
+    assert found.fit.missed and found.fit.freedom == pytest.approx(11, abs=0.01)
     sampled = search.method == "nested"
     assert np.isfinite(found.fit.predictive) == sampled
     if sampled:
@@ -151,7 +149,7 @@ def test_shares_of_branches_are_probabilities() -> None:
         search=vt.explore.Search(starts=6, keep=6),
     )
     assert len(found.branches) == 2
-    shares = [one["share"] for one in identification_json(found)["branches"]]
+    shares = [one.share for one in found.branches]
     assert shares == pytest.approx([0.5, 0.5], abs=5e-3)
 
 

@@ -10,20 +10,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from valvetrain import InputError
+from valvetrain.explore.files import FileText
 from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimum_file import OptimumText, read_optimum_file
-from valvetrain.explore.study import StudyText, read_plan, read_study_file
+from valvetrain.explore.optimum_file import OptimumModel, read_optimum_file
+from valvetrain.explore.study import StudyModel, read_plan, read_study_file
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 FEW = settings(max_examples=120, deadline=None)
 
 
 def study(text):
-    return read_plan(StudyText(text, "study.toml", Path()))
+    return read_plan(FileText(text, "study.toml", Path(), StudyModel))
 
 
 def optimum(text):
-    return read_optimum(OptimumText(text, "search.toml", Path()))
+    return read_optimum(FileText(text, "search.toml", Path(), OptimumModel))
 
 
 TEXTS = [

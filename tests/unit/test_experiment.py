@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from valvetrain.explore.files import FileText
 from valvetrain.explore.identification_file import parse_request
-from valvetrain.explore.study import PointsInterrupted, StudyText, read_plan
+from valvetrain.explore.study import PointsInterrupted, StudyModel, read_plan
 
 RPM = math.pi / 30
 PRECOMPRESSION = vt.Space({"spring.precompression": vt.explore.Prior("uniform", 6e-3, 8e-3)})
@@ -298,7 +299,8 @@ MEASURED = '[measurements.load]\nquantity = "preload"\nvalue = "250 N"\nscatter 
 
 def test_both_vocabularies_of_files_say_the_same_of_studies_and_identifications():
     old, new = (
-        read_plan(StudyText(STUDY.format(tables=tables), "study", Path())) for tables in (OLD, NEW)
+        read_plan(FileText(STUDY.format(tables=tables), "study", Path(), StudyModel))
+        for tables in (OLD, NEW)
     )
     assert [(one.distribution, one.label) for one in old.varied] == [
         (one.distribution, one.label) for one in new.varied
@@ -325,7 +327,7 @@ def test_a_distribution_may_be_left_to_its_other_keys():
         ('tolerance = "0.03 mm"', vt.explore.Prior("normal", 3.97e-3, 4.03e-3, 4e-3, 1e-5)),
     ):
         text = normal.format(words)
-        study = read_plan(StudyText(STUDY.format(tables=text), "study", Path()))
+        study = read_plan(FileText(STUDY.format(tables=text), "study", Path(), StudyModel))
         request = parse_request('case = "job-c"\n' + text + MEASURED, "file", Path())
         for found in (study.varied[0].distribution, request.unknowns[0].prior):
             assert found.kind == prior.kind
@@ -352,14 +354,19 @@ between = ["spring.precompression", "spring.wire_diameter"]
 coefficient = 0.5
 """
     )
-    plan = read_plan(StudyText(text, "study", Path()))
+    plan = read_plan(FileText(text, "study", Path(), StudyModel))
     assert np.corrcoef(plan.draws().T)[0, 1] == pytest.approx(0.5, abs=0.02)
     with pytest.raises(vt.InputError, match="two of the varied quantities"):
         read_plan(
-            StudyText(text.replace('between = ["spring.p', 'between = ["spring.r'), "s", Path())
+            FileText(
+                text.replace('between = ["spring.p', 'between = ["spring.r'),
+                "s",
+                Path(),
+                StudyModel,
+            )
         )
     with pytest.raises(vt.InputError, match="knows no correlation"):
-        read_plan(StudyText(text.replace('"sobol", count = 512', '"grid"'), "s", Path()))
+        read_plan(FileText(text.replace('"sobol", count = 512', '"grid"'), "s", Path(), StudyModel))
 
 
 CORRELATED = """

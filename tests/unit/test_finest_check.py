@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 import valvetrain as vt
+from valvetrain.explore.files import FileText
 from valvetrain.explore.objective import plan_of_experiment, read_optimum
-from valvetrain.explore.optimum_file import OptimumText
+from valvetrain.explore.optimum_file import OptimumModel
 from valvetrain.views.results import answer_of
 
 WIRE = """
@@ -48,7 +49,7 @@ SIZES = "peak_spring_force", "largest_outer_diameter"
     ],
 )
 def test_a_search_by_a_reduced_model_is_checked_by_the_finest(text, labels):
-    plan = read_optimum(OptimumText(text, "search.toml", Path()))
+    plan = read_optimum(FileText(text, "search.toml", Path(), OptimumModel))
     assert [one.label for one in plan.confirmations] == labels
     for one in plan.confirmations:
         assert {run[1] for measure in one.plan.measures for run in measure.runs} == set(labels)

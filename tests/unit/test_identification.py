@@ -6,13 +6,14 @@ import contextlib
 import math
 import sys
 import threading
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import linear_draws
-from valvetrain.explore.identification_file import METHODS, Search
+from valvetrain.explore.identification_file import Method, Search
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.least_squares import least_squares, profile
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
@@ -61,7 +62,7 @@ def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:
     assert found.misfit < 1e-9
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", get_args(Method))
 def test_each_method_finds_the_closed_form(method: str) -> None:
     """Rate from the force, mass from both; the spread of the rate is that of the force."""
     search = Search(method, live_points=200, starts=4)
@@ -95,7 +96,10 @@ def test_an_impossible_start_is_refused() -> None:
 
 @pytest.mark.parametrize(
     "method",
-    [pytest.param(one, marks=pytest.mark.long) if one == "nested" else one for one in METHODS],
+    [
+        pytest.param(one, marks=pytest.mark.long) if one == "nested" else one
+        for one in get_args(Method)
+    ],
 )
 def test_priors_that_hold_no_possible_point_are_refused(method) -> None:
     stiff = (Unknown("rate", Prior("uniform", 59.1e3, 60e3)), WIDE[1])

@@ -5,7 +5,6 @@ one spring of several by its name.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.identification_file import Search, parse_request
 from valvetrain.explore.identify import identify_request
 from valvetrain.explore.measurements import Station, Target
-from valvetrain.explore.observe import Observed, groups_of, numbers_of
+from valvetrain.explore.observe import Observed, numbers_of
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.runs import statics
 
@@ -175,7 +174,7 @@ def test_the_case_alone_is_searched_from_with_keep_0(tmp_path) -> None:
     ):
         request_of(PRELOAD, tmp_path, search={"keep": 0})
     search = Search(starts=24, keep=0, from_case=True)
-    both = replace(search, keep=1, from_case=False)
+    both = search.changed(keep=1, from_case=False)
     assert search.evaluations_of(3) == both.evaluations_of(3) - 24
 
 
@@ -207,7 +206,7 @@ def test_conditions_that_one_study_tells_are_computed_together_with_the_same_bit
     }
     request = request_of(speeds | {"light": light}, tmp_path)
     observed = Observed(request.case, request.varied, request.targets)
-    groups = groups_of(observed)
+    groups = observed.runs
     assert sorted(map(len, groups)) == [1, 1, 2]
     case = observed.case_at((4e-3,))
     for group in groups:
@@ -259,7 +258,7 @@ def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
         case="gu2021-beehive-blind",
     )
     observed = Observed(request.case, request.varied, request.targets)
-    assert groups_of(observed) == ((1, 0),)
+    assert observed.runs == ((1, 0),)
     apart = {
         key: value
         for one in observed.stations

@@ -43,7 +43,7 @@ def test_a_design_asks_once_for_what_its_measures_need_and_at_rest_first(
     runs = {REST: AT_REST, RUNS: RUNNING}
     measures = [Measure(one, f"number_{k}", runs[one], "a number") for k, one in enumerate(sources)]
     engine = Recording(failing)
-    (found,) = measure_designs(engine, [({REST: REST, RUNS: RUNS}, ())], measures)
+    (found,) = measure_designs(engine, {REST: REST, RUNS: RUNS}, [()], measures)
     fails = REST in failing and REST in sources
     stages = [one for one in (REST, RUNS) if one in sources and not (fails and one == RUNS)]
     assert [one for one in engine.batches if one] == [

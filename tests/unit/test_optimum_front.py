@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from valvetrain.explore.files import FileText
 from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimum import Optimum, case_text, chosen_designs
-from valvetrain.explore.optimum_file import OptimumText
+from valvetrain.explore.optimum_file import OptimumModel
 from valvetrain.explore.trial import CASE_SEED, Trial
 
 FILE = """
@@ -33,7 +34,7 @@ MADE = [(50, 90), (10, 100), (20, 200), (30, 350), (40, 380), (25, 150), (40, 37
 
 
 def search(made: list[tuple[float, float]]) -> Optimum:
-    plan = read_optimum(OptimumText(FILE, "search.toml", Path()))
+    plan = read_optimum(FileText(FILE, "search.toml", Path(), OptimumModel))
     trials = tuple(
         Trial(
             place,
@@ -79,7 +80,7 @@ def test_feasible_designs_go_first_then_those_that_miss_less_then_those_that_fai
 ):
     text = FILE.replace('direction = "minimise"', f'direction = "{direction}"')
     bound = 'constraint = [{ quantity = "estimated_rate", at_least = "40 N/mm" }]'
-    plan = read_optimum(OptimumText(f"{text}{bound}", "search.toml", Path()))
+    plan = read_optimum(FileText(f"{text}{bound}", "search.toml", Path(), OptimumModel))
 
     def trial(number: int, mass: float, rate: float, failure: str = "") -> Trial:
         measured = Measured(dict(zip(plan.measures, (mass, 1.0, rate), strict=True)), {}, failure)

@@ -9,8 +9,9 @@ import pytest
 import valvetrain as vt
 from unit.cli_parts import call, sentence
 from valvetrain.explore import optimise
+from valvetrain.explore.files import FileText
 from valvetrain.explore.objective import read_optimum
-from valvetrain.explore.optimum_file import OptimumText
+from valvetrain.explore.optimum_file import OptimumModel
 from valvetrain.parameters.templates import template_text
 
 FILE = """
@@ -36,7 +37,7 @@ direction = "maximise"
 
 
 def plan_of(text: str):
-    return read_optimum(OptimumText(text, "search.toml", Path()))
+    return read_optimum(FileText(text, "search.toml", Path(), OptimumModel))
 
 
 @pytest.mark.parametrize(

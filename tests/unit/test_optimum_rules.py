@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -164,7 +165,7 @@ def test_every_rule_is_tried():
 
 def test_the_verdict_has_the_numbers_of_case_and_best():
     found = lighter()
-    answer = answer_of_search(found, "out/best.toml")
+    answer = answer_of_search(found, Path("out"))
     fields = answer.verdict.fields
     assert fields["before"].value == found.case.objectives[0]
     assert fields["after"].value == found.best.trial.objectives[0]

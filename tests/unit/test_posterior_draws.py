@@ -9,9 +9,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.explore.identification_file import parse_request
-from valvetrain.explore.identification_files import write_identification
 from valvetrain.explore.identify import identify_request
-from valvetrain.solution.partial_failures import PartialFailures
 
 QUANTITIES = """
 [quantities.rate]
@@ -47,7 +45,7 @@ def folder(tmp_path_factory):
     request = parse_request(f'case = "card.toml"\n{QUANTITIES}{MEASURED}', "card", place)
     found = identify_request(request, workers=1)
     (place / "found").mkdir()
-    write_identification(found, place / "found", PartialFailures())
+    found.save_draws(place / "found" / "draws.nc")
     return place, found
 
 

@@ -16,8 +16,9 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, hear_interrupts, process_environment, wait_until
+from valvetrain.explore.files import FileText
 from valvetrain.explore.store import FILE, Store
-from valvetrain.explore.study import StudyText, read_plan
+from valvetrain.explore.study import StudyModel, read_plan
 
 #: A grid of short runs; one in four has a lift beyond coil bind.
 GRID = """
@@ -49,6 +50,11 @@ def file(tmp_path, monkeypatch):
     return path
 
 
+def values_in(data: dict, table: vt.explore.StudyTable) -> np.ndarray:
+    """The outputs of a JSON answer, row by row."""
+    return np.array([[row[name] for name in table.outputs] for row in data["rows"]], dtype=float)
+
+
 @cache
 def table_of(levels: int = 4, workers: int = 1) -> vt.explore.StudyTable:
     return vt.study(study_text(levels=levels), workers=workers)
@@ -58,16 +64,14 @@ def test_the_answer_is_one_json_object_with_every_point_and_its_status(file):
     answer = call("study", str(file), "--workers", "1", "--json")
     assert answer.exit_code == 0
     data = json.loads(answer.stdout)
-    assert data["points"] == 16 and data["computed_now"] == 16 and len(data["rows"]) == 16
+    assert data["points"] == 16 and data["computed"] == 16 and len(data["rows"]) == 16
     codes = [row["status"] for row in data["rows"]]
     assert {"completed", "refused"} == set(codes) and data["completed_points"] == codes.count(
         "completed"
     )
     assert len(data["failures"]) == codes.count("refused") and "coil bind" in data["failures"][0]
     table = table_of()
-    assert [row["outputs"] for row in data["rows"]] == [
-        [None if np.isnan(x) else x for x in row] for row in table.values.tolist()
-    ]
+    assert np.array_equal(values_in(data, table), table.values, equal_nan=True)
     assert "J130" in [one["code"] for one in data["findings"]]
     (file.parent / data["page"]).read_text().index("coil bind")
     kept = json.loads((file.parent / data["folder"] / "study.json").read_text())
@@ -89,10 +93,6 @@ def test_a_study_beyond_the_bound_is_refused_before_it_begins(file):
         and len(answer.stderr.splitlines()) == 1
     )
     assert not (file.parent / "runs").exists()
-
-
-def store_of(folder, text):
-    return Store(folder)
 
 
 def points_kept(folder) -> int:
@@ -132,14 +132,12 @@ def test_a_study_that_is_ended_goes_on_with_the_same_bits_and_computes_nothing_t
         check=True,
     )
     data = json.loads(ended.stdout)
-    assert 0 < data["computed_now"] < 64 - 7  # eight were there and are not computed again
+    assert 0 < data["computed"] < 64 - 7  # eight were there and are not computed again
     whole = vt.study(text, workers=1)
     assert [row["status"] for row in data["rows"]] == [one.code for one in whole.statuses]
-    found = np.array([[np.nan if x is None else x for x in row["outputs"]] for row in data["rows"]])
-    assert np.array_equal(found, whole.values, equal_nan=True)
-    store = store_of(folder / "points", text)
-    assert len(store) == 64
-    store.close()
+    assert np.array_equal(values_in(data, whole), whole.values, equal_nan=True)
+    with Store(folder / "points") as store:
+        assert len(store) == 64
 
 
 LISTED = """
@@ -153,7 +151,7 @@ SECOND = '[[vary]]\nkey = "spring.wire_diameter"\nvalues = ["3.7 mm", "3.8 mm", 
 
 
 def _plan(text: str):
-    return read_plan(StudyText(text, "study", Path()))
+    return read_plan(FileText(text, "study", Path(), StudyModel))
 
 
 def test_values_that_are_listed_are_run_as_they_are_listed():
@@ -178,7 +176,7 @@ def test_the_digest_of_a_point_changes_with_everything_of_it():
     run = (600.0, "multi-mass", "")
 
     def digest(text, values=(9e-3, 7e-3), run=run):
-        return read_plan(StudyText(text, "study", Path())).experiment.digest(values, run)
+        return read_plan(FileText(text, "study", Path(), StudyModel)).experiment.digest(values, run)
 
     first = digest(base)
     others = [

@@ -22,7 +22,8 @@ import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, wait_until
 from unit.test_identification_answer import CARD, FILE
 from valvetrain.errors import RunFailedError
-from valvetrain.explore.study import StudyText, estimate_study, read_plan
+from valvetrain.explore.files import FileText
+from valvetrain.explore.study import StudyModel, estimate_study, read_plan
 from valvetrain.runs.cluster import Cluster
 from valvetrain.runs.workers import map_points
 from valvetrain.solution.status import COMPLETED
@@ -128,9 +129,9 @@ def test_a_worker_and_then_the_client_are_killed_and_every_point_is_found_once(t
         check=True,
     )
     data = json.loads(done.stdout)
-    assert data["computed_now"] == count - there > 0
+    assert data["computed"] == count - there > 0
     alone = vt.study(text, workers=1)
-    found = np.array([row["outputs"] for row in data["rows"]], dtype=float)
+    found = np.array([[row[name] for name in alone.outputs] for row in data["rows"]], dtype=float)
     assert np.array_equal(found, alone.values) and data["completed_points"] == count
 
 
@@ -227,7 +228,7 @@ def test_identify_on_a_cluster_has_the_bits_of_one_process(tmp_path, monkeypatch
         answer = call("identify", str(tmp_path / "two.toml"), *words)
         assert answer.exit_code == 0, answer.stderr
         data = json.loads(answer.stdout)
-        return {key: data[key] for key in ("branches", "measurements", "conflicts")}
+        return {key: data[key] for key in ("branches", "predicted", "conflicts")}
 
     with threads_of_this_process(1) as address:
         on_cluster = found("cluster", "--dask", address)
@@ -257,7 +258,7 @@ def test_a_scheduler_that_is_not_there_is_one_sentence(tmp_path, monkeypatch):
 def test_estimates_are_made_by_the_workers_of_the_cluster(monkeypatch):
     """Closed form: four workers take a quarter of one's time, and no memory of this machine."""
     monkeypatch.setattr(Cluster, "_its_workers", lambda self: 40)
-    plan = read_plan(StudyText(TEXT.format(count=64), "study", Path()))
+    plan = read_plan(FileText(TEXT.format(count=64), "study", Path(), StudyModel))
     alone, two = estimate_study(plan, 1).cost, estimate_study(plan, 2).cost
     with threads_of_this_process(1) as address, vt.runs.on_cluster(address, workers=1) as count:
         there = estimate_study(plan, count).cost

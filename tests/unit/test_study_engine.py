@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from valvetrain import InputError
+from valvetrain.explore.files import FileText
 from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.study import (
     PointsInterrupted,
-    StudyText,
+    StudyModel,
     estimate_study,
     read_plan,
     run_plan,
@@ -37,7 +38,7 @@ vary = [
 
 
 def plan_of(levels: int, model: str = "massless"):
-    return read_plan(StudyText(TEXT.format(levels=levels, model=model), "study", Path()))
+    return read_plan(FileText(TEXT.format(levels=levels, model=model), "study", Path(), StudyModel))
 
 
 class Instant:
@@ -151,7 +152,7 @@ def test_points_that_a_list_names_twice_are_computed_once(computed):
         "low = 6.5, high = 7.5", "values = [7, 7, 7]"
     )
     executor = Instant()
-    table = computed(read_plan(StudyText(text, "study", Path())), executor)
+    table = computed(read_plan(FileText(text, "study", Path(), StudyModel)), executor)
     assert len(table) == 3 and executor.points == 2 and np.array_equal(table.values, table.inputs)
 
 

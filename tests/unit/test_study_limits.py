@@ -10,9 +10,9 @@ import pytest
 import valvetrain as vt
 from train_parts import SINGLE_MASS
 from valvetrain.explore.engine import Engine
-from valvetrain.explore.study import StudyText, estimate_study, read_plan
+from valvetrain.explore.files import FileText
+from valvetrain.explore.study import StudyModel, estimate_study, read_plan
 from valvetrain.explore.study_answer import StudyAnswer
-from valvetrain.explore.study_files import points_csv
 
 RPM = np.pi / 30
 PRELOAD = 'vary = [{ key = "train.springs.card.0.preload", values = "250, 300 N" }]\n'
@@ -44,7 +44,7 @@ def test_a_limit_speed_is_that_of_a_sweep_at_every_point(folder):
             nominal = found[kind].engine_speed
             assert table.values[row, column] == pytest.approx(nominal, abs=11 * RPM)
     assert np.all(np.diff(table.values, axis=0) > 0), "more preload keeps control longer"
-    assert "contact_loss_engine_speed [rad/s]" in points_csv(table)
+    assert table.to_pandas().attrs["units"]["contact_loss_engine_speed"] == "rad/s"
     assert StudyAnswer(table).verdict.quantity == "contact_loss_engine_speed"
     assert "--engine-speed 4500:9000:1500" in StudyAnswer(table).next_step
     dataset = table.to_xarray()
@@ -108,7 +108,7 @@ def test_the_cost_of_limit_speeds_is_estimated_before(folder):
     text = f'case = "train.toml"\noutputs = "minimum_spring_margin_ratio"\n{PRELOAD}'
 
     def estimate(more: str):
-        return estimate_study(read_plan(StudyText(text + more, "study", folder)), 1)
+        return estimate_study(read_plan(FileText(text + more, "study", folder, StudyModel)), 1)
 
     alone, both = estimate(""), estimate(LIMIT.format("float", "5000:9000:1000 rpm"))
     assert (alone.points, both.points) == (2, 4)

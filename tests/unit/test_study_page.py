@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
-from valvetrain.explore.study import StudyText, analysed, read_plan
+from valvetrain.explore.files import FileText
+from valvetrain.explore.results import answer_json
+from valvetrain.explore.study import StudyModel, analysed, read_plan
 from valvetrain.explore.study_answer import StudyAnswer
-from valvetrain.explore.study_files import points_json
 from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyTable
 from valvetrain.solution.status import COMPLETED, Status
@@ -35,7 +36,7 @@ RUN = (6000 * np.pi / 30, "massless", "")
 
 def made(kind="points", sampler="latin-hypercube", function=None, failed=()) -> StudyTable:
     """A table whose outputs are a function of the inputs, no run behind it."""
-    plan = read_plan(StudyText(TEXT.format(kind=kind, sampler=sampler), "study", Path()))
+    plan = read_plan(FileText(TEXT.format(kind=kind, sampler=sampler), "study", Path(), StudyModel))
     inputs = plan.sampler.first(plan.varied, plan.options)
     cube = (inputs - inputs.min(axis=0)) / np.ptp(inputs, axis=0)
     found = (function or (lambda c: 800 + 40 * c[:, 0] + 5 * c[:, 1] ** 2))(cube)
@@ -58,13 +59,11 @@ def test_a_page_stands_where_nothing_came_out():
 
 def test_the_json_answer_holds_the_indices_and_the_findings():
     table = made("tolerance", "saltelli", failed=(3,))
-    data = json.loads(json.dumps(points_json(table), default=lambda x: x.tolist()))
+    data = json.loads(json.dumps(answer_json(StudyAnswer(table)), default=lambda x: x.tolist()))
     (first, _) = data["sensitivities"]
-    assert first["dropped"] == 1 and first["leaders"] == ["installed <i>compression</i>"]
-    assert first["quantities"]["installed <i>compression</i>"]["total"] == pytest.approx(
-        0.98, abs=0.03
-    )
-    assert data["outputs"]["peak_spring_force"]["unit"] == "N"
+    assert first["dropped"] == 1 and first["names"][0] == "installed <i>compression</i>"
+    assert first["total"][0] == pytest.approx(0.98, abs=0.03)
+    assert data["units"]["peak_spring_force"] == "N"
     assert [one["code"] for one in data["findings"]] == ["J122", "J130"]
     assert data["findings"][0]["value"]["unit"] == "N"
 
@@ -122,7 +121,7 @@ def listed(
 ) -> StudyTable:
     """A list of points whose first two outputs are ``forces`` and twice them; no run behind it."""
     text = text.format(first=[f"{one} mm" for one in first], second=second, names=names)
-    plan = read_plan(StudyText(text, "study", Path()))
+    plan = read_plan(FileText(text, "study", Path(), StudyModel))
     inputs = plan.sampler.first(plan.varied, plan.options)
     values = np.column_stack([forces, 2 * np.array(forces), np.full(len(forces), 9e-3)])
     values[list(failed)] = np.nan

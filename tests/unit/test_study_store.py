@@ -87,18 +87,6 @@ def test_a_damaged_byte_costs_the_points_from_there_on_and_changes_none(tmp_path
         held(tmp_path, content[:index].count(b"\n"))
 
 
-def test_points_of_several_subjects_share_a_file_and_are_not_mixed(tmp_path):
-    points = np.array([[1.0], [2.0]])
-    for subject, factor in (("force", 1.0), ("stress", 3.0)):
-        answers = [{"number": factor}, {"number": 2 * factor}]
-        with Store(tmp_path, subject) as store:
-            assert (
-                len(store) == 0 and store.through(lambda _, found=answers: found)(points) == answers
-            )
-    with Store(tmp_path, "force") as store:
-        assert store.before == 2 and store.through(lambda _: [])(points)[1] == {"number": 2.0}
-
-
 def test_two_processes_do_not_work_on_one_store(tmp_path):
     pytest.importorskip("fcntl")
     with Store(tmp_path):
@@ -129,5 +117,5 @@ def test_points_grow_stale_with_what_computes_and_not_with_pages_and_commands():
     assert not {
         name for name in names if name.startswith(("cli/", "report/", "film/", "workbench/"))
     }
-    shown = {"explore/study_answer.py", "explore/study_rules.py", "explore/points_command.py"}
+    shown = {"explore/study_answer.py", "explore/study_rules.py", "explore/command.py"}
     assert not shown & names

@@ -9,7 +9,7 @@ from train_parts import SINGLE_MASS
 from unit.cli_parts import SMALL
 from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.evaluate import Point, evaluate
-from valvetrain.explore.unavailable import refuse_outputs
+from valvetrain.explore.refusals import refuse_outputs
 from valvetrain.quantities.request import PointRequest
 
 NAMES = (

@@ -108,48 +108,6 @@ def show_page(page: Path) -> None:
     webbrowser.open(page.resolve().as_uri())
 
 
-class PointsRequest(Protocol):
-    """A request of a study of points whose folder is saved."""
-
-    @property
-    def folder(self) -> Path: ...
-    @property
-    def open_page(self) -> bool: ...
-
-
-def keep_points(
-    command: str,
-    answer: Mapping[str, Any],
-    request: PointsRequest,
-    write: Callable[[], tuple[list[Path], Path | None]],
-    name: str,
-    gaps: PartialFailures,
-) -> dict[str, Any]:
-    """Let ``write`` fill the folder of a study of points, put its ``answer`` there as ``name``,
-    show its page on request; the answer.
-    """
-    from valvetrain.cli.outcome import plain, to_json
-    from valvetrain.cli.progress import busy
-    from valvetrain.solution.atomic import write_text
-
-    with busy("writing files"):
-        files, page = write()
-        data = dict(answer) | {
-            "command": command,
-            "folder": str(request.folder),
-            "files": [str(path) for path in files],
-        }
-        data["page"] = None if page is None else str(page)
-        gaps.part(
-            f"file '{name}'",
-            None,
-            lambda: write_text(request.folder / name, to_json(plain(data)) + "\n"),
-        )
-    if page is not None and request.open_page:
-        show_page(page)
-    return data
-
-
 @dataclass(frozen=True)
 class StudyRequest:
     """One study as requested: the ``case`` with its changes and the ``folder`` of its file;

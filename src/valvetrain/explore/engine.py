@@ -1,5 +1,5 @@
-"""The engine of experiments: the evaluation of a case or a function at points of a space, each
-computed once by processes of this machine or the cluster in use, and stored as it comes.
+"""The engine of experiments: what is computed at points, each computed once by processes of this machine or the cluster
+in use, and stored as it comes.
 """
 
 from __future__ import annotations
@@ -8,10 +8,12 @@ import hashlib
 import itertools
 import json
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,19 +35,59 @@ from valvetrain.units import format_quantity
 Array = NDArray[np.float64]
 #: Jobs that are submitted at a time, which bounds memory and the wait for any of them.
 JOBS = 512
-#: A point to be computed: its evaluation, values (SI) of the space, and the run.
-PointJob = tuple["Evaluation", tuple[float, ...], Run]
-#: The same for a worker, the evaluation by its index.
-Job = tuple[int, tuple[float, ...], Run]
+#: Values (SI) of a point and the run of it that is computed.
+Place = tuple[tuple[float, ...], Any]
 #: Errors of a function of one's own that make its point a refused one; others end the experiment.
 _OF_FUNCTION = (InputError, ArithmeticError, ValueError)
 
 
+class Computation(ABC):
+    """What an engine computes at points: of every point each of its ``runs``."""
+
+    @property
+    def runs(self) -> tuple[Any, ...]:
+        """The runs of a point."""
+        return ((),)
+
+    @property
+    @abstractmethod
+    def subject(self) -> Any:
+        """All that an outcome depends on besides values and run, as JSON takes it."""
+
+    @abstractmethod
+    def evaluate(self, values: Iterable[float], run: Any) -> Outcome:
+        """The outcome of one run of a point, which depends on no other point."""
+
+    def outcomes(self, places: Sequence[Place]) -> list[Outcome]:
+        """The outcomes of a few places, in a worker."""
+        return [self.evaluate(values, run) for values, run in places]
+
+    def key_of_output(self, name: str, run: Any) -> str:
+        """The key of an output for measurements."""
+        return name
+
+    @cached_property
+    def _base(self) -> bytes:
+        text = json.dumps(self.subject, sort_keys=True, default=repr)
+        return hashlib.blake2b(text.encode(), digest_size=16).digest()
+
+    def digest(self, values: Iterable[float], run: Any) -> bytes:
+        """16 bytes that change with anything that can change the numbers of a point, to the last
+        bit of a value.
+        """
+        exact = [float(one).hex() if isinstance(one, (int, float)) else one for one in run]
+        text = json.dumps([[float(value).hex() for value in values], exact])
+        return hashlib.blake2b(self._base + text.encode(), digest_size=16).digest()
+
+
+#: A place to be computed, behind its computation; the same for a worker, the computation by its index.
+PointJob = tuple[Computation, tuple[float, ...], Any]
+Job = tuple[int, tuple[float, ...], Any]
+
+
 @dataclass(frozen=True, eq=False, init=False)
-class Evaluation:
-    """What is computed at every point of a space: ``outputs`` of a ``case``, or of their function
-    where it is None, by all ``runs``.
-    """
+class Evaluation(Computation):
+    """``outputs`` of a ``case``, or of their function where it is None, at every point of a space by all ``runs``."""
 
     case: Case | None
     space: Space
@@ -73,18 +115,15 @@ class Evaluation:
                     raise InputError(f"is no speed of these runs; vary {ENGINE_SPEED}", one.key)
             space = with_case_units(case, space)
         speed_is_varied = any(one.key == ENGINE_SPEED for one in space)
-        for name, value in (
-            ("case", case),
-            ("space", space),
-            ("outputs", outputs),
-            ("runs", tuple(runs) or outputs.runs(case, speed_is_varied)),
-        ):
+        made = (case, space, outputs, tuple(runs) or outputs.runs(case, speed_is_varied))
+        for name, value in zip(Evaluation.__dataclass_fields__, made, strict=True):
             object.__setattr__(self, name, value)
 
     def point(self, values: Iterable[float], run: Run) -> Point:
-        """One point of a case: values (SI, in the order of the space) at one of the runs."""
+        """One point of a case: values (SI, in the order of the space) at one of the runs; without values the case as it is."""
         assert self.case is not None
-        pairs = tuple(zip(self.space, map(float, values), strict=True))
+        numbers = tuple(map(float, values))
+        pairs = tuple(zip(self.space, numbers, strict=bool(numbers)))
         return Point(self.case, pairs, *run, self.outputs.request)
 
     def evaluate(self, values: Iterable[float], run: Run) -> Outcome:
@@ -106,24 +145,18 @@ class Evaluation:
         """Every draw at every run, in the order of the rows of the result."""
         yield from itertools.product(draws, self.runs)
 
-    @cached_property
-    def _base(self) -> bytes:
-        """Digest of what all points share: case or function, keys, outputs and versions."""
+    @property
+    def subject(self) -> Any:
+        """Case (without titles and notes, to the last bit) or function, keys, outputs and versions."""
+        case, request = self.case, self.outputs.request
+        if case is None:
+            text = function_text(self.outputs.function)
+        else:
+            text = content((
+                case.springs, case.rubbing, case.lift_law, case.operation, case.train, case.study, case.published,
+            )).decode()  # fmt: skip
         keys = [[one.key, one.operation, one.si_unit] for one in self.space]
-        subject = (
-            function_text(self.outputs.function) if self.case is None else _case_text(self.case)
-        )
-        request = self.outputs.request
-        parts = [subject, keys, list(request.outputs), request.rest_model, versions_digest()]
-        return hashlib.blake2b(json.dumps(parts, sort_keys=True).encode(), digest_size=16).digest()
-
-    def digest(self, values: Iterable[float], run: Run) -> bytes:
-        """16 bytes that change with anything that can change the numbers of a point, to the last
-        bit of a value.
-        """
-        speed = None if run[0] is None else float(run[0]).hex()
-        own = json.dumps([[float(value).hex() for value in values], speed, run[1], run[2]])
-        return hashlib.blake2b(self._base + own.encode(), digest_size=16).digest()
+        return [text, keys, list(request.outputs), request.rest_model, versions_digest()]
 
     def key_of_output(self, name: str, run: Run) -> str:
         """The key of an output for measurements: its name, behind engine speed, model and set where
@@ -163,16 +196,8 @@ def with_case_units(case: Case, space: Space) -> Space:
     return Space(varied, space.correlation)
 
 
-def _case_text(case: Case) -> str:
-    """The case for a digest, without titles and notes, to the last bit."""
-    bare = (
-        case.springs, case.rubbing, case.lift_law, case.operation, case.train, case.study, case.published,
-    )  # fmt: skip
-    return content(bare).decode()
-
-
 class Engine:
-    """Computes points of some evaluations, each once: stored ones are read, the others computed by
+    """Computes points of some computations, each once: stored ones are read, the others computed by
     ``workers`` at a time. Use it as a context.
 
     ``together``: points of a job; ``finished`` is called after each. ``read``: points that the
@@ -181,14 +206,13 @@ class Engine:
 
     def __init__(
         self,
-        evaluations: Sequence[Evaluation],
+        computations: Sequence[Computation],
         workers: int,
         folder: Path | None,
         together: int = 1,
         finished: Callable[[], None] | None = None,
     ) -> None:
-        self.evaluations, self.workers = tuple(evaluations), workers
-        self._indices = {id(one): index for index, one in enumerate(self.evaluations)}
+        self.computations, self.workers = tuple(computations), workers
         self.together, self.finished = together, finished
         self.store, self.read = Store(folder), 0
         self._pool: StandingPool | None = None
@@ -202,10 +226,9 @@ class Engine:
         finally:
             self._end_pool()
 
-    def include(self, evaluation: Evaluation) -> None:
-        """Add an evaluation."""
-        self._indices[id(evaluation)] = len(self.evaluations)
-        self.evaluations = (*self.evaluations, evaluation)
+    def include(self, computation: Computation) -> None:
+        """Add a computation."""
+        self.computations = (*self.computations, computation)
         self._end_pool()  # its processes do not have the new one
 
     def _end_pool(self) -> None:
@@ -220,13 +243,14 @@ class Engine:
 
     def compute(self, jobs: Iterable[PointJob]) -> None:
         """Compute the points that the store lacks."""
+        indices = {id(one): index for index, one in enumerate(self.computations)}
         waiting: dict[bytes, Job] = {}
-        for evaluation, values, run in jobs:
-            key = evaluation.digest(values, run)
+        for computation, values, run in jobs:
+            key = computation.digest(values, run)
             if key in self.store:
                 self.read += 1
             else:
-                waiting.setdefault(key, (self._indices[id(evaluation)], values, run))
+                waiting.setdefault(key, (indices[id(computation)], values, run))
             if len(waiting) >= JOBS * self.together:
                 self._submit(waiting)
                 waiting = {}
@@ -241,7 +265,7 @@ class Engine:
         if not waiting:
             return
         if self._pool is None:
-            pool = StandingPool(evaluate_jobs, self.evaluations, self.workers)
+            pool = StandingPool(evaluate_jobs, self.computations, self.workers)
             self._pool = pool.__enter__()
         size = max(1, min(self.together, math.ceil(len(waiting) / self.workers)))
         every = list(waiting.items())
@@ -256,6 +280,10 @@ class Engine:
                 self.finished()
 
 
-def evaluate_jobs(evaluations: Sequence[Evaluation], jobs: Sequence[Job]) -> list[Outcome]:
+def evaluate_jobs(computations: Sequence[Computation], jobs: Sequence[Job]) -> list[Outcome]:
     """Outcomes of a few points, in a worker."""
-    return [evaluations[index].evaluate(values, run) for index, values, run in jobs]
+    return [
+        outcome
+        for index, group in itertools.groupby(jobs, key=lambda job: job[0])
+        for outcome in computations[index].outcomes([(values, run) for _, values, run in group])
+    ]

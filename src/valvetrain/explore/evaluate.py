@@ -87,7 +87,7 @@ def evaluate(point: Point) -> Outcome:
     'completed'
     """
     try:
-        # what is doubtful of points is counted once, by explore/doubts.py, not reported by each
+        # what is doubtful of points is counted once, by explore/point_bars.py, not reported by each
         with warnings.catch_warnings(action="ignore", category=UnusualValueWarning):
             case = vary(point.case, dict(point.values))
         return evaluate_case(case, point)

@@ -8,18 +8,21 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Annotated, Any, Generic, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal, unit_in_case, unit_of, vary
+from valvetrain.explore.outputs import LimitSearch, limit_search
 from valvetrain.explore.samplers import MAX_POINTS
 from valvetrain.explore.space import (
     ENGINE_SPEED,
@@ -39,9 +42,17 @@ from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.loading import library_names, load_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED
-from valvetrain.parameters.schema_types import Line, StrictModel, first_problem, problem
+from valvetrain.parameters.schema_types import (
+    Line,
+    StrictModel,
+    first_problem,
+    guarded,
+    problem,
+    validate_as,
+)
 from valvetrain.parameters.toml_text import find_line
-from valvetrain.units import dimension_of, parse_quantities, parse_quantity
+from valvetrain.registry import find
+from valvetrain.units import dimension_of, parse_quantities, parse_quantity, si_speeds
 
 #: Most quantities that a study varies.
 MAX_VARIED = 64
@@ -80,9 +91,28 @@ def _plain_name(raw: Any) -> Any:
     return [word.strip() for word in raw.split(",")] if isinstance(raw, str) else raw
 
 
+def _speeds(raw: Any) -> tuple[float, ...]:
+    if not isinstance(raw, (str, list)):
+        raise problem(
+            "holds no engine speeds; write such as '4000, 6000 rpm' or '4000:9000:250 rpm'"
+        )
+    speeds: tuple[float, ...] = guarded(si_speeds, raw)
+    return speeds
+
+
+def _model(raw: str) -> str:
+    if raw:
+        guarded(find, "springs", raw)
+    return raw
+
+
 Amount = Annotated[str | int | float, BeforeValidator(_amount)]
 Amounts = Annotated[str | list[Any], BeforeValidator(_amounts)]
 Names = Annotated[list[str], BeforeValidator(_plain_name)]
+#: Engine speeds, read as rad/s; name of a spring model; several of them.
+Speeds = Annotated[tuple[float, ...], BeforeValidator(_speeds)]
+ModelName = Annotated[str, AfterValidator(_model)]
+ModelNames = Annotated[list[ModelName], BeforeValidator(_plain_name)]
 
 
 class VaryModel(StrictModel):
@@ -118,7 +148,12 @@ class VaryModel(StrictModel):
             raw = {ALIASES.get(key, key): value for key, value in raw.items()}
         return StrictModel._known_keys.__func__(cls, raw)
 
-    @property
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        assert self.way
+        return self
+
+    @cached_property
     def way(self) -> str:
         """The key of :data:`WAYS` by which values are given. Raises a located problem for none, or
         several.
@@ -138,6 +173,49 @@ class VaryModel(StrictModel):
                 f"does not fit the other keys, which give {' or '.join(names)}", ("distribution",)
             )
         return ways[0]
+
+
+class LimitSpeedModel(StrictModel):
+    """``limit_speed``: the engine speed up to which a quantity stays within a bound, or control is maintained
+    (``kind``), searched over ``engine_speeds`` from below.
+    """
+
+    kind: str = ""
+    quantity: str = ""
+    at_most: Amount | None = None
+    at_least: Amount | None = None
+    engine_speeds: Speeds
+    resolution: Amount = "10 rpm"
+
+
+def _limit(raw: Any) -> LimitSearch:
+    table = validate_as(LimitSpeedModel, raw)
+    found: LimitSearch = guarded(partial(limit_search, **table.model_dump()))
+    return found
+
+
+#: A table of :class:`LimitSpeedModel`, read as the search that it asks for.
+Limit = Annotated[LimitSearch, BeforeValidator(_limit)]
+
+
+class CaseModel(StrictModel):
+    """What every file says: its case with ``changes``. ``what``: the kind of file."""
+
+    what: ClassVar[str]
+
+    title: Line = ""
+    description: Line = ""
+    case: str
+    changes: dict[str, Any] = Field(default_factory=dict)
+
+
+class RunsModel(StrictModel):
+    """The runs of every point."""
+
+    engine_speeds: Speeds | None = None
+    spring_models: ModelNames = Field(default_factory=list)
+    spring_sets: Names = Field(default_factory=list)
+    rest_model: ModelName = ""
 
 
 class CorrelationModel(StrictModel):
@@ -181,24 +259,58 @@ FileModel = TypeVar("FileModel", bound=StrictModel)
 
 
 class FileText(Generic[FileModel]):
-    """A TOML file read: its ``model``, folder and text; ``located`` places a problem in it."""
+    """A TOML file read: its ``model``, folder and text; ``located`` places a problem in it. ``text`` is the content,
+    or tables of a program.
+    """
 
     def __init__(
-        self, text: str, where: str, folder: Path, kind: type[FileModel], what: str
+        self, text: str | Mapping[str, Any], where: str, folder: Path, model: type[FileModel]
     ) -> None:
-        self.text, self.where, self.folder = text, where, folder
-        self._read(parse_toml(text, where, what), kind)
-
-    def _read(self, tree: Mapping[str, Any], kind: type[FileModel]) -> None:
+        what = getattr(model, "what", "")
+        tree = parse_toml(text, where, what) if isinstance(text, str) else text
+        self.text, self.where, self.folder = text if isinstance(text, str) else "", where, folder
         named = tree.get("quantities")
         self.names = list(named) if isinstance(named, dict) else []
-        self.tree = standard_names(tree)
         try:
-            self.model = kind.model_validate(self.tree)
+            self.model = model.model_validate(standard_names(tree))
         except ValidationError as error:
             raise self.located(*first_problem(error)) from None
-        for place, one in enumerate(getattr(self.model, "vary", ())):
-            self.guarded(("vary", place), lambda one=one: one.way)
+
+    @classmethod
+    def read(cls, source: str | os.PathLike[str], model: type[FileModel]) -> FileText[FileModel]:
+        """The file at a path, or of a text with several lines. Raises :class:`InputError`, one sentence with file,
+        line and key.
+        """
+        what = getattr(model, "what", "")
+        if isinstance(source, str) and "=" in source and "\n" in source:
+            return cls(source, what.removesuffix(" file"), Path(), model)
+        path = Path(source)
+        return cls(text_of_file(path, what), path.name[:60], path.parent, model)
+
+    @cached_property
+    def case(self) -> Case:
+        """The case of the library or next to the file, with its changes."""
+        model: Any = self.model
+        found: Case = self.guarded(("case",), lambda: case_of_file(model.case, model.changes, self.folder))  # fmt: skip
+        return found
+
+    @cached_property
+    def space(self) -> Space:
+        """What the file varies, each quantity once; correlations name quantities by key or by label."""
+        model: Any = self.model
+        varied = [
+            self.guarded(("vary", index), lambda one=one: varied_of_table(one, self.case))
+            for index, one in enumerate(model.vary)
+        ]
+        space: Space = self.guarded(("vary",), lambda: Space(varied))
+        pairs = [(one.between, one.coefficient) for one in getattr(model, "correlation", ())]
+        if pairs:
+            by_key = all(name in space.names for between, _ in pairs for name in between)
+            names = space.names if by_key else [one.label or one.name for one in varied]
+            space = self.guarded(
+                ("correlation",), lambda: Space(varied, correlation_of(names, pairs))
+            )
+        return space
 
     def located(self, path: tuple[str | int, ...], reason: str) -> InputError:
         """The refusal of the value at ``path``, with its line."""
@@ -265,29 +377,6 @@ def case_words(text: FileText[Any]) -> list[str]:
         else:
             words += ["--set", f"{head}={value if isinstance(value, str) else json.dumps(value)}"]
     return words
-
-
-def space_of_file(
-    text: FileText[Any],
-    models: Sequence[VaryModel],
-    case: Case,
-    correlation: Sequence[CorrelationModel] = (),
-) -> Space:
-    """What a file varies, each quantity once; correlations name quantities by key or by label."""
-    varied = [
-        text.guarded(("vary", index), lambda one=one: varied_of_table(one, case))
-        for index, one in enumerate(models)
-    ]
-    space: Space = text.guarded(("vary",), lambda: Space(varied))
-    if not correlation:
-        return space
-    pairs = [(one.between, one.coefficient) for one in correlation]
-    by_key = all(name in space.names for between, _ in pairs for name in between)
-    names = space.names if by_key else [one.label or one.name for one in varied]
-    correlated: Space = text.guarded(
-        ("correlation",), lambda: Space(varied, correlation_of(names, pairs))
-    )
-    return correlated
 
 
 def varied_of_table(one: VaryModel, case: Case | None) -> Varied:

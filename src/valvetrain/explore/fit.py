@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from valvetrain.explore.posterior import Datum, Outcome, Posterior
+from valvetrain.explore.posterior import Datum, Numbers, Posterior
 
 Array = NDArray[np.float64]
 #: With a p value below this the model is reported as unable to meet the data, which happens to one correct model in a
@@ -43,15 +43,13 @@ _ROUNDING = 1e-9
 class Information:
     """``determined`` (quantities): share of the prior's variance that the data remove. ``brought``
     (measurements, quantities): share that each measurement has of all the data's information on a
-    quantity, the others known. ``lost`` (measurements, quantities): share by which the variance is
-    smaller than it were without that measurement. ``groups``: places of quantities of which the
+    quantity, the others known. ``groups``: places of quantities of which the
     data determine a combination only.
     """
 
     measurements: tuple[str, ...]
     determined: Array
     brought: Array
-    lost: Array
     groups: tuple[tuple[int, ...], ...]
 
 
@@ -60,20 +58,11 @@ def information_of(posterior: Posterior, jacobian: Array) -> Information:
     owners = np.array([one.name for one in posterior.used])
     measurements = tuple(dict.fromkeys(owners.tolist()))
     every = np.sum(jacobian**2, axis=0)
+    parts = np.array([np.sum(jacobian[owners == name] ** 2, axis=0) for name in measurements])
+    brought = parts / np.where(every > 0, every, 1.0)
     covariance = posterior.remaining(jacobian)
-    lost, brought = [], []
-    for name in measurements:
-        mine, others = jacobian[owners == name], jacobian[owners != name]
-        without = posterior.remaining(others)
-        lost.append(np.clip(1.0 - np.diag(covariance) / np.diag(without), 0.0, 1.0))
-        brought.append(np.sum(mine**2, axis=0) / np.where(every > 0, every, 1.0))
-    return Information(
-        measurements,
-        1.0 - np.diag(covariance),
-        np.array(brought),
-        np.array(lost),
-        _groups(jacobian, covariance),
-    )
+    determined = 1.0 - np.diag(covariance)
+    return Information(measurements, determined, brought, _groups(jacobian, covariance))
 
 
 def _groups(jacobian: Array, covariance: Array) -> tuple[tuple[int, ...], ...]:
@@ -148,7 +137,7 @@ def _odds(value: float) -> str:
     return "< 1e-06" if value < 1e-6 else f"{value:.2g}"
 
 
-def fit_of(posterior: Posterior, work: Array, outcome: Outcome, jacobian: Array) -> Fit:
+def fit_of(posterior: Posterior, work: Array, outcome: Numbers, jacobian: Array) -> Fit:
     """The fit at the likeliest point ``work`` (quantities) by the slopes there (data, quantities).
 
     Every datum and every normal prior counts one degree of freedom; every quantity takes one, a flat
@@ -220,7 +209,7 @@ class Conflict:
 
 
 def conflicts_of(
-    posterior: Posterior, best: tuple[Array, Outcome], points: Sequence[tuple[Array, Outcome]]
+    posterior: Posterior, best: tuple[Array, Numbers], points: Sequence[tuple[Array, Numbers]]
 ) -> tuple[Conflict, ...]:
     """Conflicts of the likeliest point ``best`` (values in SI, outcome) with the computed
     ``points``, most missed first.
@@ -277,7 +266,7 @@ def conflicts_of(
 
 
 def _deviations(
-    posterior: Posterior, points: Sequence[tuple[Array, Outcome]]
+    posterior: Posterior, points: Sequence[tuple[Array, Numbers]]
 ) -> tuple[Array, Array]:
     """Misses (points, data) of the fitted data in scatters and the misfit (points), priors included;
     NaN where a point is impossible, lacks a datum or is outside the priors.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -20,35 +20,31 @@ from valvetrain.explore.identification_rules import (
     plain_name,
     value_text,
 )
-from valvetrain.explore.identified import Identified, Predicted
-from valvetrain.findings.engine import Findings, Mark, judge
-from valvetrain.findings.words import Words, joined
-from valvetrain.units.reader import shown_system
-from valvetrain.views.shown import Shown
+from valvetrain.explore.identified import Identified, Predicted, si_unit
+from valvetrain.explore.results import ExploreAnswer, Write, fields_of
+from valvetrain.findings.engine import Mark
+from valvetrain.findings.words import joined
+from valvetrain.solution.atomic import write_text
 from valvetrain.views.style import FigureSpec
 from valvetrain.views.table import Line, TextTable
 from valvetrain.views.tables import findings
 
-#: Unknowns among the first rows: those in doubt before the others.
-ROWS = 9
+#: Unknowns among the first rows: those in doubt before the others; case file with the values.
+ROWS, CASE = 9, "identified.toml"
 
 
 @dataclass(frozen=True)
-class IdentificationAnswer(Shown):
-    """What is shown of an identification; ``words.case``: path of the case file with its values."""
+class IdentificationAnswer(ExploreAnswer):
+    """What is shown of an identification."""
+
+    rules = RULES
 
     result: Identified
-    words: Words = field(default_factory=lambda: Words(shown_system()))
 
     @cached_property
     def facts(self) -> IdentificationFacts:
-        """The identification as rules read it."""
-        return IdentificationFacts(self.result, self.words.case)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """All findings, the verdict first."""
-        return judge(self.facts, RULES, self.words)
+        """The identification as rules read it, with the path of the case file with its values."""
+        return IdentificationFacts(self.result, str(self.folder / CASE) if self.folder else "")
 
     @property
     def title(self) -> str:
@@ -155,6 +151,24 @@ class IdentificationAnswer(Shown):
             data_name(datum), *given, *_numbers(datum.unit, one), f"{one.off:+.2f}", f"{one.percentile:.1f}",
             "used" if datum.used else "compared",
         )  # fmt: skip
+
+    def data(self) -> dict[str, Any]:
+        """Method, branches, data with their predictions, conflicts and profiles."""
+        result = self.result
+        names = (
+            "name", "method", "whole", "start", "branches", "predicted", "predictions", "conflicts", "profiles", "log_evidence",
+            "evidence_kind", "note", "evaluations", "reused",
+        )  # fmt: skip
+        units = {one.name: si_unit(one.unit) for one in result.unknowns}
+        data = {name: fields_of(getattr(result, name)) for name in names}
+        return {**data, "units": units, "completed": result.whole}
+
+    def files(self) -> Mapping[str, Write]:
+        """The draws, and the case with the likeliest values."""
+        made: dict[str, Write] = {"draws.nc": self.result.save_draws}
+        if text := self.result.case_file:
+            made[CASE] = lambda path: write_text(path, text)
+        return made
 
     def computed(self) -> Iterator[str]:
         """How the values were found, and what the intervals hold."""

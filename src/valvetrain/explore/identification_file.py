@@ -3,45 +3,42 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from valvetrain.errors import InputError
 from valvetrain.explore.evaluator import PointEvaluator
 from valvetrain.explore.files import (
     MAX_VARIED,
+    CaseModel,
     CorrelationModel,
     FileText,
     VaryModel,
-    case_of_file,
     correlation_of,
     text_of_file,
     varied_of_table,
 )
 from valvetrain.explore.least_squares import SIDE
 from valvetrain.explore.measurements import PredictionModel, Target, read_measurement
-from valvetrain.explore.nested import LANES, LIVE_POINTS, PRECISION, evaluations_of
 from valvetrain.explore.posterior import Array, Datum, Unknown
 from valvetrain.explore.space import Prior, Space, Varied
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.changes import nearest
-from valvetrain.parameters.schema_types import Line, StrictModel, problem
+from valvetrain.parameters.schema_types import Line, StrictModel, first_problem, problem
 from valvetrain.registry import find
 from valvetrain.solution.atomic import digest
 
 Method = Literal["least-squares", "nested"]
-METHODS: tuple[str, ...] = get_args(Method)
-#: Options that may be zero, those that are no whole numbers, and the most of anything counted.
-_FROM_ZERO = {"seed", "draws", "difference_step", "keep"}
-_SHARES = {"difference_step", "precision"}
 _MOST = 10_000_000
+#: Equally weighted draws with the information of those that nested sampling stores, at least.
+EFFECTIVE = 2000
+Count = Annotated[int, Field(gt=0, le=_MOST)]
+FromZero = Annotated[int, Field(ge=0, le=_MOST)]
 
 
-@dataclass(frozen=True)
-class Search:
+class Search(StrictModel):
     """Method and its options; those of the other method have no effect.
 
     ``seed`` of all random numbers. ``least-squares``: ``starts`` tried, of which the ``keep``
@@ -56,49 +53,52 @@ class Search:
     True
     """
 
-    method: str = "least-squares"
-    seed: int = 1
-    starts: int = 1
-    keep: int = 1
+    method: Method = "least-squares"
+    seed: FromZero = 1
+    starts: Count = 1
+    keep: FromZero = 1
     from_case: bool = False
-    iterations: int = 30
-    difference_step: float = 0.0
-    draws: int = 200
-    live_points: int = LIVE_POINTS
-    lanes: int = LANES
-    precision: float = PRECISION
+    iterations: Count = 30
+    difference_step: Annotated[float, Field(ge=0, le=_MOST)] = 0.0
+    draws: FromZero = 200
+    live_points: Count = 400
+    lanes: Count = 64
+    precision: Annotated[float, Field(gt=0, le=_MOST)] = 0.01
 
-    def __post_init__(self) -> None:
-        if self.method not in METHODS:
-            raise InputError(
-                f"method '{str(self.method)[:40]}' is unknown; {nearest(str(self.method), METHODS)}",
-                "method",
-            )
-        for name in (one.name for one in fields(self)[1:] if one.name != "from_case"):
-            value = getattr(self, name)
-            kinds = (int, float) if name in _SHARES else (int,)
-            least = 0 if name in _FROM_ZERO else 1e-9
-            if isinstance(value, bool) or not isinstance(value, kinds):
-                whole = "" if name in _SHARES else "whole "
-                raise InputError(f"{name} is a {whole}number; it is {str(value)[:40]!r}", name)
-            if not least <= value <= _MOST:
-                raise InputError(
-                    f"{name} is {value:g}; give a number above zero and below {_MOST:g}", name
-                )
-        if not isinstance(self.from_case, bool):
-            raise InputError("from_case is neither true nor false; write one of them", "from_case")
+    def __init__(self, method: str = "least-squares", **options: Any) -> None:
+        try:
+            BaseModel.__init__(self, method=method, **options)
+        except ValidationError as error:
+            path, reason = first_problem(error)
+            raise InputError(reason, ".".join(map(str, path))) from None
+
+    @model_validator(mode="after")
+    def _searched_from_somewhere(self) -> Self:
         if self.method == "least-squares" and not (self.keep or self.from_case):
-            raise InputError(
+            raise problem(
                 "keep is 0, so that nothing is searched from; set from_case = true, or keep 1 or more",
-                "keep",
+                ("keep",),
             )
+        return self
+
+    def changed(self, **options: Any) -> Search:
+        """The search with other options."""
+        return Search(**(self.model_dump() | options))
+
+    def sampled(self, quantities: int) -> int:
+        """About how many points nested sampling computes (measured on posteriors of 3 to 10 quantities).
+
+        >>> Search("nested").sampled(3)
+        9600
+        """
+        return self.live_points * (8 + 2 * quantities) + 2 * EFFECTIVE
 
     def evaluations_of(self, quantities: int, profiles: int = 0) -> int:
         """About how many points will be computed for this many unknown quantities and profiles."""
         each = min(self.iterations, 8) * (quantities + 2)
         after = quantities + 1 + profiles * 2 * SIDE * each // 2
         if self.method == "nested":
-            return evaluations_of(self.live_points, quantities) + after
+            return self.sampled(quantities) + after
         searched = min(self.keep, self.starts) + self.from_case
         return (self.starts if self.keep else 0) + searched * each + self.draws + after
 
@@ -111,13 +111,10 @@ class UnknownModel(VaryModel):
     key: str | list[str] = ""  # type: ignore[assignment]
 
 
-class IdentificationModel(StrictModel):
-    """The whole file."""
+class IdentificationModel(CaseModel):
+    """The whole file; ``search`` holds the options of a :class:`Search`, and quantities to ``profile``."""
 
-    title: Line = ""
-    description: Line = ""
-    case: str
-    changes: dict[str, Any] = Field(default_factory=dict)
+    what = "identification file"
     evaluator: str = ""
     options: dict[str, float] = Field(default_factory=dict)
     vary: list[UnknownModel] = Field(min_length=1, max_length=MAX_VARIED)
@@ -179,9 +176,8 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
     """The identification written in ``text`` of the file ``name``; ``folder`` is where the files it
     names are looked for. Errors as :func:`read_request`.
     """
-    file = FileText(text, name[:60], folder, IdentificationModel, "identification file")
-    model = file.model
-    case = file.guarded(("case",), lambda: case_of_file(model.case, model.changes, folder))
+    file = FileText(text, name[:60], folder, IdentificationModel)
+    model, case = file.model, file.case
     evaluator: PointEvaluator | None = None
     if model.evaluator:
         evaluator = file.guarded(("evaluator",), lambda: evaluator_of(model.evaluator))
@@ -268,11 +264,6 @@ def _search(
 ) -> tuple[Search, tuple[str, ...]]:
     """Method with options, and quantities whose profile is computed."""
     given = dict(file.model.search)
-    options = tuple(one.name for one in fields(Search))
-    if unknown := next(
-        (key for key in given if key not in (*options, "profile", "from_case")), None
-    ):
-        raise problem(f"key '{unknown[:40]}' is unknown; {nearest(unknown, options)}", (unknown,))
     profile = given.pop("profile", [])
     profiles = profile if isinstance(profile, list) else [profile]
     if unknown := next((str(one) for one in profiles if one not in names), None):

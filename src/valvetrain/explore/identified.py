@@ -4,10 +4,12 @@ measurement is in its prediction.
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,16 +20,32 @@ from valvetrain.explore.draws import even_draws
 from valvetrain.explore.fit import Conflict, Fit, Information
 from valvetrain.explore.least_squares import Profile
 from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.solution.channels import ChannelArrays, Variable
+from valvetrain.solution.definition import si_unit_text
 from valvetrain.solution.display import verdict_first
+from valvetrain.solution.netcdf import write_image
 from valvetrain.solution.saveable import Reported
+from valvetrain.units import dimension_of
 
 if TYPE_CHECKING:
     import xarray
 
 
 Array = NDArray[np.float64]
+#: Role of the columns of a Dataset of draws that were looked for.
+QUANTITY = "quantity"
 #: Ends of the intervals (percent).
 LOW, HIGH = 2.5, 97.5
+
+
+def si_unit(unit: str) -> str:
+    """SI unit of what is shown in ``unit``; ``SI`` where a number came without one.
+
+    >>> si_unit("N/mm"), si_unit("deg"), si_unit("%"), si_unit("")
+    ('N/m', 'rad', '1', 'SI')
+    """
+    dimension = dimension_of(unit) if unit else None
+    return si_unit_text(dimension) if dimension else "SI"
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +131,7 @@ class Identified(Reported):
     50
     """
 
-    report_word = "identification"
+    report_word = "points"
 
     method: str
     unknowns: tuple[Unknown, ...]
@@ -174,10 +192,14 @@ class Identified(Reported):
         """
         import xarray
 
-        columns: dict[str, Any] = dict(zip(self.names, self.values.T, strict=True))
-        columns |= {f"computed {name}": values for name, values in self.computed.items()}
-        columns |= {"weight": self.weights, "branch": self.branch_of}
-        data = {name: ("draw", values) for name, values in columns.items()}
+        data: dict[str, Any] = {
+            one.name: ("draw", column, {"units": si_unit(one.unit), "role": QUANTITY})
+            for one, column in zip(self.unknowns, self.values.T, strict=True)
+        }
+        units = {one.key: one.unit for one in (*self.predictions, *self.predicted)}
+        for key, values in self.computed.items():
+            data[f"computed {key}"] = ("draw", values, {"units": si_unit(units.get(key, ""))})
+        data |= {"weight": ("draw", self.weights), "branch": ("draw", self.branch_of)}
         return xarray.Dataset(data, attrs={"method": self.method, "title": self.name})
 
     def to_arviz(self, draws: int = 1000, seed: int = 1) -> Any:
@@ -199,6 +221,20 @@ class Identified(Reported):
             return arviz.from_dict(posterior=posterior)
         except TypeError:  # from ArviZ 1.0
             return arviz.from_dict({"posterior": posterior})
+
+    def save_draws(self, path: Path) -> Path:
+        """Write the draws as NetCDF with a checksum, names as the format allows them and their own as ``long_name``."""
+        variables = dict[str, Variable]()
+        for name, one in self.to_xarray().data_vars.items():
+            plain = re.sub(r"\W", "_", str(name), flags=re.ASCII)
+            while plain in variables:
+                plain += "_"
+            variables[plain] = Variable(
+                ("draw",), one.values, {**one.attrs, "long_name": str(name)}
+            )
+        return write_image(
+            ChannelArrays(variables, {}, {"method": self.method, "title": self.name}), {}, path
+        )
 
     def __repr__(self) -> str:
         return verdict_first(self, [f"Identified by {self.method}: {', '.join(self.names)}"])

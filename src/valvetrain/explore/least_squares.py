@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from valvetrain.errors import InputError
-from valvetrain.explore.posterior import Outcome, Posterior
+from valvetrain.explore.posterior import Numbers, Posterior
 
 Array = NDArray[np.float64]
 #: Step of a difference in standard deviations of the prior where nothing is known yet, and of what
@@ -34,7 +34,7 @@ class Peak:
     """
 
     work: Array
-    outcome: Outcome
+    outcome: Numbers
     misfit: float
     jacobian: Array
 

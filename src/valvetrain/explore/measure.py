@@ -128,15 +128,16 @@ class Measured:
     code: str = "completed"
 
 
-#: A design to be measured: its evaluations by source or limit, and its values (SI).
+#: Evaluations of a plan by source or limit; values (SI) of a design, none for the case as it is.
 Evaluations = Mapping[str | LimitSearch, Evaluation]
-Subject = tuple[Evaluations, tuple[float, ...]]
+Values = tuple[float, ...]
 Stop = Callable[[Mapping[Measure, float]], bool]
 
 
 def measure_designs(
     engine: Engine,
-    subjects: Sequence[Subject],
+    sources: Evaluations,
+    designs: Sequence[Values],
     measures: Sequence[Measure],
     stop: Stop | None = None,
 ) -> list[Measured]:
@@ -145,7 +146,7 @@ def measure_designs(
     A design that fails is not computed any further. ``stop(values)`` may spare it the search for
     limit speeds.
     """
-    results = [Measured({}, {}) for _ in subjects]
+    results = [Measured({}, {}) for _ in designs]
     for stage in (REST, RUNS, LIMIT):
         here = [one for one in measures if one.source == stage]
         going = [
@@ -155,14 +156,12 @@ def measure_designs(
         ]
         asks = list(dict.fromkeys((one.limit or stage, run) for one in here for run in one.runs))
         jobs: list[PointJob] = [
-            (subjects[place][0][key], subjects[place][1], run)
-            for place in going
-            for key, run in asks
+            (sources[key], designs[place], run) for place in going for key, run in asks
         ]
         outcomes = iter(engine.outcomes(jobs))
         for place in going:
             answers = {ask: next(outcomes) for ask in asks}
-            results[place] = _with_answers(results[place], here, answers, subjects[place])
+            results[place] = _with_answers(results[place], here, answers, sources)
     return results
 
 
@@ -170,7 +169,7 @@ def _with_answers(
     before: Measured,
     measures: Sequence[Measure],
     answers: Mapping[tuple[str | LimitSearch, Run], Outcome],
-    subject: Subject,
+    sources: Evaluations,
 ) -> Measured:
     """What was measured so far and the numbers of one stage, or why one is missing."""
     values, limits = dict(before.values), dict(before.limits)
@@ -185,7 +184,7 @@ def _with_answers(
             return Measured(values, limits, at + outcome.status.sentence(), outcome.status.code)
     lacking = [one for one in measures if not np.isfinite(values[one]) and not one.optional]
     if lacking:
-        name, pair = lacking[0].quantity, any(map(_has_pair, subject[0].values()))
+        name, pair = lacking[0].quantity, any(map(_has_pair, sources.values()))
         return Measured(values, limits, not_given(name, of_pair(name) if pair else ()), INCOMPLETE)
     return Measured(values, limits)
 

@@ -12,15 +12,11 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.explore.draws import Draws, Report, branches_of_draws, extra, silent
+from valvetrain.explore.identification_file import EFFECTIVE, Search
 from valvetrain.explore.posterior import Posterior
 from valvetrain.runs.stopping import Stopped
 
 Array = NDArray[np.float64]
-#: Live points, points requested at once, and the share of the evidence that may be left in the live
-#: points when the posterior counts as explored.
-LIVE_POINTS, LANES, PRECISION = 400, 64, 0.01
-#: Equally weighted draws with the information of those that are stored, at least.
-EFFECTIVE = 2000
 #: Draws with less than this share of the largest weight do not count.
 NO_WEIGHT = 1e-8
 #: Points of the prior of which one has to be possible.
@@ -29,28 +25,11 @@ TRIED = 2000
 IMPOSSIBLE = -1e100
 
 
-def evaluations_of(live_points: int, quantities: int) -> int:
-    """About how many points are computed (measured on posteriors of 3 to 10 quantities).
-
-    >>> evaluations_of(400, 3)
-    9600
-    """
-    return live_points * (8 + 2 * quantities) + 2 * EFFECTIVE
-
-
-def nested(
-    posterior: Posterior,
-    *,
-    seed: int = 1,
-    live_points: int = LIVE_POINTS,
-    lanes: int = LANES,
-    precision: float = PRECISION,
-    report: Report = silent,
-) -> Draws:
+def nested(posterior: Posterior, search: Search, report: Report = silent) -> Draws:
     """Weighted draws of the posterior with their branches, and the logarithm of its evidence, which
     has no error bar.
 
-    ``lanes``: points requested at once; another number is another (equally good) sequence of
+    Another number of ``lanes`` of the search, points requested at once, is another (equally good) sequence of
     points. Raises :class:`InputError` where no point of the prior can be computed,
     :class:`MissingExtraError` without the library.
     """
@@ -59,7 +38,7 @@ def nested(
     except ImportError as error:
         raise extra("nautilus-sampler") from error
     count = len(posterior.unknowns)
-    expected = evaluations_of(live_points, count)
+    expected = search.sampled(count)
     done = possible = 0
 
     def log_likelihoods(shares: Array) -> Array:
@@ -81,16 +60,16 @@ def nested(
             np.asarray,
             log_likelihoods,
             n_dim=max(count, 2),  # it takes no single quantity: the second one has no effect
-            n_live=max(live_points, 2 * count + 2),
-            n_batch=lanes,
+            n_live=max(search.live_points, 2 * count + 2),
+            n_batch=search.lanes,
             n_networks=1,
             vectorized=True,
             pass_dict=False,
-            seed=seed,
+            seed=search.seed,
         )
         whole = True
         try:
-            sampler.run(f_live=precision, n_eff=EFFECTIVE)
+            sampler.run(f_live=search.precision, n_eff=EFFECTIVE)
         except Stopped:
             whole = False
             if not possible:
@@ -104,5 +83,5 @@ def nested(
     weights = weights[retained] / weights[retained].sum()
     labels = np.zeros(len(work), dtype=np.int64)
     if whole:
-        labels = branches_of_draws(posterior, work, weights, seed)
+        labels = branches_of_draws(posterior, work, weights, search.seed)
     return Draws(work, weights, labels, float(sampler.log_z), whole=whole)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Array, Evaluation
-from valvetrain.explore.files import case_of_file, space_of_file
+from valvetrain.explore.files import FileText, case_of_file
 from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation
 from valvetrain.explore.measure import (
     LIMIT,
@@ -26,14 +27,14 @@ from valvetrain.explore.measure import (
 from valvetrain.explore.optimum_file import (
     ConfirmModel,
     ConstraintModel,
+    GoalsModel,
     MeasureModel,
-    OptimumText,
+    OptimumModel,
     SearchModel,
 )
 from valvetrain.explore.outputs import (
     LimitSearch,
     Outputs,
-    limit_search,
     refuse_limit_name,
     refuse_sets,
     share_of_case,
@@ -47,7 +48,7 @@ from valvetrain.quantities.request import is_at_rest
 from valvetrain.registry import OWN, find
 from valvetrain.runs.request_cost import RunRequest, planned
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
-from valvetrain.units import parse_quantity, si_speeds
+from valvetrain.units import parse_quantity
 
 #: Quantities that rank designs that lose contact, and whether the largest is the worst.
 LOSSES = {"loss_of_contact_duration": True, "loft_gap": True, "minimum_spring_margin_force": False}
@@ -57,7 +58,7 @@ FINEST, OF_CARDS = "finite-element", "wave-rod"
 #: Models that need no check by a finer one.
 FULL = frozenset({FINEST, "solid"})
 #: Place of a table in a file.
-Path = tuple[str | int, ...]
+Place = tuple[str | int, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,21 +206,16 @@ class OptimumPlan:
         ).with_plans(rest_model)
 
 
-def read_optimum(text: OptimumText) -> OptimumPlan:
+def read_optimum(text: FileText[OptimumModel]) -> OptimumPlan:
     """The plan of an optimisation file. Raises :class:`InputError`, one sentence with file, line
     and key.
     """
-    model = text.model
-    case = text.guarded(("case",), lambda: case_of_file(model.case, model.changes, text.folder))
-    space = space_of_file(text, model.vary, case)
+    model, case, space = text.model, text.case, text.space
     for place, one in enumerate(space):
         if one.key == ENGINE_SPEED:
             reason = "is no part of a design; give engine_speeds, or a limit_speed as an objective"
             raise text.located(("vary", place, "key"), reason)
         text.guarded(("vary", place), lambda one=one: _in_order(one))
-    for key, word in (("rest_model", model.rest_model), *(("spring_models", one) for one in model.spring_models)):  # fmt: skip
-        if word:
-            text.guarded((key,), lambda word=word: find("springs", word))
     if model.spring_sets:
         text.guarded(("spring_sets",), lambda: refuse_sets(case, model.spring_sets))
     plan = _Reader(text, case, space).plan()
@@ -239,18 +235,12 @@ def plan_of_experiment(
     """The search over an experiment; tables as in an optimisation file."""
     outputs = experiment.outputs
     tables: dict[str, Any] = {
-        "case": "",
-        "vary": [{"key": "x", "values": [1]}],
-        "objective": list(objective),
-        "constraint": list(constraint),
-        "search": dict(search),
-        "spring_models": list(outputs.spring_models),
-        "spring_sets": list(outputs.spring_sets),
-        "rest_model": outputs.rest_model,
-    }
+        "objective": list(objective), "constraint": list(constraint), "search": dict(search),
+        "spring_models": list(outputs.spring_models), "spring_sets": list(outputs.spring_sets), "rest_model": outputs.rest_model,
+    }  # fmt: skip
     if outputs.engine_speeds is not None:
         tables["engine_speeds"] = list(outputs.engine_speeds)
-    text = OptimumText.of_tables(tables, "optimise")
+    text = FileText(tables, "optimise", Path(), GoalsModel)
     return with_finest(_Reader(text, experiment.case, experiment.space, outputs.function).plan())
 
 
@@ -307,7 +297,7 @@ class _Reader:
 
     def __init__(
         self,
-        text: OptimumText,
+        text: FileText[Any],
         case: Case | None,
         space: Space,
         function: Callable[..., Any] | None = None,
@@ -317,7 +307,7 @@ class _Reader:
 
     def plan(self) -> OptimumPlan:
         """The plan, without confirmations."""
-        model, search = self.text.model, self.text.model.search
+        model = self.text.model
         objectives = tuple(
             Objective(
                 self.measure(("objective", place), one, one.direction == "minimise"),
@@ -328,116 +318,71 @@ class _Reader:
         if len({one.measure for one in objectives}) < len(objectives):
             reason = "the same objective is there twice; give it once"
             raise self.text.located(("objective",), reason)
-        if search.method == "nsga2" and search.per_round < 4:
-            reason = (
-                "a generation of nsga2 has 4 trials or more; raise per_round, 16 to 40 are typical"
-            )
-            raise self.text.located(("search", "per_round"), reason)
-        constraints = itertools.chain.from_iterable(
-            self.constraints(("constraint", place), one)
+        constraints = tuple(
+            self.constraint(("constraint", place), one, key)
             for place, one in enumerate(model.constraint)
+            for key in ("at_most", "at_least")
+            if getattr(one, key) is not None
         )
         plan = OptimumPlan(
-            model.title, model.description, self.case, self.space, objectives, tuple(constraints), search, {},
+            model.title, model.description, self.case, self.space, objectives, constraints, model.search, {},
         ).with_plans(model.rest_model, self.function)  # fmt: skip
-        title = model.title or f"{plan.case_name}: {objectives[0].measure.label}"
-        return replace(plan, title=title)
+        return replace(plan, title=model.title or f"{plan.case_name}: {objectives[0].measure.label}")  # fmt: skip
 
-    def measure(self, path: Path, one: MeasureModel, largest_is_worst: bool) -> Measure:
+    def measure(self, path: Place, one: MeasureModel, largest_is_worst: bool) -> Measure:
         """The measure of a table: of a run, of springs at rest, a limit speed, or what is varied."""
-        text, table = self.text, one.limit_speed
-        if bool(one.quantity) == (table is not None):
-            both = "both a quantity and a limit_speed" if one.quantity else "nothing"
-            raise text.located(path, f"names {both}; give one of the two")
-        varied = varied_of(one.quantity, self.space) if one.quantity else None
+        text, limit, name = self.text, one.limit_speed, one.quantity
+        varied = varied_of(name, self.space) if name else None
         if varied is not None:
             label = one.label or varied.shown_name
             return Measure(VARIED, varied.name, (), label, largest_is_worst, varied=varied)
         if self.case is None:
-            if table is not None:
-                raise text.located(path, "a function has no limit speed; give a quantity")
-            label = one.label or one.quantity.replace("_", " ")
-            return Measure(RUNS, one.quantity, ((None, "", ""),), label, largest_is_worst, one.over)
-        key = (*path, "quantity") if table is None else (*path, "limit_speed", "quantity")
-        name, limit = one.quantity, None
-        if table is not None:
-            name = table.quantity
-            if is_at_rest(name):
-                reason = f"'{name}' belongs to springs at rest, so it has no limit speed"
-                raise text.located(key[:-1], reason)
-            if not name or is_defined(name):
-                limit = text.guarded(key[:-1], lambda: limit_search(**table.model_dump()))
-                name = limit.quantity
-        text.guarded(key, lambda: refuse_limit_name(name))
-        if not is_defined(name):
-            raise text.located(key, no_quantity(name))
-        still = is_at_rest(name)
-        speeds: tuple[float | None, ...] = (None,)
-        if not still and limit is None:
-            speeds = self.speeds(path, one)
-        elif one.engine_speeds is not None:
-            reason = f"'{name}' belongs to springs at rest, at no engine speed; leave it out"
             if limit is not None:
-                reason = "a limit_speed has engine_speeds of its own; give them there"
-            raise text.located((*path, "engine_speeds"), reason)
-        models, sets = text.model.spring_models or [""], text.model.spring_sets or [""]
-        runs = itertools.product(speeds, dict.fromkeys(models), dict.fromkeys(sets))
-        label = definition_of(name).label
+                raise text.located(path, "a function has no limit speed; give a quantity")
+            label = one.label or name.replace("_", " ")
+            return Measure(RUNS, name, ((None, "", ""),), label, largest_is_worst, one.over)
+        name = name if limit is None else limit.quantity
+        text.guarded((*path, "quantity"), lambda: refuse_limit_name(name))
+        if not is_defined(name):
+            raise text.located((*path, "quantity"), no_quantity(name))
+        label, speeds, source = definition_of(name).label, tuple[float | None, ...]([None]), LIMIT
         if limit is not None:
             label = f"speed up to which the {label} stays within its bound"
-        source = LIMIT if limit is not None else REST if still else RUNS
-        return Measure(
-            source, name, tuple(runs), one.label or label, largest_is_worst, one.over, limit
-        )
+        elif is_at_rest(name):
+            source = REST
+            if one.engine_speeds is not None:
+                reason = f"'{name}' belongs to springs at rest, at no engine speed; leave it out"
+                raise text.located((*path, "engine_speeds"), reason)
+        else:
+            source = RUNS
+            speeds = one.engine_speeds or text.model.engine_speeds or self.case.operation.engine_speeds  # fmt: skip
+            if not speeds:
+                reason = f"the case names no engine speed, and '{name}' needs one; add engine_speeds = '6000 rpm'"
+                raise text.located(path, reason)
+        models, sets = text.model.spring_models or [""], text.model.spring_sets or [""]
+        runs = tuple(itertools.product(speeds, dict.fromkeys(models), dict.fromkeys(sets)))
+        return Measure(source, name, runs, one.label or label, largest_is_worst, one.over, limit)
 
-    def speeds(self, path: Path, one: MeasureModel) -> tuple[float, ...]:
-        """Engine speeds (rad/s) of a measure: its own, those of the file, or those of the case."""
-        assert self.case is not None
-        given, key = one.engine_speeds, (*path, "engine_speeds")
-        if given is None:
-            given, key = self.text.model.engine_speeds, ("engine_speeds",)
-        if given is not None:
-            speeds: tuple[float, ...] = self.text.guarded(key, lambda: si_speeds(given))
-            return speeds
-        if not self.case.operation.engine_speeds:
-            reason = f"the case names no engine speed, and '{one.quantity}' needs one; add engine_speeds = '6000 rpm'"
-            raise self.text.located(path, reason)
-        return self.case.operation.engine_speeds
-
-    def constraints(self, path: Path, one: ConstraintModel) -> list[Constraint]:
-        """One constraint for each bound of a table."""
-        bounds = [(key, getattr(one, key)) for key in ("at_most", "at_least")]
-        bounds = [(key, raw) for key, raw in bounds if raw is not None]
-        if not bounds:
-            reason = "has no bound; give at_most, at_least or both, such as at_most = '900 MPa' or '1.0 x case'"
-            raise self.text.located(path, reason)
-        made = []
-        for key, raw in bounds:
-            upper = key == "at_most"
-            measure = self.measure(path, one, upper)
-            share = share_of_case(raw)
-            if share is not None:
-                made.append(Constraint(measure, upper, np.nan, share))
-                continue
-            varied, due = measure.varied, definition_of(measure.quantity).dimension or "ratio"
-            if measure.limit is not None or varied is not None:
-                due = "angular speed" if varied is None else varied.dimension or "ratio"
-            bound = self.text.guarded((*path, key), lambda raw=raw, due=due: parse_quantity(raw, due))  # fmt: skip
-            made.append(Constraint(measure, upper, bound, None, abs(bound) or 1.0))
-        return made
+    def constraint(self, path: Place, one: ConstraintModel, key: str) -> Constraint:
+        """The constraint of one bound of a table."""
+        upper, raw = key == "at_most", getattr(one, key)
+        measure, share = self.measure(path, one, upper), share_of_case(raw)
+        if share is not None:
+            return Constraint(measure, upper, np.nan, share)
+        due = definition_of(measure.quantity).dimension or "ratio"
+        if measure.limit is not None or measure.varied is not None:
+            due = "angular speed" if measure.varied is None else measure.varied.dimension or "ratio"
+        bound = self.text.guarded((*path, key), lambda: parse_quantity(raw, due))
+        return Constraint(measure, upper, bound, None, abs(bound) or 1.0)
 
 
-def _confirmation(plan: OptimumPlan, one: ConfirmModel, text: OptimumText) -> Confirmation:
+def _confirmation(plan: OptimumPlan, one: ConfirmModel, text: FileText[Any]) -> Confirmation:
     """The plan of a confirmation: the same measures by another model, or of the case with a finer
     mesh.
     """
-    if not one.spring_model and not one.changes:
-        raise InputError("confirms nothing; name a spring_model, or changes such as a finer mesh")
     case = plan.case
     if one.changes:
         case = case_of_file(text.model.case, {**text.model.changes, **one.changes}, text.folder)
-    if one.spring_model:
-        find("springs", one.spring_model)
     # springs at rest by the finite-element rod, where that is what confirms
     rest_model = "" if one.spring_model == FINEST else text.model.rest_model
     made = plan.by_another(case, one.spring_model, rest_model)

@@ -5,32 +5,37 @@ compression, events, channels.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from valvetrain.errors import InputError, RunFailedError
+from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
+from valvetrain.explore.engine import Computation
 from valvetrain.explore.evaluate import MODES, Point, evaluate_case
 from valvetrain.explore.measurements import Station, Target
-from valvetrain.explore.posterior import Outcome
+from valvetrain.explore.outputs import Outcome
+from valvetrain.explore.posterior import Numbers
 from valvetrain.explore.space import Varied
+from valvetrain.explore.store import versions_digest
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.quantities.request import PointRequest
 from valvetrain.runs.prepared import FAILURES
 from valvetrain.runs.run import run_study
 from valvetrain.runs.statics import axial_frequencies, force_of
-from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool
+from valvetrain.solution.partial_failures import reason
 from valvetrain.solution.result import Solution
+from valvetrain.solution.status import Status
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 
-Array = NDArray[np.float64]
+#: Status of a point of which a run does not complete.
+IMPOSSIBLE = Status("refused", "the point cannot be computed")
 #: What computes a spring at rest where no model is named: of a wire, of a card.
 WIRE, CARD = "finite-element", "massless"
 #: Kinds of targets that are read from a solution in motion.
@@ -38,10 +43,10 @@ IN_RUN = ("event", "channel")
 _MODE = re.compile(r"mode_(\d+)_frequency")
 
 
-@dataclass(frozen=True)
-class Observed:
+@dataclass(frozen=True, eq=False)
+class Observed(Computation):
     """A ``case``, what of it is ``varied`` (one row of keys per quantity, moved alike) and the
-    ``targets`` to compute.
+    ``targets`` to compute. A run is a row of places of conditions.
     """
 
     case: Case
@@ -53,49 +58,41 @@ class Observed:
         """Conditions of the targets, each once."""
         return tuple(dict.fromkeys(one.station for one in self.targets))
 
-    def case_at(self, values: Sequence[float]) -> Case:
+    @cached_property
+    def runs(self) -> tuple[tuple[int, ...], ...]:
+        """Places of conditions parted into those that one study of a case gives together: speeds by one
+        model, the static rod with them.
+        """
+        groups: dict[object, list[int]] = {}
+        for place, station in enumerate(self.stations):
+            alone = not _needs_run(station, self.targets)
+            key = place if alone else (station.spring_model, station.spring_set)
+            groups.setdefault(key, []).append(place)
+        still = next((k for k, one in enumerate(self.stations) if one == Station()), None)
+        if still is not None and (WIRE, "") in groups:
+            groups[WIRE, ""] += groups.pop(still)
+        return tuple(map(tuple, groups.values()))
+
+    @property
+    def subject(self) -> Any:
+        """Case, keys, targets and versions."""
+        return [self.case.record().digest, self.varied, self.targets, versions_digest()]
+
+    def case_at(self, values: Iterable[float]) -> Case:
         """The case with its quantities at ``values`` (SI). Raises :class:`InputError` for a key
         that is not there, an impossible case.
         """
-        return vary(
-            self.case,
-            {one: value for row, value in zip(self.varied, values, strict=True) for one in row},
-        )
+        pairs = zip(self.varied, values, strict=True)
+        return vary(self.case, {one: value for row, value in pairs for one in row})
 
-
-#: Values (SI), place of what is observed among all that is, and places of conditions.
-Job = tuple[tuple[float, ...], int, tuple[int, ...]]
-
-
-def observe(every: tuple[Observed, ...], job: Job) -> Outcome:
-    """Values of the targets under some conditions, by key; None where the case is impossible or does not
-    run.
-    """
-    values, which, places = job
-    observed = every[which]
-    with suppress(*FAILURES):
-        return numbers_of(
-            observed.case_at(values),
-            [observed.stations[place] for place in places],
-            observed.targets,
-        )
-    return None
-
-
-def groups_of(observed: Observed) -> tuple[tuple[int, ...], ...]:
-    """Places of conditions parted into those that one study of a case gives together: speeds by one
-    model, the static rod with them.
-    """
-    groups: dict[object, list[int]] = {}
-    for place, station in enumerate(observed.stations):
-        alone = not _needs_run(station, observed.targets)
-        groups.setdefault(
-            place if alone else (station.spring_model, station.spring_set), []
-        ).append(place)
-    still = next((k for k, one in enumerate(observed.stations) if one == Station()), None)
-    if still is not None and (WIRE, "") in groups:
-        groups[WIRE, ""] += groups.pop(still)
-    return tuple(map(tuple, groups.values()))
+    def evaluate(self, values: Iterable[float], run: Sequence[int]) -> Outcome:
+        """Values of the targets under some conditions, by key."""
+        stations = [self.stations[place] for place in run]
+        try:
+            numbers = numbers_of(self.case_at(values), stations, self.targets)
+        except FAILURES as error:
+            return Outcome(Status("refused", reason(error)))
+        return Outcome(IMPOSSIBLE) if numbers is None else Outcome(values=numbers)
 
 
 def _needs_run(station: Station, targets: Sequence[Target]) -> bool:
@@ -107,7 +104,7 @@ def _needs_run(station: Station, targets: Sequence[Target]) -> bool:
     )
 
 
-def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target]) -> Outcome:
+def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target]) -> Numbers:
     """Values of the ``targets`` of a case under several conditions, by key; None where one does not run.
     Raises as building and running do.
     """
@@ -126,7 +123,7 @@ def numbers_of(case: Case, stations: Sequence[Station], targets: Sequence[Target
     for station in stations:
         asked = [one for one in here if one.station == station]
         if station in runs:
-            named: Outcome = {**still, **runs[station].quantities}
+            named: Numbers = {**still, **runs[station].quantities}
         else:
             names = [one.name for one in asked if one.kind == "quantity"]
             rests = station == Station() and set(names) <= still.keys()
@@ -148,7 +145,7 @@ def _built(case: Case, station: Station) -> Problem:
     return build(case, spring_set=tuple(filter(None, (station.spring_set,))))
 
 
-def _named(case: Case, station: Station, names: Sequence[str]) -> Outcome:
+def _named(case: Case, station: Station, names: Sequence[str]) -> Numbers:
     """Quantities of a case under a condition, None where it does not run. Preload and frequencies of
     the only spring come from a model alone, in a hundredth of the time that all its numbers take.
     """
@@ -235,32 +232,3 @@ def _spring(problem: Problem, name: str) -> InstalledSpring:
             "spring",
         )
     return fits[0]
-
-
-class CaseEvaluator:
-    """Points of a case, computed side by side by the ``pool``; a batch is every point under every
-    condition of what the pool
-    observes at the place ``which``."""
-
-    def __init__(self, pool: StandingPool, which: int) -> None:
-        self.pool, self.which, self.groups = pool, which, groups_of(pool.shared[which])
-
-    def __call__(self, points: Array) -> list[Outcome]:
-        groups = len(self.groups)
-        jobs = [
-            (tuple(float(value) for value in point), self.which, group)
-            for point in points
-            for group in self.groups
-        ]
-        found = self.pool.map(jobs)
-        if any(isinstance(one, Lost) for one in found):
-            raise RunFailedError(f"a point is lost: {LOST}; {LOST_REMEDY}")
-        outcomes: list[Outcome] = []
-        for first in range(0, len(found), groups):
-            parts = found[first : first + groups]
-            outcomes.append(
-                None
-                if any(part is None for part in parts)
-                else {key: value for part in parts for key, value in part.items()}
-            )
-        return outcomes

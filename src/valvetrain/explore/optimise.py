@@ -16,25 +16,22 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
-from valvetrain.explore.doubts import doubts
 from valvetrain.explore.engine import Engine, Evaluation
 from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation, LimitFound, limit_of
 from valvetrain.explore.measure import (
     INCOMPLETE,
     Measure,
     Measured,
-    Subject,
     measure_designs,
 )
 from valvetrain.explore.objective import OptimumPlan, read_optimum
 from valvetrain.explore.optimum import Confirmed, Design, Optimum, chosen_designs
 from valvetrain.explore.optimum_curves import Compared, compare
-from valvetrain.explore.optimum_file import OptimumText, read_optimum_file
-from valvetrain.explore.outputs import LimitSearch, Outputs, limit_search
+from valvetrain.explore.optimum_file import read_optimum_file
+from valvetrain.explore.outputs import Outputs, limit_search
+from valvetrain.explore.refusals import refuse_outputs
 from valvetrain.explore.search import quiet_optuna, search_from
-from valvetrain.explore.space import Space
 from valvetrain.explore.trial import CASE_SEED, Array, Trial, best_of
-from valvetrain.explore.unavailable import refuse_outputs
 from valvetrain.explore.valley import steps_of, valley_of
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
@@ -97,36 +94,22 @@ def run_search(
     refuse_cost(estimate_search(plan, workers).cost, limits, fewer=FEWER)
     with quiet_optuna():
         pass  # a library that is not installed is said before the first run
-    subjects = {id(part): case_of_plan(part) for part in every}
-    parts = [*(part.plans for part in every), *(still for still, _ in subjects.values())]
-    evaluations = [one for part in parts for one in part.values()]
+    evaluations = [one for part in every for one in part.plans.values()]
     with Engine(evaluations, workers, folder) as points:
-        return _Search(plan, points, subjects, progress or (lambda share, text: None)).run()
+        return _Search(plan, points, progress or (lambda share, text: None)).run()
 
 
-def case_of_plan(plan: OptimumPlan) -> Subject:
-    """The case itself, in which nothing is varied; of a function the middle of the space."""
-    if plan.case is None:
-        return plan.plans, tuple(one.distribution.middle for one in plan.varied)
-    still = dict[str | LimitSearch, Evaluation]()
-    for source, one in plan.plans.items():
-        fixed = Evaluation(one.case, Space(()), one.outputs, one.runs)
-        still[source] = LimitEvaluation(fixed, source) if isinstance(source, LimitSearch) else fixed
-    return still, ()
+def case_of_plan(plan: OptimumPlan) -> tuple[float, ...]:
+    """The design that is the case itself, without values; of a function the middle of the space."""
+    return () if plan.case is not None else tuple(one.distribution.middle for one in plan.varied)
 
 
 class _Search:
-    """A running search, of one seed or several; ``subjects``: the case by the ``id`` of each plan."""
+    """A running search, of one seed or several."""
 
-    def __init__(
-        self,
-        plan: OptimumPlan,
-        points: Engine,
-        subjects: Mapping[int, Subject],
-        progress: Progress,
-    ) -> None:
-        self.plan, self.points, self.subjects, self.progress = plan, points, subjects, progress
-        self.begun, self.own = time.perf_counter(), subjects[id(plan)]
+    def __init__(self, plan: OptimumPlan, points: Engine, progress: Progress) -> None:
+        self.plan, self.points, self.progress = plan, points, progress
+        self.begun = time.perf_counter()
         self.seeds = tuple(range(plan.search.seed, plan.search.seed + plan.search.seeds))
         self.trials = list[Trial]()
 
@@ -161,7 +144,7 @@ class _Search:
 
     def case(self, plan: OptimumPlan) -> Trial:
         """The case as given, trial 0, with the bounds that are shares of its numbers."""
-        (measured,) = measure_designs(self.points, [self.subjects[id(plan)]], plan.measures)
+        (measured,) = measure_designs(self.points, plan.plans, [case_of_plan(plan)], plan.measures)
         shares = [one.share for one in plan.constraints]
         shares += [one.limit.share for one in plan.measures if one.limit is not None]
         if measured.failure and any(share is not None for share in shares):
@@ -181,15 +164,17 @@ class _Search:
 
     def measure(self, values: Sequence[Array], spare: bool = False) -> list[Measured]:
         """The numbers of designs (d, SI); with ``spare`` no limit speed of one that misses a bound already."""
-        subjects = [(self.plan.plans, tuple(row.tolist())) for row in values]
-        bounds = self.plan.constraints
+        plan, designs = self.plan, [tuple(row.tolist()) for row in values]
 
         def misses(numbers: Mapping[Measure, float]) -> bool:
             return any(
-                one.missed(numbers[one.measure]) > 0 for one in bounds if one.measure in numbers
+                one.missed(numbers[one.measure]) > 0
+                for one in plan.constraints
+                if one.measure in numbers
             )
 
-        return measure_designs(self.points, subjects, self.plan.measures, misses if spare else None)
+        stop = misses if spare else None
+        return measure_designs(self.points, plan.plans, designs, plan.measures, stop)
 
     def round(self, seed: int, shares: Sequence[Array], spare: bool) -> list[Trial]:
         """The trials at points of the unit cube, a few batches of them at a time."""
@@ -230,8 +215,8 @@ class _Search:
             self.progress(0.98, f"confirming by {one.label}")
             case = design = self.case(one.plan)
             if best.number:
-                subject = (one.plan.plans, tuple(best.values.tolist()))
-                (measured,) = measure_designs(self.points, [subject], case.plan.measures)
+                there = [tuple(best.values.tolist())]
+                (measured,) = measure_designs(self.points, one.plan.plans, there, case.plan.measures)  # fmt: skip
                 design = replace(best, measured=measured, plan=case.plan)
             made.append(Confirmed(one.label, case.plan, case, design))
         return tuple(made)
@@ -242,17 +227,20 @@ class _Search:
         if trial is None or case is None:
             return Compared()
         self.progress(0.99, "error bars")
-        name, design, subjects = "nearest", Design(trial, "nearest"), {"case": self.own}
+        name, design = "nearest", Design(trial, "nearest")
         if made.best is not None:
             name, design = "best", made.best
+        designs = {"case": case_of_plan(self.plan)}
         if design.trial.number:
-            subjects[name] = self.plan.plans, tuple(design.trial.values.tolist())
-        return compare(self.points, self.plan, subjects, (case, made.case_of(design)))
+            designs[name] = tuple(design.trial.values.tolist())
+        return compare(self.points, self.plan, designs, (case, made.case_of(design)))
 
     def doubt(self, made: Optimum) -> str:
         """What is unusual about the values of the best design and not about the case."""
         best = None if made.best is None else made.best.trial
         values = [best.values.tolist()] if best is not None and best.number else []
+        from valvetrain.explore.point_bars import doubts  # loads what runs
+
         texts = doubts(self.plan.case, self.plan.varied, values).values()
         return next((text.partition(": ")[2] for text in texts), "")
 
@@ -268,8 +256,8 @@ class _Search:
             force.quantity, f"{str(speeds)[1:-1]} rad/s", at_least="1e-9 N", resolution="25 rpm"
         )
         values = tuple(trial.values.tolist()) if trial.number else ()
-        space, still = plan.varied if trial.number else Space(()), (None, *run[1:])
-        bare = Evaluation(plan.case, space, Outputs(limit.quantity), [still])
+        still = (None, *run[1:])
+        bare = Evaluation(plan.case, plan.varied, Outputs(limit.quantity), [still])
         search = LimitEvaluation(bare, limit)
         self.points.include(search)
         (outcome,) = self.points.outcomes([(search, values, still)])
@@ -279,7 +267,7 @@ class _Search:
 def _nominal(plan: OptimumPlan) -> Array:
     """Values of the case (d,), nan where it has none; of a function the middle of the space."""
     if plan.case is None:
-        return np.array(case_of_plan(plan)[1])
+        return np.array(case_of_plan(plan))
     values = []
     for one in plan.varied:
         try:
@@ -341,11 +329,8 @@ def optimise(
     >>> round(1e3 * float(found.best.trial.values[0]), 1)
     6.0
     """
-    if isinstance(file, str) and "=" in file and "\n" in file:
-        text = OptimumText(file, "optimisation", Path())
-    else:
-        text = read_optimum_file(Path(file))
-    return search_plan(read_optimum(text), workers, dask, output, limit, progress)
+    plan = read_optimum(read_optimum_file(file))
+    return search_plan(plan, workers, dask, output, limit, progress)
 
 
 @known_arguments

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,11 +28,12 @@ from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.atomic import write_bytes
 from valvetrain.solution.critical import RPM
-from valvetrain.solution.display import verdict_first
+from valvetrain.solution.display import frame, verdict_first
 from valvetrain.solution.saveable import Reported
 from valvetrain.solution.uncertainty import Uncertainty
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 
@@ -47,7 +48,7 @@ class Confirmed:
     """
 
     label: str
-    plan: OptimumPlan
+    plan: OptimumPlan = field(repr=False)
     case: Trial
     design: Trial
 
@@ -90,7 +91,7 @@ class Optimum(Reported):
     True
     """
 
-    report_word = "optimum"
+    report_word = "points"
 
     plan: OptimumPlan
     case: Trial
@@ -165,10 +166,22 @@ class Optimum(Reported):
                 values = [getattr(trial, f"{kind}s")[column] for trial in self.trials]
                 attributes = {"units": one.si_unit, "long_name": one.label}
                 data[f"{kind}_{column + 1}"] = ("trial", values, attributes)
-        data["feasible"] = ("trial", [trial.feasible for trial in self.trials])
-        data["state"] = ("trial", [trial.state for trial in self.trials])
+        for column in range(len(plan.constraints)):
+            missed = [trial.missed[column] for trial in self.trials]
+            data[f"missed_{column + 1}"] = ("trial", missed, {"units": "1"})
+        for name in ("seed", "feasible", "state", "failure"):
+            data[name] = ("trial", [getattr(trial, name) for trial in self.trials])
         numbers = [trial.number for trial in self.trials]
         return xarray.Dataset(data, {"trial": numbers}, {"title": plan.title})
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A frame with a row for each trial, SI, the units in its ``attrs``."""
+        data = self.to_xarray()
+        columns = {str(name): one.values for name, one in data.variables.items()}
+        units = {
+            str(name): one.attrs["units"] for name, one in data.items() if "units" in one.attrs
+        }
+        return frame(columns, units=units)
 
     def to_optuna(self) -> Any:
         """The trials as an Optuna study in memory. Raises :class:`MissingExtraError` where Optuna
@@ -236,21 +249,6 @@ class Optimum(Reported):
             for varied, value in zip(self.plan.varied, self.best.trial.values, strict=True):
                 lines.append(f"  {varied.shown_name}: {varied.value_text(value)}")
         return verdict_first(self, [line.strip() for line in lines])
-
-
-def bound_label(plan: OptimumPlan, place: int) -> str:
-    """A bound in words, by its place in ``Trial.missed``."""
-    if place >= len(plan.constraints):
-        one = plan.objectives[place - len(plan.constraints)].measure
-        lowest = one.shown(one.limit.engine_speeds[0]) if one.limit is not None else 0.0
-        return f"{one.label}: above the lowest speed searched, {lowest:.6g} rpm"
-    bound = plan.constraints[place]
-    measure = bound.measure
-    sign = "at most" if bound.upper else "at least"
-    of_case = f" ({bound.share:g} x case)" if bound.share is not None else ""
-    return (
-        f"{measure.label} {sign} {measure.shown(bound.bound):.5g} {measure.unit}".rstrip() + of_case
-    )
 
 
 def chosen_designs(found: Optimum) -> tuple[Design, ...]:
@@ -329,32 +327,44 @@ def write_optuna(found: Optimum, path: Path) -> Path:
 
 
 def optuna_study(found: Optimum, storage: Any = None) -> Any:
-    """The trials as an Optuna study.
+    """The trials as an Optuna study, in the units of tables.
 
     Missed bounds are positive constraints; a trial that could not be computed has failed, one that
     misses a bound before its limit speed was searched is pruned.
     """
-    plan = found.plan
+    plan, objectives = found.plan, [one.measure for one in found.plan.objectives]
     with quiet_optuna() as optuna:
         directions = ["maximize" if one.maximise else "minimize" for one in plan.objectives]
         study = optuna.create_study(storage=storage, study_name=plan.title, directions=directions)
-        study.set_metric_names(
-            [_with_unit(one.measure.label, one.measure.unit) for one in plan.objectives]
-        )
-        study.set_user_attr("case", plan.case_name)
-        study.set_user_attr(
-            "constraints", [bound_label(plan, one) for one in range(len(plan.constraints))]
-        )
-        axes = {_with_unit(one.shown_name, one.unit): _axis(optuna, one) for one in plan.varied}
+        study.set_metric_names([f"{one.label} [{one.unit or '1'}]" for one in objectives])
+        names = [f"{one.shown_name} [{one.unit or '1'}]" for one in plan.varied]
+        axes = [_axis(optuna, one) for one in plan.varied]
         for trial in found.trials:
-            # the case may be outside the ranges
-            if trial.number or plan.shares(trial.values) is not None:
-                study.add_trial(_frozen(optuna, trial, axes))
+            if not trial.number and plan.shares(trial.values) is None:
+                continue  # the case, outside the ranges
+            state, values = optuna.trial.TrialState.PRUNED, None
+            if trial.failure:
+                state = optuna.trial.TrialState.FAIL
+            elif np.all(np.isfinite(trial.objectives)):
+                state, numbers = optuna.trial.TrialState.COMPLETE, trial.objectives.tolist()
+                values = [one.shown(value) for one, value in zip(objectives, numbers, strict=True)]
+            rows = zip(plan.varied, axes, trial.values.tolist(), strict=True)
+            params = [_within(axis, one.shown(value)) for one, axis, value in rows]
+            study.add_trial(
+                optuna.trial.create_trial(
+                    state=state,
+                    values=values,
+                    params=dict(zip(names, params, strict=True)),
+                    distributions=dict(zip(names, axes, strict=True)),
+                    user_attrs={
+                        "number": trial.number,
+                        "seed": trial.seed,
+                        "failure": trial.failure,
+                    },
+                    system_attrs={"constraints": trial.penalties},
+                )
+            )
     return study
-
-
-def _with_unit(phrase: str, unit: str) -> str:
-    return f"{phrase} [{unit}]" if unit else phrase
 
 
 def _axis(optuna: Any, one: Varied) -> Any:
@@ -365,27 +375,5 @@ def _axis(optuna: Any, one: Varied) -> Any:
     return optuna.distributions.FloatDistribution(low, high, log=levels.logarithmic)
 
 
-def _frozen(optuna: Any, trial: Trial, axes: dict[str, Any]) -> Any:
-    states, plan, values, params = optuna.trial.TrialState, trial.plan, None, dict[str, float]()
-    state = states.FAIL if trial.failure else states.PRUNED
-    if not trial.failure and np.all(np.isfinite(trial.objectives)):
-        state, pairs = states.COMPLETE, zip(plan.objectives, trial.objectives, strict=True)
-        values = [one.measure.shown(float(value)) for one, value in pairs]
-    for (name, axis), one, value in zip(axes.items(), plan.varied, trial.values, strict=True):
-        params[name] = one.shown(float(value))
-        if not hasattr(axis, "choices"):
-            params[name] = min(max(params[name], axis.low), axis.high)
-    attributes: dict[str, Any] = {"number": trial.number, "seed": trial.seed}
-    for place, number in enumerate(trial.constraints):
-        if np.isfinite(number):
-            attributes[bound_label(plan, place)] = float(number)
-    if trial.failure:
-        attributes["failure"] = trial.failure
-    return optuna.trial.create_trial(
-        state=state,
-        values=values,
-        params=params,
-        distributions=axes,
-        user_attrs=attributes,
-        system_attrs={"constraints": trial.penalties},
-    )
+def _within(axis: Any, value: float) -> float:
+    return value if hasattr(axis, "choices") else min(max(value, axis.low), axis.high)

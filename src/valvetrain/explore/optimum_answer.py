@@ -3,50 +3,54 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from valvetrain.explore.measure import Measure
-from valvetrain.explore.optimum import Design, Optimum
-from valvetrain.explore.optimum_facts import SearchFacts, range_text
+from valvetrain.explore.optimum import Design, Optimum, case_text, write_optuna
+from valvetrain.explore.optimum_facts import SearchFacts, card_values, range_text
 from valvetrain.explore.optimum_figures import figures
 from valvetrain.explore.optimum_rules import RULES
-from valvetrain.explore.optimum_springs import card_values, in_pounds
+from valvetrain.explore.results import ExploreAnswer, Write, csv_writer, fields_of, rows_of
 from valvetrain.explore.trial import Trial
-from valvetrain.findings.engine import Findings, Mark, judge
+from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import Amount, Words, digits_text, speeds_text
+from valvetrain.solution.atomic import write_text
 from valvetrain.units.reader import shown_system
-from valvetrain.views.shown import Shown
+from valvetrain.views.json import uncertainty_object
 from valvetrain.views.table import Line, TextTable
 from valvetrain.views.tables import findings as findings_table
 
 if TYPE_CHECKING:
     from valvetrain.views.style import FigureSpec
 
-#: Rows of the first table, and designs of a front that are listed.
-ROWS, DESIGNS = 12, 40
+#: Rows of the first table, and designs of a front that are listed; case file of the best design.
+ROWS, DESIGNS, BEST = 12, 40, "best.toml"
 
 
 @dataclass(frozen=True)
-class OptimumAnswer(Shown):
-    """What is shown of a search, in the units of the reader; ``file``: case file of its best design, empty without one."""
+class OptimumAnswer(ExploreAnswer):
+    """What is shown of a search, in the units of the reader."""
 
-    found: Optimum
-    words: Words = field(default_factory=lambda: Words(shown_system()))
-    file: str = ""
+    rules = RULES
+
+    result: Optimum
+
+    @property
+    def found(self) -> Optimum:
+        """The search."""
+        return self.result
 
     @property
     def facts(self) -> SearchFacts:
-        """The search as rules read it."""
-        return SearchFacts(self.found, self.file)
-
-    @cached_property
-    def findings(self) -> Findings:
-        """All findings, the verdict first."""
-        return judge(self.facts, RULES, self.words)
+        """The search as rules read it, with the case file of its best design."""
+        there = self.folder is not None and self.found.best is not None
+        written = there and self.found.plan.case is not None
+        return SearchFacts(self.found, str(self.folder / BEST) if written and self.folder else "")
 
     @property
     def title(self) -> str:
@@ -135,9 +139,34 @@ class OptimumAnswer(Shown):
         best, rows = self.found.best, list[tuple[str, ...]]()
         for one in best.confirmed if best is not None else ():
             found = replace(self.found, plan=one.plan, case=one.case, designs=(Design(one.design, ""),), error_bars=())  # fmt: skip
-            lines = OptimumAnswer(found, self.words)._rows
+            lines = OptimumAnswer(found, words=self.words)._rows
             rows += [(one.label,), *((each.label, *each.cells, each.remark) for each in lines)]
         return TextTable("By other models", ("", *self.headings, ""), tuple(rows))
+
+    def data(self) -> dict[str, Any]:
+        """Plan, designs and trials."""
+        found, plan = self.found, self.found.plan
+        return {
+            "case": plan.case_name, "title": plan.title, "method": plan.search.method, "seeds": found.seeds, "trials": len(found.trials),
+            "feasible_trials": found.feasible, "computed": found.computed,
+            "objectives": fields_of(plan.objectives), "constraints": fields_of(plan.constraints),
+            "of_case": fields_of(found.case), "designs": fields_of(found.designs), "front": [one.number for one in found.front],
+            "history": found.history(), "best_by_seed": found.best_by_seed, "contact_loss": fields_of(found.contact_loss),
+            "uncertainties": [uncertainty_object(one) for one in found.error_bars],
+            "completed": found.finished and found.best is not None, **rows_of(found.to_pandas()),
+        }  # fmt: skip
+
+    def files(self) -> Mapping[str, Write]:
+        """Every trial as CSV and as an Optuna study, and case files of the designs, the best first."""
+        found = self.found
+        made: dict[str, Write] = {
+            "trials.csv": csv_writer(found.to_pandas()),
+            "optuna.db": partial(write_optuna, found),
+        }
+        for place, design in enumerate(found.designs if found.plan.case is not None else ()):
+            name = BEST if place == 0 else f"design-{place + 1}.toml"
+            made[name] = lambda path, design=design: write_text(path, case_text(found, design))
+        return made
 
     def computed(self) -> Iterator[str]:
         """Method, runs, where numbers are taken, and what could not be computed."""
@@ -161,7 +190,7 @@ class OptimumAnswer(Shown):
         return "" if self.found.plan.case is None else self.found.plan.case.text
 
 
-def answer_of_search(found: Optimum, file: str = "") -> OptimumAnswer:
+def answer_of_search(found: Optimum, folder: Path | None = None) -> OptimumAnswer:
     """What is shown of a search, in pounds and inches where a force was varied in pounds.
 
     >>> import valvetrain as vt
@@ -174,5 +203,6 @@ def answer_of_search(found: Optimum, file: str = "") -> OptimumAnswer:
     >>> answer_of_search(found).verdict.code[0]
     'O'
     """
-    pounds = in_pounds(found.plan.varied)
-    return OptimumAnswer(found, Words("imperial" if pounds else shown_system()), file)
+    pounds = any(one.unit == "lbf" for one in found.plan.varied)
+    words = Words("imperial" if pounds else shown_system())
+    return OptimumAnswer(found, folder, words=words)

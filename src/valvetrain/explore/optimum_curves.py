@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from valvetrain.explore.engine import Engine
-from valvetrain.explore.measure import REST, RUNS, Measure, Subject
+from valvetrain.explore.measure import REST, RUNS, Measure, Values
 from valvetrain.explore.objective import OptimumPlan
 from valvetrain.explore.trial import Array
 from valvetrain.findings.facts import cam_angles, over_turn
@@ -42,7 +42,7 @@ class Compared:
 
 
 def compare(
-    points: Engine, plan: OptimumPlan, subjects: Mapping[str, Subject], cases: tuple[Case, Case]
+    points: Engine, plan: OptimumPlan, designs: Mapping[str, Values], cases: tuple[Case, Case]
 ) -> Compared:
     """Curves of designs by name, the case first, and error bars of the last one.
 
@@ -50,12 +50,12 @@ def compare(
     ----------
     points : computes what the search has not
     plan : of the search
-    subjects : the designs as a search measures them
+    designs : their values (SI), none of the case as it is
     cases : the same as cases
     """
     from valvetrain.explore.point_bars import study_of  # loads what runs
 
-    sources, values = list(subjects.values())[-1]
+    values, sources = list(designs.values())[-1], plan.plans
     runs = sorted(sources[RUNS].runs, key=lambda run: run[0] or 0.0) if RUNS in sources else []
     studies = [study_of(sources[RUNS], values, run, True) for run in runs]
     searched = {one.quantity for one in plan.measures}
@@ -63,10 +63,10 @@ def compare(
     bars = {(row.quantity, row.label, row.engine_speed): row for row in every if row.quantity in searched}  # fmt: skip
     curves = list[Curve]()
     if limited := [one for one in plan.measures if one.limit is not None]:
-        curves = _over_speed(points, limited[0], subjects)
+        curves = _over_speed(points, plan, limited[0], designs)
     elif studies and studies[-1] is not None:
-        for name, (source, at) in subjects.items():
-            study = studies[-1] if at == values else study_of(source[RUNS], at, runs[-1], False)
+        for name, at in designs.items():
+            study = studies[-1] if at == values else study_of(sources[RUNS], at, runs[-1], False)
             run = None if study is None else study.solutions[0]
             for names in CHANNELS:
                 word = next((one for one in names if run is not None and run.has(one)), "")
@@ -75,16 +75,18 @@ def compare(
                     step = -(-len(x) // SAMPLES)
                     curves.append(Curve(name, "cam_angle", word, x[::step], y[::step], run.engine_speed))  # fmt: skip
     elif REST in plan.plans:
-        curves = _at_rest(plan, dict(zip(subjects, cases, strict=False)))
+        curves = _at_rest(plan, dict(zip(designs, cases, strict=False)))
     return Compared(tuple(curves), tuple(bars.values()))
 
 
-def _over_speed(points: Engine, one: Measure, subjects: Mapping[str, Subject]) -> list[Curve]:
+def _over_speed(
+    points: Engine, plan: OptimumPlan, one: Measure, designs: Mapping[str, Values]
+) -> list[Curve]:
     """The quantity of a limit speed over the engine speeds that were searched."""
     assert one.limit is not None
     speeds, curves = np.array(one.limit.engine_speeds), []
-    for name, (sources, values) in subjects.items():
-        jobs = [(sources[one.limit], values, (speed, *one.runs[0][1:])) for speed in one.limit.engine_speeds]  # fmt: skip
+    for name, values in designs.items():
+        jobs = [(plan.plans[one.limit], values, (speed, *one.runs[0][1:])) for speed in one.limit.engine_speeds]  # fmt: skip
         y = [each.values.get(one.quantity, np.nan) for each in points.outcomes(jobs)]
         curves.append(Curve(name, "engine_speed", one.quantity, speeds, np.array(y)))
     return curves

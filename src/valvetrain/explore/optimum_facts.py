@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +14,13 @@ from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.trial import Trial
 from valvetrain.findings.engine import Subject
 from valvetrain.findings.words import Amount, Phrase, Said, digits_text
+from valvetrain.parameters.case import Case
+from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.summary import unit_text
+from valvetrain.quantities.statics import card_quantities
 
+#: Values of the card of a design in addition to the varied ones: quantity -> name.
+CARD = {"card_preload": "seat load", "card_rate": "rate", "card_open_force": "open load"}
 #: Share of the case's own value below which a gain is slight.
 SLIGHT = 0.02
 
@@ -140,6 +146,33 @@ class SearchFacts(Subject):
         """Places of varied quantities at an end of their range in the design, but those that designs as good leave open."""
         trial = self.trial
         return [] if trial is None else [place for place, _ in self.found.at_ends(trial) if not self.alike(place)]  # fmt: skip
+
+
+def card_values(found: Optimum, trial: Trial) -> Iterator[tuple[str, str, float, float]]:
+    """Loads and rate of the spring cards that a design changes and that are neither varied nor searched: the name, of
+    several springs with theirs, the quantity, and its value (SI) in the case and in the design.
+    """
+    if found.plan.case is None:
+        return
+    both = [_springs(case) for case in (found.plan.case, found.case_of(Design(trial, "")))]
+    shown = [*trial.values, *trial.objectives, *trial.constraints]
+    for one, other in zip(*both, strict=True):
+        before, after = (
+            {} if each.card is None else card_quantities(each.card) for each in (one, other)
+        )
+        for name in CARD:
+            if (
+                before.get(name) != after.get(name)
+                and name in after
+                and not np.any(np.isclose(shown, after[name], rtol=1e-9, atol=0.0))
+            ):
+                of = f" of {one.name}" if len(both[0]) > 1 else ""
+                yield CARD[name] + of, name, before[name], after[name]
+
+
+def _springs(case: Case) -> list[InstalledSpring]:
+    sets = (case.springs,) if case.train is None else case.train.springs.values()
+    return [one for springs in sets for one in springs]
 
 
 def range_text(one: Varied) -> str:

@@ -4,36 +4,27 @@ table out, or one sentence.
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Any, Literal
+import os
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from valvetrain.explore.files import (
     MAX_VARIED,
     Amount,
+    CaseModel,
     FileText,
-    Names,
+    Limit,
+    ModelName,
+    RunsModel,
+    Speeds,
     VaryModel,
-    text_of_file,
 )
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
 
 #: Most objectives and constraints of a file, trials of a search and searches of other seeds: more
 #: are taken for a mistake.
 MAX_OBJECTIVES, MAX_CONSTRAINTS, MAX_TRIALS, MAX_SEEDS, MAX_PER_ROUND = 4, 32, 20_000, 20, 256
-#: Default width of the bracket of a limit speed.
-RESOLUTION = "10 rpm"
-Direction = Literal["minimise", "maximise"]
-Method = Literal["tpe", "nsga2"]
-
-
-def _speeds(raw: Any) -> Any:
-    if not isinstance(raw, (str, list)):
-        raise problem(
-            "holds no engine speeds; write such as '4000, 6000 rpm' or '4000:9000:250 rpm'"
-        )
-    return raw
 
 
 def _confirmations(raw: Any) -> Any:
@@ -46,38 +37,32 @@ def _confirmations(raw: Any) -> Any:
     return [{"spring_model": one} if isinstance(one, str) else one for one in raw]
 
 
-Speeds = Annotated[str | list[Any], BeforeValidator(_speeds)]
-
-
-class LimitSpeedModel(StrictModel):
-    """``limit_speed``: the engine speed up to which a quantity stays within a bound, or control is maintained
-    (``kind``), searched over ``engine_speeds`` from below.
-    """
-
-    kind: str = ""
-    quantity: str = ""
-    at_most: Amount | None = None
-    at_least: Amount | None = None
-    engine_speeds: Speeds
-    resolution: Amount = RESOLUTION
-
-
 class MeasureModel(StrictModel):
     """What objectives and constraints share: a ``quantity`` or a ``limit_speed``, at which engine
     speeds, which of several counts.
     """
 
     quantity: str = ""
-    limit_speed: LimitSpeedModel | None = None
+    limit_speed: Limit | None = None
     engine_speeds: Speeds | None = None
     over: Literal["worst", "mean"] = "worst"
     label: Line = ""
+
+    @model_validator(mode="after")
+    def _one_measure(self) -> Self:
+        if bool(self.quantity) == (self.limit_speed is not None):
+            both = "both a quantity and a limit_speed" if self.quantity else "nothing"
+            raise problem(f"names {both}; give one of the two")
+        if self.limit_speed is not None and self.engine_speeds is not None:
+            reason = "a limit_speed has engine_speeds of its own; give them there"
+            raise problem(reason, ("engine_speeds",))
+        return self
 
 
 class ObjectiveModel(MeasureModel):
     """One ``[[objective]]`` table."""
 
-    direction: Direction
+    direction: Literal["minimise", "maximise"]
 
 
 class ConstraintModel(MeasureModel):
@@ -88,6 +73,14 @@ class ConstraintModel(MeasureModel):
     at_most: Amount | None = None
     at_least: Amount | None = None
 
+    @model_validator(mode="after")
+    def _some_bound(self) -> Self:
+        if self.at_most is None and self.at_least is None:
+            raise problem(
+                "has no bound; give at_most, at_least or both, such as at_most = '900 MPa' or '1.0 x case'"
+            )
+        return self
+
 
 class SearchModel(StrictModel):
     """The ``[search]`` table. ``per_round`` trials are requested together, whatever the workers;
@@ -96,12 +89,21 @@ class SearchModel(StrictModel):
     objective.
     """
 
-    method: Method = "tpe"
+    method: Literal["tpe", "nsga2"] = "tpe"
     trials: Annotated[int, Field(ge=1, le=MAX_TRIALS)] = 100
     per_round: Annotated[int, Field(ge=1, le=MAX_PER_ROUND)] = 8
     seed: Annotated[int, Field(ge=0, le=2**31)] = 1
     seeds: Annotated[int, Field(ge=1, le=MAX_SEEDS)] = 1
     local: Annotated[float, Field(ge=0.0, le=0.9)] = 0.4
+
+    @model_validator(mode="after")
+    def _whole_generations(self) -> Self:
+        if self.method == "nsga2" and self.per_round < 4:
+            raise problem(
+                "a generation of nsga2 has 4 trials or more; raise per_round, 16 to 40 are typical",
+                ("per_round",),
+            )
+        return self
 
 
 class ConfirmModel(StrictModel):
@@ -109,48 +111,39 @@ class ConfirmModel(StrictModel):
     mesh, for the best design.
     """
 
-    spring_model: str = ""
+    spring_model: ModelName = ""
     changes: dict[str, Any] = Field(default_factory=dict)
     label: Line = ""
 
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if not self.spring_model and not self.changes:
+            raise problem("confirms nothing; name a spring_model, or changes such as a finer mesh")
+        return self
 
-class OptimumModel(StrictModel):
-    """The whole file."""
+
+class GoalsModel(RunsModel):
+    """What a search looks for: objectives within constraints."""
 
     title: Line = ""
     description: Line = ""
-    case: str
-    changes: dict[str, Any] = Field(default_factory=dict)
-    engine_speeds: Speeds | None = None
-    spring_models: Names = Field(default_factory=list)
-    spring_sets: Names = Field(default_factory=list)
-    rest_model: str = ""
     objective: list[ObjectiveModel] = Field(min_length=1, max_length=MAX_OBJECTIVES)
     constraint: list[ConstraintModel] = Field(default_factory=list, max_length=MAX_CONSTRAINTS)
-    vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
     search: SearchModel = SearchModel()
+
+
+class OptimumModel(GoalsModel, CaseModel):
+    """The whole file."""
+
+    what = "optimisation file"
+    vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
     confirm: Annotated[list[ConfirmModel], BeforeValidator(_confirmations)] = Field(
         default_factory=list, max_length=8
     )
 
 
-class OptimumText(FileText[OptimumModel]):
-    """An optimisation file read."""
-
-    def __init__(self, text: str, where: str, folder: Path) -> None:
-        super().__init__(text, where, folder, OptimumModel, "optimisation file")
-
-    @classmethod
-    def of_tables(cls, tables: dict[str, Any], where: str) -> OptimumText:
-        """The same from the tables of a program."""
-        made = cls.__new__(cls)
-        made.text, made.where, made.folder = "", where, Path()
-        made._read(tables, OptimumModel)
-        return made
-
-
-def read_optimum_file(path: Path) -> OptimumText:
-    """The optimisation file at ``path``. Raises :class:`InputError`, one sentence with file, line
+def read_optimum_file(source: str | os.PathLike[str]) -> FileText[OptimumModel]:
+    """The optimisation file at a path, or its text. Raises :class:`InputError`, one sentence with file, line
     and key.
     """
-    return OptimumText(text_of_file(path, "optimisation file"), path.name[:60], path.parent)
+    return FileText.read(source, OptimumModel)

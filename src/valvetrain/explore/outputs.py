@@ -10,7 +10,7 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
-from valvetrain.quantities.request import PointRequest
+from valvetrain.quantities.request import PointRequest, is_at_rest
 from valvetrain.solution.critical import BOUNCE_HEIGHT, FLOAT_LIFT, KINDS
 from valvetrain.solution.definition import definition_of, is_defined, no_quantity
 from valvetrain.solution.status import COMPLETED, Status
@@ -105,6 +105,12 @@ def limit_search(
     else:
         if not quantity:
             raise InputError(f"needs a kind ({', '.join(LIMITS)}), or a quantity and its bound")
+        if not is_defined(quantity):
+            raise InputError(no_quantity(quantity))
+        if is_at_rest(quantity):
+            raise InputError(
+                f"'{quantity}' belongs to springs at rest, so it has no limit speed; choose another"
+            )
         if (at_most is None) == (at_least is None):
             raise InputError("has one bound: give at_most or at_least")
         upper = at_most is not None

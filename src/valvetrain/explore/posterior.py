@@ -110,10 +110,26 @@ class Datum:
 
 #: Computed numbers of one point by key (SI); None for a point that cannot be computed, such as an
 #: impossible spring.
-Outcome = Mapping[str, float] | None
-#: Values (points, quantities) in SI -> the outcome of each point, which must not depend on the
+Numbers = Mapping[str, float] | None
+#: Values (points, quantities) in SI -> the numbers of each point, which must not depend on the
 #: other points of the batch.
-Evaluate = Callable[[Array], Sequence[Outcome]]
+Evaluate = Callable[[Array], Sequence[Numbers]]
+
+
+class Remembered:
+    """An evaluation that computes every point once; ``points``: values and numbers of each, by its bytes."""
+
+    def __init__(self, evaluate: Evaluate) -> None:
+        self.evaluate, self.points = evaluate, dict[bytes, tuple[Array, Numbers]]()
+
+    def __call__(self, points: Array) -> list[Numbers]:
+        rows = [np.array(point, dtype=float) for point in points]
+        new = {row.tobytes(): row for row in rows if row.tobytes() not in self.points}
+        if new:
+            numbers = self.evaluate(np.array(list(new.values())))
+            pairs = zip(new.values(), numbers, strict=True)
+            self.points |= dict(zip(new, pairs, strict=True))
+        return [self.points[row.tobytes()][1] for row in rows]
 
 
 @dataclass(frozen=True)
@@ -139,6 +155,7 @@ class Posterior:
     correlation: Array | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "evaluate", Remembered(self.evaluate))
         names = [one.name for one in self.unknowns]
         if not names or not self.used:
             raise InputError(
@@ -161,6 +178,12 @@ class Posterior:
         return tuple(one for one in self.data if one.used)
 
     @property
+    def points(self) -> list[tuple[Array, Numbers]]:
+        """Values and numbers of every point that was computed."""
+        assert isinstance(self.evaluate, Remembered)
+        return list(self.evaluate.points.values())
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the unknowns."""
         return tuple(one.name for one in self.unknowns)
@@ -180,6 +203,11 @@ class Posterior:
     def centre(self) -> Array:
         """Middle of the priors in working coordinates."""
         return np.array([one.prior.work_centre for one in self.unknowns])
+
+    @property
+    def middle(self) -> Array:
+        """Middles of the priors (SI)."""
+        return np.asarray(self.values(self.centre[None, :])[0])
 
     @cached_property
     def spread(self) -> Array:
@@ -241,23 +269,23 @@ class Posterior:
         """Scaled deviations (n, quantities) of points from the priors, which least squares add."""
         return np.asarray(self.each("pull", work) @ self.prior_rows.T)
 
-    def outcomes(self, work: Array) -> list[Outcome]:
+    def outcomes(self, work: Array) -> list[Numbers]:
         """What is computed at points (n, quantities); None of those outside the bounds, which are
         not computed.
         """
         inside = np.flatnonzero(np.isfinite(self.log_prior(work)))
-        outcomes: list[Outcome] = [None] * len(work)
+        outcomes: list[Numbers] = [None] * len(work)
         if len(inside):
             for index, one in zip(inside, self.evaluate(self.values(work[inside])), strict=True):
                 outcomes[index] = one
         return outcomes
 
-    def computed(self, outcomes: Sequence[Outcome]) -> Array:
+    def computed(self, outcomes: Sequence[Numbers]) -> Array:
         """Numbers (n, data) of the used data; NaN where a point is impossible or lacks one."""
         rows = [[(one or {}).get(datum.key, np.nan) for datum in self.used] for one in outcomes]
         return np.array(rows, dtype=float).reshape(len(rows), len(self.used))
 
-    def residuals(self, outcomes: Sequence[Outcome]) -> Array:
+    def residuals(self, outcomes: Sequence[Numbers]) -> Array:
         """Scaled misses (n, data) of the used data, all NaN where a point lacks a number."""
         columns = zip(self.used, self.computed(outcomes).T, strict=True)
         found = np.column_stack([one.residual(column) for one, column in columns])

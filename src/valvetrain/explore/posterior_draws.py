@@ -13,6 +13,7 @@ from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.explore.draws import even_draws
+from valvetrain.explore.identified import QUANTITY
 from valvetrain.explore.samplers import CountedOptions, SamplerOptions, SamplerSpec
 from valvetrain.explore.space import Space, Varied
 from valvetrain.parameters.changes import nearest
@@ -20,8 +21,6 @@ from valvetrain.solution.atomic import checked_content
 from valvetrain.solution.netcdf import dataset_of
 
 Array = NDArray[np.float64]
-#: Variables of quantities in a file of draws begin so.
-QUANTITY = "quantity_"
 _NO_DRAWS = "holds no draws of an identification; give draws.nc of its folder"
 
 
@@ -60,9 +59,9 @@ def read_draws(path: Path) -> tuple[dict[str, Array], Array]:
         raise InputError(_NO_DRAWS, str(path))
     dataset = dataset_of(path)
     columns = {
-        str(one.attrs.get("long_name", name)): np.asarray(one.values, dtype=float)
-        for name, one in dataset.data_vars.items()
-        if str(name).startswith(QUANTITY)
+        str(one.attrs["long_name"]): np.asarray(one.values, dtype=float)
+        for one in dataset.data_vars.values()
+        if one.attrs.get("role") == QUANTITY
     }
     if not columns or "weight" not in dataset:
         raise InputError(_NO_DRAWS, str(path))

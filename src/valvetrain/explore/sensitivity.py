@@ -44,18 +44,6 @@ class Sensitivity:
     rows: int
     dropped: int
 
-    @property
-    def leaders(self) -> tuple[str, ...]:
-        """The quantity with the largest total share, behind it those whose intervals reach its own; none where nothing
-        moves the output.
-        """
-        order = np.argsort(-self.total)
-        if not self.total[order[0]] > 0:
-            return ()
-        least = self.total_interval[order[0], 0]
-        near = [k for k in order[1:] if self.total_interval[k, 1] >= least]
-        return tuple(self.names[k] for k in (order[0], *near))
-
 
 def sensitivity_of(
     output: str, run: Run, names: Sequence[str], values: Array

@@ -22,7 +22,14 @@ from valvetrain.explore.draws import (
     percentiles,
     silent,
 )
-from valvetrain.explore.fit import conflicts_of, fit_of, information_of, predictive, widenings
+from valvetrain.explore.fit import (
+    Fit,
+    conflicts_of,
+    fit_of,
+    information_of,
+    predictive,
+    widenings,
+)
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identified import (
     HIGH,
@@ -57,9 +64,9 @@ _NORMAL = 1.959963984540054
 def solve(
     posterior: Posterior,
     search: Search,
-    journal: Store,
+    store: Store,
     *,
-    start: Array,
+    start: Array | None = None,
     profiles: Sequence[str] = (),
     report: Report = silent,
     compare: Evaluate | None = None,
@@ -67,44 +74,36 @@ def solve(
 ) -> Identified:
     """Search the posterior, find its branches, and report for each what the data determine.
 
-    ``start`` (quantities): values (SI) to compare with, and to begin at where the search says so.
-    ``compare``: computes what is not fitted, for ``search.draws`` of the draws. ``units``: those
-    that computed quantities are shown in, by key. A stop in a search leaves what it had, one before
-    that raises :class:`Stopped`.
+    ``start`` (quantities): values (SI) to compare with, and to begin at where the search says so; the middles of
+    the priors by default. ``compare``: computes what is not fitted, for ``search.draws`` of the draws. ``units``:
+    those that computed quantities are shown in, by key. ``store``: counts the points. A stop in a search leaves
+    what it had, one before that raises :class:`Stopped`.
     """
     began = time.perf_counter()
+    start = posterior.middle if start is None else start
     if search.method == "nested":
-        draws = nested(
-            posterior,
-            seed=search.seed,
-            live_points=search.live_points,
-            lanes=search.lanes,
-            precision=search.precision,
-            report=report,
-        )
+        draws = nested(posterior, search, report)
         peaks = [_peak_of_draws(posterior, draws, number) for number in range(len(draws.shares))]
-        branches = [_sampled(posterior, draws, number, peak) for number, peak in enumerate(peaks)]
+        shares = draws.shares
     else:
         peaks, shares, draws = _searched(posterior, search, start, report)
-        branches = [
-            _linear(posterior, peak, share) for peak, share in zip(peaks, shares, strict=True)
-        ]
     every = (np.arange(len(draws.work)), draws.weights)
     columns = _columns(posterior, draws, peaks[0], start, posterior.evaluate, *every)
     if compare is not None and draws.whole:
         report(0.99, "what is compared only")
-        places, counts = even_draws(draws.weights, search.draws, search.seed)
-        columns |= _columns(posterior, draws, peaks[0], start, compare, places, counts)
+        chosen = even_draws(draws.weights, search.draws, search.seed)
+        columns |= _columns(posterior, draws, peaks[0], start, compare, *chosen)
     computed = {key: one.values for key, one in columns.items()}
-    if draws.whole:
-        for number, (branch, peak) in enumerate(zip(branches, peaks, strict=True)):
+    branches = []
+    for number, (peak, share) in enumerate(zip(peaks, shares, strict=True)):
+        fit, inside = None, draws.weights * (draws.labels == number)
+        if draws.whole:
             fit = fit_of(posterior, peak.work, peak.outcome, peak.jacobian)
-            if search.method == "nested":
-                inside = draws.weights * (draws.labels == number)
-                fit = replace(fit, predictive=predictive(posterior, computed, inside))
-            branches[number] = _widened(posterior, replace(branch, fit=fit), peak)
-    first = branches[0].fit
-    widening = 1.0 if first is None else first.widening
+        if fit is not None and search.method == "nested":
+            fit = replace(fit, predictive=predictive(posterior, computed, inside))
+        of_draws = (draws, inside) if search.method == "nested" else None
+        branches.append(_branch(posterior, peak, share, fit, of_draws))
+    widening = 1.0 if branches[0].fit is None else branches[0].fit.widening
     nothing = Column(math.nan, math.nan, np.full(len(draws.work), np.nan), draws.weights)
     predicted = []
     for one in posterior.data:
@@ -133,16 +132,12 @@ def solve(
         log_evidence=draws.log_evidence,
         profiles=tuple(profile(posterior, peaks[0], one) for one in profiles if draws.whole),
         note=draws.note,
-        evaluations=journal.computed,
-        reused=journal.before,
+        evaluations=store.computed,
+        reused=store.before,
         whole=draws.whole,
         wall_time=time.perf_counter() - began,
         start=dict(zip(posterior.names, start.tolist(), strict=True)),
-        conflicts=conflicts_of(
-            posterior,
-            (likeliest, peaks[0].outcome),
-            journal.points(),
-        ),
+        conflicts=conflicts_of(posterior, (likeliest, peaks[0].outcome), posterior.points),
     )
 
 
@@ -183,13 +178,13 @@ def _columns(
     begun = evaluate(start[None, :])[0] if draws.whole else None
     weights = np.zeros(len(draws.work))
     weights[places] = counts
-    found = {}
+    columns = {}
     for key in dict.fromkeys(key for one in outcomes if one is not None for key in one):
         values = np.full(len(draws.work), np.nan)
         values[places] = [(one or {}).get(key, math.nan) for one in outcomes]
         likeliest, early = ((one or {}).get(key, math.nan) for one in (best, begun))
-        found[key] = Column(likeliest, early, values, weights)
-    return found
+        columns[key] = Column(likeliest, early, values, weights)
+    return columns
 
 
 def _searched(
@@ -198,13 +193,10 @@ def _searched(
     """The peak of each branch by least squares from several starts, its probability, and linearised
     draws.
     """
-    begins = np.empty((0, len(posterior.unknowns)))
-    if search.from_case:
-        begins = posterior.work_of(start[None, :])
+    begins = posterior.work_of(start[None, :])[: int(search.from_case)]
     if search.keep:
-        begins = np.vstack(
-            [begins, best_starts(posterior, search.starts, search.keep, search.seed)]
-        )
+        starts = best_starts(posterior, search.starts, search.keep, search.seed)
+        begins = np.vstack([begins, starts])
     peaks: list[Peak] = []
     iterations, step = search.iterations, search.difference_step
     for number, one in enumerate(begins):
@@ -240,56 +232,39 @@ def _peak_of_draws(posterior: Posterior, draws: Draws, number: int) -> Peak:
     return Peak(begin, posterior.outcomes(begin[None, :])[0], misfit, slopes)
 
 
-def _sampled(posterior: Posterior, draws: Draws, number: int, peak: Peak) -> Branch:
-    """A branch by its draws."""
-    here = draws.labels == number
-    weights, inside = draws.weights[here], posterior.values(draws.work[here])
-    mean = np.average(inside, axis=0, weights=weights)
-    off = inside - mean
-    deviation = np.sqrt(np.average(off**2, axis=0, weights=weights))
-    scaled = off / np.where(deviation > 0, deviation, 1.0)
-    best = posterior.values(peak.work[None, :])[0]
-    quantities = {
-        name: Interval(
-            float(best[k]),
-            float(mean[k]),
-            float(deviation[k]),
-            *percentiles(inside[:, k], weights, (LOW, HIGH)),
-        )
-        for k, name in enumerate(posterior.names)
-    }
-    correlation = (scaled * (weights / weights.sum())[:, None]).T @ scaled
-    information = information_of(posterior, peak.jacobian)
-    return Branch(float(weights.sum()), peak.misfit, quantities, correlation, information)
-
-
-def _linear(posterior: Posterior, peak: Peak, share: float) -> Branch:
-    """A branch by the normal posterior about its peak."""
-    covariance = covariance_of(posterior, peak.jacobian)
-    deviation = np.sqrt(np.diag(covariance))
-    low, best, high = posterior.values(peak.work + np.outer((-_NORMAL, 0.0, _NORMAL), deviation))
-    slope = np.where([one.prior.logarithmic for one in posterior.unknowns], best, 1.0)
-    columns = np.array([best, best, slope * deviation, low, high]).T.tolist()
-    quantities = {name: Interval(*row) for name, row in zip(posterior.names, columns, strict=True)}
-    correlation = covariance / np.outer(deviation, deviation)
-    information = information_of(posterior, peak.jacobian)
-    return Branch(share, peak.misfit, quantities, correlation, information)
-
-
-def _widened(posterior: Posterior, branch: Branch, peak: Peak) -> Branch:
-    """The branch with the intervals that it has once the scatter of all data is as large as their
-    misfit requires, no wider than the priors leave them.
+def _branch(
+    posterior: Posterior,
+    peak: Peak,
+    share: float,
+    fit: Fit | None,
+    of_draws: tuple[Draws, Array] | None,
+) -> Branch:
+    """A branch by its draws and their weights, or by the normal posterior about its peak where there are none. Its
+    intervals are those once the scatter of all data is as large as their misfit requires, no wider than the priors leave.
     """
-    if branch.fit is None or branch.fit.widening == 1.0:
-        return branch
-    factors = widenings(posterior, peak.jacobian, branch.fit.widening).tolist()
-    quantities = {}
-    for factor, one in zip(factors, posterior.unknowns, strict=True):
-        interval = branch.quantities[one.name]
-        low, best, high = one.prior.work(np.array([interval.low, interval.best, interval.high]))
-        middle = min(max(best, low), high)
-        ends = one.prior.value(middle + factor * (np.array([low, high]) - middle)).tolist()
-        quantities[one.name] = replace(
-            interval, deviation=factor * interval.deviation, low=ends[0], high=ends[1]
-        )
-    return replace(branch, quantities=quantities)
+    best = posterior.values(peak.work[None, :])[0]
+    if of_draws is None:
+        covariance = covariance_of(posterior, peak.jacobian)
+        away = np.sqrt(np.diag(covariance))
+        low, mean, high = posterior.values(peak.work + np.outer((-_NORMAL, 0.0, _NORMAL), away))
+        logarithmic = [one.prior.logarithmic for one in posterior.unknowns]
+        deviation = np.where(logarithmic, best, 1.0) * away
+        correlation = covariance / np.outer(away, away)
+    else:
+        here = of_draws[1] > 0
+        weights, inside = of_draws[1][here], posterior.values(of_draws[0].work[here])
+        mean = np.average(inside, axis=0, weights=weights)
+        deviation = np.sqrt(np.average((inside - mean) ** 2, axis=0, weights=weights))
+        scaled = (inside - mean) / np.where(deviation > 0, deviation, 1.0)
+        correlation = (scaled * (weights / weights.sum())[:, None]).T @ scaled
+        low, high = np.array([percentiles(one, weights, (LOW, HIGH)) for one in inside.T]).T
+    wider = np.ones(len(best))
+    if fit is not None and fit.widening != 1.0:
+        wider = widenings(posterior, peak.jacobian, fit.widening)
+        places = posterior.each("work", np.array([low, best, high]))
+        middle = np.clip(places[1], places[0], places[2])
+        low, high = posterior.values(middle + wider * (places[[0, 2]] - middle))
+    rows = np.array([best, mean, wider * deviation, low, high]).T.tolist()
+    quantities = {name: Interval(*row) for name, row in zip(posterior.names, rows, strict=True)}
+    information = information_of(posterior, peak.jacobian)
+    return Branch(share, peak.misfit, quantities, correlation, information, fit)

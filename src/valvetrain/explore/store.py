@@ -11,14 +11,10 @@ import json
 import os
 import platform
 import re
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple
 from functools import cache
 from pathlib import Path
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
 from valvetrain.explore.outputs import Outcome
@@ -26,16 +22,12 @@ from valvetrain.solution.atomic import append_whole, check_target, digest, lock,
 from valvetrain.solution.provenance import collect_provenance
 from valvetrain.solution.status import COMPLETED, Status
 
-Array = NDArray[np.float64]
-#: Numbers of a point by name (SI); None for a point that cannot be computed.
-Numbers = Mapping[str, float] | None
 #: Name of the file in the folder of the points.
 FILE = "points.jsonl"
 #: Ends of a point that a second trial may change: they are not written.
 NOT_WRITTEN = ("worker-lost", "interrupted")
-IMPOSSIBLE = Status("refused", "the point cannot be computed")
-#: Characters of the checksum in front of a line, bytes of a digest.
-_CHECKSUM, _DIGEST = 16, 16
+#: Characters of the checksum in front of a line.
+_CHECKSUM = 16
 #: Status, names and values of a point: as small as the many points of a study need it.
 _Point = tuple[Status, tuple[str, ...], tuple[float, ...]]
 
@@ -44,10 +36,8 @@ class Store:
     """Finished points by their keys, digests of all that a point depends on, in a file of ``folder``
     (None: in memory only). Use it as a context.
 
-    ``subject``: what the points of :meth:`through` depend on besides their values. ``before``: points
-    of it that were in the file; ``computed``: those that came since. ``at_a_time``: most points that
-    :meth:`through` computes before it writes them, 0 for all of a batch. Raises :class:`InputError`
-    for a folder in which another process works.
+    ``before``: points that were in the file; ``computed``: those that came since. Raises
+    :class:`InputError` for a folder in which another process works.
 
     >>> with Store(None) as store:
     ...     store.add(b"first", Outcome(values={"peak_spring_force": 510.0}))
@@ -55,17 +45,14 @@ class Store:
     510.0
     """
 
-    def __init__(self, folder: Path | None, subject: str = "") -> None:
-        self.computed = self.at_a_time = 0
-        self._prefix = _digest(subject.encode())[: _DIGEST // 2] if subject else b""
+    def __init__(self, folder: Path | None) -> None:
+        self.computed = 0
         self._names: dict[tuple[str, ...], tuple[str, ...]] = {}
         self._points: dict[bytes, _Point] = {}
-        #: values of the points that were requested of :meth:`through` without a part, by their keys
-        self._requested: dict[bytes, Array] = {}
         self._handle = -1
         if folder is not None:
             self._open(folder)
-        self.before = sum(key.startswith(self._prefix) for key in self._points)
+        self.before = len(self._points)
 
     def __enter__(self) -> Store:
         return self
@@ -84,11 +71,6 @@ class Store:
         status, names, values = self._points[key]
         return Outcome(status, dict(zip(names, values, strict=True)))
 
-    def numbers(self, key: bytes) -> Numbers:
-        """The numbers of a stored point; None where it did not complete."""
-        outcome = self.outcome(key)
-        return outcome.values if outcome.status.completed else None
-
     def add(self, key: bytes, outcome: Outcome) -> None:
         """Store a finished point; it survives a kill of this process after the return."""
         status, names, values = self._remember(key, outcome)
@@ -105,40 +87,6 @@ class Store:
             finally:
                 os.close(self._handle)
                 self._handle = -1
-
-    def through(
-        self, evaluate: Callable[[Array], Sequence[Numbers]], part: bytes = b""
-    ) -> Callable[[Array], list[Numbers]]:
-        """``evaluate`` with every point computed once; ``part`` separates several computations of
-        the same points.
-        """
-
-        def stored(points: Array) -> list[Numbers]:
-            values = [np.array(point, dtype=float) for point in points]
-            keys = [
-                self._prefix + _digest(part + one.tobytes())[len(self._prefix) :] for one in values
-            ]
-            if not part:
-                self._requested |= dict(zip(keys, values, strict=True))
-            new = list(
-                {key: row for row, key in enumerate(keys) if key not in self._points}.items()
-            )
-            size = self.at_a_time or max(len(new), 1)
-            for first in range(0, len(new), size):
-                batch = new[first : first + size]
-                answers = evaluate(points[[row for _, row in batch]])
-                for (key, _), numbers in zip(batch, answers, strict=True):
-                    self.add(
-                        key, Outcome(IMPOSSIBLE) if numbers is None else Outcome(values=numbers)
-                    )
-            return [self.numbers(key) for key in keys]
-
-        return stored
-
-    def points(self) -> list[tuple[Array, Numbers]]:
-        """Values and numbers of every point that :meth:`through` has computed or read without a part."""
-        pairs = self._requested.items()
-        return [(values, self.numbers(key)) for key, values in pairs if key in self._points]
 
     def _remember(self, key: bytes, outcome: Outcome) -> _Point:
         names = tuple(outcome.values)
@@ -175,10 +123,6 @@ class Store:
             raise
 
 
-def _digest(content: bytes) -> bytes:
-    return hashlib.blake2b(content, digest_size=_DIGEST).digest()
-
-
 def _line(body: bytes) -> bytes:
     return digest(body)[:_CHECKSUM].encode() + b" " + body + b"\n"
 
@@ -199,7 +143,7 @@ _NOT_COMPUTING = (
     "cli findings views validation workbench lift spring_card scan film rig compare_test".split()
 )
 _NOT_COMPUTING_FILES = re.compile(
-    r"_(page|charts|command|summary|facts|rules|answer|figures|files)\.py$"
+    r"(_(facts|rules|answer|figures|command)|/(command|results|first_files))\.py$"
 )
 
 
@@ -210,7 +154,7 @@ def computing_sources() -> list[Path]:
         path
         for path in sorted(root.rglob("*.py"))
         if path.relative_to(root).parts[0] not in _NOT_COMPUTING
-        and not _NOT_COMPUTING_FILES.search(path.name)
+        and not _NOT_COMPUTING_FILES.search(path.as_posix())
     ]
 
 

@@ -16,26 +16,22 @@ from pydantic import Field
 from valvetrain.explore.engine import Array, Engine, Evaluation, PointJob
 from valvetrain.explore.files import (
     MAX_VARIED,
+    CaseModel,
     CorrelationModel,
     FileText,
+    Limit,
     Names,
+    RunsModel,
     VaryModel,
-    case_of_file,
-    space_of_file,
-    text_of_file,
 )
-from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation, limit_of
-from valvetrain.explore.optimum_file import LimitSpeedModel
-from valvetrain.explore.outputs import Outcome, Outputs, Run, limit_search
+from valvetrain.explore.limit_speed import BELOW, BEYOND, CLOSER, LimitEvaluation, limit_of
+from valvetrain.explore.outputs import Outcome, Outputs, Run
+from valvetrain.explore.refusals import refuse_limits, refuse_missing, refuse_outputs
 from valvetrain.explore.samplers import SamplerSpec, sampler
 from valvetrain.explore.sensitivity import sensitivity_of
 from valvetrain.explore.space import ENGINE_SPEED, Space, Values
-from valvetrain.explore.study_limits import ends_of, refuse_limits, refuse_missing, searches_of
 from valvetrain.explore.surrogate import surrogate_of
-from valvetrain.explore.table import StudyPlan, StudyTable
-from valvetrain.explore.unavailable import refuse_outputs
-from valvetrain.parameters.schema_types import Line, StrictModel
-from valvetrain.registry import find
+from valvetrain.explore.table import LimitEnd, StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.request_cost import REST, RunRequest, request_cost
@@ -43,7 +39,7 @@ from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.status import COMPLETED, Status
-from valvetrain.units import known_arguments, si_speeds
+from valvetrain.units import known_arguments
 
 #: Seconds of one point below which :data:`TOGETHER` points form a job.
 SHORT, TOGETHER = 0.15, 8
@@ -129,11 +125,8 @@ def study(
     >>> bool(table.column("peak_spring_force")[1] > table.column("peak_spring_force")[0])
     True
     """
-    if isinstance(file, str) and "=" in file and "\n" in file:
-        text = StudyText(file, "study", Path())
-    else:
-        text = read_study_file(Path(file))
-    return run_plan(read_plan(text), workers, dask, output, limits_of(limit), progress)
+    plan = read_plan(read_study_file(file))
+    return run_plan(plan, workers, dask, output, limits_of(limit), progress)
 
 
 @known_arguments
@@ -241,6 +234,27 @@ def _table(
     )  # fmt: skip
 
 
+def searches_of(experiment: Evaluation) -> tuple[LimitEvaluation, ...]:
+    """The searches for the limit speeds of an experiment."""
+    return tuple(LimitEvaluation(experiment, one) for one in experiment.outputs.limit_speeds)
+
+
+def ends_of(kinds: Mapping[tuple[LimitEvaluation, bytes], str]) -> tuple[LimitEnd, ...]:
+    """How many searches, by evaluation and point, end at an end of the speeds, which then replaces
+    the limit.
+    """
+    ends = []
+    for search in dict.fromkeys(search for search, _ in kinds):
+        words = [word for (one, _), word in kinds.items() if one is search]
+        speeds = search.limit.engine_speeds
+        ends += [
+            LimitEnd(search.limit.name, word == BEYOND, words.count(word), len(words), speed)
+            for word, speed in ((BEYOND, speeds[-1]), (BELOW, speeds[0]))
+            if word in words
+        ]
+    return tuple(ends)
+
+
 def analysed(table: StudyTable) -> StudyTable:
     """The table with what its kind adds: Sobol indices, surrogates."""
     plan = table.plan
@@ -310,38 +324,24 @@ def seconds_of(plan: Evaluation, run: Run) -> float:
 Kind = Literal["points", "tolerance", "surrogate"]
 
 
-class StudyModel(StrictModel):
+class StudyModel(CaseModel, RunsModel):
     """The whole file; ``points`` holds the sampler, and its options, which it checks itself."""
 
+    what = "study file"
     kind: Kind = "points"
-    title: Line = ""
-    description: Line = ""
-    case: str
-    changes: dict[str, Any] = Field(default_factory=dict)
-    engine_speeds: str | list[Any] | None = None
-    spring_models: Names = Field(default_factory=list)
-    spring_sets: Names = Field(default_factory=list)
     outputs: Names = Field(default_factory=list)
-    limit_speed: list[LimitSpeedModel] = Field(default_factory=list, max_length=MAX_LIMITS)
-    rest_model: str = ""
+    limit_speed: list[Limit] = Field(default_factory=list, max_length=MAX_LIMITS)
     points: dict[str, Any] = Field(default_factory=dict)
     vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
     correlation: list[CorrelationModel] = Field(default_factory=list, max_length=MAX_VARIED)
 
 
-class StudyText(FileText[StudyModel]):
-    """A study file read."""
-
-    def __init__(self, text: str, where: str, folder: Path) -> None:
-        super().__init__(text, where, folder, StudyModel, "study file")
+def read_study_file(source: str | os.PathLike[str]) -> FileText[StudyModel]:
+    """The study file at a path, or its text. Raises :class:`InputError`, one sentence with file, line and key."""
+    return FileText.read(source, StudyModel)
 
 
-def read_study_file(path: Path) -> StudyText:
-    """The study file at ``path``. Raises :class:`InputError`, one sentence with file, line and key."""
-    return StudyText(text_of_file(path, "study file"), path.name[:60], path.parent)
-
-
-def _default_sampler(text: StudyText, space: Space) -> str:
+def _default_sampler(text: FileText[StudyModel], space: Space) -> str:
     """The sampler of a file that names none: values listed one by one are run as they are listed,
     unless draws are counted. Raises :class:`InputError` where they can be combined in two ways.
     """
@@ -357,11 +357,9 @@ def _default_sampler(text: StudyText, space: Space) -> str:
     )
 
 
-def read_plan(text: StudyText) -> StudyPlan:
+def read_plan(text: FileText[StudyModel]) -> StudyPlan:
     """The plan of a study file. Raises :class:`InputError`, one sentence with file, line and key."""
-    model = text.model
-    case = text.guarded(("case",), lambda: case_of_file(model.case, model.changes, text.folder))
-    space = space_of_file(text, model.vary, case, model.correlation)
+    model, case, space = text.model, text.case, text.space
     given = dict(model.points)
     word = str(given.pop("sampler", "") or _default_sampler(text, space))[:40]
     spec = text.guarded(("points", "sampler"), lambda: sampler(word, ""))
@@ -369,30 +367,17 @@ def read_plan(text: StudyText) -> StudyPlan:
         given["file"] = str(text.folder / file)
     options = text.guarded(("points",), lambda: spec.read_options(given))
     if model.kind == "tolerance" and spec.word != "saltelli":
-        raise text.located(
-            ("points", "sampler"),
-            "a study of kind 'tolerance' needs the sampler saltelli; choose it",
-        )
-    for key, words in (("rest_model", [model.rest_model]), ("spring_models", model.spring_models)):
-        for one in filter(None, words):
-            text.guarded((key,), lambda one=one: find("springs", one))
-    limits = [
-        text.guarded(("limit_speed", index), lambda one=one: limit_search(**one.model_dump()))
-        for index, one in enumerate(model.limit_speed)
-    ]
-    speeds = text.guarded(
-        ("engine_speeds",),
-        lambda: None if model.engine_speeds is None else si_speeds(model.engine_speeds),
-    )
+        reason = "a study of kind 'tolerance' needs the sampler saltelli; choose it"
+        raise text.located(("points", "sampler"), reason)
     outputs = text.guarded(
         ("outputs",),
         lambda: Outputs(
             model.outputs,
-            engine_speeds=speeds,
+            engine_speeds=model.engine_speeds,
             spring_models=model.spring_models,
             spring_set=model.spring_sets,
             rest_model=model.rest_model,
-            limit_speeds=limits,
+            limit_speeds=model.limit_speed,
         ),
     )
     experiment = text.guarded(("engine_speeds",), lambda: Evaluation(case, space, outputs))

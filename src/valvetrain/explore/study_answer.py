@@ -5,9 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from valvetrain.explore.results import (
+    MAX_ROWS,
+    ExploreAnswer,
+    Write,
+    csv_writer,
+    fields_of,
+    rows_of,
+)
 from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.study_facts import PERCENTILES, Effect, StudyFacts
 from valvetrain.explore.study_figures import figures_of_study
@@ -15,7 +24,7 @@ from valvetrain.explore.study_rules import RULES, per_cent
 from valvetrain.explore.table import StudyTable, run_label
 from valvetrain.findings.words import Amount, digits_text
 from valvetrain.solution.definition import label_of
-from valvetrain.views.shown import ShownByRules
+from valvetrain.views.json import uncertainty_object
 from valvetrain.views.style import FigureSpec
 from valvetrain.views.table import Line, TextTable
 
@@ -24,7 +33,7 @@ ROWS, COLUMNS, LISTED, NAMED = 12, 5, 300, 12
 
 
 @dataclass(frozen=True)
-class StudyAnswer(ShownByRules):
+class StudyAnswer(ExploreAnswer):
     """What is shown of a study of points, in the units of the reader by default.
 
     >>> import valvetrain as vt
@@ -42,17 +51,17 @@ class StudyAnswer(ShownByRules):
 
     rules = RULES
 
-    table: StudyTable
+    result: StudyTable
 
     @property
     def title(self) -> str:
         """The title of the study."""
-        return self.table.plan.title
+        return self.result.plan.title
 
     @cached_property
     def facts(self) -> StudyFacts:
         """The study as rules read it."""
-        return StudyFacts(self.table, self.words.case)
+        return StudyFacts(self.result, self.words.case)
 
     def figures(self) -> Mapping[str, FigureSpec]:
         """Each output over what is varied, what moves it, how it spreads, and its surrogate."""
@@ -115,7 +124,7 @@ class StudyAnswer(ShownByRules):
 
     def tables(self) -> Mapping[str, TextTable]:
         """Every point with its status, the outputs of every run, and what was varied."""
-        table, plan = self.table, self.table.plan
+        table, plan = self.result, self.result.plan
         names = getattr(plan.options, "names", ()) or [str(k + 1) for k in range(len(table))]
         points = tuple(
             (
@@ -139,9 +148,30 @@ class StudyAnswer(ShownByRules):
             "varied": TextTable("What was varied", ("quantity", "key of the case", "as", "over"), varied),
         }  # fmt: skip
 
+    def data(self) -> dict[str, Any]:
+        """Plan, indices, surrogates, error bars and rows."""
+        table, plan = self.result, self.result.plan
+        bars = [
+            {"row": row, **uncertainty_object(one)}
+            for row, each in table.error_bars.items()
+            for one in each.values()
+        ]
+        varied = [(one.name, one.key, one.operation, one.shown_name) for one in plan.varied]
+        return {
+            "case": plan.case_name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
+            "completed_points": int(np.count_nonzero(table.completed)), "computed": table.computed, "varied": varied,
+            "sensitivities": fields_of(table.sensitivities), "surrogates": fields_of(table.surrogates), "uncertainties": bars,
+            "limit_ends": fields_of(table.limit_ends), "failures": list(table.failures[:MAX_ROWS]),
+            "completed": bool(table.completed.all()), **rows_of(table.to_pandas()),
+        }  # fmt: skip
+
+    def files(self) -> Mapping[str, Write]:
+        """Every row as CSV."""
+        return {"points.csv": csv_writer(self.result.to_pandas())}
+
     def computed(self) -> Iterator[str]:
         """Points, sampler, and what the percentiles and shares are of."""
-        table, plan = self.table, self.table.plan
+        table, plan = self.result, self.result.plan
         if plan.description:
             yield plan.description
         done = int(np.count_nonzero(table.completed))
@@ -155,7 +185,7 @@ class StudyAnswer(ShownByRules):
     @property
     def text(self) -> str:
         """The case file."""
-        return "" if self.table.plan.case is None else self.table.plan.case.text
+        return "" if self.result.plan.case is None else self.result.plan.case.text
 
 
 def _effect(one: Effect | None) -> str:

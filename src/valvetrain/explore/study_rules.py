@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from valvetrain.explore.doubts import MAX_POINTS
+from valvetrain.explore.point_bars import MAX_POINTS
 from valvetrain.explore.sensitivity import ENOUGH_ROWS
 from valvetrain.explore.study_facts import PERCENTILES, StudyFacts
 from valvetrain.explore.surrogate import POOR

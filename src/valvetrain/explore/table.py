@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.explore.doubts import doubts
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.outputs import Run, has_pair
 from valvetrain.explore.samplers import SamplerOptions, SamplerSpec
@@ -176,6 +175,8 @@ class StudyTable(Reported):
     @cached_property
     def doubts(self) -> Mapping[int, str]:
         """Points (from 0) with doubtful values -> the first warning; their cases are made again when first read."""
+        from valvetrain.explore.point_bars import doubts  # loads what runs
+
         return doubts(self.plan.case, self.plan.varied, self.inputs[:: max(1, len(self.plan.runs))])
 
     @property
@@ -277,6 +278,7 @@ class StudyTable(Reported):
         columns |= {"spring_model": list(models), "spring_set": list(sets)}
         columns |= dict(zip(self.outputs, self.values.T, strict=True))
         columns["status"] = [one.code for one in self.statuses]
+        columns["reason"] = ["" if one.completed else one.sentence() for one in self.statuses]
         units = {"engine_speed": "rad/s"} | {one.name: one.si_unit for one in self.plan.varied}
         return frame(
             columns, units=units | {name: definition_of(name).si_unit for name in self.outputs}

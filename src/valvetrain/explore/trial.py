@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,21 @@ class Trial:
     values: Array
     measured: Measured
     plan: OptimumPlan
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its numbers (SI), its end in a word, and the brackets of its limit speeds."""
+        names = (
+            "number",
+            "seed",
+            "values",
+            "objectives",
+            "constraints",
+            "missed",
+            "state",
+            "failure",
+        )
+        limits = [one for every in self.measured.limits.values() for one in every]
+        return {name: getattr(self, name) for name in names} | {"limits": limits}
 
     @property
     def failure(self) -> str:

@@ -241,11 +241,15 @@ def _labelled(result: StaticCurve | ModalResult, layout: _Layout) -> ChannelArra
 
 
 def _write(arrays: ChannelArrays, text: str, path: _PathLike) -> Path:
-    """Write a file from memory: a full disk then stops a plain write, not the library of the
-    format.
+    return write_image(arrays, {_METADATA: text}, path)
+
+
+def write_image(arrays: ChannelArrays, texts: Mapping[str, str], path: _PathLike) -> Path:
+    """Write a file with a checksum from memory: a full disk then stops a plain write, not the library
+    of the format.
     """
     with io.BytesIO() as memory:
-        write_arrays(memory, arrays, {_METADATA: text})
+        write_arrays(memory, arrays, texts)
         image = memory.getvalue()
     return write_bytes(path, image + closing_line(image))
 

@@ -1,4 +1,4 @@
-"""Outputs that no run of an experiment can give, refused before the first point: by what the spring models
+"""Outputs and limit speeds that no run of an experiment can give, refused before the first point: by what the spring models
 show, and whether a spring is given by wire or card. What depends on the values of a point is not refused.
 """
 
@@ -7,8 +7,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Evaluation
+from valvetrain.explore.engine import Engine, Evaluation
+from valvetrain.explore.limit_speed import LimitEvaluation
 from valvetrain.explore.outputs import Run
+from valvetrain.explore.space import ENGINE_SPEED
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.registry import OWN, find, names
 from valvetrain.runs.request_cost import RunRequest, planned
@@ -86,3 +88,36 @@ def _reason(name: str, model: str, springs: Sequence[InstalledSpring]) -> str:
     if need == "stress" and own == name and len(springs) > 1:
         return not_given(name, of_pair(name))
     return ""
+
+
+def refuse_limits(experiment: Evaluation) -> None:
+    """Raise :class:`InputError` for a limit speed that no point of the experiment can have."""
+    for limit in experiment.outputs.limit_speeds:
+        if experiment.case is None:
+            raise InputError("a function has no limit speed; give a case")
+        if limit.share is not None:
+            raise InputError("a bound as a share of the case belongs to a search; give a number")
+        if any(one.key == ENGINE_SPEED for one in experiment.space):
+            raise InputError(
+                "the engine speed is varied, and a limit speed is one; remove one of them"
+            )
+        row = definition_of(limit.quantity)
+        kind = "spring" if experiment.case.train is None else "train"
+        if row.systems and kind not in row.systems:
+            raise InputError(
+                f"a {kind} has no {row.label} ({limit.quantity}), so its limit speed cannot be had; choose another",
+            )
+
+
+def refuse_missing(engine: Engine, searches: Sequence[LimitEvaluation]) -> None:
+    """Raise :class:`InputError` where the middle of the space runs at the lowest speed and has not
+    the quantity of a limit.
+    """
+    for search in searches:
+        limit, middle = search.limit, tuple(one.distribution.middle for one in search.space)
+        kinds = dict.fromkeys(run[1:] for run in search.runs)
+        jobs = [(search, middle, (limit.engine_speeds[0], *kind)) for kind in kinds]
+        for kind, outcome in zip(kinds, engine.outcomes(jobs), strict=True):
+            if outcome.status.completed and limit.quantity not in outcome.values:
+                by = f" by {kind[0]}" if kind[0] else ""
+                raise InputError(f"{not_given(limit.quantity, outcome.values)}{by}", "limit_speed")

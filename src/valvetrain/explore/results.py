@@ -1,0 +1,94 @@
+"""What studies, searches and identifications write: the JSON answer, tables and other files that each declares, and the page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from valvetrain.findings.words import Words
+from valvetrain.solution.atomic import write_text
+from valvetrain.solution.partial_failures import PartialFailures
+from valvetrain.views.results import answer_of, write_page
+from valvetrain.views.shown import ShownByRules
+from valvetrain.views.study_files import StudyFiles, files_of
+
+if TYPE_CHECKING:
+    import pandas
+
+#: Rows that a JSON answer holds; a larger table is in its CSV file alone.
+MAX_ROWS = 2000
+#: Writes one file.
+Write = Callable[[Path], Path]
+
+
+@dataclass(frozen=True)
+class ExploreAnswer(ShownByRules):
+    """What is shown of a study, a search or an identification; ``folder``: where its files are, None before they are written."""
+
+    result: Any
+    folder: Path | None = None
+
+    def data(self) -> dict[str, Any]:
+        """What the JSON answer holds besides the findings, SI."""
+        return {}
+
+    def files(self) -> Mapping[str, Write]:
+        """The files besides the page by name."""
+        return {}
+
+
+def fields_of(item: Any) -> Any:
+    """A result as mappings and lists for JSON: a dataclass by its fields but those left out of its ``repr``, what has a
+    ``to_dict`` by that.
+
+    >>> fields_of(Path("a")), fields_of((1, {"b": None}))
+    (PosixPath('a'), [1, {'b': None}])
+    """
+    if hasattr(item, "to_dict"):
+        return fields_of(item.to_dict())
+    if is_dataclass(item) and not isinstance(item, type):
+        return {one.name: fields_of(getattr(item, one.name)) for one in fields(item) if one.repr}
+    if isinstance(item, Mapping):
+        return {key: fields_of(value) for key, value in item.items()}
+    return [fields_of(one) for one in item] if isinstance(item, (tuple, list)) else item
+
+
+def rows_of(frame: pandas.DataFrame) -> dict[str, Any]:
+    """The rows of a frame, SI, and the units of its columns; a large table without its rows."""
+    rows = frame.to_dict("records") if len(frame) <= MAX_ROWS else []
+    return {"units": frame.attrs["units"], "rows": rows}
+
+
+def csv_writer(frame: pandas.DataFrame) -> Write:
+    """Writes a frame with all digits, SI, the units in its head."""
+    units = frame.attrs["units"]
+    heads = {name: f"{name} [{unit or '1'}]" for name, unit in units.items()}
+    text = frame.rename(columns=heads).to_csv(index=False, lineterminator="\n")
+    return lambda path: write_text(path, text)
+
+
+def answer_json(answer: ExploreAnswer) -> dict[str, Any]:
+    """The JSON answer: what the result declares, and its findings in SI."""
+    data = answer.data()  # first, for error bars decide some findings
+    shown = replace(answer, words=Words(case=answer.words.case))
+    return data | {"findings": [one.to_dict() for one in shown.findings]}
+
+
+def write_files(answer: ExploreAnswer, gaps: PartialFailures) -> list[Path]:
+    """Write files and page of an answer into its folder; what could not be written is in ``gaps``. The paths, the page last."""
+    assert answer.folder is not None
+    made = [
+        gaps.part(f"file '{name}'", None, write, answer.folder / name)
+        for name, write in answer.files().items()
+    ]
+    page = write_page(answer, answer.folder, gaps)
+    return [path for path in (*made, page) if path is not None]
+
+
+def report(result: object, folder: Path) -> StudyFiles:
+    """As :func:`write_files`. Raises :class:`RunFailedError` where a part could not be written."""
+    answer, gaps = answer_of(result), PartialFailures()
+    assert isinstance(answer, ExploreAnswer)
+    return files_of(folder, write_files(replace(answer, folder=folder), gaps), gaps.sentences)
