@@ -118,32 +118,6 @@ def test_any_values_of_the_known_keys_are_taken_or_refused_in_one_sentence(reade
     refused(reader, text)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ('kind = "tolerance"', 'kind = "tolerances"', "kind"),
-        ('sampler = "saltelli"', 'sampler = "sobol"', "needs the sampler saltelli"),
-        ('outputs = ["peak_spring_force"', 'outputs = ["peak_spring_forc"', "docs/quantities.md"),
-        ('case = "gu2021-beehive-blind"', 'case = "gu2021-beehiv"', "did you mean gu2021-beehive or gu2021-beehive-blind"),
-        ('tolerance = "0.02 mm"', 'tolerance = "0.02 N"', "spring.wire_diameter"),
-        ('tolerance = "0.02 mm"', 'tolerance = "0.02 mm"\nlow = "1 mm"\nvalues = "1 mm"', "several ways"),
-        ('tolerance = "0.02 mm"', "", "no way"),
-        ('tolerance = "0.02 mm"', 'tolerence = "0.02 mm"', "did you mean tolerance"),
-        ('key = "spring.wire_diameter"', 'key = "spring.wire_diametre"', "spring.wire_diametre"),
-        ('key = "spring.precompression"', 'key = "spring.wire_diameter"', "varied twice"),
-        ("count = 640", "cuont = 640", "did you mean count"),
-        ('as = "factor"', 'as = "times"', "vary.2.as"),
-        ('engine_speeds = "8000 rpm"', 'engine_speeds = "8000 mm"', "engine_speeds"),
-        ('spring_models = ["multi-mass"]', 'spring_models = ["multimass"]', "did you mean multi-mass"),
-    ],
-)  # fmt: skip
-def test_a_slip_is_named_with_its_place_and_remedy(old, new, words):
-    text = next(one for reader, one in TEXTS if reader is study and 'kind = "tolerance"' in one)
-    assert old in text
-    said = refused(study, text.replace(old, new, 1))
-    assert words in said and said.startswith("study.toml")
-
-
 @FEW
 @given(st.sampled_from([read_study_file, read_optimum_file]), st.binary(max_size=300))
 def test_any_bytes_are_refused(tmp_path_factory, reader, content):
