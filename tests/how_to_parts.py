@@ -128,11 +128,11 @@ def holds(answer: Mapping[str, Any], row: Row) -> bool:
     if answer["command"] != "optimise" or row.place != ("best",):
         return row.agrees(computed)
     printed = float(row.value.replace("−", "-"))
-    valley = answer["designs"][0]["valley"]["quantities"]
-    objective = answer["designs"][0]["objectives"][0]
-    for one in answer["varied"]:
+    valley = answer["designs"][0]["valley"]["values"]
+    objective = answer["designs"][0]["trial"]["objectives"][0]
+    for one, column in zip(answer["varied"], zip(*valley, strict=True), strict=True):
         if one["label"] == row.quantity and in_unit(objective, row.unit) != computed:
-            low, high = (in_unit(valley[one["name"]][end], row.unit) for end in ("low", "high"))
+            low, high = (in_unit(end, row.unit) for end in (min(column), max(column)))
             return low - abs(printed) / 100 <= printed <= high + abs(printed) / 100
     share = 0.01 if in_unit(objective, row.unit) == computed else 0.1
     return abs(computed - printed) <= share * abs(printed)
@@ -207,23 +207,22 @@ def _inputs(row: Row) -> dict[str, tuple[float, str]]:
 
 
 def _of_study(answer: Mapping[str, Any], row: Row) -> float:
-    keys, wanted = [one["key"] for one in answer["varied"]], _inputs(row)
+    wanted = _inputs(row)
     speeds = [float(one.split()[0]) for one in row.place if SPEED.fullmatch(one)]
     for one in answer["rows"]:
-        own = answer["runs"][one["run"]]["engine_speed"]
+        own = one["engine_speed"]
         if speeds and not math.isclose(own, speeds[0] * math.pi / 30, rel_tol=1e-6):
             continue
         given = {
-            key: in_unit(value, wanted[key][1])
-            for key, value in zip(keys, one["inputs"], strict=True)
-            if key in wanted
+            each["key"]: in_unit(one[each["name"]], wanted[each["key"]][1])
+            for each in answer["varied"]
+            if each["key"] in wanted
         }
         if all(
             abs(given[key] - value) <= 1e-6 * max(abs(value), 1e-9)
             for key, (value, _) in wanted.items()
         ):
-            place = list(answer["outputs"]).index(row.quantity)
-            return in_unit(one["outputs"][place], row.unit)
+            return in_unit(one[row.quantity], row.unit)
     raise AssertionError(f"no row of the study at {row.place}")
 
 
@@ -231,27 +230,15 @@ def rows_of_study(guide: Guide) -> dict[str, Any]:
     """Those points of a study that its page prints, computed and shaped as the command's answer."""
     plan = read_plan(read_study_file(Path(guide.words[1])))
     draws = plan.sampler.first(plan.varied, plan.options)
-    outputs, varied = list(plan.outputs), [{"key": one.key} for one in plan.varied]
-    runs = [{"engine_speed": run[0]} for run in plan.runs]
-    answer: dict[str, Any] = {
-        "command": "study",
-        "varied": varied,
-        "outputs": outputs,
-        "runs": runs,
-        "rows": [],
-    }
-    for draw, run in itertools.product(draws, range(len(runs))):
-        nothing = {"inputs": list(draw), "outputs": [0.0] * len(outputs), "run": run}
+    varied = [{"name": one.name, "key": one.key} for one in plan.varied]
+    answer: dict[str, Any] = {"command": "study", "varied": varied, "rows": []}
+    for draw, run in itertools.product(draws, plan.runs):
+        point = {"engine_speed": run[0], **dict(zip(plan.varied.names, draw, strict=True))}
+        nothing = point | dict.fromkeys(plan.outputs, 0.0)
         if any(_stands({**answer, "rows": [nothing]}, row) for row in guide.rows):
-            outcome = plan.experiment.evaluate(draw, plan.runs[run])
+            outcome = plan.experiment.evaluate(draw, run)
             assert outcome.status.completed, outcome.status.sentence()
-            answer["rows"].append(
-                {
-                    "inputs": list(draw),
-                    "outputs": [outcome.values[name] for name in outputs],
-                    "run": run,
-                }
-            )
+            answer["rows"].append(point | dict(outcome.values))
     return answer
 
 
@@ -264,13 +251,21 @@ def _stands(answer: Mapping[str, Any], row: Row) -> bool:
 
 
 def _of_search(answer: Mapping[str, Any], row: Row) -> float:
-    trial = answer["of_case"] if row.place == ("case",) else answer["designs"][0]
+    trial = answer["of_case"] if row.place == ("case",) else answer["designs"][0]["trial"]
     named = dict(zip((one["label"] for one in answer["varied"]), trial["values"], strict=True))
     named |= dict(
-        zip((one["quantity"] for one in answer["objectives"]), trial["objectives"], strict=True)
+        zip(
+            (one["measure"]["quantity"] for one in answer["objectives"]),
+            trial["objectives"],
+            strict=True,
+        )
     )
     named |= dict(
-        zip((one["quantity"] for one in answer["constraints"]), trial["constraints"], strict=True)
+        zip(
+            (one["measure"]["quantity"] for one in answer["constraints"]),
+            trial["constraints"],
+            strict=True,
+        )
     )
     return in_unit(named[row.quantity], row.unit)
 

@@ -43,13 +43,15 @@ _ROUNDING = 1e-9
 class Information:
     """``determined`` (quantities): share of the prior's variance that the data remove. ``brought``
     (measurements, quantities): share that each measurement has of all the data's information on a
-    quantity, the others known. ``groups``: places of quantities of which the
+    quantity, the others known. ``lost`` (measurements, quantities): share by which the variance is
+    smaller than it were without that measurement. ``groups``: places of quantities of which the
     data determine a combination only.
     """
 
     measurements: tuple[str, ...]
     determined: Array
     brought: Array
+    lost: Array
     groups: tuple[tuple[int, ...], ...]
 
 
@@ -61,8 +63,10 @@ def information_of(posterior: Posterior, jacobian: Array) -> Information:
     parts = np.array([np.sum(jacobian[owners == name] ** 2, axis=0) for name in measurements])
     brought = parts / np.where(every > 0, every, 1.0)
     covariance = posterior.remaining(jacobian)
+    without = [np.diag(posterior.remaining(jacobian[owners != name])) for name in measurements]
+    lost = np.clip(1.0 - np.diag(covariance) / np.array(without), 0.0, 1.0)
     determined = 1.0 - np.diag(covariance)
-    return Information(measurements, determined, brought, _groups(jacobian, covariance))
+    return Information(measurements, determined, brought, lost, _groups(jacobian, covariance))
 
 
 def _groups(jacobian: Array, covariance: Array) -> tuple[tuple[int, ...], ...]:

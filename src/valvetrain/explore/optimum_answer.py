@@ -15,7 +15,14 @@ from valvetrain.explore.optimum import Design, Optimum, case_text, write_optuna
 from valvetrain.explore.optimum_facts import SearchFacts, card_values, range_text
 from valvetrain.explore.optimum_figures import figures
 from valvetrain.explore.optimum_rules import RULES
-from valvetrain.explore.results import ExploreAnswer, Write, csv_writer, fields_of, rows_of
+from valvetrain.explore.results import (
+    ExploreAnswer,
+    Write,
+    csv_writer,
+    fields_of,
+    rows_of,
+    varied_of,
+)
 from valvetrain.explore.trial import Trial
 from valvetrain.findings.engine import Mark
 from valvetrain.findings.words import Amount, Words, digits_text, speeds_text
@@ -148,7 +155,7 @@ class OptimumAnswer(ExploreAnswer):
         found, plan = self.found, self.found.plan
         return {
             "case": plan.case_name, "title": plan.title, "method": plan.search.method, "seeds": found.seeds, "trials": len(found.trials),
-            "feasible_trials": found.feasible, "computed": found.computed,
+            "feasible_trials": found.feasible, "computed": found.computed, "varied": varied_of(plan.varied),
             "objectives": fields_of(plan.objectives), "constraints": fields_of(plan.constraints),
             "of_case": fields_of(found.case), "designs": fields_of(found.designs), "front": [one.number for one in found.front],
             "history": found.history(), "best_by_seed": found.best_by_seed, "contact_loss": fields_of(found.contact_loss),

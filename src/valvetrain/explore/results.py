@@ -17,6 +17,8 @@ from valvetrain.views.study_files import StudyFiles, files_of
 if TYPE_CHECKING:
     import pandas
 
+    from valvetrain.explore.space import Space
+
 #: Rows that a JSON answer holds; a larger table is in its CSV file alone.
 MAX_ROWS = 2000
 #: Writes one file.
@@ -59,6 +61,14 @@ def rows_of(frame: pandas.DataFrame) -> dict[str, Any]:
     """The rows of a frame, SI, and the units of its columns; a large table without its rows."""
     rows = frame.to_dict("records") if len(frame) <= MAX_ROWS else []
     return {"units": frame.attrs["units"], "rows": rows}
+
+
+def varied_of(space: Space) -> list[dict[str, str]]:
+    """What was varied, for JSON."""
+    return [
+        {"name": one.name, "key": one.key, "as": one.operation, "label": one.shown_name}
+        for one in space
+    ]
 
 
 def csv_writer(frame: pandas.DataFrame) -> Write:

@@ -16,6 +16,7 @@ from valvetrain.explore.results import (
     csv_writer,
     fields_of,
     rows_of,
+    varied_of,
 )
 from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.study_facts import PERCENTILES, Effect, StudyFacts
@@ -156,10 +157,9 @@ class StudyAnswer(ExploreAnswer):
             for row, each in table.error_bars.items()
             for one in each.values()
         ]
-        varied = [(one.name, one.key, one.operation, one.shown_name) for one in plan.varied]
         return {
             "case": plan.case_name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
-            "completed_points": int(np.count_nonzero(table.completed)), "computed": table.computed, "varied": varied,
+            "completed_points": int(np.count_nonzero(table.completed)), "computed": table.computed, "varied": varied_of(plan.varied),
             "sensitivities": fields_of(table.sensitivities), "surrogates": fields_of(table.surrogates), "uncertainties": bars,
             "limit_ends": fields_of(table.limit_ends), "failures": list(table.failures[:MAX_ROWS]),
             "completed": bool(table.completed.all()), **rows_of(table.to_pandas()),
