@@ -172,7 +172,7 @@ class OptimumAnswer(ExploreAnswer):
         }
         for place, design in enumerate(found.designs if found.plan.case is not None else ()):
             name = BEST if place == 0 else f"design-{place + 1}.toml"
-            made[name] = lambda path, design=design: write_text(path, case_text(found, design))
+            made[name] = partial(_write_case, found, design)
         return made
 
     def computed(self) -> Iterator[str]:
@@ -195,6 +195,10 @@ class OptimumAnswer(ExploreAnswer):
     def text(self) -> str:
         """The case file that was varied."""
         return "" if self.found.plan.case is None else self.found.plan.case.text
+
+
+def _write_case(found: Optimum, design: Design, path: Path) -> Path:
+    return write_text(path, case_text(found, design))
 
 
 def answer_of_search(found: Optimum, folder: Path | None = None) -> OptimumAnswer:
