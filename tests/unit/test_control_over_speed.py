@@ -11,6 +11,7 @@ import pytest
 from synthetic_study import train_study
 from valvetrain.findings.control import control_of
 from valvetrain.findings.facts import Facts
+from valvetrain.findings.rules_sweep import rounded
 from valvetrain.findings.table import findings_of
 from valvetrain.findings.words import speed_text
 from valvetrain.solution.critical import (
@@ -126,6 +127,21 @@ def test_what_a_search_could_not_see_and_two_motions_are_named():
     assert findings_of(pulled).by("W114") and not findings_of(pulled).by("W112")
     both = sweep(lost("contact-loss", 6100, falling_engine_speed=5900 * RPM))
     assert findings_of(both).by("W112") and not findings_of(both).by("W114")
+
+
+def test_a_rounded_speed_lies_inside_its_range():
+    """Contract: a root at 9822 rpm was said to be about 10000."""
+    for at, low, high, text in (
+        (9822, 8000, 11000, "9820"),
+        (7055, 6316, 7055, "7055"),
+        (6729, 6670, 6790, "6730"),
+    ):
+        member = (
+            RangeMember("model", "multi-mass", low * RPM),
+            RangeMember("damping", "×1.5", high * RPM),
+        )
+        row = lost("float", at, members=member)
+        assert rounded(row, at * RPM, (high - low) / 2 * RPM) == text
 
 
 @pytest.mark.parametrize(("heavy", "code"), [(6000, "D102"), (6500, "D101")])

@@ -157,7 +157,7 @@ def all_lose(facts: Facts) -> Iterator[Hit]:
     gaps = [one for run in lost if (one := facts.amount(run, "loft_gap"))]
     if facts.study.command == "compare" and len(lost) > 1 and not held and gaps:
         least, most = (way(gaps, key=lambda one: one.value) for way in (min, max))
-        why = cause(facts, lost[0], facts.losses(lost[0]))
+        why = cause(lost[0], facts.losses(lost[0]))
         fields = _range(facts, lost, least, most) | {"cause": why}
         if not (least.resolved and most.resolved):
             fields |= {"least": "", "limit": "at the limit, 0 N left on the cam"}

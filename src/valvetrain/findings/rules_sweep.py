@@ -8,10 +8,9 @@ from collections.abc import Iterator, Sequence
 from valvetrain.findings.control import Loss
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_train import CAUSES, CONTACT, cause, inertia
+from valvetrain.findings.rules_train import CONTACT, cause, cause_text
 from valvetrain.findings.words import Amount, Phrase, Said, about, joined, speed_text
-from valvetrain.solution.critical import CriticalSpeed, SpeedBracket, places_text
-from valvetrain.solution.status import Cause
+from valvetrain.solution.critical import RPM, CriticalSpeed, SpeedBracket, places_text
 
 #: Kind of critical speed -> what the valve does from there.
 DOES = {"contact-loss": "loses the {place}", "float": "floats", "bounce": "bounces"}
@@ -31,20 +30,14 @@ def does(row: CriticalSpeed) -> Phrase:
 
 
 def why(facts: Facts, loss: Loss) -> str:
-    """Why control is lost: by the search where it looked at that onset, else by the first run within, which also goes before
-    vibration at the onset: that is what is left where nothing else shows yet.
-    """
-    row, low = loss.row, loss.ranges[0].lower_engine_speed
-    runs = [run for run in (*facts.runs, *facts.beyond) if run.label == row.label]
-    if any(inertia(facts, run, low) for run in runs):
-        return CAUSES[Cause.INERTIA]
-    within = (run for run in runs if low <= run.engine_speed <= loss.ranges[0].upper_engine_speed)
-    lost = ((run, events) for run in within if (events := facts.losses(run)))
-    there = next((cause(facts, *each) for each in lost), "")
-    if row.cause and loss.at_onset and not (row.cause == Cause.VIBRATION and there):
-        surge = row.cause == Cause.SURGE and row.surge_order
-        return f"surge, cam order {row.surge_order}" if surge else CAUSES.get(row.cause, "")
-    return there
+    """Why control is lost: by the search where it looked at that onset, else by the first run within."""
+    row, span = loss.row, loss.ranges[0]
+    if row.cause and loss.at_onset:
+        return cause_text(row.cause, row.surge_order)
+    runs = (run for run in (*facts.runs, *facts.beyond) if run.label == row.label)
+    low, high = span.lower_engine_speed, span.upper_engine_speed
+    within = (run for run in runs if low <= run.engine_speed <= high)
+    return next((cause(run, lost) for run in within if (lost := facts.losses(run))), "")
 
 
 def range_of(row: CriticalSpeed) -> tuple[Fields, float]:
@@ -60,6 +53,21 @@ def range_of(row: CriticalSpeed) -> tuple[Fields, float]:
     end = about(high) if math.isfinite(high) else f"above {speed_text(row.last_engine_speed, '')}"
     causes = ", ".join(ENDS.get(one, one) for one in row.causes)
     return {"range": f"{begin} to {end}", "over": causes}, width / 2
+
+
+def rounded(row: CriticalSpeed, engine_speed: float, half: float) -> str:
+    """A critical speed (rad/s) in rpm with no more digits than ``half`` its range (rad/s) supports, but off by no more than
+    a tenth of that and never outside of the range.
+    """
+    speed, span = engine_speed / RPM, row.span
+    for text in (about(engine_speed, half), about(engine_speed)):
+        off = abs(float(text) - speed)
+        if not half or span is None:
+            return text
+        low, high = math.floor(span.lower_engine_speed / RPM), span.upper_engine_speed / RPM
+        if low <= float(text) <= high + 1 and off <= half / RPM / 10:
+            return text
+    return f"{speed:.0f}"
 
 
 def _first(facts: Facts) -> Loss | None:
@@ -78,8 +86,8 @@ def _lost(facts: Facts, beyond: bool) -> Iterator[Hit]:
     margin = abs(facts.red_line - loss.begin)
     angle = row.cam_angle if loss.at_onset else math.nan
     yield Hit(Amount(SPEED, loss.begin, half), None, facts.red_line if math.isfinite(margin) else None, {
-        "does": does(row), "speed": f"about {about(loss.begin, half)} rpm", "cause": why(facts, loss),
-        "short": f"{about(margin, half)} rpm" if math.isfinite(margin) else "", "round": about(loss.begin),
+        "does": does(row), "speed": f"about {rounded(row, loss.begin, half)} rpm", "cause": why(facts, loss),
+        "short": f"{about(margin, half)} rpm" if math.isfinite(margin) else "", "round": rounded(row, loss.begin, half),
         "label": row.label if len(facts.lead_labels) > 1 else "",
         "angle": Amount("loft_cam_angle", angle) if math.isfinite(angle) else "", **spread,
     })  # fmt: skip

@@ -10,13 +10,12 @@ import numpy as np
 from valvetrain.findings.engine import Fields, Hit, Rule, above, below, per_run
 from valvetrain.findings.facts import LOST, TURN, Facts, cam_angles, open_mask, over_turn
 from valvetrain.findings.words import Amount, joined
+from valvetrain.quantities.loss_cause import leading_loss
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
 
 #: Lift above the path of rigid parts that is float, and height of a bounce that counts (m).
 FLOAT, BOUNCE = 50e-6, 100e-6
-#: Gap (m) from which a loss of contact is a flight.
-FLIGHT = 20e-6
 #: Share of the cam force of rigid parts below which what is left of it is little.
 BARELY = 0.2
 #: Half the cam angle (rad) over which the curvature of the lift is looked at.
@@ -31,23 +30,18 @@ CAUSES: dict[str, str] = {
 }
 
 
-def inertia(facts: Facts, run: Solution, engine_speed: float) -> bool:
-    """Whether rigid parts lose contact at that speed too, or within a fiftieth of it."""
-    return engine_speed >= 0.98 * facts.value(run, "rigid_contact_loss_engine_speed")
+def cause(run: Solution, events: list[Event]) -> str:
+    """Why contact is lost, by the loss of contact whose cause is that of all."""
+    leading = leading_loss(events)
+    code = "" if leading is None else str(leading.details.get("cause", ""))
+    return cause_text(code, run.quantities.get("surge_amplitude_cam_order", 0.0))
 
 
-def cause(facts: Facts, run: Solution, events: list[Event]) -> str:
-    """Why contact is lost, by the largest loss; a small one that vibrates gives way to the next that says more."""
-    if inertia(facts, run, run.engine_speed):
-        return CAUSES[Cause.INERTIA]
-
-    def telling(one: Event) -> bool:
-        return one.size > FLIGHT or one.details.get("cause") != Cause.VIBRATION
-
-    leading = next(filter(telling, events), events[0])
-    code = str(leading.details.get("cause", ""))
-    found, order = CAUSES.get(code, ""), run.quantities.get("surge_amplitude_cam_order", 0)
-    return f"surge, cam order {order:.0f}" if code == Cause.SURGE and order else found
+def cause_text(code: str, order: float) -> str:
+    """A cause as a verdict says it, surge with its cam order where that is known."""
+    return (
+        f"surge, cam order {order:.0f}" if code == Cause.SURGE and order else CAUSES.get(code, "")
+    )
 
 
 def loss(facts: Facts, run: Solution) -> Hit | None:
@@ -57,19 +51,17 @@ def loss(facts: Facts, run: Solution) -> Hit | None:
         return None
     cam = any(one.where == "cam" for one in events)
     events = [one for one in events if one.where == "cam"] if cam else events
-    first = min(
-        (one for one in events if one.size >= 0.2 * events[0].size), key=lambda one: one.time
-    )
+    largest = events[0]
     places = list(dict.fromkeys(one.where.replace("_", " ") for one in events))
-    landing = first.details.get("landing_cam_angle")
+    landing = largest.details.get("landing_cam_angle")
     fields: Fields = {
-        "gap": Amount("loft_gap", events[0].size), "place": joined(places),
-        "angle": Amount("loft_cam_angle", first.cam_angle % TURN), "cause": cause(facts, run, events),
+        "gap": Amount("loft_gap", largest.size), "place": joined(places),
+        "angle": Amount("loft_cam_angle", largest.cam_angle % TURN), "cause": cause(run, events),
         "landing": "" if landing is None else Amount("loft_cam_angle", float(landing) % TURN),
         "part": "" if landing is None else lobe_part(facts, run, float(landing)),
     }  # fmt: skip
     lasts = "loft_duration" if cam else "loss_of_contact_duration"
-    return Hit(facts.amount(run, lasts), run, 0.0, fields, events[0].size)
+    return Hit(facts.amount(run, lasts), run, 0.0, fields, largest.size)
 
 
 def lobe_part(facts: Facts, run: Solution, cam_angle: float) -> str:
@@ -101,7 +93,16 @@ def flight(facts: Facts, run: Solution) -> Hit | None:
     turns = int(run.statistics.get("motion_period_count", 0))
     repeats = {0: "", 1: "in every cycle"}.get(turns, f"in every {turns} cycles")
     repeats = "not alike from cycle to cycle" if run.status.code == "not-converged" else repeats
-    return Hit(Amount("loft_duration", longest.duration), run, fields={"repeats": repeats})
+    fields: Fields = {
+        "repeats": repeats,
+        "angle": Amount("loft_cam_angle", longest.cam_angle % TURN),
+    }
+    lasts = longest.duration
+    if (landing := longest.details.get("landing_cam_angle")) is not None:
+        # to where the cam is met again, which may be after the valve of rigid parts has closed
+        fields["landing"] = Amount("loft_cam_angle", float(landing) % TURN)
+        lasts = (float(landing) - longest.cam_angle) % TURN / (run.engine_speed / 2)
+    return Hit(Amount("loft_duration", lasts), run, fields=fields)
 
 
 @per_run
@@ -226,7 +227,7 @@ RULES = (
     Rule("V101", "warns", "the valve lands at {value}[ {at}], above your limit of {limit}",
          above("seating_velocity", "permitted_seating_velocity"), SEAT, remark="above {limit}",
          guide="how-to/10-seating.md"),
-    Rule("C122", "notes", "the longest flight lasts {value}[ {at}][, {repeats}]", flight, ("loft_gap",),
+    Rule("C122", "notes", "the longest flight lasts {value}[, from {angle}][ to {landing}][ {at}][, {repeats}]", flight, ("loft_gap",),
          remark="longest {value}[, {repeats}]", guide="how-to/09-loft.md"),
     Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}, {part}",
          guide="how-to/10-seating.md"),

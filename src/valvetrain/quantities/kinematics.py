@@ -35,13 +35,15 @@ class RigidTable:
     contact_offset, sliding_velocity, hertz_pressure and pressure_root (Pa per sqrt N; none of a
     knife edge). ``open_spans``: begin and end (cam rad) of
     every stretch in which the valve is off its seat; none: unknown, the column
-    decides.
+    decides. ``loss_share``: the cam speed over that at which rigid parts lose contact; 0 where they never do,
+    infinite where they do at rest.
     """
 
     cam_angle: Array
     cam_speed: float
     columns: Mapping[str, Array]
     open_spans: tuple[tuple[float, float], ...] = ()
+    loss_share: float = 0.0
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
@@ -107,7 +109,9 @@ class RigidMotion:
         if "pressure_root" in self.geometry:
             columns["pressure_root"] = self.geometry["pressure_root"]
             columns["hertz_pressure"] = columns["pressure_root"] * np.sqrt(np.maximum(contact, 0.0))
-        return RigidTable(self.cam_angle, cam_speed, columns, self.open_spans)
+        lost = self.contact_loss()[0]
+        share = cam_speed / lost if lost > 0 else np.inf
+        return RigidTable(self.cam_angle, cam_speed, columns, self.open_spans, share)
 
     @cached_property
     def open_spans(self) -> tuple[tuple[float, float], ...]:

@@ -26,6 +26,8 @@ open any gap is one, as in the search over engine speed.
 """
 MARGINAL = 2.5 * SMALLEST_GAP
 
+#: Share of the speed at which rigid parts lose contact from which those that flex do so for the same reason.
+ALSO_RIGID = 0.98
 #: Kinds of a loss of contact while the valve should be driven: of the cam, of another contact.
 LOSSES = LOFT, LOSS = "loft", "loss-of-contact"
 #: Closings of contacts that the integrator logged are read and then dropped.
@@ -41,7 +43,7 @@ class RigidCycle:
     the cam (N); ``top`` (m) and ``nose`` (cam rad): its largest lift and its position, whatever
     the samples; ``open_spans``: begin and end (cam rad) of the stretches off the seat; ``wide_open``: of
     that around the nose in which it is above :data:`OPEN_SHARE` of its largest lift; ``drive``: its
-    contacts from cam to valve (``cam``, ``valve_tip``).
+    contacts from cam to valve (``cam``, ``valve_tip``); ``loss_share``: as in a rigid table.
     """
 
     valve_lift: Array
@@ -52,6 +54,7 @@ class RigidCycle:
     open_spans: tuple[Span, ...]
     wide_open: tuple[Span, ...]
     drive: tuple[str, ...]
+    loss_share: float = 0.0
 
 
 def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
@@ -65,7 +68,9 @@ def rigid_cycle(solution: Solution, rigid: RigidTable) -> RigidCycle:
     top, nose = ring_peak(lift), ring_top(rigid.cam_angle, lift)
     high = spans_above(rigid.cam_angle, lift, OPEN_SHARE * top)
     wide = tuple((begin, end) for begin, end in high if (nose - begin) % TURN <= end - begin)
-    return RigidCycle(moved, slowed, pressed, top, nose, opened, wide, rigid.drive)
+    return RigidCycle(
+        moved, slowed, pressed, top, nose, opened, wide, rigid.drive, rigid.loss_share
+    )
 
 
 def drive_forces(solution: Solution) -> dict[str, float]:
@@ -359,9 +364,15 @@ def _cause_within(solution: Solution, rigid: RigidCycle, part: Span) -> dict[str
 
 
 def cause_in(solution: Solution, rigid: RigidCycle, window: NDArray[np.int64]) -> dict[str, Detail]:
-    """The cause; of surge also what it takes off the spring force (N) as the stretch begins."""
+    """The cause of a loss of contact or float at the samples of a ``window``, which every event, run and critical speed has
+    from here; of surge also what it takes off the spring force (N) as the stretch begins.
+
+    It is inertia where rigid parts lose contact too: there, or with the valve wide open at this speed.
+    """
     first = window[: max(1, len(window) // 4)]
-    if np.min(rigid.contact_force[window]) <= 0:
+    angle = solution.cam_angle[window]
+    wide = any(np.any((angle - begin) % TURN <= end - begin) for begin, end in rigid.wide_open)
+    if np.min(rigid.contact_force[window]) <= 0 or (wide and rigid.loss_share >= ALSO_RIGID):
         return {"cause": Cause.INERTIA}
     force, static = (
         float(np.mean(solution.channel(name)[first]))
