@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -181,6 +182,19 @@ def test_lash_face_and_solid_height_are_looked_at(tmp_path):
     assert "Q123" in codes(checked("job-c", "--set", "spring.solid_height=26 mm"))
     law = bucket_text[bucket_text.index("[lift_law]") : bucket_text.index("[train]")]
     assert of(law) == ["Q102"]
+
+
+def test_check_says_up_to_which_lash_the_valve_meets_its_ramp(tmp_path):
+    """Contract: a tappet cam of 1:1 whose ramp is 0.1 mm higher than its lash; a cam without a ramp says nothing."""
+    path = tmp_path / "own.toml"
+    for cards, changes, said in (
+        (True, ["--set", "lift_law.lash=0.1 mm"], ["0.1 mm", "0.2 mm"]),
+        (False, [], ["0.1 mm"]),
+    ):
+        path.write_text(template_text("direct", cards=cards), encoding="utf-8")
+        printed = CliRunner().invoke(app, ["check", str(path), *changes]).stdout
+        row = next(line for line in printed.splitlines() if line.strip().startswith("lash "))
+        assert re.findall(r"[\d.]+ mm", row) == said
 
 
 def test_the_page_of_a_case_shows_its_picture_and_the_set_in_use(tmp_path):

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.findings.words import speed_text
 from valvetrain.mechanism.pushrod import pushrod_length
 from valvetrain.parameters.steel_contacts import default_contacts
 from valvetrain.parameters.summary import number, value_text
-from valvetrain.views.text import amount, speed_text
+from valvetrain.views.text import amount
 
 if TYPE_CHECKING:
     from valvetrain.parameters.case import Case, Operation
@@ -30,21 +31,16 @@ Loads = Mapping["InstalledSpring", "tuple[RestPoint, RestPoint] | str"]
 NO_LOADS: Loads = MappingProxyType({})
 
 
-def case_facts(
-    case: Case, problem: Problem | None = None, loads: Loads = NO_LOADS
-) -> list[tuple[str, str]]:
-    """(subject, text) of everything the case holds; values that follow from it are in its named
-    quantities. ``problem``: for its lifts; ``loads``: of :func:`spring_loads`.
+def case_facts(case: Case, loads: Loads = NO_LOADS) -> list[tuple[str, str]]:
+    """(subject, text) of everything the case holds; values that follow from it are rows and named quantities. ``loads``: of
+    :func:`spring_loads`, why a spring has none.
     """
     facts = [("title", case.title)] if case.title else []
     for spring in case.springs:
         facts += _spring_facts(spring)
-        facts += [("loads", _load_fact(spring, loads[spring]))] if spring in loads else []
+        facts += [("loads", text) for text in _no_load(loads, spring)]
     if case.lift_law is not None:
-        lifts = "" if problem is None else _lift_fact(case, problem)
-        facts.append(
-            ("lift law", f"{case.lift_law.kind}, lift of the {case.lift_law.lift_of}{lifts}")
-        )
+        facts.append(("lift law", f"{case.lift_law.kind}, lift of the {case.lift_law.lift_of}"))
     if case.train is not None:
         train = case.train
         facts.append(
@@ -69,12 +65,7 @@ def case_facts(
         if train.pushrod is not None:
             facts.append(("pushrod", _pushrod_fact(train)))
         for name, springs in _in_use(train):
-            texts = [
-                ", ".join(
-                    (_spring_fact(one), *([_load_fact(one, loads[one])] if one in loads else []))
-                )
-                for one in springs
-            ]
+            texts = [", ".join((_spring_fact(one), *_no_load(loads, one))) for one in springs]
             facts.append((f"springs '{name}'", "; ".join(texts)))
             for spring in springs:
                 facts += _split_loads(spring)
@@ -121,22 +112,6 @@ def _in_use(train: TrainParameters) -> list[tuple[str, tuple[InstalledSpring, ..
     return [(name, one) for name, one in train.springs.items() if name == train.spring_set]
 
 
-def _lift_fact(case: Case, problem: Problem) -> str:
-    """``; the lobe lifts 9.4 mm, the valve 9.24 mm (less the lash of 0.16 mm)`` of a train, of a law at the
-    valve ``; 9.6 mm at zero lash, the valve lifts 9.5 mm ...``; empty of springs alone.
-    """
-    from valvetrain.runs.prepared import largest_lift, law_lift
-
-    if case.train is None or case.lift_law is None:
-        return ""
-    of_law, valve = (amount(one * 1e3, "mm") for one in (law_lift(problem), largest_lift(problem)))
-    lash = case.train.lash
-    less = f" (less the lash of {amount(lash * 1e3, 'mm')})" if lash else ""
-    if case.lift_law.lift_of == "tappet":
-        return f"; the lobe lifts {of_law}, the valve {valve}{less}"
-    return f"; {of_law} at zero lash, the valve lifts {valve}{less}" if lash else ""
-
-
 def _pushrod_fact(train: TrainParameters) -> str:
     rod = train.pushrod
     assert rod is not None
@@ -173,19 +148,9 @@ def spring_loads(case: Case, problem: Problem | None) -> Loads:
     return found
 
 
-def _load_fact(spring: InstalledSpring, loads: tuple[RestPoint, RestPoint] | str) -> str:
-    """Loads and rate of a wire; of a card, which states the others, the load at full lift."""
-    if isinstance(loads, str):
-        return f"no load at full lift: {loads}"
-    closed, full = loads
-    lift = amount((full.compression - closed.compression) * 1e3, "mm")
-    rates = " to ".join(
-        dict.fromkeys(amount(one.stiffness * 1e-3, "N/mm", 3) for one in (closed, full))
-    )
-    full_load = f"{amount(full.force, 'N')} at the full lift of {lift}"
-    if spring.wire is None:
-        return full_load
-    return f"{amount(closed.force, 'N')} with the valve closed, {full_load}, rate {rates}"
+def _no_load(loads: Loads, spring: InstalledSpring) -> list[str]:
+    found = loads.get(spring)
+    return [f"no load at full lift: {found}"] if isinstance(found, str) else []
 
 
 def _spring_fact(spring: InstalledSpring) -> str:

@@ -134,8 +134,9 @@ def check(
     from valvetrain.cli.cam_facts import cam_facts, gear_of
     from valvetrain.cli.case_facts import case_facts, case_quantities, spring_loads
     from valvetrain.cli.options import choose_case, folder_of
-    from valvetrain.cli.outcome import Outcome, deliver, measured, plain_table
+    from valvetrain.cli.outcome import Outcome, deliver, plain_table
     from valvetrain.cli.run_answer import SavedRequest, keep_run
+    from valvetrain.findings.engine import measured
     from valvetrain.findings.rules_case import CaseFacts
     from valvetrain.findings.words import Words
     from valvetrain.solution.partial_failures import PartialFailures
@@ -156,12 +157,12 @@ def check(
     law = None if chosen.lift_law is None else lift_law_of(chosen)
 
     def answer() -> CaseAnswer:
-        said = case_facts(chosen, problem, loads)
+        said = case_facts(chosen, loads)
         named = {one.name: state for one, state in loads.items()}
         return CaseAnswer(facts, said, named, durations, law)
 
     data: dict[str, Any] = {
-        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(case_facts(chosen, problem, loads)),
+        "command": "check", "case": chosen.name, "title": chosen.title, "holds": _holds(chosen), "facts": dict(case_facts(chosen, loads)),
         "quantities": quantities_object(quantities | cam),
         "durations": [
             {"lift": measured(lift, "m"), "crank_angle": measured(angle, "rad")} for lift, angle in durations.items()

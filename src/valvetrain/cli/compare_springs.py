@@ -99,16 +99,7 @@ def compare_springs(
         request,
         lambda report, finished: compared(
             lambda: sweep_study(
-                case,
-                speeds,
-                spring_models=request.spring_models,
-                workers=request.workers,
-                progress=report,
-                finished=finished,
-                created_at=request.created_at.isoformat(),
-                critical=CriticalOptions(),
-                limits=request.limits,
-                implausible=request.implausible,
+                case, speeds, critical=CriticalOptions(), **request.keywords(report, finished)
             )
         ),
     )

@@ -426,18 +426,16 @@ def _sensor_value(key: str, value: str) -> Any:
     return value
 
 
-#: Options of the command line -> what they set in the table of every spring.
-IN_EVERY_SPRING = {"--elements-per-coil": "options.finite-element.elements_per_coil"}
+#: What ``--elements-per-coil`` sets in the table of every spring.
+ELEMENTS = "options.finite-element.elements_per_coil"
 
 
 def choose_case(
     name: str,
     settings: Sequence[str] | None = None,
     elements_per_coil: int | None = None,
-    more: Mapping[str, Any] | None = None,
 ) -> Case:
-    """Load the case ``name`` with ``settings`` (``key.path=value``), the mesh of
-    ``--elements-per-coil`` and ``more`` options of :data:`IN_EVERY_SPRING` by their names.
+    """Load the case ``name`` with ``settings`` (``key.path=value``) and the mesh of ``--elements-per-coil``.
 
     A saved run is called by its folder. Raises :class:`InputError`; an error in a value set here is
     placed at its option, not at a line of the file.
@@ -454,13 +452,9 @@ def choose_case(
     saved = None if not name.strip() or name in library_names() else run_of_path(Path(name))
     source = name if saved is None else saved.case_file
     try:
-        given = {"--elements-per-coil": elements_per_coil, **(more or {})}
-        for option, value in given.items():
-            for path in _spring_paths(load_case(source).text) if value is not None else ():
-                (
-                    changes[f"{path}.{IN_EVERY_SPRING[option]}"],
-                    options[f"{path}.{IN_EVERY_SPRING[option]}"],
-                ) = value, option
+        paths = () if elements_per_coil is None else _spring_paths(load_case(source).text)
+        for path in (f"{one}.{ELEMENTS}" for one in paths):
+            changes[path], options[path] = elements_per_coil, "--elements-per-coil"
         return load_case(source, changes)
     except InputError as error:
         raise _placed(error, options) from None

@@ -200,11 +200,6 @@ def error_object(message: str, where: str, code: int) -> str:
     return to_json({"error": {"message": message, "where": where, "code": code}})
 
 
-def measured(value: float | None, unit: str) -> dict[str, Any]:
-    """A number with its unit, as every number of ``--json`` is given."""
-    return {"value": value, "unit": unit}
-
-
 def to_json(data: Mapping[str, Any]) -> str:
     """One JSON object; numbers that are not finite become null."""
     return json.dumps(plain(data), indent=2, allow_nan=False)

@@ -12,10 +12,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from html import escape
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from valvetrain.cli.outcome import manner, tell
 from valvetrain.session import COMPILING, PROGRESS_VARIABLE
+
+if TYPE_CHECKING:
+    from valvetrain.parameters.case import Case
 
 Report = Callable[[float, str], None]
 #: What was announced to come before the first share of the work.
@@ -145,13 +148,17 @@ def announce_compilation(*kinds: str) -> None:
     """One line when the kernels of ``kinds`` (``statics``, ``transient``, ``train``) must be
     compiled first.
     """
-
     seconds = seconds_to_compile(*kinds)
     if seconds:
         label = COMPILING.format(seconds)
         tell_progress(None, label)
         _AHEAD[:] = [label]
         tell(label)
+
+
+def announce_runs(case: Case) -> None:
+    """As :func:`announce_compilation`, of what the runs of a case need: of a train, or of springs alone."""
+    announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
 
 
 #: Kind of work -> a kernel that is compiled last in it, and the seconds that all of its kernels

@@ -113,12 +113,12 @@ def refine(
 
 def _refined(request: RefineRequest) -> tuple[UncertaintyStudy, bool]:
     """The study, and whether it was stopped."""
-    from valvetrain.cli.progress import announce_compilation, progress_bar
+    from valvetrain.cli.progress import announce_runs, progress_bar
     from valvetrain.runs.error_bars import RefinementStopped
     from valvetrain.runs.refine import refined
 
     case = request.case
-    announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
+    announce_runs(case)
     try:
         with progress_bar(case.name) as report:
             return refined(

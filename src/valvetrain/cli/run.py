@@ -24,7 +24,7 @@ def register_run(app: typer.Typer) -> None:
 @run_command
 def run(request: StudyRequest) -> None:
     """Run a case at all its engine speeds: answer, data files and a report page."""
-    from valvetrain.cli.progress import announce_compilation
+    from valvetrain.cli.progress import announce_runs
     from valvetrain.cli.run_answer import refuse_beyond
     from valvetrain.runs.run import run_study
 
@@ -42,21 +42,14 @@ def run(request: StudyRequest) -> None:
         tell(
             f"case '{case.name}' names no engine speed, so statics and modes only are computed; {more}"
         )
-    announce_compilation(*(("train",) if case.train is not None else ("statics", "transient")))
+    announce_runs(case)
     answer_study(
         request,
         lambda report, finished: run_study(
             case,
             engine_speeds=request.engine_speeds,
-            spring_models=request.spring_models,
-            spring_sets=request.spring_sets,
-            workers=request.workers,
-            progress=report,
-            finished=finished,
-            created_at=request.created_at.isoformat(),
-            limits=request.limits,
-            implausible=request.implausible,
             error_bars=True,
+            **request.keywords(report, finished),
         ),
     )
 
@@ -123,16 +116,9 @@ def sweep(
         lambda report, finished: sweep_study(
             request.case,
             engine_speeds,
-            spring_models=request.spring_models,
-            spring_sets=request.spring_sets,
-            workers=request.workers,
-            progress=report,
-            finished=finished,
-            created_at=request.created_at.isoformat(),
             critical=None if no_critical_speeds else critical,
-            limits=request.limits,
-            implausible=request.implausible,
             error_bars=True,
+            **request.keywords(report, finished),
         ),
     )
 
@@ -147,28 +133,19 @@ def compare(request: StudyRequest) -> None:
     """Run a case by several spring models, side by side; a spring alone by solid finite elements
     too.
     """
-    from valvetrain.cli.progress import announce_compilation
+    from valvetrain.cli.progress import announce_runs
     from valvetrain.cli.run_answer import refuse_beyond
     from valvetrain.runs.compare import compare_study
 
     refuse_beyond(request)
-    announce_compilation(
-        *(("train",) if request.case.train is not None else ("statics", "transient"))
-    )
+    announce_runs(request.case)
     answer_study(
         request,
         lambda report, finished: compare_study(
             request.case,
             engine_speeds=request.engine_speeds,
-            spring_models=request.spring_models,
-            spring_sets=request.spring_sets,
-            workers=request.workers,
-            progress=report,
-            finished=finished,
-            created_at=request.created_at.isoformat(),
-            limits=request.limits,
-            implausible=request.implausible,
             error_bars=True,
+            **request.keywords(report, finished),
         ),
     )
 
@@ -227,15 +204,8 @@ def run_up(
     announce_compilation("train")
     answer_study(
         request,
-        lambda report, finished: run_up_study(
-            request.case,
-            (begin, end, seconds),
-            spring_models=request.spring_models,
-            spring_sets=request.spring_sets,
-            workers=request.workers,
-            progress=report,
-            created_at=request.created_at.isoformat(),
-            implausible=request.implausible,
+        lambda report, _: run_up_study(
+            request.case, (begin, end, seconds), **request.keywords(report)
         ),
         choices={"first_engine_speed": first, "last_engine_speed": last, "duration": duration},
     )

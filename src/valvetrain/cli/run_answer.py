@@ -19,7 +19,6 @@ import typer
 
 from valvetrain.cli.options import (
     FIGURE_FORMATS,
-    IN_EVERY_SPRING,
     CaseArgument,
     DaskOption,
     ElementsOption,
@@ -131,6 +130,14 @@ class StudyRequest:
     open_page: bool
     created_at: datetime
 
+    def keywords(self, report: Report, finished: Finished | None = None) -> dict[str, Any]:
+        """What every function that computes a study takes of a request, with where progress and runs go."""
+        arrived = {} if finished is None else {"finished": finished, "limits": self.limits}
+        return arrived | {
+            "spring_models": self.spring_models, "spring_sets": self.spring_sets, "workers": self.workers, "progress": report,
+            "created_at": self.created_at.isoformat(), "implausible": self.implausible,
+        }  # fmt: skip
+
 
 def shared_options(
     case: CaseArgument,
@@ -151,7 +158,6 @@ def shared_options(
     units: UnitsOption = "si",
     as_json: JsonOption = False,
     quiet: QuietOption = False,
-    more: Mapping[str, Any] = MappingProxyType({}),
 ) -> dict[str, Any]:
     """Read the options that all studies share; :func:`valvetrain.cli.outcome.set_manner` has read
     the last two.
@@ -166,7 +172,7 @@ def shared_options(
         raise InputError(
             f"'{figures}' is no format of figures; use {', '.join(FIGURE_FORMATS)}", "--figures"
         )
-    chosen = choose_case(case, settings, elements_per_coil, more)
+    chosen = choose_case(case, settings, elements_per_coil)
     take_folder(output)
     speeds = read_engine_speeds(engine_speed)
     if speeds and chosen.lift_law is None:
@@ -194,21 +200,15 @@ def shared_options(
 def run_command(function: Callable[..., None], without: Sequence[str] = ()) -> Callable[..., None]:
     """Give ``function(request, own options...)`` the options that all studies share, but those in ``without``;
     its own come after them in the help.
-
-    An own option that :data:`valvetrain.cli.options.IN_EVERY_SPRING` knows is set in the case.
     """
     own = list(inspect.signature(function).parameters.values())[1:]
-    every = list(inspect.signature(shared_options).parameters.values())[:-1]
+    every = inspect.signature(shared_options).parameters.values()
     shared = [parameter for parameter in every if parameter.name not in without]
 
     @functools.wraps(function)
     def command(**given: Any) -> None:
         mine = {parameter.name: given.pop(parameter.name) for parameter in own}
-        options = {f"--{name.replace('_', '-')}": value for name, value in mine.items()}
-        more = {option: value for option, value in options.items() if option in IN_EVERY_SPRING}
-        function(
-            StudyRequest(command=function.__name__, **shared_options(**given, more=more)), **mine
-        )
+        function(StudyRequest(command=function.__name__, **shared_options(**given)), **mine)
 
     hints = get_type_hints(shared_options, include_extras=True) | {
         name: hint
@@ -534,5 +534,5 @@ def say_sweep_time(request: StudyRequest) -> None:
         )
     if seconds is not None and seconds > WORTH_SAYING:
         tell(
-            f"this will take about {duration_text(seconds)}, by a run at the middle and at the highest speed"
+            f"this will take about {duration_text(seconds)}, on an idle machine, by a run at the middle and at the highest speed"
         )

@@ -96,7 +96,8 @@ def compare_runs(
     quiet: QuietOption = False,
 ) -> None:
     """Show what differs between two saved runs: the largest change of a headline number, the inputs, the results."""
-    from valvetrain.cli.outcome import Outcome, deliver, measured, plain_table
+    from valvetrain.cli.outcome import Outcome, deliver, plain_table
+    from valvetrain.findings.engine import measured
     from valvetrain.findings.words import Words
     from valvetrain.runs.differences import differences
     from valvetrain.runs.saved_runs import find_run

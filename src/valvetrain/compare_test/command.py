@@ -82,7 +82,7 @@ def compare_test(
     """Whether a model agrees with a test within the scatter of the test, and where it is worst."""
     from valvetrain.cli.options import choose_case, folder_of, read_sensor
     from valvetrain.cli.outcome import deliver
-    from valvetrain.cli.progress import announce_compilation, progress_bar
+    from valvetrain.cli.progress import announce_runs, progress_bar
     from valvetrain.compare_test.answer import AgainstTestAnswer
     from valvetrain.compare_test.compare import compare_with_test
     from valvetrain.compare_test.reader import read_test
@@ -97,7 +97,7 @@ def compare_test(
     gauge = read_sensor(bandwidth, words, None) if bandwidth or words else None
     chosen = choose_case(case, settings, elements_per_coil)
     measured = read_test(test, answers.get("quantity", ""), answers.pop("channel", 0))
-    announce_compilation(*(("train",) if chosen.train is not None else ("statics", "transient")))
+    announce_runs(chosen)
     with progress_bar(chosen.name) as report:
         result = compare_with_test(
             chosen,

@@ -146,11 +146,11 @@ class Finding:
             one: getattr(self, one)
             for one in ("code", "level", "mark", *PARTS, "guide", "quantity", "label")
         }
-        found["engine_speed"] = None if speed is None else _measured(speed / RPM, "rpm")
+        found["engine_speed"] = None if speed is None else measured(speed / RPM, "rpm")
         if name:
             unit, bar = definition_of(name).si_unit, self.bar or None
             for key, number in (("value", self.value), ("bar", bar), ("limit", self.limit)):
-                found[key] = None if number is None else _measured(number, unit)
+                found[key] = None if number is None else measured(number, unit)
         found |= {"reads": list(self.reads), "fields": _plain(self.fields)}
         return {key: one for key, one in found.items() if one not in ("", None, [], {})}
 
@@ -248,8 +248,8 @@ def _plain(one: Any) -> Any:
     """A field as plain values."""
     if isinstance(one, Amount):
         unit = definition_of(one.name).si_unit
-        measured = {"value": _measured(one.value, unit), "bar": _measured(one.bar, unit)}
-        return {"quantity": one.name, **measured} | (
+        numbers = {"value": measured(one.value, unit), "bar": measured(one.bar, unit)}
+        return {"quantity": one.name, **numbers} | (
             {"rests_on": one.rests_on} if one.rests_on else {}
         )
     if isinstance(one, Phrase):
@@ -259,8 +259,10 @@ def _plain(one: Any) -> Any:
     return one if isinstance(one, str) else [_plain(part) for part in one]
 
 
-def _measured(number: float, unit: str) -> dict[str, Any]:
-    return {"value": float(number) if math.isfinite(number) else None, "unit": unit}
+def measured(number: float | None, unit: str) -> dict[str, Any]:
+    """A number with its unit, as JSON gives every number; null for what could not be computed."""
+    known = number is not None and math.isfinite(number)
+    return {"value": float(number) if known else None, "unit": unit}  # type: ignore[arg-type]
 
 
 # -- conditions ------------------------------------------------------------------------------------

@@ -25,10 +25,14 @@ MOTIONS = {
 }  # fmt: skip
 
 
-def _strike(facts: Facts, run: Solution) -> Hit | None:
-    events = facts.strikes(run)
+def _pressed(facts: Facts, run: Solution) -> float:
+    """Force (N) with which the spring presses at rest."""
     rest = facts.value(run, "preload")
-    rest = rest if math.isfinite(rest) else run.quantities.get("minimum_spring_force", 0.0)
+    return rest if math.isfinite(rest) else run.quantities.get("minimum_spring_force", 0.0)
+
+
+def _strike(facts: Facts, run: Solution) -> Hit | None:
+    events, rest = facts.strikes(run), _pressed(facts, run)
     if not events or events[0].size <= rest:
         return None
     hardest, known = events[0], facts.amount(run, "surge_clash_peak_force")
@@ -56,7 +60,7 @@ def touches(facts: Facts, run: Solution) -> Hit | None:
     events = facts.strikes(run)
     if not events or _strike(facts, run):
         return None
-    return Hit(Amount("surge_clash_peak_force", events[0].size), run)
+    return Hit(Amount("surge_clash_peak_force", events[0].size), run, _pressed(facts, run))
 
 
 @per_run
@@ -166,10 +170,10 @@ RULES = (
          remark="below 10 kHz; a spike above", guide="how-to/16-force-spikes.md"),
     Rule("G101", "warns", "surge of {value}[ {at}][ of the {left} that the spring has to spare]", large_surge, SURGE,
          "[cam order {order}]", SWEEP, "[of {left} to spare][, order {order}]", "how-to/03-resonance.md"),
-    Rule("G102", "notes", "surge of {value}[ {at}][, cam order {order}]", surge, SURGE, remark="[order {order}]",
+    Rule("G102", "notes", "surge of {value}[ {at}][, cam order {order}]", surge, SURGE, remark="[of {left} to spare][, order {order}]",
          guide="how-to/20-orders.md", mark="ok", unless=("G101",)),
     Rule("K120", "notes", "coils rest on each other at lift ({pairs}), which is no blow", resting, ("clash_count",)),
-    Rule("K121", "notes", "coils meet lightly[, at most {value}][ {at}]", touches, CLASH, remark="light touches",
+    Rule("K121", "notes", "coils meet lightly[, at most {value}][ {at}]", touches, CLASH, remark="light, below the {limit} at rest",
          mark="ok", unless=("K101", "K102")),
 )  # fmt: skip
 OF_TRAIN = (

@@ -192,20 +192,10 @@ def unlike(facts: Facts) -> Iterator[Hit]:
     ends = sorted(((facts.control(one).limit, one) for one in labels), reverse=True)
     if len(ends) > 1:
         said = tuple(
-            Phrase("{label} {reached}", {"label": one, "reached": _reached(end)})
+            Phrase("{label} keeps control {reached}", {"label": one, "reached": _to(end)})
             for end, one in ends
         )
         yield Hit(Amount(SPEED, len(ends)), None, None, {"said": said})
-
-
-def _reached(end: float) -> str:
-    return (
-        f"keeps control to {about(end)} rpm"
-        if 0 < end < math.inf
-        else "at no speed"
-        if end <= 0
-        else "throughout"
-    )
 
 
 # -- two springs in one engine ---------------------------------------------------------------------

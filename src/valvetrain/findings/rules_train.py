@@ -93,8 +93,10 @@ def flight(facts: Facts, run: Solution) -> Hit | None:
     turns = int(run.statistics.get("motion_period_count", 0))
     repeats = {0: "", 1: "in every cycle"}.get(turns, f"in every {turns} cycles")
     repeats = "not alike from cycle to cycle" if run.status.code == "not-converged" else repeats
+    scatter = facts.amount(run, "cycle_scatter_loft_gap")
     fields: Fields = {
         "repeats": repeats,
+        "scatter": "" if repeats or scatter is None else scatter,
         "angle": Amount("loft_cam_angle", longest.cam_angle % TURN),
     }
     lasts = longest.duration
@@ -207,6 +209,7 @@ FLEX = ("lift_loss_displacement", "valve_50_thou_lost_crank_angle_range")
 PISTON = ("minimum_piston_clearance_gap",)
 NEEDED = ("needed_closed_spring_force", "needed_open_spring_force", "needed_spring_rate")
 SWEEP = "valvetrain sweep {case}"
+AGAIN = "[, {repeats}][, height within {scatter:2} from cycle to cycle]"
 
 RULES = (
     Rule("P101", "decides", "the valve meets the piston[ {at}]", below(PISTON[0], 1e-9), PISTON,
@@ -227,8 +230,8 @@ RULES = (
     Rule("V101", "warns", "the valve lands at {value}[ {at}], above your limit of {limit}",
          above("seating_velocity", "permitted_seating_velocity"), SEAT, remark="above {limit}",
          guide="how-to/10-seating.md"),
-    Rule("C122", "notes", "the longest flight lasts {value}[, from {angle}][ to {landing}][ {at}][, {repeats}]", flight, ("loft_gap",),
-         remark="longest {value}[, {repeats}]", guide="how-to/09-loft.md"),
+    Rule("C122", "notes", f"the longest flight lasts {{value}}[, from {{angle}}][ to {{landing}}][ {{at}}]{AGAIN}", flight, ("loft_gap",),
+         remark=f"longest {{value}}{AGAIN}", guide="how-to/09-loft.md"),
     Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}, {part}",
          guide="how-to/10-seating.md"),
     Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of open time][ {at}]", flex, FLEX,

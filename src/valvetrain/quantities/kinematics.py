@@ -61,16 +61,14 @@ class RigidMotion:
     """Rigid motion of one train over ``cam_angle`` (S,): all that is independent of the cam speed;
     SI units.
 
-    ``maximum_lift`` (m) with all contacts closed. ``derivatives`` (4, S): valve lift and its
-    derivatives by the cam angle. ``spring_force``, ``weight`` (N): of the springs at rest and of
-    gravity, at the valve. ``inertia``: inertia force at the valve per cam speed squared. ``gas``
-    (N): its force on the valve, opening positive. ``forces``: of every contact, ``shares`` at the
-    cam angles. ``geometry``: columns of the cam contact, with ``sliding_velocity`` per cam speed
-    and ``pressure_root`` (Pa per sqrt N). ``kinematics``: the rigid chain itself.
+    ``derivatives`` (4, S): valve lift with all contacts closed and its derivatives by the cam angle. ``spring_force``,
+    ``weight`` (N): of the springs at rest and of gravity, at the valve. ``inertia``: inertia force at the valve per cam
+    speed squared. ``gas`` (N): its force on the valve, opening positive. ``forces``: of every contact, ``shares`` at
+    the cam angles. ``geometry``: columns of the cam contact, with ``sliding_velocity`` per cam speed and
+    ``pressure_root`` (Pa per sqrt N). ``kinematics``: the rigid chain itself.
     """
 
     cam_angle: Array
-    maximum_lift: float
     derivatives: Array
     reduced_mass: Array
     spring_force: Array
@@ -167,7 +165,6 @@ def rigid_motion(
     )
     return RigidMotion(
         angle,
-        float(motion.maximum_lift),
         derivatives,
         poses.mass(tight),
         static(lift),
@@ -188,7 +185,7 @@ def rigid_quantities(motion: RigidMotion) -> dict[str, float]:
     cam_speed, angle = motion.contact_loss()
     values = {
         "rigid_contact_loss_engine_speed": 2 * cam_speed, "rigid_contact_loss_cam_angle": angle,
-        "rigid_maximum_valve_lift": motion.maximum_lift,
+        "rigid_maximum_valve_lift": float(np.max(motion.derivatives[0])),
     }  # fmt: skip
     return {name: value for name, value in values.items() if np.isfinite(value)}
 

@@ -51,14 +51,14 @@ def sweep_seconds(
         cycles = min(problem.cycles_to_settle or MEASURED_CYCLES, MEASURED_CYCLES)
         short = replace(problem, cycles_to_settle=cycles)
         for speed in (middle, middle, top):  # the first builds and loads what later runs share
-            begun = time.perf_counter()  # what else runs here takes its share of the sweep too
+            begun = time.process_time()  # of this process: what else runs here does not last
             try:
                 with on_this_machine():
                     study = run_problem(short, (speed,), workers=1, whole=False, rest=False)
             except InputError:
                 return None
             longer = UNSETTLED if any(map(_unsettled, study.solutions)) else 1.0
-            each[speed] = longer * (time.perf_counter() - begun)
+            each[speed] = longer * (time.process_time() - begun)
             lost[speed] = any(map(_lost, study.solutions))
         # A slower engine takes longer for a cycle, one out of control more cycles.
         span = max(top - middle, 1e-9)

@@ -14,6 +14,7 @@ from valvetrain.integrate.contract import Orbit
 from valvetrain.parameters.installed_spring import InstalledSpring
 from valvetrain.parameters.loading import AnyCase
 from valvetrain.quantities.forces import surge_engine_speeds
+from valvetrain.quantities.kinematics import rigid_quantities
 from valvetrain.quantities.valve_events import closing_ramp, rigid_events
 from valvetrain.runs.prepared import (
     Plan,
@@ -221,13 +222,8 @@ def rigid_numbers(
     for one in ready:
         if one.motion is None or one.member.spring_set in still:
             continue
-        cam_speed, angle = one.motion.contact_loss()
         values = (
-            {
-                "rigid_contact_loss_engine_speed": 2 * cam_speed,
-                "rigid_contact_loss_cam_angle": angle,
-                "rigid_maximum_valve_lift": float(np.max(one.motion.derivatives[0])),
-            }
+            rigid_quantities(one.motion)
             | rigid_events(one.motion.kinematics)
             | closing_ramp(one.motion.kinematics.law)
         )

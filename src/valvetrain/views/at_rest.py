@@ -37,7 +37,7 @@ def rest_headings(facts: Facts) -> list[str]:
 
 def _together(facts: Facts) -> bool:
     states = states_of(facts.study)
-    return facts.study.command == "static" and bool(states) and pair_of(states) is not None
+    return facts.study.command != "modes" and bool(states) and pair_of(states) is not None
 
 
 def rest_lines(facts: Facts, findings: Findings, words: Words) -> list[Line]:
@@ -106,6 +106,7 @@ def _static(words: Words, states: tuple[State, ...]) -> Iterator[tuple[str, Read
     yield "rate", lambda one: said(one.rate(one.one.precompression)), "as installed"
     yield "coil bind", left, "at full lift"
     yield "wire, shear", shear, "installed to full lift"
+    yield "first mode", lambda one: said(one.surge), ""
     for place in range(max((len(one.one.points) for one in states), default=0)):
         yield "as requested", point(place), ""
 

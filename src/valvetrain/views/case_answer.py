@@ -91,7 +91,7 @@ class CaseAnswer(ShownByRules):
             )
         for label, place in (("closed", 0), ("full lift", 1)):
             texts.append((label, self._loads(place), ""))
-        texts.append(("rate", self._rates(), "closed"))
+        texts.append(("rate", self._rates(), "closed to full lift"))
         texts.append(self._needed())
         left = self.facts.left
         texts.append(("coil bind", "" if left is None else f"{self.words.amount(left)} left", "at full lift"))  # fmt: skip
@@ -140,21 +140,24 @@ class CaseAnswer(ShownByRules):
         needed = [self.facts.amount(name) for name in NEEDED]
         if not all(needed):
             return "", "", ""
-        closed, full, rate = (self.words.amount(one) for one in needed if one)
+        closed, full, rate = (one for one in needed if one)
         top = speed_text(self.facts.parameters.operation.top_speed)
-        note = f"seat to full lift, a fifth above inertia; or {rate} at your seat load"
-        return f"needed at {top}", f"{closed} to {full}", note
+        note = f"seat to full lift, a fifth above inertia; or {self.words.amount(rate)} at your seat load"
+        return f"needed at {top}", self.words.span(closed, full), note
 
     def _loads(self, place: int) -> tuple[str, ...]:
-        return self._each(lambda one: Amount("preload", one[place].force))
+        return self._each(lambda one: self.words.amount(Amount("preload", one[place].force)))
 
     def _rates(self) -> tuple[str, ...]:
-        return self._each(lambda one: Amount("installed_rate", one[0].stiffness))
+        def read(states: tuple[RestPoint, RestPoint]) -> str:
+            closed, full = (Amount("installed_rate", one.stiffness) for one in states)
+            return self.words.span(closed, full)
 
-    def _each(self, read: Callable[[tuple[RestPoint, RestPoint]], Amount]) -> tuple[str, ...]:
-        """A number of every spring in use."""
-        states = self.loads.values()
-        return tuple("" if isinstance(one, str) else self.words.amount(read(one)) for one in states)
+        return self._each(read)
+
+    def _each(self, read: Callable[[tuple[RestPoint, RestPoint]], str]) -> tuple[str, ...]:
+        """What is read of every spring in use, closed and at full lift."""
+        return tuple("" if isinstance(one, str) else read(one) for one in self.loads.values())
 
     def _numbers(self) -> TextTable:
         """Every named quantity of springs, lift and cam, and the open times."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.findings.engine import measured as measured
 from valvetrain.quantities.limits import passed_limits
 from valvetrain.solution.comparison import Comparison
 from valvetrain.solution.critical import CriticalSpeed, SpeedBracket
@@ -34,14 +35,6 @@ _UNITS = {
     "stiffness_damping": "s", "time_step": "s", "coil_contact_damping_time": "s", "output_step": "rad",
     "force_bandwidth": "Hz", "largest_velocity": "m/s",
 }  # fmt: skip
-
-
-def measured(value: float | None, unit: str) -> dict[str, Any]:
-    """``{"value", "unit"}``; null for what could not be computed."""
-    return {
-        "value": None if value is None or not math.isfinite(value) else float(value),
-        "unit": unit,
-    }
 
 
 def quantities_object(values: Mapping[str, float]) -> dict[str, Any]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -18,14 +19,12 @@ from valvetrain.findings.words import (
     Amount,
     MissingFieldError,
     Words,
-    digits_text,
     fields_of,
     speed_text,
 )
 from valvetrain.registry import BUILT_IN
 from valvetrain.solution.definition import tables
 from valvetrain.solution.result import Solution
-from valvetrain.solution.static import SpringAtRest
 from valvetrain.views.at_rest import rest_headings, rest_lines
 from valvetrain.views.table import Line
 
@@ -111,23 +110,30 @@ ROWS = (
 
 def columns(facts: Facts, findings: Findings) -> list[Solution]:
     """The runs of the first table: at the speeds of the gravest findings, where control is first lost, at the highest and
-    the lowest speed in use, and at some between;
-    over engine speed of the variant that loses control first, but of two springs of both.
+    the lowest speed in use, and at some between; over engine speed of the variant that loses control first, but of two
+    springs of both.
     """
     asked, runs = {id(run) for run in facts.study.solutions}, list(facts.runs)
     if facts.run_up and runs:
-        lost = (run.label for run in runs if facts.value(run, "loft_gap") > 0)
-        label = next(lost, runs[-1].label)
+        flies = (run.label for run in runs if facts.value(run, "loft_gap") > 0)
+        label = next(flies, runs[-1].label)
         runs = [run for run in runs if run.label == label]
     elif facts.study.command == "sweep":
         runs = [run for run in runs if run.label == facts.first_label] or runs
     labels = {run.label for run in runs}
-    named = [one for one in findings if one.label in labels and one.value is not None]
-    worst = [one.engine_speed for one in named if one.level != "notes"]
-    noted = [one.engine_speed for one in named]
-    speeds = sorted(
-        {run.engine_speed for run in runs if id(run) in asked or run.engine_speed in noted}
+    named = [
+        (one.engine_speed, one.level)
+        for one in findings
+        if one.label in labels and one.value is not None and one.engine_speed is not None
+    ]
+    worst, noted = (
+        [speed for speed, level in named if level != "notes"],
+        [speed for speed, _ in named],
     )
+    counted = Counter(
+        run.engine_speed for run in runs if id(run) in asked or run.engine_speed in noted
+    )
+    speeds = sorted(speed for speed, count in counted.items() if count == len(labels))
     if not speeds:
         return runs[:COLUMNS]
     count = max(COLUMNS // len(labels), 1)
@@ -142,27 +148,16 @@ def columns(facts: Facts, findings: Findings) -> list[Solution]:
     return [run for run in runs if run.engine_speed in chosen][:COLUMNS]
 
 
-def _rest(facts: Facts) -> list[SpringAtRest]:
-    """The springs at rest, which are the columns where nothing was run."""
-    return [] if facts.study.solutions else [one for one in facts.study.rest if one.curve][:COLUMNS]
-
-
 def headings(facts: Facts, findings: Findings) -> list[str]:
     """What tells the columns apart: the label, the engine speed, or both; of springs at rest the model."""
-    if facts.study.at_rest_only:
+    if not facts.study.solutions:
         return rest_headings(facts)
-    if rest := _rest(facts):
-        several = len({one.spring for one in rest}) > 1
-        return [f"{one.spring}, {one.model}" if several else one.model for one in rest]
     runs = columns(facts, findings)
-    speeds = len({run.engine_speed for run in runs}) > 1
-    labels = len({run.label for run in runs}) > 1
-    return [
-        ", ".join(
-            filter(None, (run.label * labels, speed_text(run.engine_speed) if speeds else ""))
-        )
-        for run in runs
-    ]
+    speeds, labels = len({run.engine_speed for run in runs}), len({run.label for run in runs})
+    sets = len({run.spring_set for run in runs}) == labels
+    names = ((run.spring_set if sets else run.label) * (labels > 1) for run in runs)
+    texts = (speed_text(run.engine_speed) * (speeds > 1) for run in runs)
+    return [", ".join(filter(None, both)) for both in zip(names, texts, strict=True)]
 
 
 def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
@@ -173,10 +168,8 @@ def first_rows(facts: Facts, findings: Findings, words: Words) -> list[Line]:
     facts, findings : of the study
     words : units and language
     """
-    if facts.study.at_rest_only:
+    if not facts.study.solutions:
         return rest_lines(facts, findings, words)
-    if rest := _rest(facts):
-        return _rest_rows(rest, words)
     lines, brief, told, runs = (
         list[Line](),
         replace(words, brief=True),
@@ -211,24 +204,6 @@ def _added_rows() -> Iterator[Row]:
             if "brief" in one.uses:
                 of = one.systems[0] if len(one.systems) == 1 else ""
                 yield Row(one.label, (f"{{{one.name}}}",), of=of)
-
-
-def _rest_rows(rest: Sequence[SpringAtRest], words: Words) -> list[Line]:
-    """Preload, rate and first axial frequencies of springs at rest."""
-    found: dict[str, list[str]] = {"preload": [], "rate": [], "axial modes": []}
-    for one in rest:
-        curve, at = one.curve, one.precompression
-        inside = curve is not None and curve.compression[0] <= at <= curve.compression[-1]
-        force, rate = "", ""
-        if curve is not None and inside:
-            force = words.amount(Amount("preload", float(curve.force_at(at))))
-            rate = words.amount(Amount("installed_rate", float(curve.stiffness_at(at))))
-        modes = () if one.modes is None else tuple(one.modes.axial_frequencies[:3])
-        frequencies = ", ".join(digits_text(float(value)) for value in modes)
-        found["preload"].append(force)
-        found["rate"].append(rate)
-        found["axial modes"].append(f"{frequencies} Hz" if frequencies else "")
-    return [Line(name, tuple(cells)) for name, cells in found.items() if any(cells)]
 
 
 def _cell(row: Row, facts: Facts, run: Solution, words: Words) -> str:

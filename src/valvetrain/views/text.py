@@ -6,7 +6,6 @@ import math
 
 from valvetrain.parameters.summary import in_unit as in_unit
 from valvetrain.parameters.summary import number as number
-from valvetrain.parameters.summary import percent as percent
 from valvetrain.parameters.summary import unit_text as unit_text
 from valvetrain.solution.status import Cause
 from valvetrain.units.reader import reader_factor, reader_unit
@@ -37,18 +36,3 @@ def amount(value: float, unit: str, digits: int = 4) -> str:
 def rpm(engine_speed: float) -> float:
     """rad/s as revolutions per minute, rounded to 1e-6."""
     return round(engine_speed * 30 / math.pi, 6)
-
-
-def rpm_text(engine_speed: float) -> str:
-    """An engine speed (rad/s) of a table in rpm: whole ones from 100 rpm on.
-
-    >>> rpm_text(684.77), rpm_text(7.33)
-    ('6539', '70')
-    """
-    speed = rpm(engine_speed)
-    return f"{speed:.0f}" if speed >= 100 else f"{speed:.4g}"
-
-
-def speed_text(engine_speed: float) -> str:
-    """An engine speed as text, such as ``5600 rpm``."""
-    return f"{rpm(engine_speed):.10g} rpm"

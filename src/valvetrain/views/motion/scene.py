@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from valvetrain.errors import InputError
+from valvetrain.findings.words import speed_text
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.cycle import Cycle, is_closed, reported_cycle
 from valvetrain.solution.partial_failures import reason
@@ -30,7 +31,6 @@ from valvetrain.views.motion.parts import (
 )
 from valvetrain.views.motion.springs import draw_spring, one_range
 from valvetrain.views.motion.train import TrainDrawing, draw_train
-from valvetrain.views.text import speed_text
 
 #: Even steps (cam degrees) tried in turn until they take no more than :data:`EVEN_SHARE` of the
 #: frames;
