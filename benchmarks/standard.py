@@ -12,7 +12,7 @@ from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
 from valvetrain.cosserat.static import RodStatics, compress
 from valvetrain.cosserat.transient import RodTransient, simulate
-from valvetrain.parameters.constructors import cylindrical, variable_pitch
+from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import OPEN_END, SpringDefinition
@@ -63,7 +63,7 @@ def spring_c(pitch_factor: float = 1.0) -> SpringDefinition:
     pitch = PiecewiseLinear(
         (0.0, 1.25, 1.75, 6.0), (4.4e-3, 4.4e-3, 8.533e-3 * pitch_factor, 8.533e-3 * pitch_factor)
     )
-    return variable_pitch(
+    return cylindrical(
         4e-3, 24e-3, pitch, 6.0, material=STEEL, lower_end=OPEN_END, upper_end=OPEN_END, name="C"
     )
 

@@ -32,6 +32,7 @@ import how_to_pictures
 import numpy as np
 import plotly.graph_objects as go
 import sample_test_cycles
+from defaults_page import defaults_page
 from numpy.typing import NDArray
 from plotly_pictures import Panel, curve, dots, drawn, save
 from quantity_pages import plausible_page, quantities_page
@@ -366,6 +367,7 @@ def write_model_against_test() -> None:
 
 #: Name on the command line -> what writes it.
 PAGES: dict[str, Callable[[], object]] = {
+    "defaults": lambda: write_text(DOCS / "defaults.md", defaults_page()),
     "quantities": lambda: write_text(DOCS / "quantities.md", quantities_page()),
     "plausible": lambda: write_text(DOCS / "plausible.md", plausible_page()),
     "readme": write_readme,

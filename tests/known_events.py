@@ -10,7 +10,7 @@ from synthetic_train import ANGLE, CAM_SPEED, COUNT, degrees, lift_of, rigid, tr
 from train_parts import direct
 from valvetrain.cam.closed_form import Harmonic
 from valvetrain.mechanism.build import build_mechanism
-from valvetrain.parameters.train import CamParameters
+from valvetrain.parameters.train_parts import CamParameters
 from valvetrain.quantities.cycle import Frame
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.forces import surge_engine_speeds

@@ -14,11 +14,12 @@ import numpy as np
 
 from known_events import rigid_valve_events, surge_speeds, valve_events
 from known_rest import REST_GROUPS
+from spring_shapes import conical
 from synthetic_spring import ENGINE_SPEED, EVENT, bump, run
 from synthetic_train import ANGLE, CAM_SPEED, COUNT, TIME, degrees, lift_of, rigid, train
 from train_parts import LAW, direct, system
 from valvetrain.integrate.train_channels import Scatter
-from valvetrain.parameters.constructors import conical, cylindrical
+from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.material import material_by_name
 from valvetrain.parameters.spring import OPEN_END

@@ -19,7 +19,7 @@ from valvetrain.solution.critical import (
     SpeedBracket,
 )
 from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.provenance import CaseRecord, CaseValue, Provenance, PublishedValue
+from valvetrain.solution.provenance import CaseRecord, Provenance, PublishedValue
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, StaticCurve, StaticStress
 from valvetrain.solution.status import COMPLETED, Event, Status
@@ -206,15 +206,10 @@ def at_rest() -> tuple[SpringAtRest, ...]:
 
 def record(**more) -> CaseRecord:
     """A case of one's own."""
-    values = (
-        CaseValue("spring.wire_diameter", "4 mm", "measured", "own drawing"),
-        CaseValue("spring.pitch", "7 mm", "estimated", ""),
-    )
     made = CaseRecord(
         "own-spring",
         "Spring of my own",
         "A spring. It is made up.",
-        values=values,
         citations=CITED,
         text='name = "own"\n',
         digest="0123456789abcdef",

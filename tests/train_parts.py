@@ -6,13 +6,13 @@ import math
 
 from valvetrain.cam.closed_form import SinePower
 from valvetrain.mechanism.build import build_mechanism
-from valvetrain.parameters.train import (
+from valvetrain.parameters.schema_contact import ContactParameters
+from valvetrain.parameters.train import TrainParameters
+from valvetrain.parameters.train_parts import (
     CamParameters,
-    ContactParameters,
     FollowerParameters,
     LeverParameters,
     PushrodParameters,
-    TrainParameters,
     ValveParameters,
 )
 from valvetrain.springs.massless import MasslessSpring
@@ -34,43 +34,57 @@ def direct(**changes) -> TrainParameters:
         "direct",
         CamParameters(0.018),
         FollowerParameters("flat", mass=0.05),
-        ValveParameters(0.09),
-        contacts(),
+        valve=ValveParameters(0.09),
+        contacts=contacts(),
     )
     return base.replace(**changes)
 
 
 def finger(**changes) -> TrainParameters:
     lever = LeverParameters(
-        (-0.03, -0.028), 0.03354, 0.047, 7.5e-5, math.radians(5.9), holding_torque=0.3
+        (-0.03, -0.028),
+        0.03354,
+        0.047,
+        inertia=7.5e-5,
+        valve_angle=math.radians(5.9),
+        holding_torque=0.3,
     )
     follower = FollowerParameters("domed", radius=0.025)
     return TrainParameters(
-        "finger", CamParameters(0.018), follower, ValveParameters(0.12), contacts(), lever=lever
+        "finger",
+        CamParameters(0.018),
+        follower,
+        valve=ValveParameters(0.12),
+        contacts=contacts(),
+        lever=lever,
     ).replace(**changes)
 
 
 def rocker(**changes) -> TrainParameters:
-    lever = LeverParameters((0.03, 0.022), 0.032, 0.04, 5e-5, 0.0, drive_side=1, holding_torque=0.3)
+    lever = LeverParameters(
+        (0.03, 0.022), 0.032, 0.04, inertia=5e-5, drive_side=1, holding_torque=0.3
+    )
     return TrainParameters(
         "rocker",
         CamParameters(0.018),
         FollowerParameters("roller", radius=0.01),
-        ValveParameters(0.1),
-        contacts(),
+        valve=ValveParameters(0.1),
+        contacts=contacts(),
         lever=lever,
     ).replace(**changes)
 
 
 def pushrod(**changes) -> TrainParameters:
-    lever = LeverParameters((0.025, 0.2), 0.025, 0.04, 3e-5, 0.0, math.pi, holding_torque=0.3)
-    rod = PushrodParameters(0.17, (0.0, 0.02), stiffness=3e7, damping=50.0)
+    lever = LeverParameters(
+        (0.025, 0.2), 0.025, 0.04, inertia=3e-5, drive_angle=math.pi, holding_torque=0.3
+    )
+    rod = PushrodParameters(0.17, lower_end=(0.0, 0.02), stiffness=3e7, damping=50.0)
     return TrainParameters(
         "pushrod",
         CamParameters(0.016),
         FollowerParameters("flat", mass=0.05),
-        ValveParameters(0.03),
-        contacts(),
+        valve=ValveParameters(0.03),
+        contacts=contacts(),
         lever=lever,
         pushrod=rod,
     ).replace(**changes)

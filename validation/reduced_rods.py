@@ -25,7 +25,8 @@ from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.modes import natural_modes
 from valvetrain.integrate.contract import Cycles
 from valvetrain.integrate.run import run as integrate
-from valvetrain.parameters.constructors import conical, cylindrical
+from valvetrain.parameters.constructors import cylindrical
+from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.loading import parse_case
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import wire_points
@@ -45,7 +46,12 @@ WITHOUT_CLASH, HARD_CLASH = 0.01, 10.0
 OTHER_SPRINGS = {
     "racing": (cylindrical("4.5 mm", "24 mm", "9.2 mm", 6.2), 6e-3, 8e-3, 250.0),
     "motorcycle": (cylindrical("2.9 mm", "19 mm", "6.2 mm", 8.5), 7e-3, 8.5e-3, 320.0),
-    "conical": (conical("3.6 mm", "30 mm", "21 mm", "8.4 mm", 7), 7e-3, 9e-3, 210.0),
+    "conical": (
+        cylindrical("3.6 mm", PiecewiseLinear((0, 7), "30, 21 mm"), "8.4 mm", 7),
+        7e-3,
+        9e-3,
+        210.0,
+    ),
 }
 
 

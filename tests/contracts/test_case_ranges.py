@@ -18,20 +18,22 @@ from valvetrain.parameters import (
     schema_installed,
     schema_lift,
     schema_spring,
-    train_schema,
 )
+from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
 from valvetrain.parameters.schema_types import Quantity
+from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.spring_options import options_table
+from valvetrain.parameters.train import PARTS, TrainParameters
 from valvetrain.units import DIMENSIONS
 
 TABLES = {
-    "spring": schema_installed.WireBlock, "card": schema_installed.CardBlock, "end": schema_spring.EndModel,
-    "material": schema_spring.MaterialModel, "spring.damping": schema_installed.DampingModel, "guide": schema_installed.GuideModel,
-    "spring.contact": schema_installed.CoilContactModel, "rubbing": schema_installed.RubbingModel, "operation": schema_case.OperationModel,
-    "lift_law": schema_lift.LiftModel, "train": train_schema.TrainModel, "contacts": schema_contact.ContactTable,
+    "spring": schema_installed.WireBlock, "card": schema_installed.CardBlock, "end": EndCoil,
+    "material": schema_spring.MaterialModel, "spring.damping": DampingParameters, "guide": Guide,
+    "spring.contact": schema_installed.CoilContactModel, "rubbing": Rubbing, "operation": schema_case.OperationModel,
+    "lift_law": schema_lift.LiftModel, "train": TrainParameters, "contacts": schema_contact.ContactTable,
 }  # fmt: skip
 TABLES |= {f"options.{word}": options_table(word) for word in registry.BUILT_IN["springs"]}
-TABLES |= {f"train.{name}": table for name, table in train_schema.PARTS.items()}
+TABLES |= {f"train.{name}": table for name, table in PARTS.items()}
 TABLES |= {f"{kind}": registry.find("lifts", kind).table for kind in registry.BUILT_IN["lifts"]}
 TRIED = (-1e12, -2.0, -1.0, -1e-9, 0.0, 1e-9, 1.0, 2.0, 1e12)
 
@@ -92,7 +94,7 @@ ZERO_OR_MORE = """
 end: inactive_coils ground_coils; spring.damping: ratio stiffness_share mass_damping stiffness_damping
 spring.contact: stiffness damping_time; rubbing: coefficient normal_force; contacts: exponent restitution friction_coefficient
 train.cam: poisson_ratio; train.follower: mass damping friction; train.lever: mass damping holding_torque; train.pushrod: damping
-train.support: damping; train.valve: head_fraction stem_damping damping friction; train.variants: valve_damping
+train.lever: tip_radius; train.support: damping; train.valve: head_fraction stem_damping damping friction; train.variants: valve_damping
 train: lash; train.variants: lash; cam-card: lash
 polydyne: design_engine_speed; options.massless: effective_mass_fraction
 """
@@ -150,7 +152,12 @@ def numbers_of_keys() -> dict[str, Any]:
 
 
 KEYS = numbers_of_keys()
-LISTS = {"polynomial.exponents", "polydyne.exponents"}
+LISTS = {
+    "polynomial.exponents",
+    "polydyne.exponents",
+    "train.lever.pivot",
+    "train.pushrod.lower_end",
+}
 
 
 def test_every_named_key_exists():

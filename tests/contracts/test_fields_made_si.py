@@ -17,7 +17,8 @@ import valvetrain as vt
 from valvetrain.cosserat.batch import simulate_batch
 from valvetrain.parameters.case import Operation
 from valvetrain.parameters.installed_spring import CoilContact, InstalledSpring
-from valvetrain.parameters.train import (
+from valvetrain.parameters.schema_types import Table
+from valvetrain.parameters.train_parts import (
     CamParameters,
     CrankParameters,
     FollowerParameters,
@@ -100,10 +101,11 @@ PARTS: dict[str, tuple[Callable[[], Any], dict[str, str]]] = {
     "FollowerParameters": (lambda: FollowerParameters(shape="roller", radius=0.01, mass=0.05),
                            {"radius": "8 mm", "mass": MASS, "offset": LENGTH, "tilt": "2 deg", "damping": DAMPING, "friction": FORCE,
                             "face_diameter": LENGTH}),
-    "LeverParameters": (lambda: LeverParameters((0.0, 0.0), 0.03, 0.04, 4e-5),
+    "LeverParameters": (lambda: LeverParameters((0.0, 0.0), 0.03, 0.04, inertia=4e-5),
                         {"drive_arm": "29 mm", "valve_arm": "30 mm", "inertia": "2e-5 kg m^2", "valve_angle": "2 deg", "drive_angle": "2 deg",
                          "mass": MASS, "stiffness": RATE, "damping": DAMPING, "holding_torque": "2 N m", "tip_radius": "8 mm"}),
-    "PushrodParameters": (lambda: PushrodParameters(0.06, (0.0, 0.0)), {"mass": MASS, "stiffness": RATE, "damping": DAMPING, "length": "150 mm",
+    "PushrodParameters": (lambda: PushrodParameters(0.06, lower_end=(0.0, 0.0)),
+                          {"mass": MASS, "stiffness": RATE, "damping": DAMPING, "length": "150 mm",
                            "youngs_modulus": "30 N/mm^2", "density": "7.8 g/cm^3"}),
     "SupportParameters": (lambda: SupportParameters(2e7, 0.1),
                           {"stiffness": RATE, "mass": MASS, "damping": DAMPING, "direction": "2 deg"}),
@@ -135,7 +137,10 @@ def calls(name: str) -> list[tuple[str, str, ast.Call]]:
 
 def test_every_field_that_is_made_si_stands_in_the_table():
     found = {owner: {word.arg for word in call.keywords} for _, owner, call in calls("keep_si")}
-    assert {name: set(fields) for name, (_, fields) in PARTS.items()} == found
+    made_here = {
+        name: set(fields) for name, (make, fields) in PARTS.items() if not isinstance(make(), Table)
+    }  # the fields of a table have their unit in the type
+    assert made_here == found
 
 
 @pytest.mark.parametrize(

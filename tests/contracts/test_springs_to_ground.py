@@ -20,7 +20,7 @@ from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.lumped import build_lumped, build_single_mass
 from valvetrain.mechanism.parts import SPRING, ElasticLink, Interaction
-from valvetrain.parameters.train import SupportParameters
+from valvetrain.parameters.train_parts import SupportParameters
 from valvetrain.quantities.kinematics import rigid_motion
 from valvetrain.registry import BUILT_IN
 from valvetrain.springs.massless import MasslessSpring

@@ -11,12 +11,8 @@ import pytest
 from train_parts import TrainSystem, build_mechanism, direct
 from valvetrain.cam.closed_form import SinePower
 from valvetrain.integrate.train_run import TrainOptions, runner
-from valvetrain.parameters.train import (
-    CamParameters,
-    ContactParameters,
-    FollowerParameters,
-    ValveParameters,
-)
+from valvetrain.parameters.schema_contact import ContactParameters
+from valvetrain.parameters.train_parts import CamParameters, FollowerParameters, ValveParameters
 from valvetrain.springs.massless import MasslessSpring
 
 PATH = Path(__file__).resolve().parents[2] / "examples" / "single_mass_valvetrain.py"

@@ -13,7 +13,7 @@ from valvetrain.contact.library import build_contact_law
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.steel_contacts import steel_contact
-from valvetrain.parameters.train import CamParameters
+from valvetrain.parameters.train_parts import CamParameters
 
 POUND, INCH = 4.4482216152605, 25.4e-3
 LOADS = {

@@ -18,7 +18,7 @@ from valvetrain.mechanism.contour import lift_jumps, lift_table
 from valvetrain.mechanism.gap_kinds import CAM_LIFT
 from valvetrain.mechanism.gaps import table_value
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, Interaction
-from valvetrain.parameters.train import FollowerParameters
+from valvetrain.parameters.train_parts import FollowerParameters
 from valvetrain.system.train_system import TrainSystem
 
 LIFT, HALF = 8e-3, np.radians(30)

@@ -15,7 +15,7 @@ from valvetrain.cam.spline import Spline
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius_round
 from valvetrain.parameters.loading import parse_case
-from valvetrain.parameters.train import CamParameters, FollowerParameters
+from valvetrain.parameters.train_parts import CamParameters, FollowerParameters
 
 BASE, TOP, NOSE = 0.018, 8e-3, math.pi
 START = NOSE - math.radians(65)

@@ -12,7 +12,8 @@ import pytest
 from train_parts import LAW, contacts, direct, system
 from valvetrain.integrate.contract import Cycles, Periodic, RunOptions
 from valvetrain.integrate.run import run
-from valvetrain.parameters.train import ContactParameters, FollowerParameters, ValveParameters
+from valvetrain.parameters.schema_contact import ContactParameters
+from valvetrain.parameters.train_parts import FollowerParameters, ValveParameters
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.springs.modal_uniform import ModalUniform

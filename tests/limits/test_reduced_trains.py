@@ -12,7 +12,7 @@ import pytest
 
 from train_parts import LAW, direct, finger, pushrod, rocker, system
 from valvetrain.mechanism.build import build_mechanism
-from valvetrain.parameters.train import PushrodParameters
+from valvetrain.parameters.train_parts import PushrodParameters
 from valvetrain.quantities.kinematics import rigid_table
 
 G = 9.80665
@@ -91,7 +91,9 @@ def test_an_elastic_stem_parts_the_mass_and_keeps_the_weight():
 
 
 def test_a_stiff_pushrod_is_halved_at_its_two_ends():
-    train = pushrod(pushrod=PushrodParameters(0.26, (0.0, 0.02), stiffness=3e7, damping=50.0))
+    train = pushrod(
+        pushrod=PushrodParameters(0.26, lower_end=(0.0, 0.02), stiffness=3e7, damping=50.0)
+    )
     found = bodies(train)
     assert found["pushrod"][0] == found["pushrod top"][0] == pytest.approx(0.13)
 

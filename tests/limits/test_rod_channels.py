@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from valvetrain.cosserat.buffer import RodDynamics
 from valvetrain.cosserat.transient import simulate
-from valvetrain.parameters.constructors import variable_pitch
+from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import (
@@ -23,7 +23,7 @@ from valvetrain.springs.finite_element_channels import (
 WIRE, REST, STROKE = 3.8e-3, 4e-3, 9e-3
 #: Turns of growing pitch between closed ends: every pair of coils has a gap of its own, and the
 #: lowest close in the stroke.
-SPRING = variable_pitch(
+SPRING = cylindrical(
     WIRE, 22e-3, PiecewiseLinear((0, 1, 2, 5, 6, 7), "3.8, 3.8, 5.2, 8, 5, 3.8 mm"), 7
 )
 EIGHTH = 0.125

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import brentq
 
 from spring_parts import OPEN_SPRING, UNIFORM, drive, raised_cosine
+from spring_shapes import beehive, conical
 from valvetrain.cosserat.static import compress
-from valvetrain.parameters.constructors import beehive, conical
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.chain_layout import chain_from_definition, coil_contacts

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from spring_shapes import beehive
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import beehive
 from valvetrain.spring_card import tester as closing_coils
 from valvetrain.spring_card.card import ground_off, weight
 from valvetrain.spring_card.fit import forces_at

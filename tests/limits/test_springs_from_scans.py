@@ -165,8 +165,8 @@ def test_the_design_and_its_scan_have_the_same_force_and_frequencies(found):
     do.
     """
     scan = found["beehive"][0]
-    design = vt.load_case("gu2021-beehive-blind").replace(
-        {"springs.0.options": {"finite-element": {"elements_per_coil": 8}}}
+    design = vt.load_case(
+        "gu2021-beehive-blind", {"spring.options": {"finite-element": {"elements_per_coil": 8}}}
     )
     compared = vt.scan.compare_scan(scan, design)
     assert compared.failures == ()
@@ -187,6 +187,6 @@ def test_the_design_and_its_scan_have_the_same_force_and_frequencies(found):
 
 
 def test_a_design_that_is_too_high_for_the_scan_is_refused(found):
-    case = vt.load_case("job-t").replace({"springs.0.precompression": "1 mm"})
+    case = vt.load_case("job-t", {"spring.precompression": "1 mm"})
     with pytest.raises(InputError, match=r"shorter than the .* between the seats"):
         vt.scan.compare_scan(found["conical"][0], case)

@@ -16,7 +16,7 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions, TrainState, runner
 from valvetrain.mechanism.gap_kinds import LINEAR
 from valvetrain.mechanism.parts import AssembledMechanism, Coordinate, ElasticLink, Interaction
-from valvetrain.parameters.train import ContactParameters
+from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.quantities.kinematics import rigid_table
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.springs.multi_mass import MultiMassSpring

@@ -17,7 +17,7 @@ from valvetrain.contact.friction import CoulombFriction
 from valvetrain.integrate.train_friction import slowed
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import parse_case
-from valvetrain.parameters.train import FollowerParameters
+from valvetrain.parameters.train_parts import FollowerParameters
 from valvetrain.quantities.kinematics import rigid_table
 from valvetrain.system.rigid_pose import rigid_poses
 

@@ -13,7 +13,7 @@ from valvetrain.mechanism.contour import curvature_radius_flat, curvature_radius
 from valvetrain.mechanism.lumped import equivalent_mass
 from valvetrain.mechanism.planar import piston_clearance, piston_travel
 from valvetrain.mechanism.rigid import RatioCurve
-from valvetrain.parameters.train import CamParameters, CrankParameters, FollowerParameters
+from valvetrain.parameters.train_parts import CamParameters, CrankParameters, FollowerParameters
 from valvetrain.quantities.kinematics import rigid_motion, rigid_table
 from valvetrain.system.train_forces import gap_state
 

@@ -14,13 +14,9 @@ from train_parts import LAW, direct
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case, parse_case
+from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.parameters.templates import TEMPLATES
-from valvetrain.parameters.train import (
-    CamParameters,
-    ContactParameters,
-    FollowerParameters,
-    ValveParameters,
-)
+from valvetrain.parameters.train_parts import CamParameters, FollowerParameters, ValveParameters
 from valvetrain.runs.train_runs import train_modes
 from valvetrain.springs.equivalent import EquivalentSpring
 from valvetrain.springs.massless import MasslessSpring

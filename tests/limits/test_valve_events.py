@@ -18,7 +18,7 @@ from valvetrain.integrate.run import run
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.parameters.templates import TEMPLATES, template_text
-from valvetrain.parameters.train import CamParameters
+from valvetrain.parameters.train_parts import CamParameters
 from valvetrain.quantities.evaluate import evaluate
 from valvetrain.quantities.kinematics import rigid_motion
 from valvetrain.quantities.signal import ring_peak

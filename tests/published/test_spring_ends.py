@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from spring_shapes import barrel, beehive, conical
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import barrel, beehive, conical
 from valvetrain.parameters.loading import parse_case
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import EndCoil, SpringDefinition

@@ -7,7 +7,7 @@ import numpy as np
 from valvetrain.cosserat import quaternion as quat
 from valvetrain.cosserat.mesh import RodMesh, mesh_spring
 from valvetrain.cosserat.state import RodState
-from valvetrain.parameters.constructors import variable_pitch
+from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import PiecewiseLinear
 from valvetrain.parameters.material import Material
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
@@ -38,7 +38,7 @@ def uniform_spring(
     """Uniform helix clamped at both wire tips."""
     from valvetrain.parameters.curves import Constant
 
-    return variable_pitch(
+    return cylindrical(
         wire,
         diameter,
         Constant(pitch),

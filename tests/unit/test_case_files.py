@@ -8,13 +8,13 @@ import tomllib
 
 import numpy as np
 import pytest
+from beehive_study.rewrite import write_case_values
 
 from valvetrain.cam import build_lift_law
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import CoilContact, Rubbing
 from valvetrain.parameters.loading import LIBRARY, library_names, list_cases, load_case, parse_case
 from valvetrain.parameters.toml_text import toml_text
-from valvetrain.parameters.writing import write_case_values
 
 SPRING = """
 [spring]

@@ -86,7 +86,7 @@ def test_check_prints_what_follows_from_the_definition_by_hand():
 
 
 def test_the_estimated_rate_of_a_conical_spring_is_the_closed_form():
-    from valvetrain.parameters.constructors import conical
+    from spring_shapes import conical
     from valvetrain.parameters.spring import OPEN_END
     from valvetrain.quantities.statics import definition_quantities
 

@@ -12,7 +12,6 @@ from valvetrain.contact.dissipative import rebound
 from valvetrain.contact.library import build_contact_law
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import load_case
-from valvetrain.parameters.summary import value_text
 
 LAWS = registry.names("contacts")
 TABLES = {
@@ -99,7 +98,6 @@ def test_every_law_runs_in_both_trains_by_one_word(name, springs):
         )
         peaks[law] = evaluate(made, frame).quantities["peak_open_cam_contact_force"]
         means[law] = float(np.mean(made.channel("cam_contact_force")))
-        assert law in value_text(case.train.contacts["cam"], "cam")
     lossy = [
         peak
         for law, peak in peaks.items()

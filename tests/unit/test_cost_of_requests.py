@@ -70,7 +70,7 @@ def measured_job():
         "band": 0.0,
         "draw": 0,
     }
-    return case.replace({"lift_law": type(case.lift_law)("measured", values)})
+    return case.replace(lift_law=type(case.lift_law)("measured", values))
 
 
 def level_force():

@@ -6,9 +6,9 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 
 import pytest
+from defaults_page import defaults_page
 
 from valvetrain import registry
-from valvetrain.parameters.defaults import defaults_page
 from valvetrain.parameters.loading import parse_case
 
 PAGE = Path(__file__).parents[2] / "docs" / "defaults.md"

@@ -12,7 +12,7 @@ import pytest
 from train_parts import KINDS, system
 from valvetrain.mechanism.parts import ElasticLink
 from valvetrain.mechanism.planar import support_parts
-from valvetrain.parameters.train import SupportParameters
+from valvetrain.parameters.train_parts import SupportParameters
 from valvetrain.system.rigid_pose import rigid_poses
 
 STIFFNESS, DAMPING, MASS, LEVER = 5e7, 200.0, 0.1, 0.06

@@ -40,7 +40,7 @@ from valvetrain.parameters import Constant, Material, PiecewiseLinear, SpringDef
 from valvetrain.parameters.curves import Table
 from valvetrain.parameters.installed_spring import CoilContact, DampingParameters, InstalledSpring
 from valvetrain.parameters.spring import EndCoil
-from valvetrain.parameters.train import FollowerParameters, GasLoad
+from valvetrain.parameters.train_parts import FollowerParameters, GasLoad
 from valvetrain.quantities.signal import low_pass
 from valvetrain.quantities.statics import buckling_compression
 from valvetrain.runs.error_bars import observed_order
@@ -207,9 +207,9 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("mechanism", {"coordinates": (BODY, BODY)}, "names a coordinate twice"),
     ("mechanism", {"coordinates": (Coordinate("lever", 0.1),)}, "joins unknown coordinates"),
     ("mechanism", {"interactions": (Interaction("cam", 0, ("valve", "", "", ""), (), ElasticLink(1.0), "lift"),)}, "which is missing"),
-    ("damping", {"ratio": 1.0}, "no light damping"), ("damping", {"ratio_frequency": 0.0}, "no light damping"),
+    ("damping", {"ratio": 1.0}, "no light damping"), ("damping", {"ratio_frequency": 0.0}, "above zero"),
     ("damping", {"ratio": None, "ratio_frequency": None, "stiffness_share": 0.5}, "splits a damping ratio"),
-    ("damping", {"stiffness_share": 1.1}, "between 0"), ("damping", {"stiffness_share": -0.1}, "between 0"),
+    ("damping", {"stiffness_share": 1.1}, "between 0"), ("damping", {"stiffness_share": -0.1}, "at least zero"),
     ("damping", {"mass_damping": 1000.0}, "damps more than the ratio"), ("damping", {"stiffness_damping": 1e-3}, "damps more than"),
     ("damping", {"mass_damping": 10.0, "stiffness_damping": 1e-7}, "give the damping one way"),
     ("damping", {"mass_damping": 2 * 0.02 * 2 * math.pi * 400, "stiffness_damping": 0.0, "stiffness_share": 0.5}, "one way"),
@@ -218,15 +218,15 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
       for value in (-1.0, math.inf)),
     ("installed", {"retainer_rotation": "loose"}, "loose"), ("installed", {"seats": "walls"}, "use planes or clamps"),
     ("installed", {"wire": None}, "give one of them"),
-    ("end", {"inactive_coils": -0.1}, "between 0 and 3"), ("end", {"inactive_coils": 3.1}, "between 0 and 3"),
-    ("end", {"ground_coils": -0.1}, "between 0 and 3"), ("end", {"ground_coils": 3.1}, "between 0 and 3"),
+    ("end", {"inactive_coils": -0.1}, "at least zero"), ("end", {"inactive_coils": 3.1}, "at most 3"),
+    ("end", {"ground_coils": -0.1}, "at least zero"), ("end", {"ground_coils": 3.1}, "at most 3"),
     ("gas", {"forces": (0.0, 1.0, 0.0)}, "as many forces"), ("gas", {"cam_angles": (0.0, 1.0), "forces": (0.0, 0.0)}, "at least three"),
     ("gas", {"cam_angles": (0.0, 1.0, 1.0, 2.0)}, "must increase"), ("gas", {"cam_angles": (0.0, 1.0, 2.0, 6.3)}, "less than one cam revolution"),
-    ("follower", {"shape": "round"}, "is unknown"), ("follower", {"shape": "roller"}, "needs a positive radius"),
+    ("follower", {"shape": "round"}, "is not among"), ("follower", {"shape": "roller"}, "needs a positive radius"),
     ("follower", {"shape": "domed"}, "needs a positive radius"), ("follower", {"radius": 0.01}, "has no radius"),
     ("follower", {"shape": "knife", "radius": 0.01}, "has no radius"),
     ("follower", {"tilt": 0.53}, "below 30 degrees"), ("follower", {"tilt": -0.53}, "below 30 degrees"),
-    *(("follower", {name: value}, "must not be negative" if value < 0 else "not a finite number")
+    *(("follower", {name: value}, "at least zero" if value < 0 else "not a finite number")
       for name in ("mass", "damping", "friction") for value in (-1.0, math.inf)),
     ("buckling", {"free_length": -0.08}, "free_length"), ("buckling", {"free_length": 80.0}, "free_length"),
     ("buckling", {"mean_diameter": 0.0}, "mean_diameter"),

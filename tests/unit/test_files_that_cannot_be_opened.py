@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
+import valvetrain as vt
 from valvetrain.errors import InputError
 from valvetrain.explore.files import text_of_file
 from valvetrain.explore.identification_file import read_request
 from valvetrain.film.frames import open_film
 from valvetrain.measured.tables import read_content
 from valvetrain.parameters.loading import load_case
-from valvetrain.parameters.writing import replace_file
 from valvetrain.rig.reader import read_recording
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.solution.atomic import checked_content
@@ -98,6 +98,6 @@ def test_a_file_that_is_replaced_keeps_its_mode(mode, tmp_path):
     if mode is not None:
         path.write_text("old")
         path.chmod(mode)
-    replace_file(path, "new\n")
-    assert path.read_text() == "new\n"
+    vt.Case("job-t").save(path)
+    assert vt.load(path) == vt.Case("job-t")
     assert path.stat().st_mode & 0o777 == (usual.stat().st_mode & 0o777 if mode is None else mode)

@@ -158,7 +158,7 @@ def test_the_noise_is_carried_into_forces(table, tmp_path):
     case, law = vt.load_case("job-t"), vt.load_case(str(own_case(tmp_path))).lift_law
     spreads = []
     for noise in (2e-6, 8e-6):
-        drawn = case.replace({"lift_law": law.replace(noise=noise)})
+        drawn = case.replace(lift_law=law.replace(noise=noise))
         found = lift_band_study(
             drawn, "6000 rpm", draws=6, spring_models=["modal-uniform"], workers=1
         )
@@ -170,9 +170,7 @@ def test_the_noise_is_carried_into_forces(table, tmp_path):
 
 
 def test_the_spread_does_not_depend_on_workers(table, tmp_path):
-    case = vt.load_case("job-t").replace(
-        {"lift_law": vt.load_case(str(own_case(tmp_path))).lift_law}
-    )
+    case = vt.load_case("job-t").replace(lift_law=vt.load_case(str(own_case(tmp_path))).lift_law)
     words = {"draws": 4, "spring_models": ["massless"]}
     found = [lift_band_study(case, "5000 rpm", workers=n, **words).spreads for n in (1, 2)]
     assert list(map(repr, found[0])) == list(map(repr, found[1]))

@@ -65,7 +65,7 @@ def test_a_cam_that_touches_nothing_fails_the_run():
 
 def test_a_flight_of_more_than_a_revolution_is_motion_of_the_model():
     """A heavy follower on a weak spring comes back to its cam: no failure, whatever its period."""
-    from valvetrain.parameters.train import ValveParameters
+    from valvetrain.parameters.train_parts import ValveParameters
 
     train = direct(model="single-mass", valve=ValveParameters(0.9))
     built = system(train, spring=MasslessSpring(2e3, 60.0, 0.0))

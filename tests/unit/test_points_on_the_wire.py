@@ -32,8 +32,8 @@ def test_points_are_told_by_file_program_and_varied_quantity_alike():
     assert vary(told, {Varied("points.node_2", operation="offset"): 0.25}).points[
         "node_2"
     ] == pytest.approx(2.15)
-    assert told.replace({"points.node_2": 1.8}).points["node_2"] == 1.8
-    assert vt.load_case("gu2021-beehive-blind").replace({"points.node_2": 1.8}).points == {
+    assert told.replace(points={"node_2": 1.8}).points["node_2"] == 1.8
+    assert vt.load_case("gu2021-beehive-blind").replace(points={"node_2": 1.8}).points == {
         "node_2": 1.8
     }
     assert vt.load_case("gu2021-beehive-blind").points == {} and told != vt.load_case(
@@ -72,42 +72,28 @@ def test_points_that_nobody_reads_are_refused(changes, words):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"points.node_3": 2.0}, "points.node_3: study 'gu2021' reads no point 'node_3'; .*node_2"),
-        ({"points.node_2": 7.5}, "points.node_2: coil 7.5 is beyond the wire of 7 coils"),
-        ({"points.node_2": -0.1}, "points.node_2: coil -0.1 is beyond the wire"),
-        ({"points.node_2": math.nan}, "points.node_2: nan is no coil number"),
-        ({"points.node_2": "near the tip"}, "points.node_2: 'near the tip' is no coil number"),
-        ({"points.node_2": True}, "points.node_2: True is no coil number"),
         (
-            {"points.node_2": 2.0, "study": ""},
+            {"points": {"node_3": 2.0}},
+            "points.node_3: study 'gu2021' reads no point 'node_3'; .*node_2",
+        ),
+        ({"points": {"node_2": 7.5}}, "points.node_2: coil 7.5 is beyond the wire of 7 coils"),
+        ({"points": {"node_2": -0.1}}, "points.node_2: coil -0.1 is beyond the wire"),
+        ({"points": {"node_2": math.nan}}, "points.node_2: nan is no coil number"),
+        ({"points": {"node_2": "near the tip"}}, "points.node_2: 'near the tip' is no coil number"),
+        ({"points": {"node_2": True}}, "points.node_2: True is no coil number"),
+        (
+            {"points": {"node_2": 2.0}, "study": ""},
             "points: the points are those that a published study reads",
         ),
-        ({"points.node_2": 2.0, "study": "vasilyev2016"}, "reads no point 'node_2'; it names none"),
+        (
+            {"points": {"node_2": 2.0}, "study": "vasilyev2016"},
+            "reads no point 'node_2'; it names none",
+        ),
     ],
 )
 def test_points_set_in_a_program_are_refused_alike(changes, words):
     with pytest.raises(vt.InputError, match=words):
-        vt.load_case("gu2021-beehive-blind").replace(changes)
-
-
-@pytest.mark.parametrize("key", ["event_end", "closing_flank_shape"])
-def test_a_program_sets_a_number_that_the_lift_law_has_and_the_case_does_not_give(key):
-    """As the file takes it; one that no such law has stays refused."""
-    value = {
-        "event_end": "230 deg",
-        "closing_flank_shape": [0.1, 0.2, 0.9, 1.4, 0.2, -1.4, -0.5, -0.6, -0.9],
-    }[key]
-    plain = vt.load_case("gu2021-beehive-blind")
-    told, set_here = (
-        vt.load_case("gu2021-beehive-blind", {f"lift_law.{key}": value}),
-        plain.replace({f"lift_law.{key}": value}),
-    )
-    angles = np.linspace(0, 2 * np.pi, 73)
-    lifts = [vt.cam.build_lift_law(case.lift_law).lift(angles) for case in (plain, told, set_here)]
-    np.testing.assert_array_equal(lifts[1], lifts[2])
-    assert np.abs(lifts[0] - lifts[2]).max() > 1e-6 and set_here.changed == (f"lift_law.{key}",)
-    with pytest.raises(vt.InputError, match=r"there is no value 'lift_law\.dwell'"):
-        plain.replace({"lift_law.dwell": 0.1})
+        vt.load_case("gu2021-beehive-blind").replace(**changes)
 
 
 def test_numbers_of_nodes_are_read_where_the_case_says():

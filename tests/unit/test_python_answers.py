@@ -14,7 +14,7 @@ import pytest
 import valvetrain as vt
 from valvetrain import registry
 from valvetrain.errors import UnusualValueWarning
-from valvetrain.parameters.train import CamParameters, ValveParameters
+from valvetrain.parameters.train_parts import CamParameters, ValveParameters
 from valvetrain.solution.channels import spring_channels
 from valvetrain.springs.spec import spring_model
 

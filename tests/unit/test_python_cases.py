@@ -355,7 +355,7 @@ def test_several_runs_are_not_one():
         (lambda case: vt.load("mine.txt"), r"\.toml"),
         (lambda case: vt.save(case, "mine.nc"), r"\.toml"),
         (lambda case: vt.diff(case, 3), "two of a kind"),
-        (lambda case: vt.Case(vt.load_case("job-t").replace({"operation.cycles": 3})), "no file"),
+        (lambda case: vt.Case(vt.load_case("job-t").replace(springs=())), "no file"),
     ],
 )
 def test_wrong_input_is_refused_in_one_sentence(wrong, sentence):

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.parameters.train import ContactParameters
+from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.rig.channels import RigQuantity
 from valvetrain.rig.cutting import CycleGrid, grid_of, set_to_zero
 from valvetrain.rig.shaft import ShaftAngle

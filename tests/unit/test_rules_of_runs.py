@@ -12,7 +12,7 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import as_written
 from valvetrain.explore.space import Varied
 from valvetrain.parameters.overrides import set_value
-from valvetrain.parameters.train_schema import LeverModel
+from valvetrain.parameters.train_parts import LeverParameters
 from valvetrain.quantities.cycle import Cycle
 
 DEG = np.pi / 180
@@ -123,19 +123,19 @@ def test_the_ratio_of_a_lever_is_that_of_its_arms(arm, ratio, taken):
         "valve_arm": arm,
         "ratio": ratio,
     }
-    assert LeverModel(
+    assert LeverParameters(
         **{name: value for name, value in own.items() if value is not None}
-    ).build().valve_arm == pytest.approx(taken)
+    ).valve_arm == pytest.approx(taken)
 
 
 def test_a_ratio_that_contradicts_the_arms_is_told_with_theirs():
     with pytest.raises(
         Exception, match=r"ratio 3 contradicts the arms, whose ratio is 1\.5; drop one of the three"
     ):
-        LeverModel(
+        LeverParameters(
             pivot=["0 mm", "0 mm"],
             inertia="1e-5 kg m^2",
             drive_arm="30 mm",
             valve_arm="45 mm",
             ratio=3.0,
-        ).build()
+        )

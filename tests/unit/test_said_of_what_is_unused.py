@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.case_changes import changed_case
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import DampingParameters, Guide, InstalledSpring
 from valvetrain.parameters.loading import load_case, parse_case
@@ -56,7 +57,9 @@ def test_a_spring_without_any_damping_is_named_where_it_moves(model):
     """Card values give none, and its surge then never fades; one number of any kind is enough."""
 
     def found(**damping):
-        case = load_case("job-t").replace({"springs.0.damping": DampingParameters(**damping)})
+        case = load_case("job-t")
+        spring = replace(case.springs[0], damping=DampingParameters(**damping))
+        case = case.replace(springs=(spring,))
         return codes(case, model)
 
     assert found() == ["no-damping"]
@@ -72,11 +75,11 @@ def test_every_spring_of_a_train_without_damping_is_named_once_and_others_are_no
 
     whole = load_case("vaz-ohc")
     assert undamped(whole, "multi-mass", "massless") == []
-    bare = {f"train.springs.{name}.0.damping.mass_damping": 0.0 for name in whole.train.springs}
-    case = whole.replace(bare)
+    bare = {f"train.springs.{name}.0.damping.mass_damping": "0 1/s" for name in whole.train.springs}
+    case = changed_case(whole, bare)
     assert undamped(case, "multi-mass", "massless") == ["outer"]
     assert undamped(case, "massless") == []
-    both = case.replace({path.replace(".0.", ".1."): 0.0 for path in bare})
+    both = changed_case(case, {path.replace(".0.", ".1."): "0 1/s" for path in bare})
     assert sorted(undamped(both, "multi-mass")) == ["inner", "outer"]
 
 

@@ -13,6 +13,7 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.findings.table import explain
+from valvetrain.parameters.case_changes import changed_case
 from valvetrain.scan.rules import causes
 from valvetrain.solution.channels import empty_channels
 from valvetrain.solution.status import Status
@@ -50,7 +51,7 @@ def scan(name: str) -> vt.scan.ScannedSpring:
 
 @cache
 def compared(wire: str) -> vt.scan.ScanComparison:
-    design = JOB.replace({"springs.0.wire.wire_diameter": wire})
+    design = changed_case(JOB, {"spring.wire_diameter": wire})
     return vt.scan.compare_scan(scan("all"), design, "2000 rpm", spring_models=["massless"])
 
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from validation.calculix.jobs import jacobian_quality
 
+from spring_shapes import conical
 from valvetrain.continuum import mesh as hexahedra
 from valvetrain.continuum.mesh import MeshOptions, sweep_spring
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import conical, cylindrical
+from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.material import OTEVA_90_SC
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -91,7 +92,7 @@ def test_no_sentence_survives_a_contact_that_is_changed(case):
 
     (spring,) = case.springs
     stiff = case.replace(
-        {"springs.0.contact": CoilContact(stiffness=2 * spring.contact.stiffness)}
+        springs=(replace(spring, contact=CoilContact(stiffness=2 * spring.contact.stiffness)),)
     ).record()
     assert load_spread(stiff) == spread_facts(stiff, SPEEDS, own_numbers(case)) == ()
 

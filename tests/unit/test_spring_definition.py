@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from spring_shapes import conical
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import (
-    conical,
-    cylindrical,
-    hourglass,
-    pitch_with_closed_ends,
-)
+from valvetrain.parameters.constructors import cylindrical, pitch_with_closed_ends
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
 from valvetrain.parameters.material import MATERIALS, OTEVA_90_SC, Material, material_by_name
 from valvetrain.parameters.spring import OPEN_END, EndCoil, SpringDefinition
@@ -150,12 +146,12 @@ def test_constructors_take_units_and_refuse_slips():
 
 
 def test_ends_and_constructors_refuse_what_cannot_be():
-    with pytest.raises(InputError, match="end coil kind 'ground'"):
+    with pytest.raises(InputError, match="kind of the end: 'ground'"):
         EndCoil("ground")
+    with pytest.raises(InputError, match="at most 3"):
+        EndCoil(inactive_coils=3.5)
     with pytest.raises(InputError, match="no space between the closed ends"):
         pitch_with_closed_ends(2.5, WIRE, PITCH)
-    with pytest.raises(InputError, match="slimmer in the middle"):
-        hourglass(WIRE, DIAMETER, 26e-3, PITCH, TURNS)
 
 
 #: Young's and shear modulus (GPa) and density (kg/m3) at room temperature, put in by hand.

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from spring_parts import CLOSED_ENDS, MODELS, PRECOMPRESSION, SLIM, UNIFORM, drive, raised_cosine
+from spring_shapes import beehive
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import beehive, cylindrical
+from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Constant
 from valvetrain.parameters.spring import OPEN_END
 from valvetrain.springs.chain_layout import axial_clearance, chain_from_definition

@@ -8,7 +8,7 @@ from valvetrain.cosserat.modes import natural_modes
 from valvetrain.cosserat.state import free_state
 from valvetrain.cosserat.static import RodStatics, TipLoads
 from valvetrain.errors import InputError
-from valvetrain.parameters.constructors import cylindrical, variable_pitch
+from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.curves import Constant, FunctionCurve, PiecewiseLinear
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
@@ -39,7 +39,7 @@ def installed(**options):
 @pytest.mark.parametrize(("slip", "reason"), [
     (lambda: definition(wire="thin"), "'thin' is not a number with a unit; a length is needed here"),
     (lambda: definition(mean=24.0), "can only be meant as 24 mm"),
-    (lambda: variable_pitch("4 mm", "24 mm", "7 N", 6), "'7 N' is a force, but a length is needed"),
+    (lambda: cylindrical("4 mm", "24 mm", "7 N", 6), "'7 N' is a force, but a length is needed"),
     (lambda: definition(material="steel"), "is no Material"), (lambda: definition(lower_end="open"), "lower_end of spring 'spring' is no EndCoil"),
     (lambda: definition(mean=PiecewiseLinear((0, 3, 3.001, 6), (24e-3, 24e-3, 34e-3, 34e-3))), "coil 3.00 .* coil diameter jumps"),
     (lambda: definition(wire=FunctionCurve(lambda u: np.where(u < 2, 4e-3, 3e-3))), "at coil 2.00 .* wire diameter jumps"),

@@ -13,12 +13,8 @@ from valvetrain.integrate.spring_return import rigid_motion, spring_return
 from valvetrain.integrate.steady import PROBE_CYCLES, accelerate, repeat_cycles
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.integrate.train_steady import _weights, steady_train
-from valvetrain.parameters.train import (
-    CamParameters,
-    ContactParameters,
-    FollowerParameters,
-    ValveParameters,
-)
+from valvetrain.parameters.schema_contact import ContactParameters
+from valvetrain.parameters.train_parts import CamParameters, FollowerParameters, ValveParameters
 from valvetrain.runs.train_runs import speed_blocks
 from valvetrain.springs.massless import MasslessSpring
 from valvetrain.springs.multi_mass import MultiMassSpring

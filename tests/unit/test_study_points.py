@@ -5,6 +5,7 @@ of that case.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -94,7 +95,7 @@ def test_a_set_of_springs_in_a_train_is_varied_by_its_place():
 
 def test_a_case_that_a_program_changed_part_by_part_is_refused():
     """Its text no longer gives it, so what follows from a value could not follow a change of it."""
-    case = BEEHIVE.replace({"springs.0.precompression": 6.5e-3})
+    case = BEEHIVE.replace(springs=(replace(BEEHIVE.springs[0], precompression=6.5e-3),))
     with pytest.raises(InputError):
         vary(case, {Varied("spring.precompression", "mm", "offset"): 1e-4})
     with pytest.raises(InputError):

@@ -8,7 +8,8 @@ import pytest
 from train_parts import KINDS, STIFF, contacts, system
 from twins.train_step import integrate_in_time
 from valvetrain.integrate.train_run import TrainOptions, runner
-from valvetrain.parameters.train import ContactParameters, SupportParameters, ValveParameters
+from valvetrain.parameters.schema_contact import ContactParameters
+from valvetrain.parameters.train_parts import SupportParameters, ValveParameters
 from valvetrain.system.train_forces import gap_state
 
 IMPACT = ContactParameters(

@@ -12,9 +12,9 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case, parse_case
-from valvetrain.parameters.train import (
+from valvetrain.parameters.schema_contact import ContactParameters
+from valvetrain.parameters.train_parts import (
     CamParameters,
-    ContactParameters,
     CrankParameters,
     FollowerParameters,
     LeverParameters,
@@ -37,16 +37,17 @@ def vaz_with_contact_stiffness(value: str):
 
 
 @pytest.mark.parametrize(("make", "words"), [
-    (lambda: ValveParameters(0.0), "mass of the valve must be positive"), (lambda: ValveParameters(-0.1), "mass of the valve must be positive"),
+    (lambda: ValveParameters(0.0), "give a value above zero"), (lambda: ValveParameters(-0.1), "give a value above zero"),
     (lambda: ValveParameters(float("nan")), "mass of the valve: nan is not a finite number"),
     (lambda: ValveParameters(0.1, friction=-1.0), "friction"), (lambda: ValveParameters(0.1, head_fraction=1.0), "head_fraction"),
-    (lambda: PushrodParameters(-0.2, (0, 0)), "mass of the pushrod"), (lambda: SupportParameters(0.0, 0.1), "stiffness of the support"),
-    (lambda: LeverParameters((0, 0), 0.03, 0.04, 0.0), "inertia of the lever"), (lambda: CamParameters(0.0), "base_radius"),
+    (lambda: PushrodParameters(-0.2, lower_end=(0, 0)), "mass of the pushrod"), (lambda: SupportParameters(0.0, 0.1), "stiffness of the support"),
+    (lambda: LeverParameters((0, 0), 0.03, 0.04, inertia=0.0), "inertia of the lever"), (lambda: CamParameters(0.0), "base_radius"),
     (lambda: CamParameters(0.01, rotation=0), "rotation"),
     (lambda: CrankParameters(0.05, 0.04, 0.001, 0.0), "connecting rod must be longer"),
-    (lambda: direct(lash=-1e-4), "lash must be zero or positive"),
+    (lambda: direct(lash=-1e-4), "at least zero"),
     (lambda: build_mechanism(direct(follower=FollowerParameters("flat")), LAW), "needs a positive mass"),
-    (lambda: direct(kind="desmodromic"), "use direct (a bucket tappet), finger"), (lambda: direct(model="solid"), "planar, lumped or single-mass"),
+    (lambda: direct(kind="desmodromic"), "use direct (a bucket tappet), finger"),
+    (lambda: direct(model="solid"), "model of the train: 'solid'"),
     (lambda: build_mechanism(finger(lever=None), LAW), "train.lever: a finger train needs a lever"),
     (lambda: build_mechanism(pushrod(pushrod=None), LAW), "needs a pushrod"),
     (lambda: build_mechanism(direct(lash=6e-3), LAW), "not smaller than the valve lift"),
@@ -57,9 +58,11 @@ def vaz_with_contact_stiffness(value: str):
      "needs a contact law for 'tappet', 'rocker' and 'valve_tip', and has cam, seat; add [train.contacts.tappet], "
      "[train.contacts.rocker], [train.contacts.valve_tip]"),
     (lambda: build_mechanism(direct(contacts=dict.fromkeys(("cam", "valve_tip", "seat"), ContactParameters("linaer"))), LAW), "did you mean linear"),
-    (lambda: build_mechanism(finger(lever=LeverParameters((-0.2, 0.0), 0.03, 0.047, 1e-4)), LAW), "cannot rest on a base circle"),
-    (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, math.pi)), LAW), "close the valve"),
-    (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, 1e-4, -math.pi / 2)), LAW), "parallel to the valve axis"),
+    (lambda: build_mechanism(finger(lever=LeverParameters((-0.2, 0.0), 0.03, 0.047, inertia=1e-4)), LAW), "cannot rest on a base circle"),
+    (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, inertia=1e-4, valve_angle=math.pi)), LAW),
+     "close the valve"),
+    (lambda: build_mechanism(finger(lever=LeverParameters((-0.03, -0.028), 0.03354, 0.047, inertia=1e-4, valve_angle=-math.pi / 2)), LAW),
+     "parallel to the valve axis"),
     (lambda: ContactParameters("linear", {}, -0.1), "friction_coefficient of the contact must not be negative"),
     (lambda: build_mechanism(direct(contacts=contacts(ROUGH)), LAW), "contact 'valve_tip' of a direct train takes no friction"),
     (lambda: build_mechanism(direct(contacts={**contacts(), "seat": ROUGH}), LAW), "move along one line"),

@@ -9,7 +9,7 @@ import pytest
 
 from train_parts import KINDS, LAW
 from valvetrain.mechanism.build import build_mechanism
-from valvetrain.parameters.train import ValveParameters
+from valvetrain.parameters.train_parts import ValveParameters
 
 MASS, SHARE = 0.08, 0.7
 #: Gravity (m/s2) and the direction (rad) in which the valve opens -> pull along it (m/s2), by hand.

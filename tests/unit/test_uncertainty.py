@@ -180,7 +180,7 @@ def test_shipped_file_belongs_to_its_case_and_to_no_other():
     )
     for other in (
         meshed("gu2021-beehive-blind", 30),
-        case.replace({"springs.0.precompression": 6.9e-3}),
+        case.replace(springs=(replace(case.springs[0], precompression=6.9e-3),)),
         case.replace(name="own-spring"),
     ):
         assert stored_error_bars.load_uncertainty(other.record()) == ()

@@ -23,12 +23,12 @@ from pathlib import Path
 import numpy as np
 
 from beehive_study.identification import case_values
+from beehive_study.rewrite import write_case_values
 from valvetrain.errors import InputError
 from valvetrain.explore.identification_file import Request, read_request
 from valvetrain.explore.identified import Identified
 from valvetrain.explore.identify import identify_request
 from valvetrain.parameters.loading import load_case
-from valvetrain.parameters.writing import write_case_values
 from valvetrain.runs.cost import Limits
 from valvetrain.runs.run import run_study
 from valvetrain.solution.atomic import digest, write_text

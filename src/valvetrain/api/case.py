@@ -433,10 +433,13 @@ class Case:
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the case file, whole or not at all; read again it gives an equal case."""
-        from valvetrain.parameters.writing import replace_file
+        from valvetrain.solution.atomic import write_text
 
         target = Path(path)
-        replace_file(target, self.text)
+        mode = target.stat().st_mode if target.exists() else None
+        write_text(target, self.text)
+        if mode is not None:  # a file that was there keeps its mode
+            target.chmod(mode)
         return target
 
     @property

@@ -11,7 +11,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.own_parts import own_name
-from valvetrain.units import Given, PlainInteger, PlainNumber
+from valvetrain.units import Given, plain_value
 from valvetrain.units.text import clipped
 
 if TYPE_CHECKING:
@@ -37,22 +37,13 @@ def as_table(value: Any, path: Sequence[str] = ()) -> Any:
         return copy.deepcopy(value.table)
     if tuple(path) == ("lift_law",):
         return lift_table(value)
-    if hasattr(value, "to_base_units"):  # pint and what speaks as it does
-        return _quantity_text(value)
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    elif isinstance(value, np.generic):
-        value = value.item()
+    value = plain_value(value)
     if isinstance(value, Mapping):
         return {str(key): as_table(item, (*path, str(key))) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
         return [as_table(item, (*path, "")) for item in value]
-    if isinstance(value, (bool, str)):
+    if isinstance(value, (bool, str, int, float)):
         return value
-    if isinstance(value, int):
-        return PlainInteger(value)
-    if isinstance(value, float):
-        return PlainNumber(value)
     if path[-1:] == ("law",):
         return own_name(value)
     if path[-1:] == ("contact",) or path[-2:-1] == ("contacts",):
@@ -60,13 +51,6 @@ def as_table(value: Any, path: Sequence[str] = ()) -> Any:
     raise InputError(
         f"{clipped(repr(value))} is no value of a case; give text with a unit, an SI number, a list or a table"
     )
-
-
-def _quantity_text(value: Any) -> Any:
-    magnitude = value.magnitude
-    if getattr(magnitude, "shape", ()) != ():
-        return [_quantity_text(item) for item in value]
-    return f"{float(magnitude)!r} {value.units:~C}".strip()
 
 
 def lift_table(law: Lift) -> dict[str, Any]:

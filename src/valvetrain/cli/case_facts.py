@@ -201,10 +201,10 @@ def _wire_facts(wire: SpringDefinition) -> list[tuple[str, str]]:
     ]
     return [
         ("spring", f"{wire.name}, {wire.hand}-handed"),
-        ("wire diameter", value_text(wire.wire_diameter, "wire_diameter")),
-        ("mean coil diameter", value_text(wire.mean_diameter, "mean_diameter")),
-        ("pitch", value_text(wire.pitch, "pitch")),
-        ("material", value_text(wire.material, "material")),
+        ("wire diameter", value_text(wire.wire_diameter)),
+        ("mean coil diameter", value_text(wire.mean_diameter)),
+        ("pitch", value_text(wire.pitch)),
+        ("material", value_text(wire.material)),
         ("end coils", "; ".join(ends)),
     ]
 

@@ -122,7 +122,7 @@ def lift_band_study(
     >>> stations = 9e-3 * np.clip(1 - ((angles - np.pi) / np.radians(60)) ** 2, 0, None) ** 3
     >>> values = {"cam_angles": tuple(angles), "lifts": tuple(stations), "noise": 3e-6, "band": 0.0, "draw": 0}
     >>> case = vt.load_case("job-t")
-    >>> case = case.replace({"lift_law": type(case.lift_law)("measured", values)})
+    >>> case = case.replace(lift_law=type(case.lift_law)("measured", values))
     >>> found = lift_band_study(case, "2000 rpm", draws=4, spring_models="massless", workers=1)
     >>> found.spread("peak_spring_force").draws
     4
@@ -189,7 +189,7 @@ def _study_of(shared: _Shared, draw: int) -> Study:
     """The study of one draw, its channels left behind but for the mean."""
     law = shared.case.lift_law
     assert law is not None
-    case = shared.case.replace({"lift_law": law.replace(draw=draw)}) if draw else shared.case
+    case = shared.case.replace(lift_law=law.replace(draw=draw)) if draw else shared.case
     models, sets = shared.spring_models, shared.spring_sets
     study = simulate(
         case, shared.engine_speeds, spring_models=models, spring_set=sets, workers=1, limit=WHOLE

@@ -24,7 +24,8 @@ from valvetrain.mechanism.planar import (
     valve_parts,
 )
 from valvetrain.mechanism.rigid import RatioCurve, RigidKinematics, check_lash
-from valvetrain.parameters.train import LeverParameters, TrainParameters
+from valvetrain.parameters.train import TrainParameters
+from valvetrain.parameters.train_parts import LeverParameters
 
 
 def build_lever(

@@ -21,7 +21,8 @@ from valvetrain.mechanism.contour import (
 )
 from valvetrain.mechanism.gap_kinds import ARC_RADIUS, CAM_FLAT, CAM_ROUND, LINEAR
 from valvetrain.mechanism.parts import LINK, Coordinate, ElasticLink, Interaction
-from valvetrain.parameters.train import CrankParameters, FollowerParameters, TrainParameters
+from valvetrain.parameters.train import TrainParameters
+from valvetrain.parameters.train_parts import CrankParameters, FollowerParameters
 
 Array = NDArray[np.float64]
 

@@ -1,9 +1,4 @@
-from valvetrain.parameters.constructors import barrel as barrel
-from valvetrain.parameters.constructors import beehive as beehive
-from valvetrain.parameters.constructors import conical as conical
 from valvetrain.parameters.constructors import cylindrical as cylindrical
-from valvetrain.parameters.constructors import hourglass as hourglass
-from valvetrain.parameters.constructors import variable_pitch as variable_pitch
 from valvetrain.parameters.curves import Constant as Constant
 from valvetrain.parameters.curves import FunctionCurve as FunctionCurve
 from valvetrain.parameters.curves import PiecewiseLinear as PiecewiseLinear

@@ -12,7 +12,7 @@ from typing import Any, Literal, get_args
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.changes import changed, differences, nearest
+from valvetrain.parameters.changes import differences, nearest
 from valvetrain.parameters.identity import content_digest
 from valvetrain.parameters.installed_spring import (
     CoilContact,
@@ -24,7 +24,7 @@ from valvetrain.parameters.lift_law import FrozenMapping, LiftLawParameters
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.force_peak import FORCE_BANDWIDTH
-from valvetrain.solution.provenance import CaseRecord, CaseValue, PublishedValue
+from valvetrain.solution.provenance import CaseRecord, PublishedValue
 from valvetrain.units import believed, keep_si, si_speeds
 
 
@@ -69,6 +69,8 @@ __all__ = [
 
 ValueStatus = Literal["measured", "published", "assumed", "identified"]
 STATUSES: tuple[str, ...] = get_args(ValueStatus)
+#: Fields of a case that are words about it.
+_WORDS = ("name", "title", "description", "text", "changed")
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,9 +149,9 @@ class Case:
 
     >>> import valvetrain as vt
     >>> case = vt.load_case("job-t")
-    >>> shorter = case.replace({"springs.0.precompression": "6 mm"}, name="shorter")
-    >>> sorted(case.diff(shorter))
-    ['name', 'springs.0.precompression']
+    >>> slow = case.replace(operation=case.operation.replace(cycles=3), name="slow")
+    >>> sorted(case.diff(slow))
+    ['name', 'operation.cycles']
     """
 
     name: str
@@ -173,38 +175,23 @@ class Case:
         object.__setattr__(self, "notes", FrozenMapping(self.notes))
         object.__setattr__(self, "points", FrozenMapping(self.points))
 
-    def replace(self, changes: Mapping[str, Any] | None = None, /, **fields: Any) -> Case:
-        """A copy with fields changed; ``changes`` takes dotted paths:
-        ``case.replace({"springs.0.precompression": 0.006}, name="short")``.
+    def replace(self, **fields: Any) -> Case:
+        """A copy with fields changed, which follow ``text`` as remarks; ``changed`` names them.
 
-        The new values are SI, text with a unit ("6 mm") or pint quantities and follow
-        ``text`` as remarks; ``changed`` names their paths. Raises :class:`InputError` for a path
-        that does not exist, with the nearest one that does, and for a wrong unit.
+        Raises :class:`InputError` for points that cannot be read.
         """
-        from valvetrain.parameters.summary import si_at
-
-        every = {path: si_at(path, value) for path, value in {**(changes or {}), **fields}.items()}
-        result = changed(self, every)
-        assert isinstance(result, Case)
+        result = replace(self, **fields)
         refused = point_problem(result.study, result.points, result.springs)
         if refused is not None:
             raise InputError(refused[1], ".".join(filter(None, ("points", refused[0]))))
-        changed_keys = [
-            path
-            for path in every
-            if path.split(".")[0] not in ("name", "title", "description", "text", "changed")
-        ]
+        names = [name for name in fields if name not in _WORDS]
         remarks = "".join(
-            f"# changed: {path} = {' '.join(repr(every[path]).split())}\n" for path in changed_keys
+            f"# changed: {name} = {' '.join(repr(fields[name]).split())}\n" for name in names
         )
-        return (
-            replace(
-                result,
-                text=result.text + remarks,
-                changed=tuple(dict.fromkeys((*result.changed, *changed_keys))),
-            )
-            if changed_keys
-            else result
+        return replace(
+            result,
+            text=result.text + remarks,
+            changed=tuple(dict.fromkeys((*result.changed, *names))),
         )
 
     def diff(self, other: Case) -> dict[str, tuple[Any, Any]]:
@@ -251,13 +238,7 @@ class Case:
         Keys of works that valvetrain/references.bib does not hold are shown as they are.
         """
         from valvetrain.citations import cite, references
-        from valvetrain.parameters.summary import value_text_at
 
-        # In the file the springs are [spring], or [[spring]] with places.
-        paths = {
-            path: f"springs{path[6:]}" if path.partition(".")[0] == "spring" else path
-            for path in self.notes
-        }
         return CaseRecord(
             name=self.name,
             title=self.title,
@@ -265,10 +246,6 @@ class Case:
             study=self.study,
             remarks=self.remarks,
             published=self.published,
-            values=tuple(
-                CaseValue(path, value_text_at(self, paths[path]), note.status or "", note.source)
-                for path, note in self.notes.items()
-            ),
             citations=tuple(cite(key) if key in references() else key for key in self.cite()),
             zero_of_angle=self.lift_law.zero_of_angle if self.lift_law is not None else "",
             changed=self.changed,

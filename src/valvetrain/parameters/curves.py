@@ -66,16 +66,8 @@ class Constant:
 
 
 @dataclass(frozen=True, slots=True)
-class PiecewiseLinear:
-    """Straight lines between (coil, value) knots, held constant beyond the first and last knot.
-
-    ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint
-    quantities), or text such as "4, 7, 4 mm". Raises :class:`InputError` when fewer than two knots
-    are given, the coils do not increase or a value is no length.
-
-    >>> PiecewiseLinear((0, 3, 6), "4, 7, 4 mm").values
-    (0.004, 0.007, 0.004)
-    """
+class _Knots:
+    """Rising coil numbers and as many lengths (m)."""
 
     coils: tuple[float, ...]
     values: tuple[float, ...]
@@ -87,7 +79,32 @@ class PiecewiseLinear:
     def __post_init__(self) -> None:
         object.__setattr__(self, "coils", si_each(self.coils, "ratio", "coils of a curve"))
         object.__setattr__(self, "values", si_each(self.values, "length", "values of a curve"))
-        _check_knots(self.coils, self.values)
+        coils, values = self.coils, self.values
+        if len(coils) != len(values):
+            raise InputError(
+                f"a curve has {len(coils)} coil numbers but {len(values)} values; give one value per coil number"
+            )
+        if len(coils) < 2:
+            raise InputError("a curve needs at least two knots; give a constant for one value")
+        if not (np.all(np.isfinite(coils)) and np.all(np.isfinite(values))):
+            raise InputError("a curve holds a value that is not a finite number; replace it")
+        if np.any(np.diff(coils) <= 0):
+            raise InputError(
+                "the coil numbers of a curve must increase; sort them and remove repeats"
+            )
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class PiecewiseLinear(_Knots):
+    """Straight lines between (coil, value) knots, held constant beyond the first and last knot.
+
+    ``coils``: rising coil numbers; ``values``: as many lengths (m, text with a unit, pint
+    quantities), or text such as "4, 7, 4 mm". Raises :class:`InputError` when fewer than two knots
+    are given, the coils do not increase or a value is no length.
+
+    >>> PiecewiseLinear((0, 3, 6), "4, 7, 4 mm").values
+    (0.004, 0.007, 0.004)
+    """
 
     def value(self, coil: ArrayLike) -> Array:
         found: Array = np.interp(np.asarray(coil, dtype=float), self.coils, self.values)
@@ -120,8 +137,8 @@ class PiecewiseLinear:
         return found
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
+@dataclass(frozen=True, slots=True, init=False)
+class Table(_Knots):
     """A measured or drawn table, interpolated by a shape-preserving cubic (PCHIP): C1, no
     overshoot.
 
@@ -132,18 +149,6 @@ class Table:
     >>> Table((0, 3, 6), "4, 7, 4 mm").values
     (0.004, 0.007, 0.004)
     """
-
-    coils: tuple[float, ...]
-    values: tuple[float, ...]
-
-    if TYPE_CHECKING:
-
-        def __init__(self, coils: Iterable[float], values: str | Iterable[Given]) -> None: ...
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "coils", si_each(self.coils, "ratio", "coils of a curve"))
-        object.__setattr__(self, "values", si_each(self.values, "length", "values of a curve"))
-        _check_knots(self.coils, self.values)
 
     def _interpolant(self) -> PchipInterpolator:
         from scipy.interpolate import PchipInterpolator
@@ -205,19 +210,6 @@ class FunctionCurve:
         points = (edges[:-1, None] + np.diff(edges)[:, None] * (nodes + 1) / 2).ravel()
         scale = (np.diff(edges)[:, None] * weights / 2).ravel()
         return coil * (self.value(np.multiply.outer(coil, points)) @ scale)
-
-
-def _check_knots(coils: tuple[float, ...], values: tuple[float, ...]) -> None:
-    if len(coils) != len(values):
-        raise InputError(
-            f"a curve has {len(coils)} coil numbers but {len(values)} values; give one value per coil number"
-        )
-    if len(coils) < 2:
-        raise InputError("a curve needs at least two knots; give a constant for one value")
-    if not (np.all(np.isfinite(coils)) and np.all(np.isfinite(values))):
-        raise InputError("a curve holds a value that is not a finite number; replace it")
-    if np.any(np.diff(coils) <= 0):
-        raise InputError("the coil numbers of a curve must increase; sort them and remove repeats")
 
 
 @dataclass(frozen=True, slots=True)

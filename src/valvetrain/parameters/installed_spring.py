@@ -5,15 +5,27 @@ and the options of its models.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.lift_law import FrozenMapping
-from valvetrain.parameters.schema_types import quantity
+from valvetrain.parameters.schema_types import (
+    FOLLOWS,
+    DampingRate,
+    Frequency,
+    PositiveLength,
+    Ratio,
+    Table,
+    Time,
+    problem,
+    quantity,
+    table,
+)
 from valvetrain.parameters.spring import SpringDefinition
 from valvetrain.units import keep_si
 
@@ -41,6 +53,8 @@ class SpringCard:
 
 
 Share = Annotated[float, quantity("ratio", low=0.0, high=1.0)]
+PositiveLineStiffness = Annotated[float, quantity("line stiffness", low=0.0, open_low=True)]
+NormalForce = Annotated[float, quantity("force", low=0.0)]
 
 
 #: Share of a given ratio that is stiffness-proportional when the case does not say: the
@@ -50,8 +64,8 @@ DEFAULT_STIFFNESS_SHARE = 0.5
 AGREEMENT = 0.005
 
 
-@dataclass(frozen=True, slots=True)
-class DampingParameters:
+@table("the damping")
+class DampingParameters(Table):
     """Rayleigh damping, force = (``mass_damping`` M + ``stiffness_damping`` K) velocity.
 
     Give the coefficients (1/s and s), or ``ratio`` (of critical) at ``ratio_frequency`` (Hz) with
@@ -61,69 +75,75 @@ class DampingParameters:
     are numbers. Raises :class:`InputError` when two ways of saying it disagree.
     """
 
-    mass_damping: float = None  # type: ignore[assignment]
-    stiffness_damping: float = None  # type: ignore[assignment]
-    ratio: float | None = None
-    ratio_frequency: float | None = None
-    stiffness_share: float | None = None
+    mass_damping: DampingRate = Field(
+        default=FOLLOWS, description="damping over mass; without it and a ratio none"
+    )
+    stiffness_damping: Time = Field(
+        default=FOLLOWS, description="damping over stiffness; without it and a ratio none"
+    )
+    ratio: Ratio | None = Field(
+        default=None, description="share of critical damping at ratio_frequency"
+    )
+    ratio_frequency: Frequency | None = Field(
+        default=None, description="frequency at which ratio holds"
+    )
+    stiffness_share: Ratio | None = Field(
+        default=None,
+        description=f"share of ratio from stiffness; without it {DEFAULT_STIFFNESS_SHARE:g}",
+    )
 
     def __post_init__(self) -> None:
-        for name in ("mass_damping", "stiffness_damping", "ratio", "ratio_frequency"):
-            value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value >= 0):
-                raise InputError(f"{name} must be a finite number, zero or more; it is {value}")
         if (self.ratio is None) != (self.ratio_frequency is None):
-            raise InputError(
+            raise problem(
                 "a damping ratio holds at one frequency; give ratio and ratio_frequency together"
             )
-        if self.ratio is None:
-            if self.stiffness_share is not None:
-                raise InputError(
-                    "stiffness_share splits a damping ratio; give ratio and ratio_frequency with it, or drop it"
-                )
-            self._set(self.mass_damping or 0.0, self.stiffness_damping or 0.0)
-        else:
-            self._resolve_ratio()
+        mass, stiffness = self.mass_damping, self.stiffness_damping
+        if self.ratio is not None:
+            mass, stiffness = self._of_ratio(self.ratio)
+        elif self.stiffness_share is not None:
+            raise problem(
+                "stiffness_share splits a damping ratio; give ratio and ratio_frequency with it, or drop it"
+            )
+        object.__setattr__(self, "mass_damping", float(mass or 0.0))
+        object.__setattr__(self, "stiffness_damping", float(stiffness or 0.0))
 
-    def _resolve_ratio(self) -> None:
-        assert self.ratio is not None and self.ratio_frequency is not None
-        if self.ratio >= 1 or self.ratio_frequency <= 0:
-            raise InputError(
-                f"damping ratio {self.ratio:g} at {self.ratio_frequency:g} Hz is no light damping of a spring; "
+    def _of_ratio(self, ratio: float) -> tuple[float, float]:
+        """Coefficients (1/s and s) that make the ratio."""
+        frequency = self.ratio_frequency or 0.0
+        if ratio >= 1:
+            raise problem(
+                f"damping ratio {ratio:g} at {frequency:g} Hz is no light damping of a spring; "
                 "give a ratio below 1 (such as 0.016) at a positive frequency"
             )
-        share, circular = self.stiffness_share, 2 * math.pi * self.ratio_frequency
+        share, circular = self.stiffness_share, 2 * math.pi * frequency
         if share is not None and not 0 <= share <= 1:
-            raise InputError(
+            raise problem(
                 f"stiffness_share must be between 0 (all mass-proportional) and 1; it is {share:g}"
             )
-        mass, stiffness = self.mass_damping, self.stiffness_damping
+        mass: float | None = self.mass_damping
+        stiffness: float | None = self.stiffness_damping
         if share is None and mass is not None and stiffness is None:
-            stiffness = (2 * self.ratio - mass / circular) / circular
+            stiffness = (2 * ratio - mass / circular) / circular
         elif share is None and stiffness is not None and mass is None:
-            mass = (2 * self.ratio - stiffness * circular) * circular
+            mass = (2 * ratio - stiffness * circular) * circular
         share = DEFAULT_STIFFNESS_SHARE if share is None else share
-        mass = 2 * self.ratio * circular * (1 - share) if mass is None else mass
-        stiffness = 2 * self.ratio / circular * share if stiffness is None else stiffness
+        mass = 2 * ratio * circular * (1 - share) if mass is None else mass
+        stiffness = 2 * ratio / circular * share if stiffness is None else stiffness
         if mass < -1e-9 * circular or stiffness < -1e-9 / circular:
-            raise InputError(
-                f"the coefficient given damps more than the ratio {self.ratio:g} allows; lower it or raise the ratio"
+            raise problem(
+                f"the coefficient given damps more than the ratio {ratio:g} allows; lower it or raise the ratio"
             )
         total = mass / (2 * circular) + stiffness * circular / 2
         split_off = (
             self.stiffness_share is not None
-            and abs(stiffness * circular / 2 - share * self.ratio) > AGREEMENT * self.ratio
+            and abs(stiffness * circular / 2 - share * ratio) > AGREEMENT * ratio
         )
-        if abs(total - self.ratio) > AGREEMENT * self.ratio or split_off:
-            raise InputError(
+        if abs(total - ratio) > AGREEMENT * ratio or split_off:
+            raise problem(
                 f"mass_damping {mass:g} 1/s and stiffness_damping {stiffness:g} s make a ratio of {total:.4g} "
-                f"at {self.ratio_frequency:g} Hz, but ratio says {self.ratio:g} (share {share:g}); give the damping one way"
+                f"at {frequency:g} Hz, but ratio says {ratio:g} (share {share:g}); give the damping one way"
             )
-        self._set(max(mass, 0.0), max(stiffness, 0.0))
-
-    def _set(self, mass: float, stiffness: float) -> None:
-        object.__setattr__(self, "mass_damping", float(mass))
-        object.__setattr__(self, "stiffness_damping", float(stiffness))
+        return max(mass, 0.0), max(stiffness, 0.0)
 
     def ratio_at(self, frequency_hertz: float) -> float:
         """Damping ratio (of critical) of a mode at ``frequency_hertz`` (Hz, positive)."""
@@ -148,32 +168,29 @@ class DampingParameters:
 GUIDE_STIFFNESS = 2e10
 
 
-@dataclass(frozen=True, slots=True)
-class Guide:
-    """Walls on the axis of the seats along the whole spring: ``bore``, inner diameter around it,
-    and ``rod``, outer diameter inside it (m).
-
-    ``stiffness`` (N/m per m of wire) of the contact. The wire slides on a wall without friction.
-    One of the two must be given; raises :class:`InputError` otherwise.
+@table("the guide")
+class Guide(Table):
+    """Walls on the axis of the seats along the whole spring, on which the wire slides without friction.
 
     >>> Guide(bore=30e-3).stiffness
     20000000000.0
     """
 
-    bore: float | None = None
-    rod: float | None = None
-    stiffness: float = GUIDE_STIFFNESS
+    bore: PositiveLength | None = Field(
+        default=None, description="inner diameter of a bore around the spring; without it none"
+    )
+    rod: PositiveLength | None = Field(
+        default=None, description="outer diameter of a rod inside the spring; without it none"
+    )
+    stiffness: PositiveLineStiffness = Field(
+        default=GUIDE_STIFFNESS, description="stiffness of the contact per length of wire"
+    )
 
     def __post_init__(self) -> None:
-        keep_si(self, "the guide", bore="length", rod="length", stiffness="line stiffness")
         if self.bore is None and self.rod is None:
-            raise InputError(
+            raise problem(
                 "a guide needs the diameter of its bore, of its rod, or both; give one, or leave the guide out"
             )
-        for name in ("bore", "rod", "stiffness"):
-            value = getattr(self, name)
-            if value is not None and not value > 0:
-                raise InputError(f"{name} of the guide must be positive; it is {value:g}")
 
     def check_fit(self, spring: SpringDefinition) -> None:
         """Raise :class:`InputError` where the free spring does not fit in the bore or over the rod."""
@@ -364,14 +381,33 @@ class InstalledSpring:
         return replace(self, precompression=0.0, tied=True)
 
 
-@dataclass(frozen=True, slots=True)
-class Rubbing:
-    """Friction between nested springs: ``coefficient`` and the radial ``normal_force`` (N) with
-    which they press on each other.
-    """
+@table("the rubbing")
+class Rubbing(Table):
+    """Friction between nested springs, the [rubbing] or [train.rubbing] table."""
 
-    coefficient: float = 0.0
-    normal_force: float = 0.0
+    coefficient: Ratio = Field(
+        default=FOLLOWS, description="coefficient of friction between the springs; without it none"
+    )
+    normal_force: NormalForce = Field(
+        default=FOLLOWS,
+        description="force with which the springs press on each other; without it none",
+    )
+
+    def __post_init__(self) -> None:
+        for name, other in (("coefficient", "normal_force"), ("normal_force", "coefficient")):
+            if (getattr(self, name) or 0.0) > 0 and getattr(self, other) is None:
+                raise problem(
+                    f"{name} without {other} rubs nothing; give both, or remove the table", (name,)
+                )
+        for name in ("coefficient", "normal_force"):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, 0.0)
+
+
+def refuse_rubbing(raw: Any, springs: Iterable[Any], remedy: str) -> None:
+    """Refuse a table of rubbing where none of the ``springs``, as a file has them, is a pair."""
+    if raw and not any(isinstance(one, list) and len(one) > 1 for one in springs):
+        raise problem(f"rubbing acts between two nested springs{remedy}", ("rubbing",))
 
 
 def binding_lift(springs: tuple[InstalledSpring, ...], maximum_lift: float, group: str = "") -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import PlainValidator
 
@@ -77,8 +77,10 @@ class SpringBlocks:
             )
 
 
-def _read_blocks(raw: Any) -> SpringBlocks:
-    """One spring, or a list of one or two (outer first)."""
+def _read_blocks(raw: Any) -> SpringBlocks | tuple[InstalledSpring, ...]:
+    """One spring, or a list of one or two (outer first); installed springs as they are."""
+    if isinstance(raw, tuple) and all(isinstance(entry, InstalledSpring) for entry in raw):
+        return raw
     entries = raw if isinstance(raw, list) else [raw]
     if not 1 <= len(entries) <= 2:
         raise problem("there are one or two springs, outer first")
@@ -150,4 +152,5 @@ def is_card(entry: Mapping[str, Any]) -> bool:
     )
 
 
-SpringField = Annotated[SpringBlocks, PlainValidator(_read_blocks)]
+#: Reads the springs of one place in the file.
+READ_SPRINGS = PlainValidator(_read_blocks)

@@ -9,16 +9,16 @@ from collections import OrderedDict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator
+from pydantic import Field, PlainValidator, ValidationInfo, field_validator, model_validator
 
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import bounded_bytes, named_file
 from valvetrain.parameters.case import Case, Note, Operation, point_problem
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.installed_spring import Rubbing, refuse_rubbing
 from valvetrain.parameters.lift_law import LiftLawParameters
-from valvetrain.parameters.schema_blocks import SpringField
-from valvetrain.parameters.schema_installed import RubbingModel
+from valvetrain.parameters.schema_blocks import READ_SPRINGS, SpringBlocks
 from valvetrain.parameters.schema_lift import LiftField, LiftModel
 from valvetrain.parameters.schema_types import (
     AngularSpeed,
@@ -34,10 +34,10 @@ from valvetrain.parameters.schema_types import (
     quantity,
     validate_as,
 )
-from valvetrain.parameters.train_schema import TrainModel, of_bucket, with_cam_card
+from valvetrain.parameters.train import TrainParameters
 from valvetrain.solution.definition import definition_of
 from valvetrain.solution.provenance import PublishedValue, Role
-from valvetrain.units import dimension_of, parse_quantity, si, si_speeds
+from valvetrain.units import PlainNumber, dimension_of, parse_quantity, si, si_speeds
 
 
 class ValueModel(StrictModel):
@@ -232,13 +232,76 @@ class CaseModel(StrictModel):
     study: str = ""
     sources: list[Line] = Field(default_factory=list)
     remarks: list[Prose] = Field(default_factory=list)
-    spring: SpringField | None = None
-    rubbing: RubbingModel = RubbingModel()
+    spring: Annotated[SpringBlocks, READ_SPRINGS] | None = None
+    rubbing: Rubbing = Rubbing()
     lift_law: LiftField | None = None
     operation: OperationModel = OperationModel()
-    train: TrainModel | None = None
+    train: TrainParameters | None = None
     points: dict[str, CoilNumber] = Field(default_factory=dict)
     published: list[PublishedModel] = Field(default_factory=list)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _two_springs_rub(cls, raw: Any) -> Any:
+        remedy = "; remove it (a train has [train.rubbing])"
+        refuse_rubbing(raw.get("rubbing"), (raw.get("spring"),), remedy)
+        return raw
+
+    @field_validator("train", mode="before")
+    @classmethod
+    def _with_cam_card(cls, raw: Any, info: ValidationInfo) -> Any:
+        """A train with the ``lash``, ``rocker_ratio`` and dead centre of its lift law where it gives none."""
+        law = info.data.get("lift_law")
+        if not isinstance(raw, dict) or law is None:
+            return raw
+        train, lever, crank = dict(raw), raw.get("lever"), raw.get("crank")
+        lash, ratio, top = (
+            getattr(law, name, None) for name in ("lash", "rocker_ratio", "dead_centre")
+        )
+        if lash is not None:
+            train.setdefault("lash", PlainNumber(lash))
+        if (
+            ratio is not None
+            and isinstance(lever, dict)
+            and not {"ratio", "valve_arm"} & lever.keys()
+        ):
+            train["lever"] = {**lever, "ratio": PlainNumber(ratio)}
+        if (
+            top is not None
+            and isinstance(crank, dict)
+            and not {"top_dead_centre", "lobe_centre"} & crank.keys()
+        ):
+            train["crank"] = {**crank, "top_dead_centre": PlainNumber(top)}
+        return train
+
+    def _law(self) -> LiftModel | None:
+        """The law; a cam card over a bucket tappet, which moves the valve itself, has ``rocker_ratio`` 1.
+
+        A card that contradicts its train is refused with its own place.
+        """
+        law, train = self.lift_law, self.train
+        lash, ratio = getattr(law, "lash", None), getattr(law, "rocker_ratio", None)
+        if train is None or law is None:
+            return law
+        if lash is not None and abs(train.lash - lash) > 1e-6:
+            raise problem(
+                f"lash is {lash * 1e3:.4g} mm here and {train.lash * 1e3:.4g} mm in [train]; correct one, or leave it out of [train]",
+                ("lift_law", "lash"),
+            )
+        if train.kind == "direct" and "rocker_ratio" in type(law).model_fields:
+            if ratio not in (None, 1.0):
+                raise problem(
+                    f"a bucket tappet has no rocker, but rocker_ratio is {ratio:g}; leave it out",
+                    ("lift_law", "rocker_ratio"),
+                )
+            return law.model_copy(update={"rocker_ratio": 1.0})
+        made = None if train.lever is None else train.lever.valve_arm / train.lever.drive_arm
+        if ratio is not None and made is not None and abs(made / ratio - 1) > 0.02:
+            raise problem(
+                f"rocker_ratio is {ratio:g} here, but the lever's arms make {made:.4g}; correct one, or leave valve_arm out",
+                ("lift_law", "rocker_ratio"),
+            )
+        return law
 
     def build(
         self,
@@ -265,17 +328,12 @@ class CaseModel(StrictModel):
             raise problem(
                 f"study '{self.study[:40]}' is unknown; {nearest(self.study, known)}", ("study",)
             )
-        if self.rubbing.model_fields_set and (self.spring is None or len(self.spring.blocks) < 2):
-            raise problem(
-                "rubbing acts between two nested springs; remove it (a train has [train.rubbing])",
-                ("rubbing",),
-            )
         name = self.name or name
         springs = placed("spring", self.spring.build, name) if self.spring else ()
         refused = point_problem(self.study, self.points, springs)
         if refused is not None:
             raise problem(refused[1], ("points", *filter(None, refused[:1])))
-        law = of_bucket(self.train, self.lift_law)
+        law = self._law()
         published = (
             placed(("published", index), group.build) for index, group in enumerate(self.published)
         )
@@ -284,12 +342,10 @@ class CaseModel(StrictModel):
             title=self.title,
             description=self.description,
             springs=springs,
-            rubbing=self.rubbing.build(),
+            rubbing=self.rubbing,
             lift_law=placed("lift_law", parameters_of, law, folder) if law else None,
             operation=placed("operation", self.operation.build),
-            train=placed("train", with_cam_card(self.train, law).build)
-            if self.train is not None
-            else None,
+            train=self.train,
             published=tuple(value for group in published for value in group),
             notes=notes,
             sources=tuple(self.sources),

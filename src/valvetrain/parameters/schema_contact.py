@@ -4,7 +4,9 @@ with it in `valvetrain.contact`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
@@ -12,6 +14,7 @@ from pydantic import Field, PlainValidator
 from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import nearest
+from valvetrain.parameters.lift_law import FrozenMapping
 from valvetrain.parameters.own_parts import carrying
 from valvetrain.parameters.schema_types import (
     Force,
@@ -24,7 +27,6 @@ from valvetrain.parameters.schema_types import (
     quantity,
     validate_as,
 )
-from valvetrain.parameters.train import ContactParameters
 from valvetrain.units import dimension_powers
 
 #: Their dimension depends on the law, so the units given decide (:func:`written_for`).
@@ -43,6 +45,44 @@ _DAMPING_UNITS: dict[tuple[tuple[str, float], ...], str] = {
     (("[mass]", 1.0), ("[time]", -1.0)): "N s/m",
     (("[length]", -1.0), ("[time]", 1.0)): "s/m",
 }
+
+
+@dataclass(frozen=True, slots=True)
+class ContactParameters:
+    """A contact law by its name and numbers (SI); ``values`` are keyword arguments of laws in
+    `valvetrain.contact`.
+
+    ``friction_coefficient`` (0: none) of regularised Coulomb friction, which creeps below
+    ``friction_velocity`` (m/s). ``stiffness_exponent`` n of the N/m**n and ``damping_unit`` (``N
+    s/m`` or ``s/m``) in which the values are given, so that another law can be named over them;
+    None and empty: the units of the law named. ``origin``: where values come from that the case
+    does not give.
+    """
+
+    law: str = "linear"
+    values: Mapping[str, Any] = field(default_factory=FrozenMapping)
+    friction_coefficient: float = 0.0
+    friction_velocity: float = 0.01
+    stiffness_exponent: float | None = None
+    damping_unit: str = ""
+    origin: str = ""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.friction_coefficient) and self.friction_coefficient >= 0):
+            raise InputError(
+                f"friction_coefficient of the contact must not be negative; it is {self.friction_coefficient:g}"
+            )
+        if not (math.isfinite(self.friction_velocity) and self.friction_velocity > 0):
+            raise InputError(
+                f"friction_velocity of the contact must be positive; it is {self.friction_velocity:g}"
+            )
+        object.__setattr__(self, "values", FrozenMapping(self.values))
+
+    def replace(self, **changes: Any) -> ContactParameters:
+        """A copy with another ``law`` or with ``values`` changed."""
+        law = changes.pop("law", self.law)
+        values = changes.pop("values", self.values)
+        return replace(self, law=law, values={**values, **changes})
 
 
 class ContactTable(StrictModel):
@@ -78,6 +118,8 @@ class ContactTable(StrictModel):
 
 
 def _read_contact(raw: Any) -> ContactParameters:
+    if isinstance(raw, ContactParameters):
+        return raw
     if raw == STEEL:
         return ContactParameters(STEEL)
     if not isinstance(raw, dict) or not isinstance(raw.get("law"), str):
@@ -157,7 +199,7 @@ def _read_contacts(raw: Any) -> dict[str, ContactParameters]:
     """
     if raw == STEEL:
         return {"": ContactParameters(STEEL)}
-    if not isinstance(raw, dict):
+    if not isinstance(raw, Mapping):
         raise problem(
             f"a table of places is needed here, such as [train.contacts.cam], or contacts = '{STEEL}'"
         )

@@ -4,7 +4,6 @@ formula.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from pydantic import PlainValidator
@@ -32,24 +31,6 @@ from valvetrain.parameters.schema_types import (
 from valvetrain.units import parse_quantity
 
 
-@dataclass(frozen=True, slots=True)
-class CurveContext:
-    """What a curve may need of the rest of the spring."""
-
-    total_coils: float
-    wire_diameter: Curve | None = None
-
-
-class ConstantForm(StrictModel):
-    """``"4.0 mm"``."""
-
-    level: float
-
-    def build(self, context: CurveContext) -> Curve:
-        """The curve; raises :class:`InputError` when this form lacks or repeats something."""
-        return Constant(self.level)
-
-
 class KnotsForm(StrictModel):
     """``{ coils = [0, 4, 7], values = "22, 22, 17 mm" }``, straight between knots, or smooth with
     ``kind = "table"``.
@@ -62,7 +43,7 @@ class KnotsForm(StrictModel):
     values: Lengths | None = None
     clearances: Lengths | None = None
 
-    def build(self, context: CurveContext) -> Curve:
+    def build(self, total_coils: float, wire: Curve | None = None) -> Curve:
         """The curve; raises :class:`InputError` when this form lacks or repeats something."""
         if (self.values is None) == (self.clearances is None):
             raise InputError(
@@ -77,9 +58,9 @@ class KnotsForm(StrictModel):
         )
         if self.clearances is None:
             return curve
-        if context.wire_diameter is None:
+        if wire is None:
             raise InputError("clearances belong to a pitch; give values here")
-        return add_curves(curve, context.wire_diameter)
+        return add_curves(curve, wire)
 
 
 class FormulaForm(StrictModel):
@@ -96,30 +77,29 @@ class FormulaForm(StrictModel):
     closed_upper: Number = 1.0
     ramp: Number = 0.5
 
-    def build(self, context: CurveContext) -> Curve:
+    def build(self, total_coils: float, wire: Curve | None = None) -> Curve:
         """The curve; raises :class:`InputError` when this form lacks or repeats something."""
-        total = context.total_coils
         if self.formula in ("linear", "conical"):
             lower, upper = self._need("lower", "upper")
-            return PiecewiseLinear((0.0, total), (lower, upper))
+            return PiecewiseLinear((0.0, total_coils), (lower, upper))
         if self.formula in ("barrel", "hourglass"):
             ends, middle = self._need("ends", "middle")
             if (middle > ends) != (self.formula == "barrel"):
                 raise InputError(
                     f"formula {self.formula} has middle {middle:g} m and ends {ends:g} m, the wrong way round; swap them"
                 )
-            return Parabola(ends, middle, total)
+            return Parabola(ends, middle, total_coils)
         if self.formula == "beehive":
             lower, upper, start = self._need("lower", "upper", "taper_from_coil")
-            return PiecewiseLinear((0.0, start, total), (lower, lower, upper))
+            return PiecewiseLinear((0.0, start, total_coils), (lower, lower, upper))
         (pitch,) = self._need("pitch")
-        if not isinstance(context.wire_diameter, Constant):
+        if not isinstance(wire, Constant):
             raise InputError(
                 "formula closed-ends is a pitch for a wire of constant diameter; write the pitch over coils instead"
             )
         return pitch_with_closed_ends(
-            total,
-            context.wire_diameter.level,
+            total_coils,
+            wire.level,
             pitch,
             self.closed_lower,
             self.closed_upper,
@@ -142,18 +122,23 @@ class HeightForm(StrictModel):
     coils: Numbers
     values: Lengths
 
-    def build(self, context: CurveContext) -> Curve:
-        """The curve; raises :class:`InputError` when this form lacks or repeats something."""
+    def build(self, total_coils: float, wire: Curve | None = None) -> Curve:
+        """The pitch; raises :class:`InputError` for knots that make no curve."""
         return SlopeOf(Table(self.coils, self.values))
 
 
-CurveModel = ConstantForm | KnotsForm | FormulaForm
+CurveForm = Constant | KnotsForm | FormulaForm
 
 
-def _read_curve(raw: Any) -> CurveModel:
+def curve_of(form: CurveForm | HeightForm, total_coils: float, wire: Curve | None = None) -> Curve:
+    """The curve of what a file has, over ``total_coils`` turns of a ``wire``; raises :class:`InputError`."""
+    return form if isinstance(form, Constant) else form.build(total_coils, wire)
+
+
+def _read_curve(raw: Any) -> CurveForm:
     if not isinstance(raw, dict):
-        return ConstantForm(level=float(guarded(parse_quantity, raw, "length")))
+        return Constant(float(guarded(parse_quantity, raw, "length")))
     return validate_as(FormulaForm, raw) if "formula" in raw else validate_as(KnotsForm, raw)
 
 
-CurveField = Annotated[CurveModel, PlainValidator(_read_curve)]
+CurveField = Annotated[CurveForm, PlainValidator(_read_curve)]

@@ -11,22 +11,16 @@ from pydantic import Field, PlainValidator, ValidatorFunctionWrapHandler, WrapVa
 
 from valvetrain import registry
 from valvetrain.parameters.installed_spring import (
-    DEFAULT_STIFFNESS_SHARE,
-    GUIDE_STIFFNESS,
     CoilContact,
     DampingParameters,
     Guide,
     InstalledSpring,
-    Rubbing,
 )
 from valvetrain.parameters.own_parts import carrying
 from valvetrain.parameters.schema_spring import SpringCardModel, SpringModel
 from valvetrain.parameters.schema_types import (
-    DampingRate,
-    Frequency,
     Length,
     PositiveLength,
-    Ratio,
     StrictModel,
     Time,
     guarded,
@@ -37,7 +31,7 @@ from valvetrain.parameters.schema_types import (
 )
 from valvetrain.parameters.spring_options import options_problem, options_table
 
-_CONTACT, _RUBBING = CoilContact(), Rubbing()
+_CONTACT = CoilContact()
 #: Shorter compressions (m) come from rounding: the spring is installed at its free length.
 ROUNDING = 1e-9
 EndContact = Literal["lifting", "bonded"]
@@ -46,34 +40,6 @@ END_CONTACT = Field(
     description="whether the ends lift off seat and retainer, or are bonded and pull; by default they lift, between clamps they are bonded",
 )
 LineStiffness = Annotated[float, quantity("line stiffness", low=0.0)]
-PositiveLineStiffness = Annotated[float, quantity("line stiffness", low=0.0, open_low=True)]
-NormalForce = Annotated[float, quantity("force", low=0.0)]
-
-
-class DampingModel(StrictModel):
-    """The ``damping`` of a spring."""
-
-    ratio: Ratio | None = Field(
-        default=None, description="share of critical damping at ratio_frequency"
-    )
-    ratio_frequency: Frequency | None = Field(
-        default=None, description="frequency at which ratio holds"
-    )
-    stiffness_share: Ratio | None = Field(
-        default=None,
-        description=f"share of ratio from stiffness; without it {DEFAULT_STIFFNESS_SHARE:g}",
-    )
-    mass_damping: DampingRate | None = Field(
-        default=None, description="damping over mass; without it and a ratio none"
-    )
-    stiffness_damping: Time | None = Field(
-        default=None, description="damping over stiffness; without it and a ratio none"
-    )
-
-    def build(self) -> DampingParameters:
-        """The damping; refuses two ways of giving it that disagree."""
-        made: DampingParameters = guarded(lambda: DampingParameters(**self.model_dump()))
-        return made
 
 
 class CoilContactModel(StrictModel):
@@ -108,47 +74,6 @@ def _by_law(raw: Any, read: ValidatorFunctionWrapHandler) -> Any:
 CoilContactField = Annotated[CoilContactModel, WrapValidator(_by_law)]
 
 
-class GuideModel(StrictModel):
-    """The ``guide`` of a wire: what keeps it straight."""
-
-    bore: PositiveLength | None = Field(
-        default=None, description="inner diameter of a bore around the spring; without it none"
-    )
-    rod: PositiveLength | None = Field(
-        default=None, description="outer diameter of a rod inside the spring; without it none"
-    )
-    stiffness: PositiveLineStiffness = Field(
-        default=GUIDE_STIFFNESS, description="stiffness of the contact per length of wire"
-    )
-
-    def build(self) -> Guide:
-        """The guide; refuses one without any wall."""
-        made: Guide = guarded(lambda: Guide(**self.model_dump()))
-        return made
-
-
-class RubbingModel(StrictModel):
-    """The [rubbing] or [train.rubbing] table: friction between nested springs."""
-
-    coefficient: Ratio = Field(
-        default=_RUBBING.coefficient, description="coefficient of friction between the springs"
-    )
-    normal_force: NormalForce = Field(
-        default=_RUBBING.normal_force,
-        description="force with which the springs press on each other",
-    )
-
-    def build(self) -> Rubbing:
-        """The rubbing of this table; refuses half of it, which rubs nothing."""
-        for given, missing in (("coefficient", "normal_force"), ("normal_force", "coefficient")):
-            if getattr(self, given) > 0 and missing not in self.model_fields_set:
-                raise problem(
-                    f"{given} without {missing} rubs nothing; give both, or remove the table",
-                    (given,),
-                )
-        return Rubbing(self.coefficient, self.normal_force)
-
-
 def _read_options(raw: Any) -> dict[str, StrictModel]:
     if not isinstance(raw, dict):
         raise problem("a table of spring-model words is needed here, such as options.multi-mass")
@@ -172,13 +97,13 @@ class WireBlock(SpringModel):
     seats: Literal["planes", "clamps"] = Field(
         default="planes", description="flat seats, or nothing but the fixed inactive ends"
     )
-    damping: DampingModel = DampingModel()
+    damping: DampingParameters = DampingParameters()
     contact: CoilContactField = CoilContactModel()
     end_contact: EndContact | None = END_CONTACT
     retainer_rotation: Literal["fixed", "free"] = Field(
         default="fixed", description="whether the retainer may turn about the axis at rest"
     )
-    guide: GuideModel | None = Field(
+    guide: Guide | None = Field(
         default=None, description="bore or rod that keeps the spring straight"
     )
     options: Options = Field(default_factory=dict)
@@ -213,15 +138,14 @@ class WireBlock(SpringModel):
                 "ends between clamps cannot lift; give seats = 'planes', or bonded ends",
                 ("end_contact",),
             )
-        guide = None if self.guide is None else placed("guide", self.guide.build)
-        if guide is not None:
-            placed("guide", guarded, lambda: guide.check_fit(wire))
+        if self.guide is not None:
+            placed("guide", self.guide.check_fit, wire)
         return _assembled(
             self,
             wire=wire,
             precompression=compression,
             seats=self.seats,
-            guide=guide,
+            guide=self.guide,
             retainer_rotation=self.retainer_rotation,
         )
 
@@ -229,7 +153,7 @@ class WireBlock(SpringModel):
 class CardBlock(SpringCardModel):
     """A spring by its catalogue card."""
 
-    damping: DampingModel = DampingModel()
+    damping: DampingParameters = DampingParameters()
     contact: CoilContactField = CoilContactModel()
     end_contact: EndContact | None = END_CONTACT
     options: Options = Field(default_factory=dict)
@@ -249,11 +173,10 @@ def _assembled(block: WireBlock | CardBlock, **known: Any) -> InstalledSpring:
         options["finite-element"] = {"lifting_ends": True, **options.get("finite-element", {})}
     if (wrong := options_problem(options, "card" in known)) is not None:
         raise problem(wrong[2], ("options", *wrong[:2]))
-    damping = placed("damping", block.damping.build)
     contact = placed("contact", block.contact.build)
     built: InstalledSpring = guarded(
         lambda: InstalledSpring(
-            damping=damping,
+            damping=block.damping,
             contact=contact,
             options=options,
             tied=block.end_contact == "bonded",

@@ -6,7 +6,7 @@ import warnings
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, PlainValidator
+from pydantic import Field, PlainValidator, ValidatorFunctionWrapHandler, WrapValidator
 
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.card_doubts import doubtful_turns
@@ -14,7 +14,7 @@ from valvetrain.parameters.constructors import is_closed, pitch_with_closed_ends
 from valvetrain.parameters.curves import Constant, Curve, add_curves
 from valvetrain.parameters.installed_spring import SpringCard
 from valvetrain.parameters.material import Material, material_by_name
-from valvetrain.parameters.schema_curves import CurveContext, CurveField, HeightForm
+from valvetrain.parameters.schema_curves import CurveField, HeightForm, curve_of
 from valvetrain.parameters.schema_types import (
     Density,
     Force,
@@ -36,36 +36,17 @@ MAX_COILS = 200.0
 #: A card of fewer active turns is a slip of units, and a chain of its mass could not be damped.
 MIN_TURNS = 0.3
 
-EndTurns = Annotated[float, quantity("ratio", low=0.0, high=3.0)]
 PoissonRatio = Annotated[float, quantity("ratio", low=-1.0, high=0.5)]
 TotalCoils = Annotated[float, quantity("ratio", low=0.0, high=MAX_COILS, open_low=True)]
 
 
-class EndModel(StrictModel):
-    """One end coil; an open end is inactive and ground over no turns unless it says so."""
-
-    kind: EndKind = "closed-ground"
-    inactive_coils: EndTurns | None = None
-    ground_coils: EndTurns | None = None
-
-    def build(self) -> EndCoil:
-        """The end coil, with the default turns of its kind."""
-        given = {"inactive_coils": self.inactive_coils, "ground_coils": self.ground_coils}
-        return EndCoil(
-            self.kind, **{name: turns for name, turns in given.items() if turns is not None}
-        )
-
-    def wound(self) -> EndCoil | EndKind:
-        """The end of a spring given by its free length: its kind alone where no turns are given,
-        for the textbook's to hold.
-        """
-        return (
-            self.kind if self.inactive_coils is None and self.ground_coils is None else self.build()
-        )
-
-
-def _read_end(raw: Any) -> EndModel:
-    return validate_as(EndModel, {"kind": raw} if isinstance(raw, str) else raw)
+def _read_end(raw: Any, read: ValidatorFunctionWrapHandler) -> Any:
+    """An end with its turns; its kind alone where no turns are given, since those of a spring given by its
+    free length are the textbook's.
+    """
+    table = {"kind": raw} if isinstance(raw, str) else raw
+    end: EndCoil = read(table)
+    return end if isinstance(raw, EndCoil) or table.keys() - {"kind"} else end.kind
 
 
 class MaterialModel(StrictModel):
@@ -114,7 +95,7 @@ def _read_material(raw: Any) -> Material:
 MaterialField = Annotated[Material, PlainValidator(_read_material)]
 #: Of a card that names no material.
 DEFAULT_MATERIAL = material_by_name("EN 10270-2 VDSiCr")
-EndField = Annotated[EndModel, PlainValidator(_read_end)]
+EndField = Annotated[EndCoil, WrapValidator(_read_end)]
 
 
 class SpringModel(StrictModel):
@@ -144,10 +125,9 @@ class SpringModel(StrictModel):
     def build(self, name: str) -> SpringDefinition:
         """The spring this table defines; raises pydantic's located error or :class:`InputError`."""
         total = float(self.total_coils)
-        bare = CurveContext(total)
-        wire = guarded(self.wire_diameter.build, bare, path=("wire_diameter",))
+        wire = guarded(curve_of, self.wire_diameter, total, path=("wire_diameter",))
         diameter_key = self._one_of("mean_diameter", "outer_diameter")
-        diameter = guarded(getattr(self, diameter_key).build, bare, path=(diameter_key,))
+        diameter = guarded(curve_of, getattr(self, diameter_key), total, path=(diameter_key,))
         pitch, lower, upper = self._wind(total, wire)
         spring: SpringDefinition = guarded(
             lambda: SpringDefinition(
@@ -175,24 +155,23 @@ class SpringModel(StrictModel):
                 "'ends' speaks for both ends, so lower_end and upper_end contradict it; give one or the other",
                 ("ends",),
             )
-        lower, upper = (
-            self.lower_end or self.ends or EndModel(),
-            self.upper_end or self.ends or EndModel(),
-        )
+        default: EndKind = "closed-ground"
+        lower: EndCoil | EndKind = self.lower_end or self.ends or default
+        upper: EndCoil | EndKind = self.upper_end or self.ends or default
         if self.free_length is not None:
             wound: tuple[Curve, EndCoil, EndCoil] = guarded(
                 wind,
                 total,
                 wire,
                 self.free_length,
-                lower.wound(),
-                upper.wound(),
+                lower,
+                upper,
                 path=("free_length",),
             )
             return wound
-        closed = tuple(float(is_closed(end.kind)) for end in (lower, upper))
+        closed = tuple(float(is_closed(end)) for end in (lower, upper))
         try:
-            pitch = getattr(self, key).build(CurveContext(total, wire))
+            pitch = curve_of(getattr(self, key), total, wire)
             if (
                 isinstance(pitch, Constant) and any(closed) and isinstance(wire, Constant)
             ):  # one length is the pitch between closed ends
@@ -201,7 +180,8 @@ class SpringModel(StrictModel):
             raise problem(
                 error.reason, ("wire_diameter" if error.where == "wire_diameter" else key,)
             ) from error
-        return pitch, guarded(lower.build), guarded(upper.build)
+        first, last = (end if isinstance(end, EndCoil) else EndCoil(end) for end in (lower, upper))
+        return pitch, first, last
 
     def _one_of(self, *names: str) -> str:
         given = [name for name in names if getattr(self, name) is not None]

@@ -5,20 +5,24 @@ their place.
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Annotated, Any, TypeVar
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, fields
+from functools import wraps
+from typing import Annotated, Any, ClassVar, TypeVar, dataclass_transform
 
+import pydantic.dataclasses
 from pydantic import (
     AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Field,
     ValidationError,
     ValidationInfo,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic.fields import FieldInfo
+from pydantic_core import ArgsKwargs, PydanticCustomError
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.changes import nearest
@@ -31,10 +35,12 @@ from valvetrain.units import (
     format_quantity,
     parse_quantities,
     parse_quantity,
+    plain_value,
 )
 from valvetrain.units.text import clipped
 
 Model = TypeVar("Model", bound=BaseModel)
+Part = TypeVar("Part", bound="Table")
 
 
 class StrictModel(BaseModel):
@@ -47,16 +53,80 @@ class StrictModel(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, raw: Any) -> Any:
-        if not isinstance(raw, dict):
-            raise problem(f"a table of {', '.join(cls.model_fields)} is needed here")
-        known = tuple(field.alias or name for name, field in cls.model_fields.items())
-        for key in raw:
-            if key not in known:
-                raise problem(
-                    f"key '{key[:60]}' is unknown; {meant_key(key, known) or nearest(key, known)}",
-                    (key,),
-                )
-        return raw
+        return _refuse_unknown(raw, cls.model_fields)
+
+
+class Table:
+    """Base of the tables that :func:`table` makes parameters of."""
+
+    model_fields: ClassVar[dict[str, FieldInfo]]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, raw: Any) -> Any:
+        fields = cls.__pydantic_fields__  # type: ignore[attr-defined]
+        if isinstance(raw, ArgsKwargs):  # made in Python: numbers alone are SI, None is not given
+            named = {
+                key: plain_value(value)
+                for key, value in (raw.kwargs or {}).items()
+                if value is not None or key not in fields or fields[key].default is not None
+            }
+            return ArgsKwargs(
+                tuple(plain_value(value) for value in raw.args), _refuse_unknown(named, fields)
+            )
+        return raw if isinstance(raw, cls) else _refuse_unknown(raw, fields)
+
+
+def _refuse_unknown(raw: Any, fields: Mapping[str, FieldInfo]) -> dict[str, Any]:
+    if not isinstance(raw, dict):
+        raise problem(f"a table of {', '.join(fields)} is needed here")
+    known = tuple(field.alias or name for name, field in fields.items())
+    for key in raw:
+        if key not in known:
+            raise problem(
+                f"key '{key[:60]}' is unknown; {meant_key(key, known) or nearest(key, known)}",
+                (key,),
+            )
+    return raw
+
+
+#: Default of a field that ``__post_init__`` fills in where it is not given; a field of numbers to readers.
+FOLLOWS: Any = None
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(Field,))
+def table(noun: str) -> Callable[[type[Part]], type[Part]]:
+    """Makes a class one table of a case file and the frozen parameters that the physics reads.
+
+    It is a dataclass that pydantic checks: from a file its numbers are text with units, in Python SI
+    numbers too. What is refused in Python is an :class:`InputError`; ``noun`` says whose field it is.
+    """
+
+    def make(cls: type[Part]) -> type[Part]:
+        made: Any = pydantic.dataclasses.dataclass(
+            frozen=True, config=ConfigDict(extra="forbid", arbitrary_types_allowed=True)
+        )(cls)
+        made.model_fields = made.__pydantic_fields__
+        for one in fields(made):  # the default alone, without the words around it
+            info = made.model_fields[one.name]
+            one.default = MISSING if info.is_required() else info.default
+        read = made.__init__
+
+        @wraps(read)
+        def init(self: Any, *arguments: Any, **named: Any) -> None:
+            try:
+                read(self, *arguments, **named)
+            except ValidationError as error:
+                path, reason = first_problem(error)
+                names = list(made.model_fields)
+                field = ".".join(names[key] if isinstance(key, int) else key for key in path[:1])
+                raise InputError(reason, f"{field} of {noun}" if field else "") from None
+
+        made.__init__ = init
+        result: type[Part] = made
+        return result
+
+    return make
 
 
 def problem(reason: str, path: tuple[str | int, ...] = ()) -> PydanticCustomError:

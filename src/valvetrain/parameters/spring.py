@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Array, Constant, Curve
 from valvetrain.parameters.material import Material
+from valvetrain.parameters.schema_types import FOLLOWS, Table, quantity, table
 from valvetrain.parameters.solid import WireShape, computed_solid_height
 from valvetrain.units import si
 
@@ -85,7 +87,7 @@ def check_spring(spring: WireShape) -> None:
         bad = ~(np.isfinite(law.value(beyond)) & np.isfinite(law.derivative(beyond)))
         remedy = f"let its curve continue {BEYOND_TIPS:g} turns past both tips, such as by np.clip of the coil number"
         _refuse(bad, beyond, spring, f"{label} is not a finite number with a slope; {remedy}")
-    for law, quantity in (
+    for law, name in (
         (spring.wire_diameter, "wire_diameter"),
         (spring.mean_diameter, "mean_diameter"),
         (spring.pitch, "pitch"),
@@ -93,7 +95,7 @@ def check_spring(spring: WireShape) -> None:
         # millimetres taken for metres are 0.2 m or more; smaller values meet the checks of the
         # shape
         if (largest := float(np.max(law.value(coil)))) >= 0.2:
-            si(largest, quantity, f"{quantity} of spring '{spring.name}'")
+            si(largest, name, f"{name} of spring '{spring.name}'")
     thick = spring.index(coil) <= 1.0
     _refuse(
         thick,
@@ -156,12 +158,11 @@ EndKind = Literal["closed-ground", "closed", "open", "open-ground"]
 _TYPICAL_TURNS: dict[str, tuple[float, float]] = {
     "closed-ground": (0.75, 0.75), "closed": (0.75, 0.0), "open": (0.0, 0.0), "open-ground": (0.5, 0.25),
 }  # fmt: skip
-#: Marks the default turns of the kind; compared by identity, so that another nan is still refused.
-_DEFAULT_MARK = float("nan")
+EndTurns = Annotated[float, quantity("ratio", low=0.0, high=3.0)]
 
 
-@dataclass(frozen=True, slots=True)
-class EndCoil:
+@table("the end")
+class EndCoil(Table):
     """How one end of the spring meets its seat.
 
     ``inactive_coils``: turns of wire bonded to the seat (they move with it; the rod starts where
@@ -175,23 +176,15 @@ class EndCoil:
     """
 
     kind: EndKind = "closed-ground"
-    inactive_coils: float = _DEFAULT_MARK
-    ground_coils: float = _DEFAULT_MARK
+    inactive_coils: EndTurns = Field(default=FOLLOWS)
+    ground_coils: EndTurns = Field(default=FOLLOWS)
 
     def __post_init__(self) -> None:
-        if self.kind not in _TYPICAL_TURNS:
-            raise InputError(
-                f"end coil kind '{self.kind}' is unknown; use {', '.join(_TYPICAL_TURNS)}"
-            )
         for name, turns in zip(
             ("inactive_coils", "ground_coils"), _TYPICAL_TURNS[self.kind], strict=True
         ):
-            if getattr(self, name) is _DEFAULT_MARK:
+            if getattr(self, name) is None:
                 object.__setattr__(self, name, turns)
-        if not (0 <= self.inactive_coils <= 3 and 0 <= self.ground_coils <= 3):
-            raise InputError(
-                "inactive_coils and ground_coils of an end must be between 0 and 3 turns"
-            )
 
 
 OPEN_END = EndCoil("open")

@@ -22,9 +22,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from valvetrain import registry
-from valvetrain.parameters.schema_contact import RESTITUTION, STEEL
+from valvetrain.parameters.schema_contact import RESTITUTION, STEEL, ContactParameters
 from valvetrain.parameters.schema_types import guarded, problem
-from valvetrain.parameters.train import CamParameters, ContactParameters
+from valvetrain.parameters.train_parts import CamParameters
 
 #: Length (m) of the line along which a rocker, finger or bucket touches the tip of a stem of 8 mm.
 TIP_LENGTH = 7e-3

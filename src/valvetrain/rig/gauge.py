@@ -160,7 +160,7 @@ def case_response(
     def responses_at(speed: float, samples: float) -> list[ChannelResponse]:
         step = 2 * np.pi / float(np.clip(samples, MIN_SAMPLES, MAX_SAMPLES))
         study = simulate(
-            chosen.replace({"operation.output_step": step}),
+            chosen.replace(operation=chosen.operation.replace(output_step=step)),
             f"{speed!r} rad/s",
             spring_models=spring_models,
             progress=lambda *_: None,

@@ -13,7 +13,7 @@ from valvetrain.integrate.contract import Periodic, RunOptions
 from valvetrain.integrate.run import run
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.train import ContactParameters
+from valvetrain.parameters.schema_contact import ContactParameters
 from valvetrain.runs.error_bars import (
     OWN,
     STIFFNESS_FACTORS,

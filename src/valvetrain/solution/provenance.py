@@ -137,16 +137,6 @@ class PublishedValue:
     reading: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class CaseValue:
-    """One value of a case as text: key path, value, status and source."""
-
-    path: str
-    text: str
-    status: str = ""
-    source: str = ""
-
-
 @dataclass(frozen=True)
 class CaseRecord:
     """Description of a case in a result.
@@ -165,7 +155,6 @@ class CaseRecord:
     study: str = ""
     remarks: tuple[str, ...] = ()
     published: tuple[PublishedValue, ...] = ()
-    values: tuple[CaseValue, ...] = ()
     citations: tuple[str, ...] = ()
     zero_of_angle: str = ""
     changed: tuple[str, ...] = ()

@@ -21,7 +21,8 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring, Rubbing, binding_lift
 from valvetrain.parameters.loading import AnyCase, case_of, parse_case
 from valvetrain.parameters.toml_text import find_line
-from valvetrain.parameters.train import CrankParameters, TrainParameters
+from valvetrain.parameters.train import TrainParameters
+from valvetrain.parameters.train_parts import CrankParameters
 from valvetrain.registry import plain_name
 from valvetrain.solution.definition import label_cut_off
 from valvetrain.springs.nested import RadialRubbing
@@ -199,7 +200,9 @@ def _train_members(
         chosen = own.spring_set or next(iter(own.springs), "")
         springs = own.spring_parts(chosen)
         # the same parts for all members whose train differs in its springs only
-        bare = own.replace(springs={}, spring_set="", spring_model="", variants=(), rubbing=None)
+        bare = own.replace(
+            springs={}, spring_set="", spring_model="", variants=(), rubbing=Rubbing()
+        )
         if bare not in gears:
             mechanism = build_mechanism(bare, law, case.lift_law.lift_of)
             gas = None

@@ -17,7 +17,7 @@ from valvetrain.contact.law import LawKernel, OwnLaw
 from valvetrain.errors import InputError
 from valvetrain.mechanism.gap_kinds import COORDINATES_PER_INTERACTION
 from valvetrain.mechanism.parts import AssembledMechanism, WithDifferentialMemory
-from valvetrain.parameters.train import CrankParameters
+from valvetrain.parameters.train_parts import CrankParameters
 from valvetrain.springs.contract import LargeSpring, SpringModel
 from valvetrain.system.contract import TRAIN
 from valvetrain.system.prescribed import names_of

@@ -27,12 +27,13 @@ from valvetrain.units.text import (
     numbers_of,
     parse_quantities,
     parse_quantity,
+    plain_value,
     to_unit,
     unit_factor,
 )
 
 __all__ = [
     "DIMENSIONS", "Dimension", "Given", "MAX_SPEEDS", "PLAUSIBLE", "PlainInteger", "PlainNumber", "Window", "as_names", "believed",
-    "dimension_of", "dimension_powers", "doubt", "format_quantity", "keep_si", "numbers_of", "parse_quantities", "parse_quantity",
+    "dimension_of", "dimension_powers", "doubt", "format_quantity", "keep_si", "numbers_of", "parse_quantities", "parse_quantity", "plain_value",
     "known_arguments", "si", "si_array", "si_each", "si_speeds", "to_unit", "unit_factor", "warn_unusual",
 ]  # fmt: skip

@@ -134,6 +134,28 @@ class PlainInteger(int):
     unit: str = ""
 
 
+def plain_value(value: Any) -> Any:
+    """A value of Python as the tree of a case holds it: numbers alone as :class:`PlainNumber`, quantities of a
+    units library as text, arrays and rows of these likewise; others as they are.
+
+    >>> plain_value((0.004, 2)), plain_value("4 mm")
+    ((0.004, 2), '4 mm')
+    """
+    if hasattr(value, "to_base_units"):  # pint and what speaks as it does
+        if getattr(value.magnitude, "shape", ()) != ():
+            return [plain_value(item) for item in value]
+        return f"{float(value.magnitude)!r} {value.units:~C}".strip()
+    if hasattr(value, "tolist"):  # of numpy
+        value = value.tolist()
+    if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
+        return type(value)(plain_value(item) for item in value)
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, int):
+        return PlainInteger(value)
+    return PlainNumber(value) if isinstance(value, float) else value
+
+
 def parse_quantity(text: object, dimension: str | None, where: str = "") -> float:
     """Turn ``text`` ("4.0 mm") into an SI float.
 

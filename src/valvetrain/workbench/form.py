@@ -13,6 +13,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.case import Case, Note
+from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
 from valvetrain.parameters.loading import parse_case, parse_toml
 from valvetrain.parameters.overrides import REMOVED, read_assignment
 from valvetrain.parameters.schema_blocks import is_card
@@ -21,15 +22,12 @@ from valvetrain.parameters.schema_contact import STEEL
 from valvetrain.parameters.schema_installed import (
     CardBlock,
     CoilContactModel,
-    DampingModel,
-    GuideModel,
-    RubbingModel,
     WireBlock,
 )
 from valvetrain.parameters.schema_pair import PairedCard
-from valvetrain.parameters.schema_types import StrictModel
+from valvetrain.parameters.schema_types import StrictModel, Table
 from valvetrain.parameters.spring_options import options_table
-from valvetrain.parameters.train_schema import PARTS, TrainModel
+from valvetrain.parameters.train import PARTS, TrainParameters
 from valvetrain.workbench.edits import refuse_foreign_files
 from valvetrain.workbench.form_fields import Field, field_of, text_of
 
@@ -139,7 +137,7 @@ class _Form:
             yield self.group(
                 "rubbing",
                 "Friction between the springs",
-                RubbingModel,
+                Rubbing,
                 self.tree.get("rubbing", {}),
             )
         law = self.tree.get("lift_law")
@@ -151,7 +149,7 @@ class _Form:
 
     def train(self, table: Mapping[str, Any]) -> Iterator[FieldGroup]:
         """Groups of a train: its own values, its parts, contacts, springs and variants."""
-        yield self.group("train", "Train", TrainModel, table)
+        yield self.group("train", "Train", TrainParameters, table)
         for name, model in PARTS.items():
             if name != "variants" and (name in table or name == "follower"):
                 yield self.group(
@@ -185,7 +183,7 @@ class _Form:
             yield self.group(
                 "train.rubbing",
                 "Friction between the springs",
-                RubbingModel,
+                Rubbing,
                 table.get("rubbing", {}),
             )
         for number, variant in enumerate(
@@ -213,7 +211,7 @@ class _Form:
         card = PairedCard if "loads_of" in raw else CardBlock
         yield self.group(key, title, card if by_card else WireBlock, raw)
         yield self.group(
-            f"{key}.damping", f"{title}: damping", DampingModel, raw.get("damping", {})
+            f"{key}.damping", f"{title}: damping", DampingParameters, raw.get("damping", {})
         )
         yield self.group(
             f"{key}.contact",
@@ -222,7 +220,7 @@ class _Form:
             raw.get("contact", {}),
         )
         if not by_card and isinstance(raw.get("guide"), dict):
-            yield self.group(f"{key}.guide", f"{title}: guide", GuideModel, raw["guide"])
+            yield self.group(f"{key}.guide", f"{title}: guide", Guide, raw["guide"])
         given = raw.get("options")
         options: Mapping[str, Any] = given if isinstance(given, dict) else {}
         own = (word for word in options if word in registry.names("springs"))
@@ -242,7 +240,7 @@ class _Form:
         self,
         key: str,
         title: str,
-        model: type[StrictModel],
+        model: type[StrictModel | Table],
         raw: Any,
         only: tuple[str, ...] = (),
         without: tuple[str, ...] = (),

@@ -16,12 +16,12 @@ from pydantic.fields import FieldInfo
 
 from valvetrain import registry
 from valvetrain.errors import InputError
-from valvetrain.parameters.defaults import shown_default
 from valvetrain.parameters.material import MATERIALS
 from valvetrain.parameters.schema_curves import CurveField
 from valvetrain.parameters.schema_spring import EndField, MaterialField
 from valvetrain.parameters.schema_types import Quantity
 from valvetrain.parameters.spring import EndKind
+from valvetrain.parameters.summary import number
 from valvetrain.parameters.toml_text import inline
 from valvetrain.units import DIMENSIONS, parse_quantity, to_unit, unit_factor
 
@@ -280,3 +280,29 @@ def _default(info: FieldInfo) -> str:
     if info.default is None or info.default == "":
         return ""
     return shown_default(info).replace("`", "")
+
+
+def shown_default(field: FieldInfo) -> str:
+    """The default of a field in the unit in which it is usually given."""
+    value = field.default
+    if value is None or value == "":
+        return "not given"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f"`{value}`"
+    dimension = next(
+        (item.dimension for item in field.metadata if isinstance(item, Quantity)), None
+    )
+    if dimension is None:
+        return (
+            "-".join(map(str, value))
+            if isinstance(value, tuple)
+            else str(value)
+            if isinstance(value, int)
+            else number(value)
+        )
+    unit = DIMENSIONS[dimension].default_unit
+    scale = unit_factor(unit) if unit else 1.0
+    values = value if isinstance(value, tuple) else (value,)
+    return f"{', '.join(number(entry / scale) for entry in values)} {unit}".strip()

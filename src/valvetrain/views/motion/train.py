@@ -16,7 +16,8 @@ from valvetrain.mechanism.build import build_mechanism
 from valvetrain.mechanism.gap_kinds import CAM_FLAT
 from valvetrain.mechanism.parts import AssembledMechanism, Interaction
 from valvetrain.mechanism.planar import unit
-from valvetrain.parameters.train import FollowerParameters, TrainParameters
+from valvetrain.parameters.train import TrainParameters
+from valvetrain.parameters.train_parts import FollowerParameters
 from valvetrain.quantities.cycle import Cycle
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.problem import Member

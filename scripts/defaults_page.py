@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from valvetrain import registry
-from valvetrain.parameters import schema_installed, train_schema
+from valvetrain.parameters import schema_installed
+from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
 from valvetrain.parameters.schema_case import OperationModel
 from valvetrain.parameters.schema_contact import ContactTable
 from valvetrain.parameters.schema_lift import LiftModel
-from valvetrain.parameters.schema_spring import EndModel
-from valvetrain.parameters.schema_types import Quantity
+from valvetrain.parameters.schema_types import Table
 from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.spring_options import options_table
 from valvetrain.parameters.summary import number
-from valvetrain.units import DIMENSIONS, unit_factor
+from valvetrain.parameters.train import PARTS, TrainParameters
+from valvetrain.workbench.form_fields import shown_default
 
 _HEAD = """# Defaults
 
 What a case file that leaves a key out gets. This page is written from the tables that read the case file
-(`valvetrain.parameters.defaults.defaults_page()`); a test compares the two. A key without a default here is required or has no effect when left out.
+(`python scripts/write_pages.py defaults`); a test compares the two. A key without a default here is required or has no effect when left out.
 
 Units are the ones shown; any other of the same dimension may be written ([case-files.md](case-files.md)).
 """
@@ -36,26 +37,23 @@ def defaults_page() -> str:
 
 def _sections() -> Iterator[tuple[str, list[str]]]:
     wire = schema_installed.WireBlock
-    kinds = (
-        (kind, EndModel(kind=kind).build())
-        for kind in ("closed-ground", "closed", "open", "open-ground")
-    )
+    kinds = ((kind, EndCoil(kind)) for kind in ("closed-ground", "closed", "open", "open-ground"))
     yield (
         "A spring: `[spring]`, `[[train.springs.SET]]`",
         [*_rows(wire), *(_end_row(kind, end) for kind, end in kinds)],
     )
-    yield "`damping` of a spring", _rows(schema_installed.DampingModel)
+    yield "`damping` of a spring", _rows(DampingParameters)
     yield "`contact` of a spring's coils", _rows(schema_installed.CoilContactModel)
-    yield "`guide` of a wire", _rows(schema_installed.GuideModel)
+    yield "`guide` of a wire", _rows(Guide)
     for word in registry.BUILT_IN["springs"]:
         yield f"`options.{word}` of a spring", _rows(options_table(word))
-    yield "`[rubbing]`, `[train.rubbing]`", _rows(schema_installed.RubbingModel)
+    yield "`[rubbing]`, `[train.rubbing]`", _rows(Rubbing)
     yield "`[operation]`", _rows(OperationModel)
     yield "`[lift_law]`, every kind", _rows(LiftModel)
     for kind in registry.BUILT_IN["lifts"]:
         yield f"`[lift_law]` of kind `{kind}`", _rows(registry.find("lifts", kind).table, LiftModel)
-    yield "`[train]`", _rows(train_schema.TrainModel)
-    for name, model in train_schema.PARTS.items():
+    yield "`[train]`", _rows(TrainParameters)
+    for name, model in PARTS.items():
         yield f"`[train.{name}]`" if name != "variants" else "`[[train.variants]]`", _rows(model)
     yield "`[train.contacts.PLACE]`, every law", _rows(ContactTable)
     for law in registry.BUILT_IN["contacts"]:
@@ -69,7 +67,7 @@ def _section(title: str, rows: list[str]) -> str:
     return "\n".join([f"## {title}", "", "| key | default | meaning |", "|---|---|---|", *rows, ""])
 
 
-def _rows(model: type[BaseModel], base: type[BaseModel] | None = None) -> list[str]:
+def _rows(model: type[BaseModel | Table], base: type[BaseModel] | None = None) -> list[str]:
     """Rows of the fields of ``model`` that have a default and differ from those of
     ``base``.
     """
@@ -80,7 +78,7 @@ def _rows(model: type[BaseModel], base: type[BaseModel] | None = None) -> list[s
         if name not in known or field.default != known[name].default
     }
     return [
-        f"| `{name}` | {shown_default(field)} | {_meaning(field)} |"
+        f"| `{name}` | {shown_default(field)} | {field.description or ''} |"
         for name, field in fields.items()
         if _is_documented(field)
     ]
@@ -93,40 +91,11 @@ def _is_documented(field: FieldInfo) -> bool:
     if (
         field.is_required()
         or field.default_factory is not None
-        or isinstance(field.default, (BaseModel, dict, list))
+        or isinstance(field.default, (BaseModel, Table, Mapping, list))
+        or field.default == ()
     ):
         return False
     return bool(field.description) if field.default is None or field.default == "" else True
-
-
-def shown_default(field: FieldInfo) -> str:
-    """The default of a field in the unit in which it is usually given."""
-    value = field.default
-    if value is None or value == "":
-        return "not given"
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return f"`{value}`"
-    dimension = next(
-        (item.dimension for item in field.metadata if isinstance(item, Quantity)), None
-    )
-    if dimension is None:
-        return (
-            "-".join(map(str, value))
-            if isinstance(value, tuple)
-            else str(value)
-            if isinstance(value, int)
-            else number(value)
-        )
-    unit = DIMENSIONS[dimension].default_unit
-    scale = unit_factor(unit) if unit else 1.0
-    values = value if isinstance(value, tuple) else (value,)
-    return f"{', '.join(number(entry / scale) for entry in values)} {unit}".strip()
-
-
-def _meaning(field: FieldInfo) -> str:
-    return field.description or ""
 
 
 def _end_row(kind: str, end: EndCoil) -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.loading import parse_case
 from valvetrain.solution.atomic import write_text
 
 
@@ -24,8 +25,6 @@ def write_case_values(path: str | os.PathLike[str], changes: Mapping[str, Any]) 
     import tomlkit
     from tomlkit.exceptions import TOMLKitError
 
-    from valvetrain.parameters.loading import parse_case
-
     target = Path(path)
     try:
         document = tomlkit.parse(target.read_bytes().decode("utf-8"))
@@ -38,7 +37,7 @@ def write_case_values(path: str | os.PathLike[str], changes: Mapping[str, Any]) 
         _set(document, key_path, _plain(value), target.name)
     text = tomlkit.dumps(document)
     parse_case(text, target.stem, target.parent, target.name)
-    replace_file(target, text)
+    write_text(target, text)
 
 
 def _set(document: Any, key_path: str, value: Any, where: str) -> None:
@@ -68,11 +67,3 @@ def _child(table: Any, key: str, key_path: str, where: str) -> Any:
             f"there is no '{key}' on the way to '{key_path}'; give the path of an existing value",
             where,
         ) from error
-
-
-def replace_file(target: Path, text: str) -> None:
-    """Write ``text`` to ``target`` whole or not at all; a file that was there keeps its mode."""
-    mode = target.stat().st_mode if target.exists() else None
-    write_text(target, text)
-    if mode is not None:
-        os.chmod(target, mode)

@@ -1,0 +1,50 @@
+"""Springs whose mean diameter follows a curve, for tests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from valvetrain.parameters.constructors import cylindrical
+from valvetrain.parameters.curves import Parabola, PiecewiseLinear
+from valvetrain.parameters.spring import SpringDefinition
+from valvetrain.units import Given, si
+
+
+def conical(
+    wire: Given,
+    lower: Given,
+    upper: Given,
+    pitch: Any = None,
+    total_coils: float = 7.0,
+    **more: Any,
+) -> SpringDefinition:
+    """Mean diameter linear from the ``lower`` to the ``upper`` end."""
+    law = PiecewiseLinear((0.0, total_coils), (lower, upper))
+    return cylindrical(wire, law, pitch, total_coils, **more)
+
+
+def barrel(
+    wire: Given,
+    ends: Given,
+    middle: Given,
+    pitch: Any = None,
+    total_coils: float = 7.0,
+    **more: Any,
+) -> SpringDefinition:
+    """Mean diameter parabolic from the ``ends`` to the ``middle``."""
+    law = Parabola(si(ends, "length"), si(middle, "length"), total_coils)
+    return cylindrical(wire, law, pitch, total_coils, **more)
+
+
+def beehive(
+    wire: Given,
+    mean: Given,
+    top: Given,
+    taper_from_coil: float,
+    pitch: Any = None,
+    total_coils: float = 7.0,
+    **more: Any,
+) -> SpringDefinition:
+    """Cylindrical up to a coil number, then tapering linearly."""
+    law = PiecewiseLinear((0.0, taper_from_coil, total_coils), (mean, mean, top))
+    return cylindrical(wire, law, pitch, total_coils, **more)
