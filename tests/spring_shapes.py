@@ -25,14 +25,14 @@ def conical(
 
 def barrel(
     wire: Given,
-    ends: Given,
+    end: Given,
     middle: Given,
     pitch: Any = None,
     total_coils: float = 7.0,
     **more: Any,
 ) -> SpringDefinition:
-    """Mean diameter parabolic from the ``ends`` to the ``middle``."""
-    law = Parabola(si(ends, "length"), si(middle, "length"), total_coils)
+    """Mean diameter parabolic from the ``end`` to the ``middle``."""
+    law = Parabola(si(end, "length"), si(middle, "length"), total_coils)
     return cylindrical(wire, law, pitch, total_coils, **more)
 
 
