@@ -94,16 +94,16 @@ def flight(facts: Facts, run: Solution) -> Hit | None:
     repeats = {0: "", 1: "in every cycle"}.get(turns, f"in every {turns} cycles")
     repeats = "not alike from cycle to cycle" if run.status.code == "not-converged" else repeats
     scatter = facts.amount(run, "cycle_scatter_loft_gap")
+    landing, lasts = longest.details.get("landing_cam_angle"), longest.duration
+    if landing is not None:
+        # to where the cam is met again, which may be after the valve of rigid parts has closed
+        lasts = (float(landing) - longest.cam_angle) % TURN / (run.engine_speed / 2)
     fields: Fields = {
         "repeats": repeats,
         "scatter": "" if repeats or scatter is None else scatter,
         "angle": Amount("loft_cam_angle", longest.cam_angle % TURN),
+        "landing": "" if landing is None else Amount("loft_cam_angle", float(landing) % TURN),
     }
-    lasts = longest.duration
-    if (landing := longest.details.get("landing_cam_angle")) is not None:
-        # to where the cam is met again, which may be after the valve of rigid parts has closed
-        fields["landing"] = Amount("loft_cam_angle", float(landing) % TURN)
-        lasts = (float(landing) - longest.cam_angle) % TURN / (run.engine_speed / 2)
     return Hit(Amount("loft_duration", lasts), run, fields=fields)
 
 
