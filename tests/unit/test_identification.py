@@ -66,9 +66,9 @@ def test_known_parameters_are_recovered_without_a_prior_that_pulls() -> None:
 def test_each_method_finds_the_closed_form(method: str) -> None:
     """Rate from the force, mass from both; the spread of the rate is that of the force."""
     search = Search(method, live_points=200, starts=4)
-    with Store(None, "") as journal:
+    with Store(None) as journal:
         found = solved(
-            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
+            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers),
             search,
             journal,
         )
@@ -103,9 +103,9 @@ def test_an_impossible_start_is_refused() -> None:
 )
 def test_priors_that_hold_no_possible_point_are_refused(method) -> None:
     stiff = (Unknown("rate", Prior("uniform", 59.1e3, 60e3)), WIDE[1])
-    with Store(None, "") as journal, pytest.raises(InputError, match="computed"):
+    with Store(None) as journal, pytest.raises(InputError, match="computed"):
         solved(
-            Posterior(stiff, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
+            Posterior(stiff, data_of(TRUE_RATE, TRUE_MASS), spring_numbers),
             Search(method, live_points=20),
             journal,
         )
@@ -194,11 +194,11 @@ def test_a_library_that_is_not_installed_is_named_with_its_remedy(
     monkeypatch.setitem(sys.modules, library, None)
     search = Search(method, live_points=20)
     with (
-        Store(None, "") as journal,
+        Store(None) as journal,
         pytest.raises(MissingExtraError, match=r"pip install 'valvetrain\[studies\]'"),
     ):
         solved(
-            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(spring_numbers)),
+            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers),
             search,
             journal,
         )
@@ -215,9 +215,9 @@ def test_what_a_computation_raises_reaches_the_caller() -> None:
         return spring_numbers(points)
 
     before = threading.active_count()
-    with Store(None, "") as journal, pytest.raises(ZeroDivisionError, match="here"):
+    with Store(None) as journal, pytest.raises(ZeroDivisionError, match="here"):
         solved(
-            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(fails)),
+            Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), fails),
             Search("nested", live_points=30, lanes=4),
             journal,
         )
@@ -239,8 +239,8 @@ def test_a_library_that_is_interrupted_says_nothing_on_standard_output(
             raise Stopped
         return spring_numbers(points)
 
-    with Store(None, "") as journal, contextlib.suppress(Stopped):
-        posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), journal.through(interrupted))
+    with Store(None) as journal, contextlib.suppress(Stopped):
+        posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), interrupted)
         solved(posterior, Search(method, live_points=30), journal)
     assert sum(calls) > asked and capfd.readouterr().out == ""
 
