@@ -182,7 +182,10 @@ def one_sided(spring, first, width, count=9_000):
     return 1e3 * draw.permutation(points[turn > width])
 
 
-@pytest.mark.parametrize(("name", "first"), [("cylindrical", 67.0), ("conical", 200.0)])
+@pytest.mark.parametrize(
+    ("name", "first"),
+    [("conical", 200.0), pytest.param("cylindrical", 67.0, marks=pytest.mark.long)],
+)
 def test_a_sector_that_no_coil_shows_is_bridged_and_told_of(name, first, tmp_path):
     np.savetxt(tmp_path / "side.xyz", one_sided(springs()[name], first, 60.0), fmt="%.4f")
     found = spring_from_scan(tmp_path / "side.xyz", unit="mm")
