@@ -121,25 +121,20 @@ def columns(facts: Facts, findings: Findings) -> list[Solution]:
     elif facts.study.command == "sweep":
         runs = [run for run in runs if run.label == facts.first_label] or runs
     labels = {run.label for run in runs}
-    named = [
-        (one.engine_speed, one.level)
-        for one in findings
-        if one.label in labels and one.value is not None and one.engine_speed is not None
-    ]
-    worst, noted = (
-        [speed for speed, level in named if level != "notes"],
-        [speed for speed, _ in named],
-    )
+    numbers = [one for one in findings if one.value is not None]
+    named = [one for one in numbers if one.label in labels]
+    worst = [one.engine_speed or 0.0 for one in named if one.level != "notes"]
+    noted = [one.engine_speed or 0.0 for one in named]
     counted = Counter(
         run.engine_speed for run in runs if id(run) in asked or run.engine_speed in noted
     )
-    speeds = sorted(speed for speed, count in counted.items() if count == len(labels))
+    speeds = sorted(speed for speed, count in counted.items() if count >= len(labels))
     if not speeds:
         return runs[:COLUMNS]
     count = max(COLUMNS // len(labels), 1)
     even = [speeds[int(place)] for place in np.linspace(0, len(speeds) - 1, count).round()]
-    lost = [one.value for one in findings if one.quantity == SPEED and one.level != "notes"]
-    begin = [next((speed for speed in speeds if speed >= (one or 0.0)), 0.0) for one in lost]
+    lost = [one.value for one in numbers if one.quantity == SPEED and one.level != "notes"]
+    begin = [speed for one in lost for speed in speeds if speed >= (one or 0.0)][:1]
     chosen = list[float]()
     for speed in dict.fromkeys((*worst, *begin, speeds[-1], speeds[0], *noted, *even)):
         alike = speed not in worst and any(abs(speed - one) < ALIKE * one for one in chosen)
