@@ -106,7 +106,7 @@ def _static(words: Words, states: tuple[State, ...]) -> Iterator[tuple[str, Read
     yield "rate", lambda one: said(one.rate(one.one.precompression)), "as installed"
     yield "coil bind", left, "at full lift"
     yield "wire, shear", shear, "installed to full lift"
-    yield "first mode", lambda one: said(one.surge), ""
+    yield from _modes(words)
     for place in range(max((len(one.one.points) for one in states), default=0)):
         yield "as requested", point(place), ""
 
