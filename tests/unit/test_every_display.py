@@ -15,40 +15,14 @@ from valvetrain.errors import InputError
 from valvetrain.integrate.run import joined
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.solution.critical import CriticalSpeed, CriticalSpeeds, SpeedBracket
-from valvetrain.solution.display import frame, table
 from valvetrain.solution.quantity import Quantities, Quantity
 from valvetrain.solution.status import Status
 from valvetrain.solution.study import Study
 from valvetrain.springs.finite_element import FiniteElementRod
 from valvetrain.springs.finite_element_channels import _strains
-from valvetrain.views.json import study_json
 from valvetrain.views.results import write_study
 
 RPM = math.pi / 30
-
-
-def test_a_small_table_escapes_its_words_and_counts_what_it_leaves_out():
-    whole = table("a < b\nc", ("x", "y"), [(str(n), "<") for n in range(30)])
-    assert (
-        whole.count("<tr>") == 31
-        and "more" not in whole
-        and "a &lt; b<br>c" in whole
-        and "<td>&lt;</td>" in whole
-    )
-    longer = table("t", ("x", "y"), [(str(n), "") for n in range(33)])
-    assert longer.count("<tr>") == 32 and "<td colspan='2'>and 3 more</td>" in longer
-    assert "<td>29</td>" in longer and "<td>30<" not in longer
-
-
-def test_a_frame_keeps_units_and_its_index():
-    bare = frame({"a": [1, 2]})
-    assert bare.attrs["units"] == {} and list(bare.index) == [0, 1]
-    told = frame({"a": [1, 2], "b": [3, 4]}, "a", {"b": "N"})
-    assert (
-        told.attrs["units"] == {"b": "N"}
-        and list(told.index) == [1, 2]
-        and list(told.columns) == ["b"]
-    )
 
 
 def test_quantities_by_name_by_run_and_at_rest():
@@ -223,18 +197,3 @@ def test_section_loads_are_of_the_free_wire_and_nothing_beyond():
         assert (
             0.3 * force < whole[end] < 1.7 * force and abs(whole[end] - whole[inner]) < 0.25 * force
         )
-
-
-def test_the_count_of_clashes_is_that_of_the_numbers_or_of_the_events():
-    run = replace(
-        made.rod_run(), events=(made.clash(1), made.clash(2), replace(made.clash(3), kind="rest"))
-    )
-    for quantities, count in (
-        ({}, 2),
-        ({"modes_count": 3.0}, 2),
-        ({"clash_count": 9.0, "modes_count": 3.0}, 9),
-    ):
-        found = study_json(made.own_study((replace(run, quantities=quantities),)))["runs"][0][
-            "clash_count"
-        ]
-        assert found == {"value": count, "unit": "1"}, quantities

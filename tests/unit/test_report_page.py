@@ -26,7 +26,6 @@ from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import Status
 from valvetrain.views import results
 from valvetrain.views.answer import Answer
-from valvetrain.views.csv_table import comparison_table
 from valvetrain.views.json import study_json
 from valvetrain.views.page import page_of
 from valvetrain.views.results import write_study
@@ -70,26 +69,6 @@ def test_files_are_read_back(tmp_path):
     assert not [path for path in tmp_path.rglob("*") if path.name.endswith(".part")]
 
 
-def test_a_sweep_writes_its_series_and_orders_and_no_reduced_runs(tmp_path):
-    study = sweep_study()
-    files = write_study(study, tmp_path, page=False)
-    assert files.page is None and {path.name for path in files.data} == {
-        "quantities.csv",
-        "events.csv",
-        "sweep-stock.csv",
-        "orders-stock.csv",
-        "sweep-race-co.csv",
-        "orders-race-co.csv",
-    }
-    header, *rows = (tmp_path / "sweep-stock.csv").read_text().splitlines()
-    assert (
-        "peak spring force below 10 kHz [N]" in header
-        and len(rows) == 12
-        and rows[-1].split(",")[1] == "not-converged"
-    )
-    assert len((tmp_path / "orders-stock.csv").read_text().splitlines()[0].split(",")) == 25
-
-
 def test_no_two_runs_share_a_file(tmp_path):
     near = (3000.001 * np.pi / 30, 3000.002 * np.pi / 30)
     runs = tuple(train_run(speed, label) for label in ("x 1", "x/1", "X 1") for speed in near)
@@ -99,18 +78,6 @@ def test_no_two_runs_share_a_file(tmp_path):
         (label, speed) for label in ("x 1", "x/1", "X 1") for speed in near
     }
     assert len({path.name.lower() for path in files.data}) == len(files.data)
-
-
-def test_comparison_csv_is_in_the_units_it_names():
-    rows = list(comparison_table(published_study().comparisons).rows())
-    assert rows[0][:6] == (
-        "stage_2_peak_force",
-        pytest.approx(5600.0),
-        "solid finite elements",
-        790.0,
-        "finite-element",
-        pytest.approx(805.8),
-    )
 
 
 def test_words_from_outside_are_escaped():
