@@ -146,17 +146,6 @@ def test_a_loss_below_the_error_of_its_sum_is_none():
     assert lost(-6.67e-6) == 0.0 and lost(5e-3) == 5e-3
 
 
-def test_float_is_a_lift_above_the_rigid_one_over_the_nose():
-    flying = np.where(degrees(90, 270), lift_of(ANGLE), -1e-6) + np.where(
-        degrees(160, 200), 3e-4, 0.0
-    )
-    run = found(cam_gap=np.where(degrees(158, 202), 3e-4, -1e-5), valve_lift=flying)
-    (event,) = of_kind(run.events, "float")
-    assert event.size == pytest.approx(3e-4)
-    assert np.degrees(event.cam_angle) == pytest.approx(160, abs=0.5)
-    assert run.quantities["float_excess_lift"] == event.size
-
-
 def test_gaps_on_the_base_circle_are_lash():
     assert not of_kind(found(cam_gap=np.where(degrees(0, 80), 1e-4, -1e-5)).events, "loft")
 
@@ -239,41 +228,6 @@ def test_nested_springs_are_told_apart_and_long_contacts_are_rests():
     assert run.quantities["largest_clash_impulse"] == pytest.approx(
         max(event.details["impulse"] for event in (first, second))
     )
-
-
-def test_peaks_of_every_step_come_from_the_integrator():
-    run = found(
-        train(
-            statistics={
-                "peak_seat_contact_force": 812.0,
-                "steady_cycles_count": 9,
-                "kind": "anderson",
-            }
-        )
-    )
-    assert (
-        run.quantities["peak_seat_contact_force"] == 812.0
-        and run.quantities["steady_cycles_count"] == 9.0
-    )
-    assert run.quantities["nose_cam_contact_force"] == 500.0 and "kind" not in run.quantities
-    assert np.array_equal(run.channel("rigid_valve_lift"), lift_of(ANGLE))
-
-
-def test_times_and_torque_of_a_cycle():
-    period = 2 * np.pi / CAM_SPEED
-    torque = 3 * np.sin(ANGLE) - 1
-    gaps = {
-        "cam_gap": np.where(degrees(150, 165), 1e-4, -1e-5),
-        "valve_tip_gap": np.where(degrees(160, 175), 1e-4, -1e-5),
-    }
-    run = found(train(statistics={"cycle_work_energy": 2.0}, cam_torque=torque, **gaps)).quantities
-    assert run["valve_open_duration"] == pytest.approx(period / 2, rel=0.02)
-    assert run["loss_of_contact_duration"] == pytest.approx(
-        np.radians(25) / CAM_SPEED, abs=2 * TIME[1]
-    )  # of samples alone
-    assert (run["peak_cam_torque"], run["minimum_cam_torque"]) == pytest.approx((2.0, -4.0))
-    assert run["mean_cam_power"] == pytest.approx(2.0 / period)
-    assert run["peak_valve_lift"] == pytest.approx(8e-3)
 
 
 def test_a_landing_is_as_hard_as_the_hardest_of_its_samples():
