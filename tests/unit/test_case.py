@@ -9,12 +9,9 @@ import pickle
 import pytest
 
 from spring_shapes import barrel
-from valvetrain.errors import InputError
 from valvetrain.parameters.case import (
     Case,
-    CoilContact,
     DampingParameters,
-    InstalledSpring,
     Note,
     PublishedValue,
 )
@@ -95,19 +92,6 @@ def test_a_spring_without_preload_stands_free():
             assert spring.without_preload().damping == spring.damping
 
 
-@pytest.mark.parametrize("values", [{"stiffness": -1.0}, {"damping_time": math.nan}])
-def test_coil_contact_is_not_negative(values):
-    with pytest.raises(InputError, match=r"zero or a positive number|finite number"):
-        CoilContact(**values)
-
-
-def test_an_installed_spring_is_a_wire_or_a_card(beehive):
-    with pytest.raises(InputError, match="give one of them"):
-        InstalledSpring()
-    with pytest.raises(InputError, match="has no effect on a spring known by its wire"):
-        InstalledSpring(wire=beehive.spring, options={"multi-mass": {"elements": 3}})
-
-
 def test_damping_from_a_ratio_is_split_by_share():
     circular = 2 * math.pi * 630
     damping = DampingParameters(ratio=0.016, ratio_frequency=630, stiffness_share=0.75)
@@ -129,29 +113,3 @@ def test_one_coefficient_leaves_the_rest_of_the_ratio_to_the_other():
     assert damping.ratio_at(630) == pytest.approx(0.016)
     assert damping.replace(stiffness_share=1.0).mass_damping == 0.0
     assert damping.replace(mass_damping=5.0, stiffness_damping=0.0).ratio is None
-
-
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"ratio": 0.016}, "together"),
-        ({"stiffness_share": 0.5}, "stiffness_share splits"),
-        (
-            {
-                "ratio": 0.016,
-                "ratio_frequency": 630,
-                "mass_damping": 50.0,
-                "stiffness_damping": 8e-6,
-            },
-            "give the damping one way",
-        ),
-        ({"ratio": 0.016, "ratio_frequency": 630, "mass_damping": 500.0}, "more than the ratio"),
-        ({"ratio": 0.016, "ratio_frequency": 630, "stiffness_share": 1.5}, "between 0"),
-        ({"ratio": 3.0, "ratio_frequency": 630}, "below 1"),
-        ({"mass_damping": -1.0}, "at least zero"),
-        ({"mass_damping": math.nan}, "finite"),
-    ],
-)
-def test_contradictory_damping_is_refused(values, words):
-    with pytest.raises(InputError, match=words):
-        DampingParameters(**values)

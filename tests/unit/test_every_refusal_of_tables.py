@@ -151,6 +151,9 @@ REFUSED: list[tuple[str, dict[str, Any], str, str]] = [
      "spring", "move it there"),
     ("train", {"train.follower.tilt": "31 deg"}, "train.follower", "30 deg"),
     ("train", {"train.valve.head_fraction": 1.2}, "train.valve", "head_fraction"),
+    ("train", {"train.follower.shape": "dome"}, "train.follower.shape", "domed"),
+    ("train", {"train.push_rod": {"mass": "60 g"}}, "train.push_rod", "pushrod"),
+    ("train", {"train.lever.pivot": "25 mm"}, "train.lever.pivot", "two lengths"),
 ]  # fmt: skip
 
 

@@ -151,21 +151,3 @@ def test_the_damping_of_a_trains_spring_is_felt(word):
         expected.append(rate * 0.040 / 3 * float(np.mean(velocity**2)) * 2 * math.pi / 200.0)
     assert lost[2] == pytest.approx(expected[2], rel=0.15)
     assert abs(lost[0]) < lost[1] / 3 and lost[1] == pytest.approx(expected[1], rel=0.35)
-
-
-@pytest.mark.parametrize(("old", "new", "words"), [
-    ('mass = { value = "30.49 g"', 'mass = { value = "-30.49 g"', "train.valve.mass"), ('lash = "0 mm"', 'lash = "9 N"', "train.lash"),
-    ('shape = "domed"', 'shape = "dome"', "train.follower.shape"), ("[train.pushrod]", "[train.push_rod]", "pushrod"),
-    ('law = "impact"\ncontact_stiffness', "contact_stiffness", "needs its law"),
-    ('spring_set = "stock"\nspring_model = "multi-mass"', 'spring_set = "stocky"\nspring_model = "multi-mass"', "spring set 'stocky' is unknown"),
-    ('pivot = "25, 220 mm"', 'pivot = "25 mm"', "two lengths"),
-])  # fmt: skip
-def test_case_files_say_where_they_are_wrong(old, new, words):
-    from valvetrain.parameters.loading import LIBRARY
-
-    text = (LIBRARY / "tdi-pushrod.toml").read_text()
-    assert old in text
-    with pytest.raises(InputError) as error:
-        parse_case(text.replace(old, new, 1))
-    assert words in str(error.value)
-    assert "line" in str(error.value) or "spring set" in str(error.value)
