@@ -10,18 +10,12 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.solution.critical import CriticalSpeed
 from valvetrain.solution.modes import SpringModes
 
-RPM = math.pi / 30
 SPRING = vt.Spring(
     wire_diameter="4.1 mm", mean_diameter="25 mm", total_coils=7.2, pitch="7.9 mm",
     material="EN 10270-2 VDSiCr", installed_height="42 mm",
 )  # fmt: skip
-
-
-def critical(**values):
-    return CriticalSpeed("own", "float", 5e-5, 3000 * RPM, 9000 * RPM, **values)
 
 
 def test_every_mode_of_a_spring_has_a_kind_and_surge_follows_from_it():

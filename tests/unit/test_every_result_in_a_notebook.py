@@ -4,32 +4,17 @@ with what its page shows first.
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 import valvetrain as vt
-from synthetic_study import at_rest, critical_speeds, own_study, published_study
-from unit import (
-    test_study_page,
-    test_told_beside_a_test,
-)
+from synthetic_study import at_rest, critical_speeds, published_study
 from valvetrain import registry
-from valvetrain.compare_test import compare as compare_test
 from valvetrain.measured.cycles import MeasuredCycles
-from valvetrain.measured.value_table import ValueTable
-from valvetrain.runs.error_bars import Uncertainty, UncertaintyStudy
-from valvetrain.solution.display import Shown
 from valvetrain.solution.modes import TrainModes
 
 DEGREES = np.arange(360.0)
 LOBE = 9e-3 * np.clip(1 - ((DEGREES - 180) / 60) ** 2, 0, None) ** 3
-
-
-def stand_in(name: str, values: SimpleNamespace) -> Shown:
-    """What bears the name and the values of a result that takes long to compute."""
-    return type(name, (Shown,), vars(values))()
 
 
 def cycles(name: str = "valve_lift", unit: str = "m") -> MeasuredCycles:
@@ -42,18 +27,6 @@ def lift(smoothed: bool = False):
     if smoothed:
         return vt.measured.smooth_lift(angles, noisy)
     return vt.measured.MeasuredLift("lift", angles, noisy, "valve", "columns")
-
-
-def error_bars() -> UncertaintyStudy:
-    row = Uncertainty("preload", None, 300.0, 1.5, 2.0, 299.0, 0.0, (299.0, 301.0), (300.0, 300.0))
-    return UncertaintyStudy(own_study().record, (8, 12, 16), (row,), {}, (), runs=6, finished=6)
-
-
-def against_test() -> object:
-    values = ValueTable(test_told_beside_a_test.TABLES["two values"])
-    speed = test_told_beside_a_test.SPEED
-    study = test_told_beside_a_test.study()
-    return compare_test.judge_study(study, compare_test.ComparisonRequest(values, (speed,)), {})
 
 
 def train_modes() -> TrainModes:
@@ -104,32 +77,6 @@ def test_data_show_their_table_and_their_figure(name):
     assert heading.replace(" ", "_") in page or heading in page
     assert any(axis in title for title in titles(figure))
     assert figure.data and all(len(trace.x) and len(trace.y) for trace in figure.data)
-
-
-def test_a_study_shows_verdict_and_rows_and_its_figures():
-    study = own_study()
-    page = study._repr_html_()
-    assert study.verdict[:20] in page and "<table>" in page
-    assert study.plot().data and study.figure("models").data
-
-
-def test_a_study_of_points_shows_verdict_and_rows_and_its_figures():
-    table = test_study_page.made()
-    page = table._repr_html_()
-    assert "<table>" in page and "installed &lt;i&gt;compression" in page
-    assert table.plot().data and table.figure("peak_spring_force").data
-
-
-def test_a_refinement_shows_its_rows_and_its_error_bars():
-    assert "<table>" in error_bars()._repr_html_()
-    (trace,) = error_bars().plot().data
-    assert trace.x[0] == pytest.approx(0.5)
-
-
-def test_a_comparison_with_a_test_shows_verdict_and_rows_and_its_figure():
-    found = against_test()
-    assert found.verdict[:20] in found._repr_html_() and "<table>" in found._repr_html_()
-    assert found.plot().data
 
 
 def test_every_public_result_has_an_answer():

@@ -24,7 +24,6 @@ from valvetrain.views.results import write_study
 COMMENT = "<!--<script>"
 BREAKS_OUT = "</script><script>lost()</script>"
 QUOTES = "\"'><img src=x onerror=lost()>&amp;"
-HOSTILE = (COMMENT, BREAKS_OUT, QUOTES)
 
 
 def with_key(key: str, value: str) -> str:

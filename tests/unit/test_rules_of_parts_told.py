@@ -1,17 +1,11 @@
-"""Unit: where a card's taper begins, how far about a spike it is looked for, which files are told
-as not sent.
-"""
+"""Unit: where a card's taper begins."""
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from valvetrain.compare_test.events import MEETING, _around
 from valvetrain.errors import InputError
 from valvetrain.spring_card.card import CatalogueCard, SpringLoad
-
-DEG = np.pi / 180
 
 
 def card(top: float | None = None, taper: float | None = None) -> CatalogueCard:
@@ -45,22 +39,3 @@ def test_a_beehive_of_a_card_tapers_from_half_way_unless_told(top, taper, coils,
 def test_a_taper_begins_below_the_top(taper):
     with pytest.raises(InputError, match="taper"):
         card(26e-3, taper).mean_diameter(8.0)
-
-
-@pytest.mark.parametrize(
-    ("angle", "others", "reach"),
-    [
-        (100, [100], MEETING / DEG),
-        (100, [100, 100 + 1.6 * MEETING / DEG], MEETING / DEG),
-        (100, [40, 100, 106], 6),
-        (100, [96, 100, 106], 4),
-        (358, [4, 358], 6),
-        (1, [1, 355, 200], 6),
-    ],
-)
-def test_a_spike_is_looked_for_half_way_to_its_nearest_neighbour(angle, others, reach):
-    """Cam angles every half degree; neighbours may lie beyond the end of the turn."""
-    grid = np.arange(0.25, 360.0, 0.5)
-    found = _around(grid * DEG, angle * DEG, [other * DEG for other in others])
-    away = np.abs((grid - angle + 180) % 360 - 180)
-    assert found.tolist() == np.flatnonzero(away <= 0.5 * reach).tolist()

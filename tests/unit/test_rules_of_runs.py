@@ -6,12 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from validation.calculix.jobs import axial_modes
 
-from valvetrain.errors import InputError
-from valvetrain.explore.case_paths import as_written
-from valvetrain.explore.space import Varied
-from valvetrain.parameters.overrides import set_value
 from valvetrain.parameters.train_parts import LeverParameters
 from valvetrain.quantities.cycle import Cycle
 
@@ -48,67 +43,6 @@ def test_samples_far_apart_at_an_end_cover_no_more_than_the_first_of_them():
         and cycle.covers(-1 * DEG, 44 * DEG)
         and not cycle.covers(-2 * DEG, 43 * DEG)
     )
-
-
-@pytest.mark.parametrize(
-    ("key", "unit", "value", "after"),
-    [
-        (
-            "spring.wire_diameter",
-            "mm",
-            3.9e-3,
-            {"spring": {"wire_diameter": "0.0039 m", "coils": [1, 2]}},
-        ),
-        (
-            "spring.pitch.level",
-            "m",
-            8e-3,
-            {"spring": {"wire_diameter": "4 mm", "coils": [1, 2], "pitch": {"level": "0.008 m"}}},
-        ),
-        (
-            "train.valve.mass",
-            "g",
-            0.05,
-            {
-                "spring": {"wire_diameter": "4 mm", "coils": [1, 2]},
-                "train": {"valve": {"mass": "0.05 kg"}},
-            },
-        ),
-        ("spring.coils.1", "", 3.0, {"spring": {"wire_diameter": "4 mm", "coils": [1, 3]}}),
-        (
-            "lift_law.nose",
-            "",
-            2.5,
-            {"spring": {"wire_diameter": "4 mm", "coils": [1, 2]}, "lift_law": {"nose": 2.5}},
-        ),
-    ],
-)
-def test_a_value_is_set_in_tables_that_the_case_has_and_in_those_it_lacks(key, unit, value, after):
-    tree = {"spring": {"wire_diameter": "4 mm", "coils": [1, 2]}}
-    set_value(tree, key, as_written(value, Varied(key, unit).si_unit))
-    assert tree == after
-
-
-def test_nothing_is_multiplied_or_shifted_in_a_table_that_is_not_there():
-    tree = {"spring": {"wire_diameter": "4 mm"}}
-    with pytest.raises(InputError, match="the case has no 'train' there"):
-        set_value(tree, "train.valve.mass", lambda before: before)
-    assert tree == {"spring": {"wire_diameter": "4 mm"}}
-
-
-@pytest.mark.parametrize(
-    ("transmission", "found"),
-    [
-        ([0.5, -0.9, 0.4], (0, 1, 2)),
-        ([0.3, 0.9, 0.5, -0.2, -0.8, -0.3, 0.7], (1, 4, 6)),
-        ([0.2, -0.5, 0.3, 0.9, 0.4], (0, 1, 3)),
-        ([0.2, -0.9, -0.3, 0.6, 0.5], (0, 1, 3)),
-        ([0.119, -0.121, 0.0], (1,)),
-        ([], ()),
-    ],
-)
-def test_the_axial_modes_of_a_solid_are_the_strongest_of_each_run_of_one_sign(transmission, found):
-    assert axial_modes(np.array(transmission)) == found
 
 
 @pytest.mark.parametrize(
