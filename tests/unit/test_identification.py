@@ -144,22 +144,6 @@ def test_priors_have_the_quantiles_of_the_textbook(
     assert prior.log_density(low - 1.0) == -np.inf and prior.log_density(high + 1.0) == -np.inf
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"kind": "uniform", "low": 2.0, "high": 1.0}, "is not below high"),
-        ({"kind": "uniform", "low": 2.0}, "needs two finite bounds"),
-        ({"kind": "normal", "centre": 1.0}, "positive spread"),
-        ({"kind": "normal", "centre": 1.0, "spread": 1.0, "low": 2.0}, "outside the bounds"),
-        ({"kind": "log-uniform", "low": -1.0, "high": 2.0}, "positive values"),
-        ({"kind": "flat"}, "unknown"),
-    ],
-)
-def test_priors_that_are_none_are_refused(given: dict[str, float], words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        Prior(**given)
-
-
 def test_outliers_weigh_less_under_student_errors() -> None:
     """Densities of scipy's own student law, and the half of minus twice its logarithm above the
     peak.

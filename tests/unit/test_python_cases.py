@@ -4,7 +4,6 @@ the command line.
 
 from __future__ import annotations
 
-import json
 import threading
 import tomllib
 
@@ -15,7 +14,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import valvetrain as vt
-from unit.cli_parts import call
 from valvetrain.api.trace import labelled
 from valvetrain.units import dimension_of
 
@@ -162,17 +160,6 @@ def test_no_spring_set_is_the_sets_of_the_case_and_a_number_is_none():
         vt.simulate(*words, spring_models="massless", spring_set=5)
 
 
-def test_python_and_the_command_give_the_same_numbers(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    case = vt.Case("job-t").set({"spring.pitch": "7.4 mm"})
-    case.save("own.toml")
-    words = ("run", "own.toml", "--spring", "multi-mass", "--engine-speed", "5000 rpm", "--json")
-    answer = json.loads(call(*words).stdout)
-    found = {name: one["value"] for name, one in answer["runs"][0]["quantities"].items()}
-    run = case.run("5000 rpm", model="multi-mass")
-    assert {name: run.quantities[name] for name in found} == found
-
-
 def test_a_study_computes_what_was_requested_and_nothing_else():
     """Twin: each point is the run of the changed case."""
     table = vt.Case("job-t").study(
@@ -257,15 +244,6 @@ def test_a_trace_in_any_form_is_the_same_trace(form):
     assert np.allclose(read["cam_angle"].values, trace["cam_angle"].values, rtol=1e-12)
 
 
-def test_a_table_of_a_trace_tells_an_unknown():
-    case, options = vt.Case("job-t"), {"engine_speeds": "4000 rpm", "models": "massless"}
-    true = case.set({"spring.precompression": "7.3 mm"}).run("4000 rpm", model="massless")
-    table = true["seat_force"].to_dataframe()[["seat_force"]]
-    unknown = {"spring.precompression": ("6 mm", "8 mm")}
-    found = case.identify(unknown, table, search=vt.explore.Search(draws=10), **options)
-    assert found.best["spring.precompression"] == pytest.approx(7.3e-3, rel=1e-6)
-
-
 @pytest.mark.parametrize(
     "measured",
     [
@@ -308,14 +286,6 @@ def test_a_function_of_a_cell_runs_in_workers():
     with pytest.raises(vt.InputError, match="cannot be sent"):
         lock = threading.Lock()
         vt.map(lambda one: lock.locked(), [1, 2], workers=2)
-
-
-def test_one_model_may_be_named_by_a_text():
-    one, other = (
-        vt.simulate("job-t", "2000 rpm", spring_models=models)
-        for models in ("massless", ["massless"])
-    )
-    assert vt.diff(one.solutions[0], other.solutions[0]) == {}
 
 
 def test_several_runs_are_not_one():
@@ -361,13 +331,6 @@ def test_several_runs_are_not_one():
 def test_wrong_input_is_refused_in_one_sentence(wrong, sentence):
     with pytest.raises(vt.InputError, match=sentence):
         wrong(vt.Case("job-t"))
-
-
-def test_a_speed_may_be_a_quantity():
-    case = vt.Case("job-t", engine_speeds=4000 * UNITS.rpm)
-    changed = vt.Case("job-t").set({"operation": {"engine_speeds": [4000 * UNITS.rpm]}})
-    assert case.parameters.operation.engine_speeds == pytest.approx([4000 * np.pi / 30])
-    assert changed.parameters.operation.engine_speeds == pytest.approx([4000 * np.pi / 30])
 
 
 def test_listed_designs_are_run_row_by_row():

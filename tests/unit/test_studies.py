@@ -1,12 +1,9 @@
-"""Studies on the one pipeline: parts built once, failures as statuses, every model in every system,
-results that travel.
-"""
+"""Studies on the one pipeline: failures as statuses, every model in every system, results that travel."""
 
 from __future__ import annotations
 
 import pickle
 import warnings
-from collections import Counter
 
 import numpy as np
 import pytest
@@ -18,7 +15,7 @@ from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.runs.compare import compare_study
 from valvetrain.runs.prepared import prepare
 from valvetrain.runs.run import run_study, sweep_study
-from valvetrain.springs.spec import SpringModelSpec, spring_model
+from valvetrain.springs.spec import spring_model
 from valvetrain.system.build import build
 
 RPM = np.pi / 30
@@ -66,131 +63,6 @@ NESTED = OUTER + INNER
 CARD = '[spring]\nname = "card"\nrate = "30 N/mm"\npreload = "250 N"\nmass = "40 g"\n' + (
     "options = { finite-element = { elements_per_coil = 8 } }\n[spring.damping]\nmass_damping = '100 1/s'\n"
 )
-
-
-def counted(monkeypatch, place, name: str, counts: Counter[object], key: str = ""):
-    """Count the calls of a function or the making of a class, which goes on as before."""
-    real = getattr(place, name)
-
-    def counting(*args, **kwargs):
-        counts[key or name] += 1
-        return real(*args, **kwargs)
-
-    monkeypatch.setattr(place, name, counting)
-
-
-@pytest.fixture
-def counts(monkeypatch) -> Counter[object]:
-    """How often each part was made; spring models by their word and the installed spring they stand
-    for.
-    """
-    from valvetrain.mechanism import build as mechanisms
-    from valvetrain.mechanism import parts
-    from valvetrain.runs import prepared as ready
-    from valvetrain.springs import chain_from_rod, finite_element_model
-    from valvetrain.system import build as building
-
-    found: Counter[object] = Counter()
-    chain_from_rod._reference.cache_clear()  # another test may have asked for the rod of this wire
-    counted(monkeypatch, building, "build_lift_law", found)
-    counted(monkeypatch, building, "build_mechanism", found)
-    counted(monkeypatch, finite_element_model, "mesh_spring", found)
-    counted(monkeypatch, ready, "rest_of", found)
-    counted(monkeypatch, ready, "rigid_motion", found)
-    for module in (mechanisms, parts):
-        for name in ("build_contact_law",):
-            if hasattr(module, name):
-                counted(monkeypatch, module, name, found)
-    real = SpringModelSpec.build
-
-    def building_spring(self, spring, rest=None):
-        found[self.word, spring] += 1
-        return real(self, spring, rest)
-
-    monkeypatch.setattr(SpringModelSpec, "build", building_spring)
-    return found
-
-
-def test_every_part_of_a_spring_study_is_built_once(counts):
-    case = load_case("gu2021-beehive-blind", COARSE)
-    study = run_study(case, engine_speeds=[4000 * RPM], workers=1)
-    assert not study.failures
-    (spring,) = case.springs
-    assert counts == {
-        "build_lift_law": 1,
-        "mesh_spring": 1,
-        ("finite-element", spring): 1,
-        ("modal-varied", spring): 1,
-    }
-
-
-def test_every_part_of_a_spring_study_is_built_once_for_any_number_of_speeds(counts):
-    run_study(
-        load_case("job-c", COARSE),
-        engine_speeds=[2000 * RPM, 3000 * RPM],
-        spring_models=["multi-mass", "finite-element"],
-        workers=2,
-    )
-    # the rod of the case, and the coarser one that the chain takes its rate and frequency from
-    assert counts.pop("mesh_spring") == 2
-    assert set(counts.values()) == {1}
-
-
-def test_parts_of_a_train_and_its_variants_are_built_once(counts):
-    case = load_case("tdi-pushrod", {"train.cycles": 1})
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", RuntimeWarning)  # a valve that never closes included
-        study = run_study(case, workers=1)
-    variants = [variant for variant in case.train.variants if not variant.replica]
-    assert len(study.solutions) == len(variants) > 3
-    assert counts["build_lift_law"] == 1
-    # a mechanism per train that differs in more than its springs, as a damper on the valve
-    trains = {(variant.lash, variant.valve_damping) for variant in variants}
-    assert counts["build_mechanism"] == len(trains)
-    assert counts["build_contact_law"] == counts["build_mechanism"] * len(case.train.contacts)
-    # by a chain, and massless for what rigid theory says: of either set, damped or not
-    springs = [one for (one,) in case.train.springs.values()]
-    assert models_built(counts) == {
-        (model, one) for one in springs for model in ("multi-mass", "massless")
-    }
-    assert counts["rest_of"] == counts["rigid_motion"] == len(variants)
-
-
-def models_built(counts: Counter[object]) -> set[object]:
-    """The spring models that were built, each of which once."""
-    found = {key: count for key, count in counts.items() if isinstance(key, tuple)}
-    assert set(found.values()) == {1}, found
-    return set(found)
-
-
-@pytest.mark.long
-def test_variants_that_differ_in_lash_share_their_springs_and_rigid_theory_shares_a_massless_variant(
-    counts,
-):
-    case = load_case("vaz-ohc", {"train.cycles": 1})
-    study = run_study(case, engine_speeds=[2000 * RPM], workers=1)
-    variants = [variant for variant in case.train.variants if not variant.replica]
-    assert len(study.solutions) == len(variants) == 8
-    wires, cards = case.train.spring_parts("nested"), case.train.spring_parts("nested-cards")
-    words = {("massless", one) for one in (*wires, *cards)} | {
-        ("finite-element", one) for one in wires
-    }
-    assert models_built(counts) == words | {
-        (word, one) for word in ("multi-mass", "wave-rod") for one in cards
-    }
-    assert counts["mesh_spring"] == len(wires) and counts["build_mechanism"] == 2
-    assert counts["rest_of"] == counts["rigid_motion"] == len(variants)
-
-
-def test_a_comparison_builds_every_model_once_for_motion_and_rest(counts):
-    case = load_case("job-t", COARSE)
-    study = compare_study(case, engine_speeds=[4000 * RPM], workers=2)
-    assert (
-        models_built(counts) == {(word, case.springs[0]) for word in study.labels}
-        and len(study.labels) == 6
-    )
-    assert counts["mesh_spring"] == 2 and counts["build_lift_law"] == 1
-    assert len(study.rest) == 6
 
 
 @pytest.mark.parametrize("name", ["job-t", "vaz-ohc"])
@@ -349,26 +221,6 @@ def test_a_sweep_keeps_numbers_and_no_channels_and_warns_of_nothing(name):
     assert study.comparisons == () and study.findings == ()
 
 
-@pytest.mark.parametrize(
-    ("name", "models"), [("job-t", ["massless", "multi-mass"]), ("tdi-pushrod", ["massless"])]
-)
-def test_progress_is_told_of_every_run(name, models):
-    seen: list[float] = []
-    case = load_case(name, {"train.cycles": 1} if name == "tdi-pushrod" else {})
-    study = run_study(
-        case,
-        engine_speeds=[2000 * RPM, 2500 * RPM],
-        spring_models=models,
-        workers=1,
-        progress=lambda share, words: seen.append(share),
-    )
-    assert (
-        seen == sorted(seen)
-        and seen[-1] == pytest.approx(1.0)
-        and len(seen) >= len(study.solutions)
-    )
-
-
 def test_a_comparison_of_a_card_takes_the_usual_models_that_can_stand_for_it():
     bare = CARD.replace('mass = "40 g"\n', "")
     for text, words in (
@@ -482,9 +334,3 @@ def test_the_static_curve_of_a_spring_of_ones_own_follows_its_rate_until_coils_c
 def test_a_static_curve_that_cannot_be_is_refused(wanted, sentence):
     with pytest.raises(vt.InputError, match=sentence):
         vt.static_curve(vt.parameters.cylindrical("3.8 mm", "22 mm", "7 mm", total_coils=7), wanted)
-
-
-def test_a_problem_is_built_from_a_name_a_path_or_a_case():
-    assert (
-        vt.system.build.build("job-t").record == vt.system.build.build(vt.load_case("job-t")).record
-    )

@@ -14,7 +14,6 @@ from valvetrain import InputError
 from valvetrain.explore.files import FileText
 from valvetrain.explore.outputs import Outcome
 from valvetrain.explore.study import (
-    PointsInterrupted,
     StudyModel,
     estimate_study,
     read_plan,
@@ -111,17 +110,6 @@ def test_memory_of_a_point_is_bounded(computed, tmp_path):
     assert peaks[36**2] < estimate_study(plan, 2).cost.bytes
 
 
-def test_a_study_goes_on_where_it_stopped_and_hands_out_nothing_twice(computed, tmp_path):
-    plan = plan_of(10)
-    with pytest.raises(PointsInterrupted) as cut:
-        computed(plan, Instant(stop_after=4), tmp_path / "points")
-    codes = [one.code for one in cut.value.table.statuses]
-    assert codes.count("completed") == 32 and codes.count("interrupted") == 68
-    rest = Instant()
-    table = computed(plan, rest, tmp_path / "points")
-    assert rest.points == table.computed == 68 and np.array_equal(table.values, table.inputs)
-
-
 def test_points_of_a_lost_worker_keep_their_status_and_are_tried_by_the_next_start(
     computed, tmp_path
 ):
@@ -154,19 +142,6 @@ def test_points_that_a_list_names_twice_are_computed_once(computed):
     executor = Instant()
     table = computed(read_plan(FileText(text, "study", Path(), StudyModel)), executor)
     assert len(table) == 3 and executor.points == 2 and np.array_equal(table.values, table.inputs)
-
-
-def test_progress_ends_at_one_and_counts_what_was_there(computed, tmp_path):
-    told: list[tuple[float, str]] = []
-    computed(
-        plan_of(5),
-        Instant(),
-        tmp_path / "points",
-        progress=lambda share, words: told.append((share, words)),
-    )
-    assert told[-1] == (1.0, "25 of 25 points") and [one for one, _ in told] == sorted(
-        one for one, _ in told
-    )
 
 
 def test_the_estimate_grows_with_points_and_models_and_shrinks_with_workers():
