@@ -18,7 +18,6 @@ from valvetrain.explore.optimum import Confirmed, Optimum
 from valvetrain.explore.optimum_answer import answer_of_search
 from valvetrain.explore.optimum_rules import RULES
 from valvetrain.solution.uncertainty import Uncertainty
-from valvetrain.views.results import answer_of, figures_of
 
 pytest.importorskip("optuna")
 EVEN = vt.explore.Prior("uniform", 0.0, 1.0)
@@ -178,19 +177,6 @@ def test_a_missed_bound_is_named_with_what_is_missing():
     nearest = found.nearest
     verdict = answer_of_search(found).verdict
     assert verdict.fields["by"].value == pytest.approx(400e3 - float(nearest.constraints[0]))
-
-
-@pytest.mark.parametrize(
-    ("made", "names"),
-    [
-        (lighter, ["compared", "designs", "progress"]),
-        (runs, ["compared", "designs", "progress"]),
-        (front, ["designs"]),
-        (lambda: searched(trough), ["designs", "progress"]),
-    ],
-)
-def test_a_search_draws_what_it_computed(made, names):
-    assert list(figures_of(answer_of(made()))) == names
 
 
 def test_curves_of_case_and_best_are_those_of_their_runs():
