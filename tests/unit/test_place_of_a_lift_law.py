@@ -65,18 +65,6 @@ def test_values_changed_from_outside_have_no_line(tmp_path):
         vt.system.build.build(case)
 
 
-@pytest.mark.parametrize("shape", ["[]", "[1, -1]", "[1, 1, -1, -1, 1]"])
-def test_a_law_alone_of_an_odd_shape_is_refused_in_a_sentence(tmp_path, shape):
-    path = tmp_path / "own.toml"
-    path.write_text(LAW.replace("[1, 1, -1]", f"[1, 1, -1, -1]\nclosing_flank_shape = {shape}"))
-    told = CliRunner().invoke(app, ["check", str(path)])
-    assert (
-        told.exit_code == 2
-        and "case 'own', line 10, lift_law.closing_flank_shape: closing_flank_shape needs four"
-        in told.stderr
-    )
-
-
 def test_a_law_exchanged_in_a_program_has_no_line(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(LAW.replace("[1, 1, -1]", "[1, 1, -1, -1]") + SPRING)

@@ -4,9 +4,6 @@ see a case.
 
 from __future__ import annotations
 
-import pickle
-
-import numpy as np
 import pytest
 
 import valvetrain
@@ -15,7 +12,6 @@ from valvetrain.parameters.loading import load_case, parse_case
 from valvetrain.system.build import build
 from valvetrain.system.contract import PRESCRIBED, TRAIN, System
 from valvetrain.system.prescribed import PrescribedSpring
-from valvetrain.system.problem import Problem
 from valvetrain.system.train_system import TrainSystem
 
 CARD = (
@@ -77,20 +73,3 @@ def test_a_model_that_does_not_serve_says_so_before_anything_runs():
     assert "need its wire" in solid.refusal
     with pytest.raises(InputError, match="need its wire"):
         solid.system()
-
-
-@pytest.mark.parametrize("name", ["job-t", "vaz-ohc"])
-def test_a_problem_travels_between_processes(name):
-    problem = build(load_case(name), spring_models=["multi-mass"])
-    again = pickle.loads(pickle.dumps(problem))
-    assert (
-        isinstance(again, Problem)
-        and again.record == problem.record
-        and again.engine_speeds == problem.engine_speeds
-    )
-    angle = np.linspace(0, 2 * np.pi, 91)
-    assert np.array_equal(again.valve_lift.lift(angle), problem.valve_lift.lift(angle))
-    one, two = problem.members[0].system(), again.members[0].system()
-    assert [spring.name for spring in one.springs] == [spring.name for spring in two.springs]
-    for first, second in zip(one.springs, two.springs, strict=True):
-        assert np.array_equal(first.parameters(), second.parameters())

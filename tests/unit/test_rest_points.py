@@ -12,7 +12,6 @@ from typer.testing import CliRunner
 
 import valvetrain as vt
 from valvetrain.cli.main import app
-from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_case
 from valvetrain.quantities.statics import solid_quantities
 from valvetrain.runs.statics import static_study
@@ -141,18 +140,3 @@ def test_a_retainer_that_may_turn_carries_no_torque(case):
     assert still[1].force < still[0].force
     with pytest.raises(vt.InputError, match="retainer_rotation"):
         parse_case(TEXT + 'retainer_rotation = "loose"\n')
-
-
-def test_a_rod_refuses_curves_and_modes_of_nothing():
-    rod = vt.springs.FiniteElementRod(
-        vt.parameters.cylindrical("4 mm", "24 mm", total_coils=8, free_length="52 mm"),
-        7e-3,
-        elements_per_coil=8,
-    )
-    for wrong, words in (
-        (lambda: rod.static_curve("5 mm", 0), "one step or more"),
-        (lambda: rod.static_curve("0 mm", 4), "positive compression"),
-        (lambda: rod.modes(0), "one mode or more"),
-    ):
-        with pytest.raises(InputError, match=words):
-            wrong()

@@ -15,17 +15,6 @@ from valvetrain.solution.result import Solution
 from valvetrain.solution.static import StaticCurve
 
 
-def test_undeclared_channel_and_missing_label_are_refused():
-    with pytest.raises(InputError, match="not declared"):
-        spring_channels([0.0], [0.0], {"force": [1.0]})
-    channels = spring_channels([0.0], [0.0], {"seat_force": [1.0]})
-    del channels["seat_force"].attrs["units"]
-    with pytest.raises(InputError, match="units"):
-        Solution(channels)
-    with pytest.raises(InputError, match="cam_angle"):
-        Solution(channels.dataset.drop_vars("cam_angle"))
-
-
 def test_a_solution_of_plain_arrays_and_one_of_their_dataset_are_the_same():
     arrays = spring_channels(
         [0.0, 1.0],

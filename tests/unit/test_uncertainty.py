@@ -69,11 +69,6 @@ def test_faster_than_declared_counts_as_declared():
     assert found.uncertainty > 1.25 * 0.3 * 2.25**4
 
 
-def test_meshes_out_of_order_are_refused():
-    with pytest.raises(InputError, match="coarse to fine"):
-        grid_convergence((1.0, 2.0, 3.0), (1.0, 1.5, 2.25))
-
-
 def meshed(name: str, elements_per_coil: int) -> Case:
     """A library case on another mesh."""
     case = load_case(name)
