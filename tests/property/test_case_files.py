@@ -20,8 +20,6 @@ from valvetrain.parameters.loading import LIBRARY, load_case, parse_case
 from valvetrain.units import DIMENSIONS, format_quantity, parse_quantities, parse_quantity
 
 TEXTS = {path.stem: path.read_text() for path in sorted(LIBRARY.glob("*.toml"))}
-# The published tables make up most of the beehive file; the rest is what mutations should hit.
-BEEHIVE = TEXTS["gu2021-beehive-blind"]
 SHORT = {name: text.split("# ----")[0] for name, text in TEXTS.items()}
 KEYS = sorted(
     {

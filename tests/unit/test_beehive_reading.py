@@ -43,15 +43,6 @@ def test_the_median_of_samples_of_a_triangle_over_their_phase(half_width, per_tu
     assert found["stage_3_every_instant_peak_force"] >= found["stage_3_largest_sampled_peak_force"]
 
 
-@pytest.mark.parametrize("half_width", [0.5, 1.0, 2.0])
-def test_width_and_impulse_of_the_pulse(half_width):
-    """At half its height a triangle is as wide as its half width; its area is that times its height."""
-    found = pulsed(half_width).found
-    time = np.radians(half_width) / (SPEED / 2)
-    assert found["stage_3_peak_duration"] == pytest.approx(time, rel=0.02)
-    assert found["stage_3_peak_impulse"] == pytest.approx(HEIGHT * time, rel=0.02)
-
-
 def test_a_run_no_finer_than_the_source_has_its_own_samples():
     reader = beehive_reader(run({"seat_force": lambda degrees: FOOT + bump(degrees, 254.6, 3)}))
     assert not reader.phases and "stage_3_least_sampled_peak_force" not in reader.found

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -69,22 +68,6 @@ def test_check_understands_every_library_case(name):
     assert max(map(len, result.stdout.splitlines())) <= 100
 
 
-def test_check_prints_what_follows_from_the_definition_by_hand():
-    found = json.loads(call("check", "uniform-spring", "--json").stdout)["quantities"]
-    shear, wire, mean, turns, density = 79.6e9, 3.8e-3, 22e-3, 5.0, 7850.0
-    length = turns * np.hypot(np.pi * mean, 7e-3)
-    mass = np.pi / 4 * wire**2 * length * density
-    rate = shear * wire**4 / (8 * mean**3 * turns)
-    expected = {
-        "wire_length": (length, "m"), "wire_mass": (mass, "kg"), "active_coil_count": (5.0, "1"), "free_length": (38.8e-3, "m"),
-        "smallest_index_ratio": (mean / wire, "1"), "estimated_rate": (rate, "N/m"),
-        "estimated_surge_frequency": (0.5 * np.sqrt(rate / mass), "Hz"), "installed_height": (31.8e-3, "m"),
-    }  # fmt: skip
-    for key, (value, unit) in expected.items():
-        assert found[key]["unit"] == unit
-        assert found[key]["value"] == pytest.approx(value, rel=2e-6), key
-
-
 def test_the_estimated_rate_of_a_conical_spring_is_the_closed_form():
     from spring_shapes import conical
     from valvetrain.parameters.spring import OPEN_END
@@ -133,29 +116,6 @@ def test_static_agrees_with_the_library_and_writes_csv(tmp_path):
     assert float(last["force [N]"]) == pytest.approx(curve.force[-1])
     assert float(last["height [mm]"]) == pytest.approx(1e3 * height)
     assert float(last["wire shear [MPa]"]) > float(last["nominal shear [MPa]"]) > 0
-
-
-def test_modes_agree_with_the_library():
-    from valvetrain.parameters.loading import load_case
-    from valvetrain.springs.finite_element_statics import modal_result
-    from valvetrain.springs.spec import spring_model
-
-    found = json.loads(
-        call("modes", *UNIFORM, "--count", "6", "--compression", "3 mm", "--json").stdout
-    )
-    (spring,) = load_case("uniform-spring").springs
-    spring = replace(
-        spring.with_options("finite-element", elements_per_coil=8), precompression=3e-3
-    )
-    expected = modal_result(spring_model("finite-element").build(spring), 6)
-    modes = found["springs_at_rest"][0]["modes"]
-    assert [mode["natural_frequency"]["value"] for mode in modes["modes"]] == pytest.approx(
-        expected.natural_frequency.tolist()
-    )
-    assert modes["compression"] == {"value": 3e-3, "unit": "m"}
-    assert found["quantities"]["mode_1_frequency"]["value"] == pytest.approx(
-        expected.axial_frequencies[0]
-    )
 
 
 #: What a user types wrong: names, numbers, units, key paths, files.
@@ -221,48 +181,3 @@ def test_engine_speeds_are_read_in_rpm_and_ranges_hold_both_ends():
         assert read_engine_speeds(text) == read_engine_speeds(f"{text} rpm")
     with pytest.raises(InputError, match="is a length"):
         read_engine_speeds("3000 mm")
-
-
-BINDS = """
-[lift_law]
-kind = "polynomial"
-maximum_lift = "30 mm"
-opening_start = "110 deg"
-opening_end = "180 deg"
-closing_start = "180 deg"
-closing_end = "250 deg"
-[operation]
-engine_speeds = "3000 rpm"
-[spring]
-wire_diameter = "4 mm"
-mean_diameter = "24 mm"
-pitch = "7.5 mm"
-total_coils = 6
-ends = "open"
-material = "OTEVA 90 SC"
-precompression = "7 mm"
-"""
-
-
-@pytest.mark.parametrize("command", ["check", "run"])
-def test_a_lift_that_presses_the_spring_solid_is_refused(tmp_path, command):
-    """Six open coils of 4 mm wire touch after (7.5 - 4.006) 6 = 20.96 mm, the angle of the wire counted; 7 mm and 30 mm
-    of lift ask for 37 mm.
-    """
-    (tmp_path / "bind.toml").write_text(BINDS)
-    result = call(command, str(tmp_path / "bind.toml"))
-    assert result.exit_code == 2
-    assert (
-        "reaches coil bind: 42 mm installed less 30 mm of lift leave 12 mm, but it is solid at 28.03 mm"
-        in result.stderr
-    )
-
-
-def test_check_puts_a_train_together():
-    result = call("check", "vaz-ohc", "--set", "train.lash=12 mm")
-    assert result.exit_code == 2 and "not smaller than the valve lift" in result.stderr
-    result = call("check", "vaz-ohc", "--set", "train.springs.nested.1.installed_height=21 mm")
-    assert (
-        result.exit_code == 2
-        and "spring 'inner' of set 'nested' reaches coil bind" in result.stderr
-    )

@@ -208,14 +208,6 @@ def test_a_request_beyond_the_bound_is_refused_with_its_numbers_and_the_option(
     assert words in text and "this request will take about" in text and "--limit '" in text
 
 
-def test_options_that_no_computer_holds_are_refused_by_the_case(small):
-    for value in (
-        "spring.options.multi-mass.masses_per_coil=1000000",
-        "spring.options.modal-uniform.modes=3000",
-    ):
-        assert call("run", "small.toml", "--set", value).exit_code == 2
-
-
 def test_a_run_that_diverges_writes_what_it_has_and_ends_with_1(small):
     words = typed(
         "run small.toml --set 'spring.options.finite-element.time_step=2e-5 s' --output out"

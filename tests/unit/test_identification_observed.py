@@ -16,7 +16,6 @@ from valvetrain.explore.identify import identify_request
 from valvetrain.explore.measurements import Station, Target
 from valvetrain.explore.observe import Observed, numbers_of
 from valvetrain.parameters.toml_text import toml_text
-from valvetrain.runs import statics
 
 WIRE = {
     "key": "spring.wire_diameter",
@@ -244,9 +243,7 @@ def test_what_is_only_compared_elsewhere_is_computed_for_the_draws_alone(tmp_pat
     assert peak.low <= peak.best <= peak.high and seat.best == pytest.approx(212.0, abs=1.0)
 
 
-def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
-    tmp_path, monkeypatch
-) -> None:
+def test_a_rod_in_motion_tells_its_numbers_at_rest_too(tmp_path) -> None:
     """One run tells both; the same numbers, bit for bit, as each condition by itself."""
     moving = {"engine_speed": "4200 rpm", "spring_model": "finite-element", "scatter": "1 %"}
     request = request_of(
@@ -264,12 +261,5 @@ def test_a_rod_in_motion_tells_its_numbers_at_rest_too_and_is_put_to_rest_once(
         for one in observed.stations
         for key, value in (numbers_of(request.case, (one,), request.targets) or {}).items()
     }
-    rests = []
-    monkeypatch.setattr(
-        statics,
-        "spring_statics",
-        lambda *given, real=statics.spring_statics: rests.append(1) or real(*given),
-    )
     together = numbers_of(request.case, observed.stations, request.targets)
     assert together == apart and len(together) == 2
-    assert len(rests) == 1

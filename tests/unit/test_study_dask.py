@@ -5,7 +5,6 @@ the client killed and gone on, a scheduler that ends, the job script of docs/clu
 from __future__ import annotations
 
 import json
-import logging
 import os
 import signal
 import subprocess
@@ -335,15 +334,6 @@ def test_without_dask_the_command_that_installs_it_is_told(tmp_path, monkeypatch
     monkeypatch.setitem(sys.modules, "dask_jobqueue", None)
     with pytest.raises(vt.ValvetrainError, match="dask-jobqueue"):
         vt.study(TEXT.format(count=2), dask="slurm", workers=1)
-
-
-def test_a_cluster_that_cannot_start_leaves_the_log_as_it_was(monkeypatch):
-    monkeypatch.setitem(sys.modules, "dask_jobqueue", None)
-    log = logging.getLogger("distributed.client")
-    before = log.level
-    with pytest.raises(vt.ValvetrainError, match="dask-jobqueue"):
-        vt.study(TEXT.format(count=2), dask="slurm", workers=1)
-    assert log.level == before
 
 
 def test_a_study_without_dask_never_loads_it(tmp_path):

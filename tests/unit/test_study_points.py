@@ -264,15 +264,6 @@ def test_numbers_at_rest_come_from_the_model_asked_for():
     )
 
 
-def test_sizes_of_a_spring_need_no_static_curve(monkeypatch):
-    wanted = ("free_length", "solid_height")
-    whole = evaluate(point(BEEHIVE, "massless", None, (*wanted, "preload")))
-    monkeypatch.setattr("valvetrain.explore.evaluate.spring_statics", None)
-    assert evaluate(point(BEEHIVE, "massless", None, wanted)).values == {
-        name: whole[name] for name in wanted
-    }
-
-
 def test_a_varied_engine_speed_is_the_speed_of_the_run():
     speed = ((Varied(ENGINE_SPEED, "rpm"), 6000 * RPM),)
     wanted = ("peak_spring_force",)
