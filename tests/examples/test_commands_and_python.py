@@ -119,7 +119,7 @@ def test_study(answer, tmp_path):
 def test_identify(answer):
     told = answer("identify", str(EXAMPLES / "identify-spring.toml"))
     found = vt.identify(EXAMPLES / "identify-spring.toml")
-    best = values({name: one["best"] for name, one in told["branches"][0]["quantities"].items()})
+    best = {name: one["best"] for name, one in told["branches"][0]["quantities"].items()}
     assert best == found.best
 
 

@@ -53,7 +53,7 @@ def test_a_slow_stiff_train_follows_rigid_theory(kind):
         )
         train = KINDS[kind](contacts=contacts(law))
         if train.pushrod is not None:
-            train = train.replace(pushrod=type(train.pushrod)(0.17, (0.0, 0.02)))
+            train = train.replace(pushrod=type(train.pushrod)(0.17, lower_end=(0.0, 0.02)))
         built = system(train)
         ready = runner(built, 60.0, TrainOptions(samples=720))
         state = ready.initial_state()

@@ -27,7 +27,8 @@ def test_wire_and_closed_coils_are_those_of_the_formulas() -> None:
     wire, closed, pitch = request.unknowns
     free = (wire, replace(closed, prior=Prior("uniform", 0.85, 1.5)), pitch)
     found = identify_request(
-        replace(request, unknowns=free, search=replace(request.search, draws=1)), workers=1
+        replace(request, unknowns=free, search=request.search.model_copy(update={"draws": 1})),
+        workers=1,
     )
     (seat, high), frequency = (345.0, 735.0), 472.0
     rate = (high - seat) / 10e-3

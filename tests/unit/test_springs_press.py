@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from spring_parts import drive, raised_cosine
+from valvetrain.parameters.case_changes import changed_case
 from valvetrain.parameters.constructors import cylindrical
 from valvetrain.parameters.installed_spring import InstalledSpring, SpringCard
 from valvetrain.parameters.loading import load_case
@@ -115,8 +116,8 @@ def test_a_source_that_leaves_the_preload_out_keeps_its_formula():
 
 
 BINDING = {
-    "train.springs.stock.0.card.installed_height": 40e-3,
-    "train.springs.stock.0.card.solid_height": 31.5e-3,
+    "train.springs.stock.0.card.installed_height": "40 mm",
+    "train.springs.stock.0.card.solid_height": "31.5 mm",
 }
 
 
@@ -128,7 +129,7 @@ def test_a_run_that_passes_coil_bind_says_so(word):
     that is led at 4000 does not.
     """
     case = load_case("tdi-pushrod")
-    tight = case.replace(BINDING)
+    tight = changed_case(case, BINDING)
     speeds = (4000 * np.pi / 30, 10000 * np.pi / 30)
     led, floating = run_study(
         tight, engine_speeds=speeds, spring_sets=["stock"], spring_models=[word], workers=1

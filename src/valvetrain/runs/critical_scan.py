@@ -22,6 +22,8 @@ RELATIVE = 1e-6
 CAUTION = 2.0
 #: Ranges of lost control whose ends are computed; those of further ones are speeds of the scan.
 MAX_ROOTS = 4
+#: Resolutions between the speeds just below a loss.
+BELOW = 2.5
 #: Measure (SI) where a run says nothing or just reaches zero.
 NO_MARGIN = 1e-12
 
@@ -123,6 +125,22 @@ class Scan:
             for engine_speed in near:
                 self.at(engine_speed)
 
+    def look_below_onset(self, kind: str) -> None:
+        """Run speeds half as far apart again in the short range below the first loss: between two samples that keep
+        control it may be lost a little earlier.
+        """
+        while lost := [one for one in self.samples if self.samples[one].lost(kind)]:
+            near = [
+                one for one in sorted(self.samples) if (1 - NARROW) * min(lost) <= one <= min(lost)
+            ]
+            steady = all(self.samples[one].repeats for one in near)
+            step = BELOW * self.resolution * (1 + 1e-9)
+            middles = [(low + high) / 2 for low, high in pairwise(near) if high - low > step]
+            for engine_speed in middles if steady else ():
+                self.at(engine_speed)
+            if not (steady and middles):
+                return
+
     def _dips_near_zero(self, kind: str) -> Iterator[tuple[float, ...]]:
         for three, (before, least, after) in self._dips(kind):
             known = not any(kind in self.samples[one].unknown for one in three)
@@ -157,6 +175,7 @@ class Scan:
         """Ranges of lost control by the roots at their ends, from 0 where it is lost at the first speed; and short
         ones whose motion never repeats, by their lowest and highest sample: the next revolution may not lose it.
         """
+        self.look_below_onset(kind)
         while (wide := next(self._of_unknown_width(kind), 0.0)) > 0:
             self.at(wide)
         speeds, found, passed = sorted(self.samples), list[SpeedBracket](), list[SpeedBracket]()

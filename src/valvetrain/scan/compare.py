@@ -151,8 +151,8 @@ def compare_scan(
     >>> spring = np.column_stack([radius * np.cos(6.2832 * turn), radius * np.sin(6.2832 * turn), 7.5 * turn + 2 * np.sin(around)])
     >>> file = pathlib.Path(tempfile.mkdtemp(), "scan.xyz")
     >>> np.savetxt(file, spring + draw.normal(0, 0.03, spring.shape), fmt="%.4f")
-    >>> coarse = {"springs.0.options": {"finite-element": {"elements_per_coil": 8}}}
-    >>> compared = compare_scan(vt.scan.spring_from_scan(file, unit="mm"), vt.load_case("job-t").replace(coarse))
+    >>> coarse = {"spring.options.finite-element.elements_per_coil": 8}
+    >>> compared = compare_scan(vt.scan.spring_from_scan(file, unit="mm"), vt.Case("job-t").set(coarse).parameters)
     >>> preload = compared.number("preload")
     >>> bool(abs(preload.scanned / preload.design - 1) < 0.02)
     True
