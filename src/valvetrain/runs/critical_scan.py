@@ -129,17 +129,15 @@ class Scan:
         """Run speeds half as far apart again in the short range below the first loss: between two samples that keep
         control it may be lost a little earlier.
         """
+        step = BELOW * self.resolution * (1 + 1e-9)
         while lost := [one for one in self.samples if self.samples[one].lost(kind)]:
-            near = [
-                one for one in sorted(self.samples) if (1 - NARROW) * min(lost) <= one <= min(lost)
-            ]
-            steady = all(self.samples[one].repeats for one in near)
-            step = BELOW * self.resolution * (1 + 1e-9)
+            top = min(lost)
+            near = [one for one in sorted(self.samples) if (1 - NARROW) * top <= one <= top]
             middles = [(low + high) / 2 for low, high in pairwise(near) if high - low > step]
-            for engine_speed in middles if steady else ():
-                self.at(engine_speed)
-            if not (steady and middles):
+            if not middles or not all(self.samples[one].repeats for one in near):
                 return
+            for engine_speed in middles:
+                self.at(engine_speed)
 
     def _dips_near_zero(self, kind: str) -> Iterator[tuple[float, ...]]:
         for three, (before, least, after) in self._dips(kind):
