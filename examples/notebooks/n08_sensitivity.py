@@ -14,7 +14,7 @@ space = vt.Space(
 outputs = vt.Outputs(["peak_spring_force"], engine_speeds="4000 rpm", spring_models="modal-uniform")
 experiment = vt.Experiment("job-t", space, outputs)
 for one in experiment.sensitivity(count=128, workers=2):
-    print(one.output, dict(zip(one.names, one.total.round(2), strict=True)), one.leaders)
+    print(one.output, dict(zip(one.names, one.total.round(2), strict=True)))
 
 # %%
 # The same experiment drawn at random: the force over both sizes.
