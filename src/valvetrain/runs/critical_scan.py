@@ -126,8 +126,8 @@ class Scan:
                 self.at(engine_speed)
 
     def look_below_onset(self, kind: str) -> None:
-        """Run speeds half as far apart again in the short range below the first loss: between two samples that keep
-        control it may be lost a little earlier.
+        """Run speeds at half the distance in the short range below the first loss, since two samples that keep
+        control may have an earlier loss between them.
         """
         step = BELOW * self.resolution * (1 + 1e-9)
         while lost := [one for one in self.samples if self.samples[one].lost(kind)]:
