@@ -4,7 +4,6 @@ valleys are known.
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 import valvetrain as vt
@@ -26,8 +25,8 @@ def searched(function, **search) -> vt.explore.Optimum:
 
 
 def trough(x: float, y: float, z: float) -> dict[str, float]:
-    """Least 2, anywhere on x + y = 1 with z = 0.3."""
-    return {"height": 1.0 + x + y + 100 * (z - 0.3) ** 2, "sum": x + y}
+    """Least 1, anywhere with z = 0.3; within 1 % of it where z is within 0.04 of that."""
+    return {"height": 1.0 + 6.25 * (z - 0.3) ** 2, "sum": x + y}
 
 
 def bowl(x: float, y: float, z: float) -> dict[str, float]:
@@ -36,29 +35,17 @@ def bowl(x: float, y: float, z: float) -> dict[str, float]:
     return {"height": 1.0 + 100 * away, "sum": x + y}
 
 
-def test_a_valley_is_told_by_the_designs_at_its_ends() -> None:
-    """Truth known: x and y trade places over their whole range, z does not move."""
+def test_a_valley_is_told_by_the_designs_as_good() -> None:
+    """Truth known: x and y do not matter, z does not move."""
     found = searched(trough)
-    valley = found.best.valley
-    assert sorted(valley.open) == [0, 1]
-    assert float(found.best.trial.objectives[0]) == pytest.approx(2.0, abs=0.02)
-    for place in (0, 1):
-        low, high = valley.ends(place)
-        assert valley.values[low, place] < 0.05 and valley.values[high, place] > 0.95
-    assert np.all(valley.values[:, :2].sum(axis=1) >= 1.0)
-    assert np.all(np.abs(valley.objectives - found.best.trial.objectives[0]) <= 0.01 * 2.02)
+    facts = answer_of(found).facts
+    assert float(found.best.trial.objectives[0]) == pytest.approx(1.0, abs=0.01)
+    assert facts.alike(0) and facts.alike(1) and not facts.alike(2)
     assert "O128" in answer_of(found).findings.codes
 
 
 def test_where_every_quantity_is_settled_no_valley_is_told() -> None:
     """False: there is no valley in a bowl."""
     found = searched(bowl)
-    assert found.best.valley.open == ()
+    assert not any(map(answer_of(found).facts.alike, range(3)))
     assert "O128" not in answer_of(found).findings.codes
-
-
-def test_several_seeds_tell_the_spread_of_what_they_end_at() -> None:
-    found = searched(trough, trials=30, seeds=3)
-    bests = np.array([found.history(seed)[-1] for seed in found.seeds])
-    assert np.ptp(bests) < 0.1
-    assert sorted(found.best_by_seed.values()) == sorted(bests)

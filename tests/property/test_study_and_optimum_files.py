@@ -101,7 +101,7 @@ KNOWN = {
         {
             "objective": tables(OBJECTIVE).map(lambda one: [one]),
             "constraint": tables(OBJECTIVE, 4).map(lambda one: [one]),
-            "search": tables("method trials per_round seed seeds local", 3),
+            "search": tables("method trials per_round seed local", 3),
             "vary": st.just([{"key": "spring.precompression", "low": "6 mm", "high": "8 mm"}]),
         }
     ),

@@ -63,7 +63,7 @@ vary = [
   { key = "spring.wire_diameter", low = "3 mm", high = "4.6 mm", label = "wire" },
   { key = "spring.mean_diameter", values = "20, 18, 24, 22 mm", label = "coil" },
 ]
-search = { trials = 20, per_round = 5, seeds = 2 }
+search = { trials = 40, per_round = 5 }
 """
 
 
@@ -109,19 +109,15 @@ def test_the_answer_is_one_json_object_and_the_files_hold_the_same(kept):
     (folder, data), found = kept, light()
     same(found, data["rows"])
     assert (
-        data["trials"] == 41
+        data["trials"] == len(found.trials) > 20
         and data["of_case"]["number"] == 0
         and data["feasible_trials"] == found.feasible
     )
     assert data["findings"][0]["code"] == answer_of(found).verdict.code == "O108"
     best = data["designs"][0]
-    assert (
-        best["trial"]["number"] == found.best.trial.number
-        and len(best["steps"]) >= 2
-        and set(data["best_by_seed"]) == {"1", "2"}
-    )
+    assert best["trial"]["number"] == found.best.trial.number
     rows = list(csv.DictReader((folder / "trials.csv").open()))
-    assert len(rows) == 41 and "spring.wire_diameter [m]" in rows[0]
+    assert len(rows) == len(found.trials) and "spring.wire_diameter [m]" in rows[0]
     row = rows[best["trial"]["number"]]
     assert float(row["objective_1 [kg]"]) == best["trial"]["objectives"][0]
     page = (folder / "report.html").read_text()
@@ -182,7 +178,7 @@ def file(tmp_path, monkeypatch):
 def test_a_search_without_a_design_names_the_bound_that_is_missed_by_least(file):
     text = LIGHT.replace(
         ', { quantity = "smallest_index_ratio", at_least = 5, at_most = 9 }', ""
-    ).replace("seeds = 2", "local = 0.0")
+    ).replace("per_round = 5", "per_round = 5, local = 0.0")
     file.write_text(text.replace("1.1 x case", "400 N/mm"))
     answer = call("optimise", str(file), "--workers", "1")
     assert answer.exit_code == 1 and "estimated rate at least 400 N/mm" in answer.stderr
@@ -257,7 +253,9 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
         vt.optimise(LIGHT, workers=1, output=tmp_path / "out" / "points", progress=stop)
     held = cut.value.optimum
     assert (
-        not held.finished and 25 <= len(held.trials) < 41 and "stopped before its end" in repr(held)
+        not held.finished
+        and 25 <= len(held.trials) < len(light().trials)
+        and "stopped before its end" in repr(held)
     )
     assert all(
         np.array_equal(one.values, two.values)
@@ -279,11 +277,11 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
     }
 
 
-def test_seeds_and_rounds_alone_decide_which_designs_are_looked_at():
+def test_seed_and_rounds_alone_decide_which_designs_are_looked_at():
     first, again, other = (
         light(),
         vt.optimise(LIGHT, workers=2),
-        vt.optimise(LIGHT.replace("seeds = 2", "seed = 7"), workers=1),
+        vt.optimise(LIGHT.replace("per_round = 5", "per_round = 5, seed = 7"), workers=1),
     )
     assert all(
         np.array_equal(one.values, two.values)
@@ -294,9 +292,7 @@ def test_seeds_and_rounds_alone_decide_which_designs_are_looked_at():
         for one, two in zip(first.trials[1:], other.trials[1:], strict=False)
     )
     designs = [one.values.tobytes() for one in first.trials]
-    assert first.computed <= len(set(designs)) + 1 + len(
-        first.best.steps
-    )  # a design that comes twice is computed once
+    assert first.computed <= len(set(designs)) + 1  # a design that comes twice is computed once
 
 
 def test_a_library_that_is_not_installed_is_said_in_one_sentence(monkeypatch):

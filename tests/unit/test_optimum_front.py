@@ -16,7 +16,7 @@ from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimum import Optimum, case_text, chosen_designs
 from valvetrain.explore.optimum_file import OptimumModel
-from valvetrain.explore.trial import CASE_SEED, Trial
+from valvetrain.explore.trial import Trial
 
 FILE = """
 title = "Light and quick"
@@ -38,7 +38,6 @@ def search(made: list[tuple[float, float]]) -> Optimum:
     trials = tuple(
         Trial(
             place,
-            1 if place else CASE_SEED,
             np.array([3e-3 + 1e-5 * place]),
             Measured(dict(zip(plan.measures, (1e-3 * mass, rate), strict=True)), {}),
             plan,
@@ -84,7 +83,7 @@ def test_feasible_designs_go_first_then_those_that_miss_less_then_those_that_fai
 
     def trial(number: int, mass: float, rate: float, failure: str = "") -> Trial:
         measured = Measured(dict(zip(plan.measures, (mass, 1.0, rate), strict=True)), {}, failure)
-        return Trial(number, 1, np.array([3e-3]), measured, plan)
+        return Trial(number, np.array([3e-3]), measured, plan)
 
     order = [
         trial(5, better, 50e3), trial(4, worse, 50e3), trial(3, better, 39e3), trial(2, better, 20e3),

@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import valvetrain as vt
@@ -43,7 +42,7 @@ def no_number(x: float, y: float) -> dict[str, float]:
 @cache
 def lighter() -> Optimum:
     """The case meets every bound, and so do lighter designs."""
-    text = LIGHT.replace("1.1 x case", "0.9 x case").replace("seeds = 2", "local = 0.4")
+    text = LIGHT.replace("1.1 x case", "0.9 x case")
     return vt.optimise(text, workers=1)
 
 
@@ -79,7 +78,7 @@ def front() -> Optimum:
 
 @cache
 def impossible() -> Optimum:
-    return vt.optimise(LIGHT.replace("1.1 x case", "400 N/mm").replace("seeds = 2", "local = 0.0"), workers=1)  # fmt: skip
+    return vt.optimise(LIGHT.replace("1.1 x case", "400 N/mm"), workers=1)  # fmt: skip
 
 
 def by_another(found: Optimum, share: float) -> Optimum:
@@ -108,20 +107,6 @@ def missing(found: Optimum) -> Optimum:
     return replace(found, designs=(replace(found.best, confirmed=(one,)),))
 
 
-def stepped(improves: bool = False, objective: float | None = None) -> Optimum:
-    found, first = lighter(), lighter().best.steps[0]
-    if objective is not None:
-        values = {**first.trial.measured.values, found.plan.objectives[0].measure: objective}
-        first = replace(first, trial=replace(first.trial, measured=Measured(values, {})))
-    steps = (replace(first, improves=improves), *found.best.steps[1:])
-    return replace(found, designs=(replace(found.best, steps=steps),))
-
-
-def back() -> Optimum:
-    found = lighter()
-    return stepped(objective=float(0.9 * found.case.objectives[0] + 0.1 * found.best.trial.objectives[0]))  # fmt: skip
-
-
 def doubted(text: str) -> Optimum:
     return replace(lighter(), doubt=text)
 
@@ -129,7 +114,6 @@ def doubted(text: str) -> Optimum:
 #: Code -> a result in which the rule holds, and one in which it does not.
 CASES = {
     "O101": (lambda: searched(no_number, 2), lighter),
-    "O102": (None, impossible),  # tests/limits/test_searches_beyond_contact_loss.py
     "O103": (impossible, lighter),
     "O104": (front, lighter),
     "O105": (lambda: searched(lambda x, y: {"height": abs(x - 0.5) + abs(y - 0.5)}, 2, local=0.0), lighter),
@@ -142,8 +126,6 @@ CASES = {
     "O121": (lambda: missing(lighter()), lambda: by_another(lighter(), 1.0)),
     "O122": (lambda: doubted("4.2 turns are few. Take more"), lighter),
     "O123": (light, runs),
-    "O124": (lambda: stepped(improves=True), lambda: stepped(improves=False)),
-    "O125": (back, lighter),
     "O126": (lambda: barred(lighter(), 0.6), lambda: barred(lighter(), 0.3)),
     "O127": (runs, lighter),
     "O128": (lambda: searched(trough), lighter),
@@ -154,7 +136,7 @@ CASES = {
 @pytest.mark.parametrize("code", CASES)
 def test_a_rule_holds_in_one_result_and_not_in_the_other(code):
     holds, differs = CASES[code]
-    assert holds is None or code in answer_of_search(holds()).findings.codes
+    assert code in answer_of_search(holds()).findings.codes
     assert code not in answer_of_search(differs()).findings.codes
 
 
@@ -177,12 +159,3 @@ def test_a_missed_bound_is_named_with_what_is_missing():
     nearest = found.nearest
     verdict = answer_of_search(found).verdict
     assert verdict.fields["by"].value == pytest.approx(400e3 - float(nearest.constraints[0]))
-
-
-def test_curves_of_case_and_best_are_those_of_their_runs():
-    found = runs()
-    before, after = (one for one in found.curves if one.quantity != "valve_lift")
-    assert (before.design, after.design) == ("case", "best")
-    study = vt.simulate(found.case_of(found.best), "4000 rpm", spring_models=["modal-uniform"])
-    assert np.max(after.y) <= np.max(study.solutions[0].channel(after.quantity))
-    assert np.max(after.y) == pytest.approx(np.max(study.solutions[0].channel(after.quantity)), rel=0.01)  # fmt: skip

@@ -270,7 +270,7 @@ def with_finest(plan: OptimumPlan) -> OptimumPlan:
     if not models or fine or models & OWN.keys() or any(find("springs", finest).why_not(one) for one in springs):  # fmt: skip
         return plan
     made = plan.by_another(plan.case, finest, "" if finest == FINEST else plan.rest_model)
-    if 2 * made.seconds > plan.search.trials * plan.search.seeds * plan.seconds:
+    if 2 * made.seconds > plan.search.trials * plan.seconds:
         return plan
     return replace(plan, confirmations=(*plan.confirmations, Confirmation(finest, made)))
 

@@ -9,41 +9,37 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
-from valvetrain.explore.engine import Engine, Evaluation
-from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation, LimitFound, limit_of
+from valvetrain.explore.engine import Engine
+from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.measure import (
     INCOMPLETE,
+    RUNS,
     Measure,
     Measured,
     measure_designs,
 )
 from valvetrain.explore.objective import OptimumPlan, read_optimum
-from valvetrain.explore.optimum import Confirmed, Design, Optimum, chosen_designs
-from valvetrain.explore.optimum_curves import Compared, compare
+from valvetrain.explore.optimum import Confirmed, Optimum, chosen_designs
 from valvetrain.explore.optimum_file import read_optimum_file
-from valvetrain.explore.outputs import Outputs, limit_search
 from valvetrain.explore.refusals import refuse_outputs
 from valvetrain.explore.search import quiet_optuna, search_from
-from valvetrain.explore.trial import CASE_SEED, Array, Trial, best_of
-from valvetrain.explore.valley import steps_of, valley_of
+from valvetrain.explore.trial import Array, Trial, best_of
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
+from valvetrain.solution.uncertainty import Uncertainty
 from valvetrain.units import known_arguments
 
 #: Seconds that a trial takes in addition to its points; bytes of one.
 AROUND, TRIAL_BYTES = 0.03, 2e4
-#: Designs about the best one that are computed at the end, for each varied quantity.
-ABOUT = 8
 #: What makes a search large.
 FEWER = "trials, speeds or models"
 
@@ -66,9 +62,8 @@ class SearchEstimate:
 
 def estimate_search(plan: OptimumPlan, workers: int) -> SearchEstimate:
     """Estimated cost of a plan: every trial to the end of its scans, and the confirmations."""
-    trials = plan.search.trials * plan.search.seeds + 1
-    designs = trials + (ABOUT * len(plan.varied) + 1) * len(plan.objectives)
-    computing = designs * plan.seconds + sum(2 * one.plan.seconds for one in plan.confirmations)
+    trials = plan.search.trials + 1
+    computing = trials * plan.seconds + sum(2 * one.plan.seconds for one in plan.confirmations)
     searched = [one.limit for one in plan.measures if one.limit is not None]
     points = sum(len(one.runs) for one in plan.measures)
     points += sum(len(one.engine_speeds) + CLOSER for one in searched)
@@ -105,34 +100,27 @@ def case_of_plan(plan: OptimumPlan) -> tuple[float, ...]:
 
 
 class _Search:
-    """A running search, of one seed or several."""
+    """A running search."""
 
     def __init__(self, plan: OptimumPlan, points: Engine, progress: Progress) -> None:
         self.plan, self.points, self.progress = plan, points, progress
         self.begun = time.perf_counter()
-        self.seeds = tuple(range(plan.search.seed, plan.search.seed + plan.search.seeds))
         self.trials = list[Trial]()
 
     def run(self) -> Optimum:
-        """The case, the searches of all seeds, and what small steps and other models do to the best design."""
+        """The case, the search, and what other models say of the best design."""
         try:
             case = self.case(self.plan)
             self.plan = case.plan
             self.trials.append(case)
-            for seed in self.seeds:
-                search_from(self.plan, case, seed, partial(self.round, seed))
+            search_from(self.plan, case, self.round)
             made = self.optimum()
             if made.best is not None:
-                first = replace(
-                    self.with_steps(made.best), confirmed=self.confirmed(made.best.trial)
-                )
+                first = replace(made.best, confirmed=self.confirmed(made.best.trial))
                 made = replace(made, designs=(first, *made.designs[1:]))
-            compared = self.compared(made)
             return replace(
                 made,
-                contact_loss=self.contact_loss(made),
-                error_bars=compared.error_bars,
-                curves=compared.curves,
+                error_bars=self.error_bars(made),
                 doubt=self.doubt(made),
                 computed=self.points.computed,
                 seconds=time.perf_counter() - self.begun,
@@ -160,7 +148,7 @@ class _Search:
             for one in plan.constraints
             if one.measure.varied is not None
         }
-        return Trial(0, CASE_SEED, values, measured, plan.of_case({**measured.values, **still}))
+        return Trial(0, values, measured, plan.of_case({**measured.values, **still}))
 
     def measure(self, values: Sequence[Array], spare: bool = False) -> list[Measured]:
         """The numbers of designs (d, SI); with ``spare`` no limit speed of one that misses a bound already."""
@@ -176,14 +164,14 @@ class _Search:
         stop = misses if spare else None
         return measure_designs(self.points, plan.plans, designs, plan.measures, stop)
 
-    def round(self, seed: int, shares: Sequence[Array], spare: bool) -> list[Trial]:
+    def round(self, shares: Sequence[Array], spare: bool) -> list[Trial]:
         """The trials at points of the unit cube, a few batches of them at a time."""
         values, size, before = [self.plan.values(one) for one in shares], self.plan.search.per_round, len(self.trials)  # fmt: skip
         for first in range(0, len(values), size):
             part = values[first : first + size]
             for row, measured in zip(part, self.measure(part, spare), strict=True):
-                self.trials.append(Trial(len(self.trials), seed, row, measured, self.plan))
-            total, best = self.plan.search.trials * len(self.seeds), best_of(self.trials)
+                self.trials.append(Trial(len(self.trials), row, measured, self.plan))
+            total, best = self.plan.search.trials, best_of(self.trials)
             goal, text = self.plan.objectives[0].measure, "none feasible yet"
             if best is not None:
                 text = f"best {goal.shown(float(best.objectives[0])):.5g} {goal.unit}".rstrip()
@@ -195,18 +183,9 @@ class _Search:
         """The trials so far, and the best of them."""
         seconds = time.perf_counter() - self.begun
         made = Optimum(
-            self.plan, self.trials[0], tuple(self.trials), computed=self.points.computed, seconds=seconds, seeds=self.seeds,
+            self.plan, self.trials[0], tuple(self.trials), computed=self.points.computed, seconds=seconds,
         )  # fmt: skip
         return replace(made, designs=chosen_designs(made))
-
-    def with_steps(self, best: Design) -> Design:
-        """The best design with what small steps do to it, and of one objective its valley."""
-        if self.plan.shares(best.trial.values) is None:  # the case itself, outside the ranges
-            return best
-        steps = steps_of(best.trial, self.measure)
-        one = len(self.plan.objectives) == 1
-        valley = valley_of(best.trial, steps, self.trials, self.measure) if one else None
-        return replace(best, steps=steps, valley=valley)
 
     def confirmed(self, best: Trial) -> tuple[Confirmed, ...]:
         """The case and the best design by other models, each against the bounds by that model."""
@@ -221,19 +200,20 @@ class _Search:
             made.append(Confirmed(one.label, case.plan, case, design))
         return tuple(made)
 
-    def compared(self, made: Optimum) -> Compared:
-        """The best design, or the one that comes nearest, next to the case: curves and error bars."""
-        trial, case = made.nearest, self.plan.case
-        if trial is None or case is None:
-            return Compared()
+    def error_bars(self, made: Optimum) -> tuple[Uncertainty, ...]:
+        """Error bars of the numbers searched for, of the best design or of the one that comes nearest."""
+        plan, trial = self.plan, made.nearest
+        if trial is None or RUNS not in plan.plans:
+            return ()
+        from valvetrain.explore.point_bars import bars_of  # loads what runs
+
         self.progress(0.99, "error bars")
-        name, design = "nearest", Design(trial, "nearest")
-        if made.best is not None:
-            name, design = "best", made.best
-        designs = {"case": case_of_plan(self.plan)}
-        if design.trial.number:
-            designs[name] = tuple(design.trial.values.tolist())
-        return compare(self.points, self.plan, designs, (case, made.case_of(design)))
+        trial = trial if made.best is None else made.best.trial
+        values = trial.values.tolist() if trial.number else []
+        searched, evaluation = {one.quantity for one in plan.measures}, plan.plans[RUNS]
+        every = (row for run in evaluation.runs for row in bars_of(evaluation, values, run))
+        bars = {(row.quantity, row.label, row.engine_speed): row for row in every if row.quantity in searched}  # fmt: skip
+        return tuple(bars.values())
 
     def doubt(self, made: Optimum) -> str:
         """What is unusual about the values of the best design and not about the case."""
@@ -243,25 +223,6 @@ class _Search:
 
         texts = doubts(self.plan.case, self.plan.varied, values).values()
         return next((text.partition(": ")[2] for text in texts), "")
-
-    def contact_loss(self, made: Optimum) -> LimitFound | None:
-        """The speed at which the nearest design loses contact, where no design retains it."""
-        plan, trial = self.plan, made.nearest
-        force = None if made.designs or trial is None else trial.floating
-        if force is None or trial is None:
-            return None
-        run = max(force.runs, key=lambda one: one[0] or 0.0)
-        speeds = [share * (run[0] or 0.0) for share in np.linspace(0.4, 1.0, 7).tolist()]
-        limit = limit_search(
-            force.quantity, f"{str(speeds)[1:-1]} rad/s", at_least="1e-9 N", resolution="25 rpm"
-        )
-        values = tuple(trial.values.tolist()) if trial.number else ()
-        still = (None, *run[1:])
-        bare = Evaluation(plan.case, plan.varied, Outputs(limit.quantity), [still])
-        search = LimitEvaluation(bare, limit)
-        self.points.include(search)
-        (outcome,) = self.points.outcomes([(search, values, still)])
-        return limit_of(outcome) if outcome.values else None
 
 
 def _nominal(plan: OptimumPlan) -> Array:

@@ -5,7 +5,6 @@ be trusted.
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,14 +14,11 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
-from valvetrain.explore.limit_speed import LimitFound
 from valvetrain.explore.measure import Measure
 from valvetrain.explore.objective import OptimumPlan
-from valvetrain.explore.optimum_curves import Curve
 from valvetrain.explore.search import quiet_optuna
 from valvetrain.explore.space import Values, Varied
-from valvetrain.explore.trial import CASE_SEED, Array, Trial, best_of, front_of
-from valvetrain.explore.valley import Step, Valley, ends_of
+from valvetrain.explore.trial import Array, Trial, best_of, front_of
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.toml_text import toml_text
@@ -55,28 +51,23 @@ class Confirmed:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """One of the chosen designs: its ``trial``, why it was ``chosen``, its ``steps``,
-    confirmations, and of the best one the ``valley`` of designs as good.
-    """
+    """One of the chosen designs: its ``trial``, why it was ``chosen``, and what other models say of it."""
 
     trial: Trial
     chosen: str
-    steps: tuple[Step, ...] = ()
     confirmed: tuple[Confirmed, ...] = ()
-    valley: Valley | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Optimum(Reported):
-    """``trials`` of all searches in order, the ``case`` itself first; chosen ``designs``, the best
+    """``trials`` in order, the ``case`` itself first; chosen ``designs``, the best
     first.
 
     ``computed``: points that this call
     computed, the others were in its store; ``seconds``: wall time of this call; ``finished``:
-    whether it was not stopped before its end; ``contact_loss``: where the nearest design loses contact,
-    if no design retains it. ``error_bars``: of the numbers of the best design that are searched for, or of the one that comes
-    nearest; ``curves`` of the case and of that design. ``doubt``: what is unusual about the values of the best
-    design. A search that was stopped has none of the three.
+    whether it was not stopped before its end. ``error_bars``: of the numbers of the best design that are searched for, or
+    of the one that comes nearest. ``doubt``: what is unusual about the values of the best design. A search that was
+    stopped has neither.
 
     >>> import valvetrain as vt
     >>> found = vt.optimise('''
@@ -100,10 +91,7 @@ class Optimum(Reported):
     computed: int = 0
     seconds: float = 0.0
     finished: bool = True
-    seeds: tuple[int, ...] = ()
-    contact_loss: LimitFound | None = None
     error_bars: tuple[Uncertainty, ...] = ()
-    curves: tuple[Curve, ...] = ()
     doubt: str = ""
 
     @property
@@ -121,28 +109,15 @@ class Optimum(Reported):
         return tuple(front_of(self.trials))
 
     @property
-    def best_by_seed(self) -> Mapping[int, float]:
-        """First objective (SI) of the best trial of each seed, of several seeds and one objective."""
-        if len(self.plan.objectives) > 1 or len(self.seeds) < 2:
-            return {}
-        bests = {seed: self.history(seed)[-1:] for seed in self.seeds}
-        return {seed: float(one[0]) for seed, one in bests.items() if np.all(np.isfinite(one)) and len(one)}  # fmt: skip
-
-    @property
     def feasible(self) -> int:
         """Trials that meet every bound."""
         return sum(one.feasible for one in self.trials)
 
-    def history(self, seed: int | None = None) -> Array:
-        """Best feasible objective (SI) after each trial of the search of ``seed`` (the first), of
-        the first objective; nan before any.
-        """
+    def history(self) -> Array:
+        """Best feasible value (SI) of the first objective after each trial; nan before any."""
         goal = self.plan.objectives[0]
-        request = self.seeds[0] if seed is None and self.seeds else seed
         best, found = np.nan, []
         for one in self.trials:
-            if one.seed not in (request, CASE_SEED):
-                continue
             if one.feasible and not one.costs[0] >= goal.sign * best:
                 best = float(one.objectives[0])
             found.append(best)
@@ -169,7 +144,7 @@ class Optimum(Reported):
         for column in range(len(plan.constraints)):
             missed = [trial.missed[column] for trial in self.trials]
             data[f"missed_{column + 1}"] = ("trial", missed, {"units": "1"})
-        for name in ("seed", "feasible", "state", "failure"):
+        for name in ("feasible", "state", "failure"):
             data[name] = ("trial", [getattr(trial, name) for trial in self.trials])
         numbers = [trial.number for trial in self.trials]
         return xarray.Dataset(data, {"trial": numbers}, {"title": plan.title})
@@ -205,7 +180,7 @@ class Optimum(Reported):
         """
         found = []
         for place, (one, value) in enumerate(zip(self.plan.varied, trial.values, strict=True)):
-            low, high = ends_of(one)
+            low, high = one.ends
             if value <= low + AT_END * (high - low):
                 found.append((place, "low"))
             elif value >= high - AT_END * (high - low):
@@ -356,11 +331,7 @@ def optuna_study(found: Optimum, storage: Any = None) -> Any:
                     values=values,
                     params=dict(zip(names, params, strict=True)),
                     distributions=dict(zip(names, axes, strict=True)),
-                    user_attrs={
-                        "number": trial.number,
-                        "seed": trial.seed,
-                        "failure": trial.failure,
-                    },
+                    user_attrs={"number": trial.number, "failure": trial.failure},
                     system_attrs={"constraints": trial.penalties},
                 )
             )

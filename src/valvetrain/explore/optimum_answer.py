@@ -119,7 +119,7 @@ class OptimumAnswer(ExploreAnswer):
                 yield Line(bound.measure.label, (*self._cells(bound.measure, before, after, trial), limit), mark, remark)  # fmt: skip
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """Case and best design, the designs that were computed, and the progress."""
+        """The designs that were computed, and the progress."""
         return figures(self.facts)
 
     def tables(self) -> Mapping[str, TextTable]:
@@ -154,11 +154,11 @@ class OptimumAnswer(ExploreAnswer):
         """Plan, designs and trials."""
         found, plan = self.found, self.found.plan
         return {
-            "case": plan.case_name, "title": plan.title, "method": plan.search.method, "seeds": found.seeds, "trials": len(found.trials),
+            "case": plan.case_name, "title": plan.title, "method": plan.search.method, "seed": plan.search.seed, "trials": len(found.trials),
             "feasible_trials": found.feasible, "computed": found.computed, "varied": varied_of(plan.varied),
             "objectives": fields_of(plan.objectives), "constraints": fields_of(plan.constraints),
             "of_case": fields_of(found.case), "designs": fields_of(found.designs), "front": [one.number for one in found.front],
-            "history": found.history(), "best_by_seed": found.best_by_seed, "contact_loss": fields_of(found.contact_loss),
+            "history": found.history(),
             "uncertainties": [uncertainty_object(one) for one in found.error_bars],
             "completed": found.finished and found.best is not None, **rows_of(found.to_pandas()),
         }  # fmt: skip
@@ -178,7 +178,7 @@ class OptimumAnswer(ExploreAnswer):
     def computed(self) -> Iterator[str]:
         """Method, runs, where numbers are taken, and what could not be computed."""
         found, search = self.found, self.found.plan.search
-        yield f"{found.computed} runs in {found.seconds:.0f} s by {search.method}, seeds from {search.seed} ({len(found.seeds)})."
+        yield f"{found.computed} runs in {found.seconds:.0f} s by {search.method}, seed {search.seed}."
         for one in found.plan.measures:
             speeds = list(dict.fromkeys(run[0] for run in one.runs if run[0] is not None))
             if one.limit is not None:

@@ -23,6 +23,9 @@ from valvetrain.quantities.statics import card_quantities
 CARD = {"card_preload": "seat load", "card_rate": "rate", "card_open_force": "open load"}
 #: Share of the case's own value below which a gain is slight.
 SLIGHT = 0.02
+#: Share of the best objective within which a design is as good, and share of its range over which such designs leave a
+#: quantity open.
+ALIKE, OPEN = 0.01, 0.1
 
 
 @dataclass(frozen=True)
@@ -135,11 +138,23 @@ class SearchFacts(Subject):
 
     def alike(self, place: int) -> str:
         """``180 to 200 N``: how far a varied quantity may go with designs as good; empty where the search settles it."""
-        valley = None if self.best is None else self.best.valley
-        if valley is None or place not in valley.open or place == self.same_as_varied(0):
+        one = self.found.plan.varied[place]
+        if self.best is None or place == self.same_as_varied(0):
             return ""
-        low, high = (float(valley.values[row][place]) for row in valley.ends(place))
-        return span_text(self.found.plan.varied[place], low, high)
+        cost = float(self.best.trial.costs[0])
+        good = [
+            each
+            for each in self.found.trials
+            if each.feasible and abs(each.costs[0] - cost) <= ALIKE * abs(cost)
+        ]
+        low, high = (
+            float(end([each.values[place] for each in good])) for end in (np.nanmin, np.nanmax)
+        )
+        return (
+            span_text(one, low, high)
+            if high - low >= OPEN * abs(np.subtract(*one.ends)) > 0
+            else ""
+        )
 
     @property
     def ends(self) -> list[int]:

@@ -1,4 +1,4 @@
-"""Figures of a search: the case and the best design, the front, the objective over what is varied, and the progress."""
+"""Figures of a search: the designs that were computed, and the progress."""
 
 from __future__ import annotations
 
@@ -9,66 +9,15 @@ import numpy as np
 import plotly.graph_objects as go
 
 from valvetrain.explore.optimum_facts import SearchFacts
-from valvetrain.findings.words import RPM, speed_text
-from valvetrain.solution.definition import definition_of, shown
-from valvetrain.views.style import (
-    ANGLE,
-    BAD,
-    BEFORE,
-    BEHIND,
-    LEAD,
-    OK,
-    OTHER,
-    SPEEDS,
-    FigureSpec,
-    line,
-    panels,
-    styled,
-)
-
-#: Names of the x axes of the curves, with what a value (SI) is divided by.
-AXES = {"engine_speed": ("engine speed, rpm", RPM), "cam_angle": (ANGLE, np.pi / 180), "compression": ("compression, mm", 1e-3)}  # fmt: skip
-#: Room above the forces but for short peaks; share of the lift from which a valve counts as open.
-ROOM, OPEN = 1.3, 0.02
+from valvetrain.views.style import LEAD, OK, OTHER, FigureSpec, panels, styled
 
 
 def figures(facts: SearchFacts) -> Mapping[str, FigureSpec]:
     """The figures by name; the one that shows the verdict first."""
-    speed = next((one.engine_speed for one in facts.found.curves if one.engine_speed), 0.0)
-    hint = f"at {speed_text(speed)}" if speed else ""
-    first = {
-        "compared": FigureSpec(f"The case and the {facts.name} design", hint, _compared),
+    return {
         "designs": FigureSpec("Designs that were computed", "", _designs),
-    }  # fmt: skip
-    if facts.several or facts.slight:
-        first = dict(reversed(first.items()))
-    return first | {"progress": FigureSpec("Best value after each trial", "", _progress)}
-
-
-def _compared(facts: SearchFacts) -> go.Figure | None:
-    """The curves that the search kept of the case and of the best design, each quantity in a panel."""
-    curves, plan = facts.found.curves, facts.found.plan
-    if not curves:
-        return None
-    names = list(dict.fromkeys(one.quantity for one in curves))
-    axis, size = AXES[curves[0].across]
-    fig = panels((0.62, 0.38)[: len(names)])
-    for one in curves:
-        colour, dash = (OTHER, "dash") if one.design == "case" else (LEAD, "solid")
-        row, y = names.index(one.quantity), shown(one.quantity, one.y)[0]
-        fig.add_trace(line(one.x / size, y, one.design, colour, dash, legendgroup=one.design, showlegend=not row), row + 1, 1)  # fmt: skip
-    bounds = [facts.found.bound_of_limit(one) for one in plan.measures if one.limit is not None]
-    bounds += [one.bound for one in plan.constraints if one.measure.quantity.endswith(f"_{names[0]}")]  # fmt: skip
-    for bound in filter(np.isfinite, bounds[:2]):
-        fig.add_hline(float(shown(names[0], bound)[0]), line={"color": BAD, "width": 1, "dash": "dash"}, row=1)  # fmt: skip
-    styled(fig, axis, tuple(f"{definition_of(one).label}, {definition_of(one).unit_word}" for one in names), 400)  # fmt: skip
-    if curves[0].across == "cam_angle":
-        top = ROOM * float(np.percentile(np.concatenate([one.y for one in curves[::len(names)]]), 99))  # fmt: skip
-        fig.update_yaxes(range=[-0.04 * top, top], row=1, col=1)
-        there = np.concatenate([one.x[one.y > OPEN * one.y.max()] for one in curves if one.quantity == names[-1]])  # fmt: skip
-        low, high = np.degrees([there.min(), there.max()])
-        fig.update_xaxes(range=[max(0.0, low - BEFORE), min(360.0, high + BEHIND)])
-    return fig
+        "progress": FigureSpec("Best value after each trial", "", _progress),
+    }
 
 
 def _designs(facts: SearchFacts) -> go.Figure | None:
@@ -110,12 +59,11 @@ def _axis(facts: SearchFacts, place: int = 0) -> str:
 
 
 def _progress(facts: SearchFacts) -> go.Figure | None:
-    """The best value that meets every bound after each trial, a line for each seed."""
+    """The best value that meets every bound after each trial."""
     found = facts.found
     if facts.several or not found.feasible:
         return None
     fig = panels((1.0,))
-    for seed, colour in zip(found.seeds, SPEEDS * len(found.seeds), strict=False):
-        values = [facts.number(facts.goal, float(one)) for one in found.history(seed)]
-        fig.add_scatter(y=values, name=f"seed {seed}", mode="lines", line={"color": colour, "shape": "hv"})  # fmt: skip
+    values = [facts.number(facts.goal, float(one)) for one in found.history()]
+    fig.add_scatter(y=values, mode="lines", line={"color": LEAD, "shape": "hv"})
     return styled(fig, "trial", (_axis(facts),), 300)

@@ -22,9 +22,8 @@ from valvetrain.explore.files import (
 )
 from valvetrain.parameters.schema_types import Line, StrictModel, problem
 
-#: Most objectives and constraints of a file, trials of a search and searches of other seeds: more
-#: are taken for a mistake.
-MAX_OBJECTIVES, MAX_CONSTRAINTS, MAX_TRIALS, MAX_SEEDS, MAX_PER_ROUND = 4, 32, 20_000, 20, 256
+#: Most objectives and constraints of a file and trials of a search: more are taken for a mistake.
+MAX_OBJECTIVES, MAX_CONSTRAINTS, MAX_TRIALS, MAX_PER_ROUND = 4, 32, 20_000, 256
 
 
 def _confirmations(raw: Any) -> Any:
@@ -83,17 +82,14 @@ class ConstraintModel(MeasureModel):
 
 
 class SearchModel(StrictModel):
-    """The ``[search]`` table. ``per_round`` trials are requested together, whatever the workers;
-    ``seeds`` searches show their scatter;
-    ``local``: share of the trials that a local search about the best has at the end, of one
-    objective.
+    """The ``[search]`` table. ``per_round`` trials are requested together, whatever the workers. ``local``: share of the
+    trials that a local search about the best has at the end, of one objective.
     """
 
     method: Literal["tpe", "nsga2"] = "tpe"
     trials: Annotated[int, Field(ge=1, le=MAX_TRIALS)] = 100
     per_round: Annotated[int, Field(ge=1, le=MAX_PER_ROUND)] = 8
     seed: Annotated[int, Field(ge=0, le=2**31)] = 1
-    seeds: Annotated[int, Field(ge=1, le=MAX_SEEDS)] = 1
     local: Annotated[float, Field(ge=0.0, le=0.9)] = 0.4
 
     @model_validator(mode="after")

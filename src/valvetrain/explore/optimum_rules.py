@@ -8,18 +8,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from valvetrain.explore.limit_speed import BELOW
 from valvetrain.explore.optimum import Confirmed
-from valvetrain.explore.optimum_facts import SearchFacts, range_text
-from valvetrain.explore.valley import ALIKE
+from valvetrain.explore.optimum_facts import ALIKE, SearchFacts
 from valvetrain.findings.engine import Hit, Rule
 from valvetrain.findings.words import UNRESOLVED, Amount, Said, joined, speed_text
 from valvetrain.solution.definition import label_of
 
 #: Varied quantities and bounds that a sentence names at most.
 NAMED = 2
-#: Share of the gain that another model may lack and still confirm it; share that a small step may cost before the best is narrow.
-CONFIRMED, NARROW = 0.1, 0.5
+#: Share of the gain that another model may lack and still confirm it.
+CONFIRMED = 0.1
 #: Spring models of the whole wire.
 FULL = {"finite-element", "solid"}
 Hits = Iterator[Hit]
@@ -31,19 +29,6 @@ def nothing(facts: SearchFacts) -> Hits:
     if facts.trial is None:
         common = Counter(one.failure for one in found.trials).most_common(1)[0][0]
         yield Hit(fields={"count": f"{len(found.trials)}", "why": found.case.failure or common})
-
-
-def lost(facts: SearchFacts) -> Hits:
-    """Every design loses contact: the highest speed, the ranges, and from where the nearest loses it."""
-    found, trial = facts.found, facts.trial
-    if found.best is None and trial is not None and trial.floating is not None:
-        varied, loss, start = found.plan.varied, found.contact_loss, dict[str, Said]()
-        if loss is not None:
-            sign, bar = ("below", 0.0) if loss.kind == BELOW else ("from", loss.high - loss.low)
-            start = {"sign": sign, "from": Amount("engine_speed", loss.value, bar)}
-        few = [f"{one.shown_name} {range_text(one)}" for one in varied if len(varied) <= NAMED]
-        speed = max(run[0] or 0.0 for run in found.plan.losses[0].runs)
-        yield Hit(fields={"speed": speed_text(speed), "ranges": joined(few), "wide": wide(facts), **start})  # fmt: skip
 
 
 def missed(facts: SearchFacts) -> Hits:
@@ -167,26 +152,6 @@ def at_end(facts: SearchFacts) -> Hits:
         yield Hit(fields={"wide": wide(facts)})
 
 
-def moving(facts: SearchFacts) -> Hits:
-    """A small step of one quantity that still improves the best design."""
-    best = facts.found.best
-    for step in best.steps if best is not None else ():
-        if step.improves:
-            yield Hit(fields={"name": facts.found.plan.varied[step.index].shown_name})
-
-
-def narrow(facts: SearchFacts) -> Hits:
-    """A small step that costs half of the gain of the best design or more."""
-    best, case = facts.best, facts.found.case
-    if best is None or not case.feasible:
-        return
-    for step in best.steps:
-        cost = -facts.gain(step.trial, best.trial)
-        if step.index != facts.same_as_varied(0) and cost >= NARROW * facts.gain(best.trial, case):
-            left = facts.said(facts.goal, float(step.trial.objectives[0]))
-            yield Hit(fields={"name": facts.goal.label, "left": left}, severity=cost)
-
-
 def unresolved(facts: SearchFacts) -> Hits:
     """Numbers of the search whose error bar is half of them or more."""
     for row in facts.found.error_bars:
@@ -215,10 +180,8 @@ def alike(facts: SearchFacts) -> Hits:
 RUN = "[valvetrain run {file}]"
 RULES = (
     Rule("O101", "decides", "none of {count} designs can be computed", nothing, (), "{why}", "valvetrain check {case}"),
-    Rule("O102", "decides", "no design retains contact at {speed}", lost, (), "[the nearest loses it {sign} {from:4}][ ({ranges})]",
-         "widen {wide}", unless=("O101",)),
     Rule("O103", "decides", "no design meets every bound", missed, (), "the nearest misses {bound} by {by}",
-         "loosen that bound, or widen {wide}", unless=("O101", "O102")),
+         "loosen that bound, or widen {wide}", unless=("O101",)),
     Rule("O104", "decides", "{count} designs trade {a} against {b}", front, (), "{a_least} to {a_most} for {b_least} to {b_most}", RUN, mark="ok"),
     Rule("O105", "decides", "no design beats the case", itself, (), "its {name} is {before:4}", "widen {wide}", mark="warn"),
     Rule("O106", "decides", "{name} goes from {by_before:4} to {by_after:4} by {by}", better(denying), (),
@@ -235,8 +198,6 @@ RULES = (
     Rule("O121", "warns", "by {by} the best design [misses {bound} by {off}][cannot be computed: {why}]", other_model),
     Rule("O122", "warns", "the best design is doubtful: {doubt}", doubtful),
     Rule("O123", "warns", "widen {wide}: the best is at its end", at_end, remark="end of its range"),
-    Rule("O124", "warns", "a small step of {name} still improves the best: add trials", moving),
-    Rule("O125", "warns", "the best is narrow: a small step leaves {name} {left:4}", narrow),
     Rule("O126", "warns", "{name} of the best is not resolved at {speed}", unresolved, guide="uncertainty.md"),
     Rule("O127", "warns", "only {model} computed it: confirm it by finite-element", alone, mark="", guide="optimisation.md"),
     Rule("O128", "warns", "designs as good within {share} have {ranges}", alike, remark="[{only} as good]", mark="", guide="optimisation.md"),

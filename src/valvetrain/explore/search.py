@@ -57,16 +57,18 @@ def quiet_optuna() -> Iterator[Any]:
         optuna.logging.set_verbosity(before)
 
 
-def search_from(plan: OptimumPlan, case: Trial, seed: int, compute: Compute) -> None:
-    """All designs of one seed: some drawn evenly, those that Optuna proposes, and for one objective the local
+def search_from(plan: OptimumPlan, case: Trial, compute: Compute) -> None:
+    """All designs of a search: some drawn evenly, those that Optuna proposes, and for one objective the local
     search about the best.
     """
     search, size = plan.search, len(plan.varied)
     moving = [place for place, one in enumerate(plan.varied) if one.distribution.kind != "values"]
     local = int(search.local * search.trials) if len(plan.objectives) == 1 and moving else 0
-    proposals, trials, begin = _Proposals(plan, seed), [case], plan.shares(case.values)
+    proposals, trials, begin = _Proposals(plan), [case], plan.shares(case.values)
     rounds = -(-max(FIRST, FIRST_EACH * size) // search.per_round)
-    first = list(latin_hypercube(min(search.trials, rounds * search.per_round), size, [seed, size]))
+    first = list(
+        latin_hypercube(min(search.trials, rounds * search.per_round), size, [search.seed, size])
+    )
     if begin is not None:
         proposals.ask(1, [begin])
         proposals.tell([case])
@@ -90,10 +92,10 @@ def search_from(plan: OptimumPlan, case: Trial, seed: int, compute: Compute) -> 
 class _Proposals:
     """Points of the unit cube that a sampler of Optuna proposes from what came of those before."""
 
-    def __init__(self, plan: OptimumPlan, seed: int) -> None:
+    def __init__(self, plan: OptimumPlan) -> None:
         self.plan, self.requested = plan, list[Any]()
         with quiet_optuna() as optuna:
-            options: dict[str, Any] = {"seed": seed, "constraints_func": _missed}
+            options: dict[str, Any] = {"seed": plan.search.seed, "constraints_func": _missed}
             if plan.search.method == "nsga2":
                 sampler = optuna.samplers.NSGAIISampler(
                     population_size=plan.search.per_round, **options

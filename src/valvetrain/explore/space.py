@@ -385,6 +385,12 @@ class Varied:
         dimension = self.dimension
         return DIMENSIONS[dimension].si_unit if dimension is not None else ""
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and most (SI) of its range or list."""
+        low, high = self.distribution.at([0.0, 1.0]).tolist()
+        return low, high
+
     def shown(self, value: float) -> float:
         """A value (SI) in the unit."""
         return value / unit_factor(self.unit) if self.unit else value

@@ -18,19 +18,15 @@ Array = NDArray[np.float64]
 #: Penalty of a bound without a number, as a share of the bound: beyond any that is
 #: computed.
 UNKNOWN = 1e6
-#: Seed of the case, which belongs to no search.
-CASE_SEED = -1
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
     """``number`` counts from 0, the case itself; ``values`` (d, SI) of the varied quantities;
-    ``measured``: its numbers; ``seed`` of the
-    search that requested it. ``plan`` holds bounds and directions.
+    ``measured``: its numbers. ``plan`` holds bounds and directions.
     """
 
     number: int
-    seed: int
     values: Array
     measured: Measured
     plan: OptimumPlan
@@ -39,7 +35,6 @@ class Trial:
         """Its numbers (SI), its end in a word, and the brackets of its limit speeds."""
         names = (
             "number",
-            "seed",
             "values",
             "objectives",
             "constraints",
@@ -106,19 +101,6 @@ class Trial:
         """Share of the cycle without contact, at the highest speed."""
         speeds = [run[0] or 0.0 for one in self.plan.losses for run in one.runs]
         return self.losses[0] * max(speeds) / (4 * np.pi) if speeds else 0.0
-
-    @property
-    def floating(self) -> Measure | None:
-        """The first contact force that a bound keeps above zero and that is zero; None where none is."""
-        pairs = zip(self.plan.constraints, self.constraints, self.missed, strict=False)
-        return next(
-            (
-                one.measure
-                for one, value, miss in pairs
-                if one.measure.is_contact_force and value <= 0 < miss
-            ),
-            None,
-        )
 
     @cached_property
     def feasible(self) -> bool:
