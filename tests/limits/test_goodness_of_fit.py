@@ -65,7 +65,7 @@ def test_a_quantity_on_its_bound_takes_no_degree_of_freedom() -> None:
 def test_as_many_quantities_as_data_leave_nothing_to_test() -> None:
     datum = [vt.explore.Datum("load 3", 240.0, 0.01)]
     fit = vt.identify(FLAT, datum, linear).fit
-    assert np.isnan(fit.p_value) and not fit.missed and "no degree of freedom" in fit.phrase
+    assert np.isnan(fit.p_value) and not fit.missed
 
 
 def test_a_scatter_stated_too_small_is_told_and_the_widened_intervals_hold_the_truth() -> None:
@@ -129,10 +129,6 @@ def test_a_false_model_is_told_first_by_every_method(search: vt.explore.Search) 
     assert found.fit.p_value < 1e-6 and found.fit.widening > 5
     assert answer_of(found).verdict.code == "I102"
     assert found.fit.missed and found.fit.freedom == pytest.approx(11, abs=0.01)
-    sampled = search.method == "nested"
-    assert np.isfinite(found.fit.predictive) == sampled
-    if sampled:
-        assert found.fit.predictive < 1e-6
 
 
 def two_ways(points: np.ndarray) -> list[dict[str, float]]:

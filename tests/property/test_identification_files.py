@@ -21,7 +21,7 @@ from valvetrain.parameters.toml_text import toml_text
 
 PLAIN: dict[str, Any] = {
     "case": "job-t",
-    "search": {"method": "nested", "profile": "wire"},
+    "search": {"method": "nested"},
     "quantities": {
         "wire": {"key": "spring.wire_diameter", "prior": "normal", "mean": "4.0 mm", "standard_deviation": "0.1 mm", "low": "3.5 mm"},
         "damping": {"key": "spring.damping.stiffness_damping", "prior": "lognormal", "median": "12 us", "factor": 1.5},
@@ -56,7 +56,7 @@ def test_the_plain_file_reads_as_it_is_meant() -> None:
         math.inf,
     )
     assert damping.spread == pytest.approx(math.log(1.5)) and (pitch.low, pitch.high) == (0.9, 1.1)
-    assert request.varied[2][0].operation == "factor" and request.profiles == ("wire",)
+    assert request.varied[2][0].operation == "factor"
     data = {datum.key: datum for datum in request.data}
     assert (
         data["preload"].scatter == pytest.approx(2.12)
@@ -93,7 +93,6 @@ REFUSED = [
     (("search", "method"), "nestd"),
     (("search", "seed"), -1),
     (("search", "lanes"), 1.5),
-    (("search", "profile"), "wirr"),
     (("evaluator",), "gu2020"),
     (("options",), {"elements_per_coil": 12}),
     (("quantities",), {}),

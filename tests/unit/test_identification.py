@@ -15,7 +15,7 @@ from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import linear_draws
 from valvetrain.explore.identification_file import Method, Search
 from valvetrain.explore.identified import Identified
-from valvetrain.explore.least_squares import least_squares, profile
+from valvetrain.explore.least_squares import least_squares
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
 from valvetrain.explore.solve import solve
 from valvetrain.explore.space import Prior
@@ -109,17 +109,6 @@ def test_priors_that_hold_no_possible_point_are_refused(method) -> None:
             Search(method, live_points=20),
             journal,
         )
-
-
-def test_a_quantity_set_to_a_value_stays_there_in_its_profile() -> None:
-    """Profile of the rate under a force known to 1 N, the mass free: the misfit is the squared miss
-    of the force.
-    """
-    posterior = Posterior(WIDE, data_of(TRUE_RATE, TRUE_MASS), spring_numbers)
-    peak = least_squares(posterior, np.array([50e3, 0.04]))
-    found = profile(posterior, peak, "rate")
-    np.testing.assert_allclose(found.misfit, ((found.values - TRUE_RATE) * 7e-3) ** 2, atol=1e-6)
-    assert len(found.values) == 9 and np.ptp(found.values) > 4 / 7e-3
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@ FILE = """
 case = "card.toml"
 [search]
 draws = 6
-profile = ["rate"]
 [quantities.rate]
 key = "spring.rate"
 prior = "uniform"

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from valvetrain.errors import InputError
 from valvetrain.explore.draws import draws_of_peak
-from valvetrain.explore.least_squares import Peak, covariance_of, least_squares, profile
+from valvetrain.explore.least_squares import Peak, covariance_of, least_squares
 from valvetrain.explore.posterior import Datum, Posterior, Unknown
 from valvetrain.explore.space import Prior
 
@@ -80,37 +79,3 @@ def test_as_many_draws_lie_within_the_bounds_as_were_asked_for(count, centre):
 def test_a_peak_that_no_draw_stays_at_gives_none():
     draws, heights = draws_of_peak(line([]), peak_at(40.0, 4.5), 2, np.random.default_rng(2))
     assert not len(draws) and not len(heights)
-
-
-def test_a_profile_goes_from_the_best_to_two_and_a_half_deviations_on_either_side():
-    """Sum and difference known to 0.1 each leave 0.05 sqrt(2) of a; its profile is a parabola of
-    that width, the values lie within the bounds, and beyond what can be it is not a number.
-    """
-    posterior = line([])
-    peak = least_squares(posterior, BEGIN)
-    found = profile(posterior, peak, "a")
-    away = (found.values - 1.0) / (0.05 * math.sqrt(2.0))
-    assert away == pytest.approx(np.linspace(-2.5, 2.5, 9), abs=0.01)
-    assert found.misfit == pytest.approx(away**2, abs=1e-3)
-    with pytest.raises(InputError, match="no quantity 'c' to profile; choose from a, b"):
-        profile(posterior, peak, "c")
-
-
-def test_a_profile_of_one_quantity_is_the_misfit_itself():
-    """Data 4 +- 0.1 and -2 +- 0.1 of the quantity and of its opposite: squares of the misses by
-    their scatter; nothing beyond 3.
-    """
-
-    def evaluate(points):
-        return [None if a > 3.0 else {"sum": a, "difference": -a} for (a,) in points]
-
-    posterior = Posterior(
-        (Unknown("a", Prior("uniform", -4.0, 4.0)),),
-        (Datum("sum", 4.0, 0.1), Datum("difference", -2.0, 0.1)),
-        evaluate,
-    )
-    slope = math.sqrt(posterior.spread[0] ** 2 / 0.64 - 1.0)  # leaves a deviation of 0.8
-    found = profile(posterior, Peak(np.array([2.0]), {}, 400.0, np.array([[slope], [0.0]])), "a")
-    assert found.values == pytest.approx(2.0 + 0.5 * np.arange(-4, 5))
-    due = [((4 - a) ** 2 + (2 - a) ** 2) / 0.01 if a <= 3 else np.nan for a in found.values]
-    assert found.misfit == pytest.approx(due, nan_ok=True)

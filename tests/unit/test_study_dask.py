@@ -227,7 +227,7 @@ def test_identify_on_a_cluster_has_the_bits_of_one_process(tmp_path, monkeypatch
         answer = call("identify", str(tmp_path / "two.toml"), *words)
         assert answer.exit_code == 0, answer.stderr
         data = json.loads(answer.stdout)
-        return {key: data[key] for key in ("branches", "predicted", "conflicts")}
+        return {key: data[key] for key in ("branches", "predicted")}
 
     with threads_of_this_process(1) as address:
         on_cluster = found("cluster", "--dask", address)

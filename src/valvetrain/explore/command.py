@@ -21,7 +21,6 @@ from valvetrain.cli.options import (
     asks,
     at_end,
     points_folder,
-    read_names,
     read_workers,
 )
 from valvetrain.cli.outcome import WORTH_SAYING, deliver, tell
@@ -164,10 +163,6 @@ def identify(
         str, asks("--method", "METHOD", "least-squares or nested instead of the file's.")
     ] = "",
     seed: Annotated[int | None, asks("--seed", "N", "Seed of all random numbers.")] = None,
-    profile: Annotated[
-        list[str] | None,
-        asks("--profile", "QUANTITIES", "Quantities whose profile is computed; repeatable."),
-    ] = None,
     output: Annotated[Path | None, points_folder("runs/identify/FILE")] = None,
     dask: DaskOption = "",
     workers: WorkersOption = None,
@@ -192,7 +187,7 @@ def identify(
         search = request.search.changed(**changes)
     except InputError as error:
         raise InputError(error.reason, f"--{error.where}") from None
-    request = replace(request, search=search, profiles=read_names(profile) or request.profiles)
+    request = replace(request, search=search)
     folder = _folder("identify", file, output)
 
     def reported(phrase: str, seconds: float) -> None:

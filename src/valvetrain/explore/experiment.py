@@ -116,7 +116,6 @@ class Experiment(Evaluation):
         self,
         measurements: Sequence[Datum],
         search: Search | None = None,
-        profiles: Sequence[str] = (),
         **execution: Any,
     ) -> Identified:
         """The quantities that agree with measurements, with the distributions of the space as
@@ -124,7 +123,7 @@ class Experiment(Evaluation):
         """
         from valvetrain.explore.identify import calibrate
 
-        return calibrate(self, tuple(measurements), search, tuple(profiles), **execution)
+        return calibrate(self, tuple(measurements), search, **execution)
 
     def propagate(
         self, posterior: Identified, draws: int = 200, seed: int = 1, **execution: Any

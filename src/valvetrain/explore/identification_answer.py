@@ -99,8 +99,8 @@ class IdentificationAnswer(ExploreAnswer):
         return figures_of("data" if "I102" in self.findings.codes else "unknowns")
 
     def tables(self) -> Mapping[str, TextTable]:
-        """Every unknown and value, contradictions, further numbers, and the share of each measurement."""
-        result, told = self.result, self.facts.first.information
+        """Every unknown and value, and further numbers."""
+        result = self.result
         heads = ("unknown", "start", "identified", "95 % interval", "prior", "source", "learned from data, %")  # fmt: skip
         unknowns: list[tuple[str, ...]] = []
         for number, branch in enumerate(result.branches if len(result.branches) > 1 else ()):
@@ -111,27 +111,13 @@ class IdentificationAnswer(ExploreAnswer):
             ]
             unknowns += self._unknowns(number)
         measured = ("measured", "value", "scatter", "start", "identified", "95 % interval", "scatters off", "percentile", "use")  # fmt: skip
-        missed = ("missed", "scatters off", "values missed", "points that meet it", "misfit more by", "missed instead")  # fmt: skip
-        conflicts = tuple(
-            (
-                data_name(one.datum), f"{one.off:+.1f}", str(one.values), str(one.meeting), f"{one.cost:.3g}",
-                ", ".join(f"{data_name(datum)} ({off:+.1f})" for datum, off in one.instead),
-            )
-            for one in result.conflicts
-        )  # fmt: skip
         further = tuple(
             (plain_name(one.key), *_numbers(one.unit, one)) for one in result.predictions
-        )
-        shares = tuple(
-            (plain_name(name), *(f"{100 * share:.0f}" for share in row))
-            for name, row in zip(told.measurements, told.brought, strict=True)
         )
         return {
             "unknowns": TextTable("Unknowns", heads, tuple(unknowns or self._unknowns(0))),
             "data": TextTable("Measured and computed", measured, tuple(map(self._datum, result.predicted))),
-            "conflicts": TextTable("What meeting a missed value costs", missed, conflicts),
             "predictions": TextTable("Computed, not measured", ("quantity", "identified", "95 % interval"), further),
-            "shares": TextTable("Share of each measurement in what the data say, %", ("measurement", *map(plain_name, result.names)), shares),
             "findings": findings(self),
         }  # fmt: skip
 
@@ -153,10 +139,10 @@ class IdentificationAnswer(ExploreAnswer):
         )  # fmt: skip
 
     def data(self) -> dict[str, Any]:
-        """Method, branches, data with their predictions, conflicts and profiles."""
+        """Method, branches, and data with their predictions."""
         result = self.result
         names = (
-            "name", "method", "whole", "start", "branches", "predicted", "predictions", "conflicts", "profiles", "log_evidence",
+            "name", "method", "whole", "start", "branches", "predicted", "predictions", "log_evidence",
             "evidence_kind", "note", "evaluations", "reused",
         )  # fmt: skip
         units = {one.name: si_unit(one.unit) for one in result.unknowns}
@@ -176,7 +162,8 @@ class IdentificationAnswer(ExploreAnswer):
         yield f"Method {result.method}: {result.evaluations} points computed, {result.reused} of an earlier start."
         yield f"Logarithm of the evidence {result.log_evidence:.2f} {result.evidence_kind}."
         if (fit := result.fit) is not None:
-            yield f"Goodness of fit: {fit.phrase}; the intervals are those of {fit.widening:.2g} times the scatter."
+            yield f"Chi-square {fit.chi_square:.4g} for {fit.freedom:.3g} degrees of freedom, p {fit.p_value:.2g}."
+            yield f"The intervals are those of {fit.widening:.2g} times the scatter."
         yield "Intervals hold 95 % of what data and priors leave open, if model and scatter are right."
 
     @property

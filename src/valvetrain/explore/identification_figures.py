@@ -1,30 +1,22 @@
-"""Figures of an identification: unknowns within their priors, computed less measured, pairs that trade off, profiles."""
+"""Figures of an identification: unknowns within their priors, and computed less measured."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
-from plotly.subplots import make_subplots
 
 from valvetrain.explore.fit import MET
 from valvetrain.explore.identification_rules import IdentificationFacts, data_name, plain_name
-from valvetrain.explore.posterior import Unknown
-from valvetrain.parameters.summary import unit_text
-from valvetrain.units import unit_factor
-from valvetrain.views.style import BAD, LEAD, OTHER, SECOND, SPEEDS, FigureSpec, styled
+from valvetrain.views.style import BAD, LEAD, OTHER, SECOND, FigureSpec, styled
 
 Array = NDArray[np.float64]
-#: Rows of a figure, points of a cloud, pairs, and the correlation from which a pair is drawn.
-ROWS, CLOUD, PAIRS, STRONG = 24, 800, 4, 0.5
+#: Rows of a figure.
+ROWS = 24
 #: Least scatters that a figure reaches to.
 NEAR = 4.0
-#: Rise of the misfit at the ends of an interval of 95 %.
-RISE = 3.84
 
 
 def figures_of(first: str) -> dict[str, FigureSpec]:
@@ -34,8 +26,6 @@ def figures_of(first: str) -> dict[str, FigureSpec]:
             "What the data leave of each unknown", "width of the figure: the prior; bars: 95 % intervals; red: not determined", unknowns
         ),
         "data": FigureSpec("Computed less measured", "bars: 95 % of the computed values; dashed: two scatters; orange: met, not used", data),
-        "pairs": FigureSpec("Unknowns that trade off", "along a narrow band both change and the data are met alike", pairs),
-        "profiles": FigureSpec("Misfit over an unknown", "the others free; below the dashed line: 95 %", profiles),
     }  # fmt: skip
     return {first: specs.pop(first)} | specs
 
@@ -81,47 +71,4 @@ def data(facts: IdentificationFacts) -> go.Figure:
     fig = rows_figure(names, off, colours, "computed less measured, scatters", (-reach, reach))
     for at in (-MET, MET):
         fig.add_vline(at, line={"color": OTHER, "width": 1, "dash": "dash"})
-    return fig
-
-
-def pairs(facts: IdentificationFacts) -> go.Figure | None:
-    """Draws of the pairs of unknowns with the largest correlations; None where none is above a half."""
-    result = facts.result
-    strength = np.abs(facts.first.correlation)
-    every = sorted(itertools.combinations(range(len(result.names)), 2), key=lambda one: -strength[one])  # fmt: skip
-    rows = np.random.default_rng(1).choice(len(result.weights), CLOUD, p=result.weights)
-    values = result.values[rows] / [unit_factor(one.unit) for one in result.unknowns]
-    look = {"color": [SPEEDS[one % len(SPEEDS)] for one in result.branch_of[rows].tolist()], "size": 4}  # fmt: skip
-    return _panels([
-        (values[:, one], values[:, other], axis_title(result.unknowns[one]), axis_title(result.unknowns[other]))
-        for one, other in every[:PAIRS] if strength[one, other] >= STRONG
-    ], mode="markers", marker=look)  # fmt: skip
-
-
-def profiles(facts: IdentificationFacts) -> go.Figure | None:
-    """Least misfit above the minimum over each profiled unknown; None without profiles."""
-    named = dict(zip(facts.result.names, facts.result.unknowns, strict=True))
-    fig = _panels([
-        (one.values / unit_factor(named[one.name].unit), one.misfit - np.nanmin(one.misfit), axis_title(named[one.name]), "misfit above the least")
-        for one in facts.result.profiles
-    ], mode="lines+markers", line={"color": LEAD})  # fmt: skip
-    return fig and fig.add_hline(RISE, line={"color": OTHER, "width": 1, "dash": "dash"})
-
-
-def axis_title(one: Unknown) -> str:
-    """A name with its unit."""
-    return ", ".join(filter(None, (plain_name(one.name), unit_text(one.unit))))
-
-
-def _panels(drawn: Sequence[tuple[Array, Array, str, str]], **look: Any) -> go.Figure | None:
-    """Panels in two columns, each of x, y and the titles of its axes; None without any."""
-    if not drawn:
-        return None
-    lines = -(-len(drawn) // 2)
-    fig = make_subplots(lines, min(2, len(drawn)), vertical_spacing=0.16)
-    styled(fig, "", ("",), 60 + 290 * lines).update_layout(hovermode="closest", showlegend=False)
-    for place, (x, y, *titles) in enumerate(drawn):
-        fig.add_trace(go.Scatter(x=x.astype(np.float32), y=y.astype(np.float32), **look), place // 2 + 1, place % 2 + 1)  # fmt: skip
-        for axis, title in zip("xy", titles, strict=True):
-            fig.layout[f"{axis}axis{place + 1 if place else ''}"].title.update(text=title)
     return fig

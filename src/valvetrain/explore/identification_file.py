@@ -21,7 +21,6 @@ from valvetrain.explore.files import (
     text_of_file,
     varied_of_table,
 )
-from valvetrain.explore.least_squares import SIDE
 from valvetrain.explore.measurements import PredictionModel, Target, read_measurement
 from valvetrain.explore.posterior import Array, Datum, Unknown
 from valvetrain.explore.space import Prior, Space, Varied
@@ -93,10 +92,10 @@ class Search(StrictModel):
         """
         return self.live_points * (8 + 2 * quantities) + 2 * EFFECTIVE
 
-    def evaluations_of(self, quantities: int, profiles: int = 0) -> int:
-        """About how many points will be computed for this many unknown quantities and profiles."""
+    def evaluations_of(self, quantities: int) -> int:
+        """About how many points will be computed for this many unknown quantities."""
         each = min(self.iterations, 8) * (quantities + 2)
-        after = quantities + 1 + profiles * 2 * SIDE * each // 2
+        after = quantities + 1
         if self.method == "nested":
             return self.sampled(quantities) + after
         searched = min(self.keep, self.starts) + self.from_case
@@ -112,7 +111,7 @@ class UnknownModel(VaryModel):
 
 
 class IdentificationModel(CaseModel):
-    """The whole file; ``search`` holds the options of a :class:`Search`, and quantities to ``profile``."""
+    """The whole file; ``search`` holds the options of a :class:`Search`."""
 
     what = "identification file"
     evaluator: str = ""
@@ -139,7 +138,6 @@ class Request:
     data: tuple[Datum, ...]
     targets: tuple[Target, ...]
     search: Search
-    profiles: tuple[str, ...]
     evaluator: str
     options: tuple[tuple[str, float], ...]
     text: str
@@ -209,7 +207,7 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         file.guarded(
             ("correlation",), lambda: Space({one.name: one.prior for one in unknowns}, correlation)
         )
-    search, profiles = file.guarded(("search",), lambda: _search(file, names))
+    search = file.guarded(("search",), lambda: _search(model.search))
     return Request(
         title=model.title or name.removesuffix(".toml").replace("_", " "),
         case=case,
@@ -218,7 +216,6 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         data=tuple(datum for _, datum in data),
         targets=tuple(dict.fromkeys([*(target for target, _ in data), *requested])),
         search=search,
-        profiles=profiles,
         evaluator=model.evaluator,
         options=options,
         text=text,
@@ -259,19 +256,9 @@ def _unknown(
     return Unknown(name, prior, unit), () if file.model.evaluator else bare
 
 
-def _search(
-    file: FileText[IdentificationModel], names: tuple[str, ...]
-) -> tuple[Search, tuple[str, ...]]:
-    """Method with options, and quantities whose profile is computed."""
-    given = dict(file.model.search)
-    profile = given.pop("profile", [])
-    profiles = profile if isinstance(profile, list) else [profile]
-    if unknown := next((str(one) for one in profiles if one not in names), None):
-        raise problem(
-            f"'{unknown[:40]}' is none of the quantities; name one of {', '.join(names)[:200]}",
-            ("profile",),
-        )
+def _search(given: dict[str, Any]) -> Search:
+    """The search with its options, what is wrong placed at its key."""
     try:
-        return Search(**given), tuple(profiles)
+        return Search(**given)
     except InputError as error:
         raise problem(error.reason, (error.where,)) from None

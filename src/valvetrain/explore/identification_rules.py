@@ -195,9 +195,7 @@ def missed(facts: IdentificationFacts) -> Iterator[Hit]:
     """A fitted value is more than two of its scatters off."""
     for one in facts.data(True)[:1]:
         if abs(one.off) > MET:
-            conflict = facts.result.conflicts[:1]
-            instead = [data_name(datum) for each in conflict for datum, _ in each.instead]
-            yield _about(one, instead=few(instead))
+            yield _about(one)
 
 
 def unlike(facts: IdentificationFacts) -> Iterator[Hit]:
@@ -238,7 +236,7 @@ RULES = (
          "add a measurement with fit = false, which the values must predict", mark="warn", guide=GUIDE),
     Rule("I106", "decides", "the data determine {subject}: {values}[ (95 %: {interval})]", determined, (),
          "[{met} measured values are met]", "[valvetrain {command} {case}]", mark="ok", guide=GUIDE, unless=("I10", "I112")),
-    Rule("I110", "warns", "{name} is {off} scatters off[; meeting it misses {instead}]", missed, guide=GUIDE, unless=("I102",)),
+    Rule("I110", "warns", "{name} is {off} scatters off", missed, guide=GUIDE, unless=("I102",)),
     Rule("I111", "warns", "{count} values not used lie outside their predictions: {name} is {off} scatters off", unlike, guide=GUIDE),
     Rule("I113", "warns", "{said}", notes, guide=GUIDE),
 )  # fmt: skip

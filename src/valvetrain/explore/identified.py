@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, MissingExtraError
 from valvetrain.explore.draws import even_draws
-from valvetrain.explore.fit import Conflict, Fit, Information
-from valvetrain.explore.least_squares import Profile
+from valvetrain.explore.fit import Fit, Information
 from valvetrain.explore.posterior import Datum, Unknown
 from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.definition import si_unit_text
@@ -113,7 +112,7 @@ class Identified(Reported):
     ``branches``, the most probable first; ``values`` (draw, quantity) with ``weights`` (draw) and
     ``branch_of`` (draw); ``predicted``:
     every measurement with its prediction; ``predictions`` of what was not measured;
-    ``conflicts``: what meeting a missed measurement costs the others; ``computed``: each computed
+    ``computed``: each computed
     quantity over the draws; ``log_evidence``; ``note``: where a linearised posterior does not hold;
     ``start``: values that the case has, or the middles of the priors;
     ``case_file``: text of the case with the likeliest values, ``text``: that of the identification
@@ -143,14 +142,12 @@ class Identified(Reported):
     predictions: tuple[Prediction, ...]
     computed: Mapping[str, Array]
     log_evidence: float = np.nan
-    profiles: tuple[Profile, ...] = ()
     note: str = ""
     evaluations: int = 0
     reused: int = 0
     whole: bool = True
     wall_time: float = field(default=0.0, compare=False)
     name: str = ""
-    conflicts: tuple[Conflict, ...] = ()
     start: Mapping[str, float] = field(default_factory=dict)
     case_file: str = ""
     text: str = ""

@@ -93,7 +93,6 @@ def identify(
     evaluate: Evaluate | None = None,
     *,
     search: Search = Search(),
-    profiles: Sequence[str] = (),
     folder: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     progress: Report | None = None,
@@ -110,7 +109,6 @@ def identify(
     evaluate : points (n, quantities) in SI -> for each a mapping of names to numbers (SI), None for
         one that is impossible
     search : method and its options; those of the file by default
-    profiles : quantities whose profile is computed
     folder : store of the computed points, where an identification that is started again
         continues; none by default
     workers : points at a time of a file's case; results do not depend on it
@@ -149,12 +147,12 @@ def identify(
         points = OwnPoints(evaluate, repr((unknowns, tuple(measurements))))
         with Engine((points,), 1, place, TOGETHER) as engine:
             posterior = Posterior(unknowns, tuple(measurements), numbers_by(engine, points))
-            return solve(posterior, search, engine.store, profiles=profiles, report=report)
+            return solve(posterior, search, engine.store, report=report)
     request = read_request(quantities)
     if search != Search():
         request = replace(request, search=search)
     return identify_request(
-        replace(request, profiles=tuple(profiles) or request.profiles),
+        request,
         folder=place,
         workers=workers,
         report=report,
@@ -195,7 +193,6 @@ def calibrate(
     experiment: Evaluation,
     measurements: tuple[Datum, ...],
     search: Search | None,
-    profiles: tuple[str, ...],
     *,
     workers: int | None = None,
     dask: str = "",
@@ -213,7 +210,7 @@ def calibrate(
         if one.key not in keys:
             raise InputError(f"no output is called '{one.key[:80]}'; {nearest(one.key, keys)}")
     unknowns = tuple(Unknown(one.name, _prior_of(one), one.unit) for one in space)
-    points = search.evaluations_of(len(unknowns), len(profiles))
+    points = search.evaluations_of(len(unknowns))
     seconds = points * sum(seconds_of(experiment, run) for run in runs)
     correlation = None if space.correlation is None else np.array(space.correlation)
     with on_cluster(dask, workers) as count:
@@ -224,9 +221,7 @@ def calibrate(
                 unknowns, measurements, numbers_by(engine, experiment), correlation
             )
             try:
-                return solve(
-                    posterior, search, engine.store, profiles=profiles, report=progress or silent
-                )
+                return solve(posterior, search, engine.store, report=progress or silent)
             except InputError as error:
                 if reason := refusal_at_middle(experiment, posterior):
                     raise InputError(f"{error.reason}; at their middle: {reason}") from error
@@ -275,7 +270,7 @@ def identify_request(
             if search.from_case:
                 raise
         seconds = _seconds(fitted, possible_point(request, posterior, fitted))
-        points = search.evaluations_of(len(request.unknowns), len(request.profiles))
+        points = search.evaluations_of(len(request.unknowns))
         left = max(points - engine.store.before // len(fitted.runs), 0)
         total = left * seconds
         if compared is not None:
@@ -288,7 +283,6 @@ def identify_request(
             search,
             engine.store,
             start=start,
-            profiles=request.profiles,
             report=report,
             compare=None if compared is None else numbers_by(engine, compared),
             units={one.key: one.unit for one in request.targets},

@@ -116,22 +116,6 @@ Numbers = Mapping[str, float] | None
 Evaluate = Callable[[Array], Sequence[Numbers]]
 
 
-class Remembered:
-    """An evaluation that computes every point once; ``points``: values and numbers of each, by its bytes."""
-
-    def __init__(self, evaluate: Evaluate) -> None:
-        self.evaluate, self.points = evaluate, dict[bytes, tuple[Array, Numbers]]()
-
-    def __call__(self, points: Array) -> list[Numbers]:
-        rows = [np.array(point, dtype=float) for point in points]
-        new = {row.tobytes(): row for row in rows if row.tobytes() not in self.points}
-        if new:
-            numbers = self.evaluate(np.array(list(new.values())))
-            pairs = zip(new.values(), numbers, strict=True)
-            self.points |= dict(zip(new, pairs, strict=True))
-        return [self.points[row.tobytes()][1] for row in rows]
-
-
 @dataclass(frozen=True)
 class Unknown:
     """A quantity to be identified: ``name``, its ``prior``, and the ``unit`` it is shown in."""
@@ -155,7 +139,6 @@ class Posterior:
     correlation: Array | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "evaluate", Remembered(self.evaluate))
         names = [one.name for one in self.unknowns]
         if not names or not self.used:
             raise InputError(
@@ -176,12 +159,6 @@ class Posterior:
     def used(self) -> tuple[Datum, ...]:
         """Data that are fitted."""
         return tuple(one for one in self.data if one.used)
-
-    @property
-    def points(self) -> list[tuple[Array, Numbers]]:
-        """Values and numbers of every point that was computed."""
-        assert isinstance(self.evaluate, Remembered)
-        return list(self.evaluate.points.values())
 
     @property
     def names(self) -> tuple[str, ...]:

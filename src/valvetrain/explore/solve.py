@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
@@ -22,14 +22,7 @@ from valvetrain.explore.draws import (
     percentiles,
     silent,
 )
-from valvetrain.explore.fit import (
-    Fit,
-    conflicts_of,
-    fit_of,
-    information_of,
-    predictive,
-    widenings,
-)
+from valvetrain.explore.fit import Fit, fit_of, information_of, widenings
 from valvetrain.explore.identification_file import Search
 from valvetrain.explore.identified import (
     HIGH,
@@ -45,7 +38,6 @@ from valvetrain.explore.least_squares import (
     best_starts,
     covariance_of,
     least_squares,
-    profile,
 )
 from valvetrain.explore.nested import nested
 from valvetrain.explore.posterior import Evaluate, Posterior
@@ -67,7 +59,6 @@ def solve(
     store: Store,
     *,
     start: Array | None = None,
-    profiles: Sequence[str] = (),
     report: Report = silent,
     compare: Evaluate | None = None,
     units: Mapping[str, str] = MappingProxyType({}),
@@ -99,8 +90,6 @@ def solve(
         fit, inside = None, draws.weights * (draws.labels == number)
         if draws.whole:
             fit = fit_of(posterior, peak.work, peak.outcome, peak.jacobian)
-        if fit is not None and search.method == "nested":
-            fit = replace(fit, predictive=predictive(posterior, computed, inside))
         of_draws = (draws, inside) if search.method == "nested" else None
         branches.append(_branch(posterior, peak, share, fit, of_draws))
     widening = 1.0 if branches[0].fit is None else branches[0].fit.widening
@@ -114,7 +103,6 @@ def solve(
             Predicted(one.key, one.unit, column.best, *ends, one, percentile, column.start)
         )
     measured = {one.key for one in posterior.data}
-    likeliest = posterior.values(peaks[0].work[None, :])[0]
     return Identified(
         method=search.method,
         unknowns=posterior.unknowns,
@@ -130,14 +118,12 @@ def solve(
         ),
         computed=computed,
         log_evidence=draws.log_evidence,
-        profiles=tuple(profile(posterior, peaks[0], one) for one in profiles if draws.whole),
         note=draws.note,
         evaluations=store.computed,
         reused=store.before,
         whole=draws.whole,
         wall_time=time.perf_counter() - began,
         start=dict(zip(posterior.names, start.tolist(), strict=True)),
-        conflicts=conflicts_of(posterior, (likeliest, peaks[0].outcome), posterior.points),
     )
 
 
