@@ -179,7 +179,7 @@ def two_motions(facts: Facts) -> Iterator[Hit]:
 
 
 def silent(facts: Facts) -> Iterator[Hit]:
-    """The ends of the spring would pull below the onset, in a model that cannot lift them: such runs show no control."""
+    """The ends of the spring would pull, in a model that cannot lift them: such runs do not show whether control is lost."""
     for row in facts.study.critical_speeds if facts.searched else ():
         if row.label in facts.lead_labels and row.pulled:
             fields: Fields = {"spans": joined([_span(one) for one in row.pulled[:3]])}

@@ -12,11 +12,11 @@ from itertools import pairwise
 from valvetrain.integrate.train_leapfrog import SAMPLES
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.runs.critical_scan import Scan
+from valvetrain.runs.critical_scan import SCAN, Scan
 from valvetrain.runs.prepared import FAILURES, PreparedRun, prepare
 from valvetrain.runs.refine_trains import divided
 from valvetrain.runs.train_runs import member_statics
-from valvetrain.solution.critical import DAMPING_FACTORS, RPM, RangeMember
+from valvetrain.solution.critical import DAMPING_FACTORS, RPM, RangeMember, SpeedBracket
 from valvetrain.solution.partial_failures import reason
 from valvetrain.springs.spec import spring_model
 from valvetrain.system.problem import Problem
@@ -29,9 +29,10 @@ DIVISION, STEP = 1.5, 0.5
 STRIDE, FIRST_STRIDE = 0.01, 0.0025
 #: Dips that a changed train is always run at, the deepest; others as far as this multiple of the largest loss before.
 MIN_DIPS, MARGIN = 2, 3.0
-#: Share of a speed below the onset in which a train of another model or damping is looked at, at every third of the
-#: speeds scanned.
-LOOK_BELOW, LOOK_EVERY = 0.1, 3
+#: Share of a speed below the onset in which a train of other damping or another model is scanned too.
+LOOK_BELOW = 0.1
+#: Distance of these speeds in resolutions: another model, which is dear, only shows wider ranges.
+LOOKS = {"damping": SCAN, "model": 3 * SCAN}
 #: Share of a speed on either side in which motion that does not repeat may lose control.
 SCATTER = 0.065
 #: An onset is a graze where a margin changed by :data:`SMALL` of its value at standstill moves it by more than
@@ -141,7 +142,7 @@ def range_members(
                 both = [_with_force(kind, scan, sign * SMALL * whole, first) for sign in (-1, 1)]
             members = [RangeMember("force", *one) for one in zip("−+", both, strict=True)]
     dips = {one: value for one, value in scan.dips(kind).items() if one >= first}
-    looked = [one for one in sorted(scan.samples)[::LOOK_EVERY] if max(first, (1 - LOOK_BELOW) * near) <= one < near]  # fmt: skip
+    lowest = max(first, (1 - LOOK_BELOW) * near)
     slope = _slope(kind, scan, near)
     for variant, own in changed.items():
         if variant.ready.refusal:
@@ -150,9 +151,12 @@ def range_members(
         # where motion does not repeat, finer numerics give another revolution, not a better one
         elif steady or variant.cause not in ("step", "mesh"):
             # a finer step or mesh moves the motion too little to need more than the dips
-            below_too = looked if variant.cause in ("model", "damping") else []
-            speed = changed_onset(kind, own, near, (first, last), dips, below_too, slope)
-            members.append(RangeMember(variant.cause, variant.change, speed, own.pulled(speed)))
+            step = LOOKS.get(variant.cause, math.inf) * scan.resolution
+            places = range(math.ceil(lowest / step), math.ceil(near / step))
+            looked = [step * place for place in places]
+            speed = changed_onset(kind, own, near, (first, last), dips, looked, slope)
+            pulled = own.pulled([SpeedBracket(speed, math.inf)])
+            members.append(RangeMember(variant.cause, variant.change, speed, pulled))
     return onset, tuple(members)
 
 

@@ -22,8 +22,8 @@ RELATIVE = 1e-6
 CAUTION = 2.0
 #: Ranges of lost control whose ends are computed; those of further ones are speeds of the scan.
 MAX_ROOTS = 4
-#: Resolutions between the speeds just below a loss.
-BELOW = 2.5
+#: Resolutions between the speeds of a scan, and between those just below a loss.
+SCAN, BELOW = 5.0, 2.5
 #: Measure (SI) where a run says nothing or just reaches zero.
 NO_MARGIN = 1e-12
 
@@ -259,11 +259,12 @@ class Scan:
             orbit = one.orbit
         return math.nan
 
-    def pulled(self, until: float = math.inf) -> tuple[SpeedBracket, ...]:
-        """Ranges of neighbouring samples below ``until`` (rad/s) in which ends of springs would pull."""
+    def pulled(self, ranges: Collection[SpeedBracket]) -> tuple[SpeedBracket, ...]:
+        """Ranges of neighbouring samples in which ends of springs would pull, outside ``ranges`` of lost control."""
         found, before = list[SpeedBracket](), 0.0
-        for speed in sorted(one for one in self.samples if one < until):
-            if not self.samples[speed].pulls:
+        for speed in sorted(self.samples):
+            lost = any(one.lower_engine_speed <= speed <= one.upper_engine_speed for one in ranges)
+            if lost or not self.samples[speed].pulls:
                 before = 0.0
                 continue
             begin = found.pop().lower_engine_speed if speed <= (1 + CLOSE) * before else speed

@@ -13,7 +13,7 @@ from valvetrain.quantities.end_events import PULL
 from valvetrain.quantities.train_events import counted_losses, drive_forces
 from valvetrain.runs.critical_causes import with_cause
 from valvetrain.runs.critical_ranges import Variant, range_members, variants_of
-from valvetrain.runs.critical_scan import Scan, SpeedSample
+from valvetrain.runs.critical_scan import SCAN, Scan, SpeedSample
 from valvetrain.runs.prepared import (
     Plan,
     PreparedRun,
@@ -40,8 +40,6 @@ RPM = math.pi / 30
 #: Stiffness (N/m) of a drive at the cam, typical: it continues a contact force below zero by the
 #: gap, to judge how deep control is lost; the speed of zero does not depend on it.
 DRIVE_STIFFNESS = 5e7
-#: Distance between the speeds of a scan, in resolutions.
-SCAN = 5.0
 #: Change per cycle at which the runs of the scan repeat, and precise ones: what is left of these moves a root by less
 #: than its relative width.
 SCAN_TOLERANCE, PRECISE_TOLERANCE = 1e-4, 1e-6
@@ -55,7 +53,7 @@ class CriticalOptions:
     """Options of the search.
 
     ``resolution`` (rad/s of the crank): width to which a change is narrowed where motion does not repeat; speeds are
-    scanned :data:`SCAN` of it apart. ``float_lift``: lift (m) above the
+    scanned :data:`~valvetrain.runs.critical_scan.SCAN` of it apart. ``float_lift``: lift (m) above the
     rigid one beyond which a train floats. ``bounce_height``: lift (m) beyond which a bounce counts.
     ``ranges``: repeat each speed with finer numerics and other damping, not the nominal one alone.
     """
@@ -285,7 +283,7 @@ def critical_speed(kind: str, scan: Scan, label: str, options: CriticalOptions) 
         tuple(ranges),
         scan.samples[lost[0]].places.get(kind, ()) if lost else (),
         runs_count=scan.runs_count,
-        pulled=scan.pulled(begin),
+        pulled=scan.pulled(ranges),
         passed=tuple(passed),
         falling_engine_speed=scan.falling(kind, begin, SCAN * options.resolution / 2),
     )

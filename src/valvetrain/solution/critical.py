@@ -91,8 +91,8 @@ class CriticalSpeed:
     repeated. ``onset`` of it: ``sharp``; ``graze`` where a tenth of the largest
     margin more or less moves it by more than 7.5 % of the speed, for a force that just reaches zero;
     ``non-repeating`` where the motion does not repeat from cycle to cycle.
-    ``pulled``: ranges below the onset, by their lowest and highest sampled speed, in which the ends of the spring would
-    pull in a model that cannot lift them: such a run gives no critical speed.
+    ``pulled``: ranges outside those of lost control, by their lowest and highest sampled speed, in which the ends of the spring
+    would pull in a model that cannot lift them: such a run gives no critical speed.
     ``cause``: why control is lost there, as the events of a run have it, with what surge takes off the
     ``spring_force_loss`` (N) and the cam order of surge (0: unknown of both); empty where it was not requested.
     ``cam_angle`` (rad), of a loss of contact: where the force of that contact first comes to zero; NaN where unknown.
