@@ -349,6 +349,7 @@ def find(kind: str, word: str, where: str = "") -> Any:
                 where,
             )
         near = difflib.get_close_matches(word[:60], known, n=2, cutoff=0.5)
+        near = [name for name in known if word.lower() in name.split("-")] or near
         if not known:
             raise InputError(
                 f"{noun} '{word[:40]}' is unknown; install the package that brings it", where

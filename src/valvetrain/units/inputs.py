@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.units.dimensions import DIMENSIONS
 from valvetrain.units.text import (
+    PLAIN_NUMBER,
     clipped,
     dimension_of,
     finite,
@@ -81,6 +82,9 @@ _MEANT = {
 #: More speeds than this in one call are taken for a mistake.
 MAX_SPEEDS = 10_000
 _RANGE = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+)(\s+[^:]*)?\Z")
+#: A range without its step, ``4000-8000 rpm``; and the most steps that it is divided into.
+_ENDS = re.compile(rf"\s*({PLAIN_NUMBER})\s*(?:-|to)\s*({PLAIN_NUMBER})\s*([A-Za-z/]+)\s*\Z")
+MAX_STEPS = 20
 
 
 def si(value: Given, quantity: str, where: str = "") -> float:
@@ -231,13 +235,16 @@ def si_speeds(
     """Rotational speeds (rad/s) from one, several or a range, in the order given, each once.
 
     ``values``: as for :func:`si`, or a sequence or array of such; or text: ``"4200, 5600 rpm"``,
-    ``"1000:9000:100 rpm"`` with both ends. Raises :class:`InputError` as :func:`si`, and for none,
-    for speeds that are not positive and ranges that lead nowhere.
+    ``"1000:9000:100 rpm"`` with both ends, ``"4000-8000 rpm"`` in round steps; text without a unit is in rpm.
+    Raises :class:`InputError` as :func:`si`, and for none, for speeds that are not positive and
+    ranges that lead nowhere.
 
-    >>> len(si_speeds("1000:9000:100 rpm")), len(si_speeds("1000:9000:100rpm"))
-    (81, 81)
+    >>> len(si_speeds("1000:9000:100 rpm")), len(si_speeds("1000:9000:100rpm")), len(si_speeds("4000-8000"))
+    (81, 81, 21)
     """
     if isinstance(values, str):
+        if values.strip() and not re.search(r"[^\d.,:;+\-eE\s]", values):
+            values = f"{values.strip()} rpm"
         speeds = _speeds_of_text(values, quantity, where)
     else:
         try:
@@ -258,6 +265,8 @@ def si_speeds(
 
 
 def _speeds_of_text(text: str, quantity: str, where: str) -> tuple[float, ...]:
+    if ends := _ENDS.match(text):
+        text = f"{ends[1]}:{ends[2]}:{_round_step(float(ends[1]), float(ends[2]))} {ends[3]}"
     if match := _RANGE.match(text):
         *parts, unit = match.groups(default="")
         if not unit and parts[0][-1].isdigit():  # "1000:9000:500rpm"
@@ -284,12 +293,22 @@ def _speeds_of_text(text: str, quantity: str, where: str) -> tuple[float, ...]:
             first + step * index
             for index in range(int((last - first) / step * (1 + 1e-12) + 1e-9) + 1)
         ]
+        if ends and last - found[-1] > 1e-9 * last:
+            found.append(last)
     else:
         found = list(parse_quantities(text, "angular speed", where))
     positive = [value for value in found if value > 0]
     for value in {min(positive), max(positive)} if positive else ():
         doubt(value, quantity, format_quantity(value, "rpm"), False, where)
     return tuple(found)
+
+
+def _round_step(first: float, last: float) -> str:
+    """The smallest of 1, 2, 2.5 and 5 times a power of ten that divides a range into at most :data:`MAX_STEPS` steps."""
+    least = abs(last - first) / MAX_STEPS or 1.0
+    power = 10.0 ** math.floor(math.log10(least))
+    step = next(one * power for one in (1, 2, 2.5, 5, 10) if one * power >= least * (1 - 1e-9))
+    return f"{step:g}"
 
 
 def _plain(value: SupportsFloat, dimension: str, where: str) -> float:

@@ -26,7 +26,12 @@ _SHOWN_UNITS = (
 ).split()
 # no two neighbours of these patterns take the same characters: a text that fails is then read once,
 # not once per way to share it out
-_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
+PLAIN_NUMBER = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
+_NUMBER = rf"[+-]?{PLAIN_NUMBER}"
+#: ``3/8 in`` and ``1 3/8 in``, as sizes in inches are written.
+_FRACTION = re.compile(
+    r"\A([+-]?)(?:(\d{1,4})\s+)?(\d{1,4})/([1-9]\d{0,3})(?=\s*[A-Za-z\u00b5\u03bc])"
+)
 _QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)\Z", re.DOTALL)
 _SPAN = re.compile(rf"({_NUMBER})\s*(?:-|to)\s*({_NUMBER})\s*([A-Za-z/]+)\Z")
 _FACTOR = r"(?:1|[A-Za-zµμ_]+)(?:\s*(?:\^|\*\*)\s*-?\d(?:\.\d{1,3})?)?"
@@ -240,7 +245,7 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
             f"'{clipped(text)}' is a range, but one value is needed here, such as its middle '{(float(low) + float(high)) / 2:.6g} {unit}'",
             where,
         )
-    match = _QUANTITY.match(text.strip())
+    match = _QUANTITY.match(_FRACTION.sub(_as_decimal, text.strip()))
     if match is None:
         raise InputError(
             f"'{clipped(text)}' is not a number with a unit; {phrase} is needed here, such as {_written('1', dimension)}",
@@ -253,6 +258,11 @@ def split_quantity(text: object, dimension: str | None, where: str) -> tuple[flo
             where,
         )
     return finite(float(number), text, where), unit
+
+
+def _as_decimal(fraction: re.Match[str]) -> str:
+    sign, whole, above, below = fraction.groups(default="")
+    return f"{sign}{int(whole or 0) + int(above) / int(below)!r}"
 
 
 def _as_force(unit: str, due: str) -> str:
