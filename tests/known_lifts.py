@@ -153,7 +153,9 @@ def three_arc(angles, base=15e-3, flank=60e-3, nose=4e-3, rise=8e-3):
     away = np.abs(np.mod(angles + np.pi, 2 * np.pi) - np.pi)
 
     def arc(distance, radius, off):
-        return distance * np.cos(off) + np.sqrt(radius**2 - (distance * np.sin(off)) ** 2)
+        return distance * np.cos(off) + np.sqrt(
+            np.maximum(radius**2 - (distance * np.sin(off)) ** 2, 0.0)
+        )
 
     # the flank's centre lies beyond the cam's, opposite to where the flank begins
     centre = -beyond * np.array([np.cos(opening), np.sin(opening)])

@@ -159,6 +159,7 @@ BUILT_IN["lifts"] = {
 #: In the order in which a content is tried; the last takes any text.
 BUILT_IN["lift_formats"] = {
     "workbook": "valvetrain.measured.lift_formats:WORKBOOK_SPEC",
+    "drawing": "valvetrain.measured.drawing:DRAWING_SPEC",
     "s96": "valvetrain.measured.lift_formats:S96_SPEC",
     "fractions": "valvetrain.measured.lift_formats:FRACTIONS_SPEC",
     "columns": "valvetrain.measured.lift_formats:COLUMNS_SPEC",

@@ -55,7 +55,7 @@ def lift(
         Path | None,
         typer.Argument(
             metavar="FILE",
-            help="Table of lifts or contour: text, s96, fractions, XLSX; read by content. Or a case.",
+            help="Table of lifts or contour: text, s96, fractions, XLSX, DXF; read by content. Or a case.",
         ),
     ] = None,
     exhaust: Annotated[

@@ -168,7 +168,7 @@ def read_lift(file: str | Path, answers: LiftAnswers | None = None) -> tuple[Mea
 
     Parameters
     ----------
-    file : text of columns, s96, fractions of lift, or a workbook; the content decides, not the name
+    file : text of columns, s96, fractions of lift, a workbook, or a drawing of the cam (DXF); the content decides, not the name
     answers : what the file does not say itself, such as
         ``LiftAnswers(angle_of="cam", lift_of="tappet", lift_unit="mm")``
 
@@ -204,7 +204,7 @@ def lifts_in(content: bytes, name: str, answers: LiftAnswers) -> tuple[MeasuredL
     )
     if form is None:
         raise InputError(
-            f"'{name[:80]}' is neither text nor a workbook; export the table of lifts as text (CSV) or XLSX"
+            f"'{name[:80]}' is neither text, a workbook nor a drawing; export the table of lifts as text (CSV) or XLSX, a contour as DXF"
         )
     found = _format(form).read(content, name)
     if {"radius", "x", "y"} & set(answers.columns or found.columns):
@@ -464,12 +464,13 @@ def _events(
     word: str, angles: Array, lifts: Array, form: str, known: _AnswerSheet, name: str
 ) -> list[MeasuredLift]:  # fmt: skip
     """The events of one column, each as a lift that rises."""
-    changes = []
+    changes = list(known.found.changes)
     ends, near = float(np.median(lifts[[0, 1, -2, -1]])), float(np.ptp(lifts)) / 20
     whole = angles[-1] - angles[0] > TURN - 1.5 * float(np.median(np.diff(angles)))
     above, below = np.sum(lifts > lifts.max() - near), np.sum(lifts < lifts.min() + near)
     if above > 1.5 * below if whole else 2 * ends > lifts.max() + lifts.min():
-        lifts, changes = -lifts, ["falling lifts were turned to rise"]
+        lifts = -lifts
+        changes.append("falling lifts were turned to rise")
     base = base_of(lifts)
     if abs(base) > CONTOUR and lifts.max() - base < 2 * abs(base):
         raise InputError(

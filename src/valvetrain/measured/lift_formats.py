@@ -36,7 +36,7 @@ class LiftColumns:
     ``form``: name of the format. ``rows`` (stations, columns) in the file's own units. ``columns``:
     a name of :data:`COLUMN_NAMES` per column, empty where the file gives none. ``units``: one per
     column, likewise. ``said``: questions that the file itself answers, such as ``{"angle_of": "crank"}``. ``headings``: its lines of text.
-    ``contour``: polar angles (rad) and radii (m) of which the lift was made.
+    ``contour``: polar angles (rad) and radii (m) of which the lift was made. ``changes``: what was assumed to make the columns.
     """
 
     form: str
@@ -46,6 +46,7 @@ class LiftColumns:
     said: Mapping[str, str] = field(default_factory=dict)
     headings: tuple[str, ...] = ()
     contour: tuple[Array, Array] | None = None
+    changes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
