@@ -33,6 +33,7 @@ extensions = [
     "page_tree",
     "api_pages",
     "command_pages",
+    "reference_pages",
     "gallery_figures",
 ]
 root_doc = "index"

@@ -1,7 +1,5 @@
 """Writes the pages and pictures of the documentation that hold what the program computes or prints.
 
-python scripts/write_pages.py quantities plausible     the tables of quantities and of plausible
-values, at once
 python scripts/write_pages.py readme                   public-names.md: table of spring models; README: its
 picture
 python scripts/write_pages.py models                   docs/models.md: which model runs which case,
@@ -32,10 +30,8 @@ import how_to_pictures
 import numpy as np
 import plotly.graph_objects as go
 import sample_test_cycles
-from defaults_page import defaults_page
 from numpy.typing import NDArray
 from plotly_pictures import Panel, curve, dots, drawn, save
-from quantity_pages import plausible_page, quantities_page
 
 import valvetrain as vt
 from valvetrain import registry
@@ -367,9 +363,6 @@ def write_model_against_test() -> None:
 
 #: Name on the command line -> what writes it.
 PAGES: dict[str, Callable[[], object]] = {
-    "defaults": lambda: write_text(DOCS / "defaults.md", defaults_page()),
-    "quantities": lambda: write_text(DOCS / "quantities.md", quantities_page()),
-    "plausible": lambda: write_text(DOCS / "plausible.md", plausible_page()),
     "readme": write_readme,
     "models": lambda: write_text(DOCS / "models.md", models_page()),
     "tutorial": write_tutorial,

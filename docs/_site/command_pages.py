@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import typer
-from generated import heading
+from generated import heading, write_changed
 
 from valvetrain.cli.main import app as program
 
@@ -58,9 +58,7 @@ def page() -> str:
 
 def write(app) -> None:
     """Write the page before the sources are read."""
-    path, text = Path(app.srcdir) / "commands.rst", page()
-    if not path.is_file() or path.read_text(encoding="utf-8") != text:
-        path.write_text(text, encoding="utf-8")
+    write_changed(Path(app.srcdir) / "commands.rst", page())
 
 
 def setup(app):

@@ -12,9 +12,13 @@ def keep(folder: Path, pages: dict[str, str]) -> None:
         if old.name not in pages:
             old.unlink()
     for name, text in pages.items():
-        path = folder / name
-        if not path.is_file() or path.read_text(encoding="utf-8") != text:
-            path.write_text(text, encoding="utf-8")
+        write_changed(folder / name, text)
+
+
+def write_changed(path: Path, text: str) -> None:
+    """Write a page where its text changed."""
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
 
 
 def heading(text: str, line: str) -> str:

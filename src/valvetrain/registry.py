@@ -66,6 +66,7 @@ BUILT_IN["commands"] = {
     "cases": "valvetrain.cli.cases:register_cases",
     "check": "valvetrain.cli.cases:register_check",
     "findings": "valvetrain.cli.findings:register",
+    "quantities": "valvetrain.cli.quantities:register",
     "serve": "valvetrain.workbench.command:register",
 }
 BUILT_IN["springs"] = {

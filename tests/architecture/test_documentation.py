@@ -17,10 +17,13 @@ from architecture.layout import ROOT
 from valvetrain.cli.main import app
 
 DOCS = ROOT / "docs"
-PAGES = sorted(path for path in DOCS.rglob("*.md") if "_site" not in path.parts)
-ALL = [*PAGES, *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))]
 #: Pages that a build writes.
-BUILT = {"commands", "api/index", "gallery/index", "notebooks/index"}
+WRITTEN = {"quantities", "plausible", "defaults"}
+BUILT = {"commands", "api/index", "gallery/index", "notebooks/index", *WRITTEN}
+PAGES = sorted(
+    path for path in DOCS.rglob("*.md") if "_site" not in path.parts and path.stem not in WRITTEN
+)
+ALL = [*PAGES, *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))]
 CODE = re.compile(r"^```(?P<language>\w+)\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<!\\)\]\(([^()\s]+)\)")
 TREE = re.compile(
@@ -96,9 +99,12 @@ def lost_links(path: Path) -> list[str]:
     lost = []
     for target in LINK.findall(CODE.sub("", text_of(path))):
         place, _, anchor = target.partition("#")
-        if re.match(r"[a-z]+:", place) or place.removesuffix(".rst") in BUILT:
-            continue
         file = (path.parent / place).resolve() if place else path
+        if (
+            re.match(r"[a-z]+:", place)
+            or str(file.relative_to(ROOT)).removeprefix("docs/").rpartition(".")[0] in BUILT
+        ):
+            continue
         if not file.exists() or (anchor and file.suffix == ".md" and anchor not in anchors(file)):
             lost.append(target)
     return lost

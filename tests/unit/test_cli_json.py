@@ -13,9 +13,7 @@ from unit.cli_parts import PUBLISHED, SMALL, call
 from valvetrain.solution.definition import is_defined
 from valvetrain.solution.quantity import unit_of
 
-DOCUMENT = (Path(__file__).resolve().parents[2] / "docs" / "quantities.md").read_text(
-    encoding="utf-8"
-)
+DOCUMENT = (Path(__file__).resolve().parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
 
 
 def numbers(item, path=""):
@@ -96,3 +94,8 @@ def test_comparisons_hold_both_values_and_their_difference(outputs):
     assert peak["difference"]["value"] == pytest.approx(peak["computed"]["value"] - 1.0)
     assert rows["seating_velocity"]["computed"] is None
     assert rows["peak_spring_force_cam_angle"]["published"]["unit"] == "rad"
+
+
+def test_quantities_are_found_by_their_words():
+    rows = json.loads(call("quantities", "float speed", "--json").stdout)["quantities"]
+    assert {row["name"]: row["shown_unit"] for row in rows}["float_engine_speed"] == "rpm"

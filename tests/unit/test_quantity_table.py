@@ -5,10 +5,8 @@ number of a study is in it.
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
-from quantity_pages import quantities_page
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import library_names, load_case
@@ -27,7 +25,6 @@ from valvetrain.solution.definition import (
 from valvetrain.units import DIMENSIONS, dimension_powers
 
 ROWS = [one for rows in tables().values() for one in rows]
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "quantities.md"
 
 
 def example(template: str) -> str:
@@ -100,12 +97,6 @@ def test_a_name_means_exactly_one_row(one):
             definition_of(name).shown_unit == one.shown_unit
             and "{" not in definition_of(name).label + definition_of(name).definition
         )
-
-
-def test_the_committed_page_is_the_generated_one():
-    assert PAGE.read_text(encoding="utf-8") == quantities_page(), (
-        "run python scripts/write_pages.py quantities"
-    )
 
 
 def test_a_package_adds_a_table(other_table):

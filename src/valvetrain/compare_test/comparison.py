@@ -436,7 +436,7 @@ def _adequacy(
         both = np.isfinite(modelled)
         if not both.any():
             raise InputError(
-                "the run has none of these values, so there is no F-test; docs/quantities.md lists what it has"
+                "the run has none of these values, so there is no F-test; `valvetrain quantities` lists the names"
             )
         if len({measured.unit for measured in values}) > 1:
             raise InputError(
@@ -449,7 +449,7 @@ def _adequacy(
     off = np.array([row.in_scatters for row in rows if math.isfinite(row.model)])
     if not len(off):
         raise InputError(
-            "the run has none of these values, so there is no test; docs/quantities.md lists what it has"
+            "the run has none of these values, so there is no test; `valvetrain quantities` lists the names"
         )
     count = len(off)
     return AdequacyTest(

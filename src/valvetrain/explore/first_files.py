@@ -97,7 +97,7 @@ def _study(case: Case) -> list[str]:
         "#\n#     valvetrain study NAME.toml\n",
         'kind = "tolerance"',
         f'engine_speeds = "{_speed(case)}"',
-        f"outputs = {outputs} # docs/quantities.md has all",
+        f"outputs = {outputs} # valvetrain quantities lists all",
         f'points = {{ sampler = "saltelli", count = {ENOUGH_ROWS * (len(keys) + 2)}, seed = 1 }} # more for finer ranks',
         *_varied(keys, 0.9, 1.1),
     ]

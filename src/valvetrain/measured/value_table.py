@@ -193,7 +193,8 @@ def _value(heads: dict[str, str], cells: list[str], overall: float, where: str) 
     quantity = row["quantity"]
     if not _NAME.fullmatch(quantity):
         raise InputError(
-            f"'{clipped(quantity)}' is no name of a quantity; docs/quantities.md lists them", where
+            f"'{clipped(quantity)}' is no name of a quantity; `valvetrain quantities` lists them",
+            where,
         )
     unit = "" if row["unit"] in ("1", "-") else row["unit"]
     try:

@@ -107,5 +107,7 @@ def _no_output(name: str, channels: Iterable[str]) -> InputError:
     """The error for a name that is neither quantity nor channel, with the nearest of both."""
     known = dict.fromkeys([*channels, *(row.name for rows in tables().values() for row in rows)])
     near = dict.fromkeys([*near_names(name)[:2], *get_close_matches(name[:60], known, 2, 0.5)])
-    hint = f"did you mean {' or '.join(near)}?" if near else "docs/quantities.md lists the names"
+    hint = (
+        f"did you mean {' or '.join(near)}?" if near else "`valvetrain quantities` lists the names"
+    )
     return InputError(f"'{name[:60]}' is no quantity and no channel; {hint}", "outputs")

@@ -274,12 +274,12 @@ def no_quantity(name: str) -> str:
     """Message on a name that no table has, with the names nearest to it.
 
     >>> no_quantity("float_speed")
-    "'float_speed' is no quantity; did you mean float_engine_speed? All names: docs/quantities.md"
+    "'float_speed' is no quantity; did you mean float_engine_speed? All names: `valvetrain quantities`"
     """
     near = near_names(name)
-    hint = "docs/quantities.md lists their names"
+    hint = "`valvetrain quantities` lists their names"
     if near:
-        hint = f"did you mean {_either(near)}? All names: docs/quantities.md"
+        hint = f"did you mean {_either(near)}? All names: `valvetrain quantities`"
     return f"'{name[:60]}' is no quantity; {hint}"
 
 

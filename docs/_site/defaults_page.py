@@ -1,4 +1,4 @@
-"""The page of defaults, written from the typed tables of the case file (docs/defaults.md)."""
+"""The page of defaults, from the typed tables of the case file."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from valvetrain.workbench.form_fields import shown_default
 
 _HEAD = """# Defaults
 
-What a case file that leaves a key out gets. This page is written from the tables that read the case file
-(`python scripts/write_pages.py defaults`); a test compares the two. A key without a default here is required or has no effect when left out.
+What a case file that leaves a key out gets. The tables that read the case file write this page. A key without a default here is required
+or has no effect when left out.
 
 Units are the ones shown; any other of the same dimension may be written ([case-files.md](case-files.md)).
 """
 
 
 def defaults_page() -> str:
-    """docs/defaults.md: every default of the case file with its unit and meaning."""
+    """Every default of the case file with its unit and meaning."""
     parts = [_HEAD, *(_section(title, rows) for title, rows in _sections() if rows)]
     return "\n".join(parts)
 
