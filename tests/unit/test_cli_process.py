@@ -111,7 +111,6 @@ def test_ctrl_c_ends_at_once_with_one_sentence_and_130(tmp_path):
         preexec_fn=hear_interrupts,
     ) as running:
         assert running.stderr is not None
-        assert running.stderr.readline().startswith("this will take about ")
         # One model is done in a moment, the other has minutes before it.
         listed = "runs/small/*-unfinished/unfinished-runs.jsonl"
         wait_until(

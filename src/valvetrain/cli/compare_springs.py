@@ -25,8 +25,6 @@ from valvetrain.cli.options import (
 from valvetrain.cli.run_answer import (
     StudyRequest,
     answer_study,
-    refuse_beyond,
-    say_sweep_time,
     shared_options,
 )
 from valvetrain.errors import InputError
@@ -70,7 +68,9 @@ def compare_springs(
     """
     from valvetrain.cli.progress import announce_compilation
     from valvetrain.runs.compare_springs import compared, models_of, with_two_springs
+    from valvetrain.runs.cost import refuse_cost
     from valvetrain.runs.critical_speeds import CriticalOptions
+    from valvetrain.runs.request_cost import request_cost
     from valvetrain.runs.run import sweep_speeds, sweep_study
 
     pair = (choose_case(first), choose_case(second))
@@ -92,9 +92,8 @@ def compare_springs(
     shared |= {"case": case, "spring_models": models_of(case, shared["spring_models"])}
     speeds = shared["engine_speeds"] = shared["engine_speeds"] or sweep_speeds(case, STEP)
     request = StudyRequest(command="compare-springs", **shared)
-    refuse_beyond(request, whole=False, searches=True)
+    refuse_cost(request_cost(request, whole=False, searches=True), request.limits)
     announce_compilation("statics", "transient", "train")
-    say_sweep_time(request)
     answer_study(
         request,
         lambda report, finished: compared(

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 from rich.console import Console
@@ -20,9 +20,6 @@ from rich.text import Text
 
 from valvetrain.errors import InputError
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, reason
-
-if TYPE_CHECKING:
-    from valvetrain.runs.cost import Cost, Limits
 
 _STREAMS = (("stdin", "r"), ("stdout", "w"), ("stderr", "w"))
 
@@ -247,20 +244,3 @@ def plain_table(
 
 #: Estimates above this are printed (s).
 WORTH_SAYING = 20.0
-
-
-def say_cost(cost: Cost, limits: Limits, fewer: str, repeated: float = 1.0) -> None:
-    """Print the estimated cost of a long request; raise :class:`InputError` with the numbers, and
-    the advice to request ``fewer``, for one beyond ``limits``, which hold for its own runs.
-
-    ``repeated``: time with the finer runs of its error bars over that of its own.
-    """
-    from valvetrain.runs.cost import duration_text, memory_text, refuse_cost
-
-    refuse_cost(cost, limits, fewer=fewer)
-    seconds = cost.seconds * repeated
-    if seconds > WORTH_SAYING:
-        bars = " with its error bars" if repeated > 1 else ""
-        tell(
-            f"this will take about {duration_text(seconds)} on an idle machine{bars} and {memory_text(cost.bytes)}"
-        )

@@ -78,8 +78,8 @@ def refine(
     """
     from valvetrain.cli.guard import interrupted
     from valvetrain.cli.options import choose_case, folder_of
-    from valvetrain.cli.outcome import deliver, say_cost
-    from valvetrain.runs.cost import FEWER_REFINED, read_limits
+    from valvetrain.cli.outcome import deliver
+    from valvetrain.runs.cost import FEWER_REFINED, read_limits, refuse_cost
     from valvetrain.runs.request_cost import refine_cost
 
     name_case(case, settings)
@@ -95,9 +95,8 @@ def refine(
         read_limits(limit),
         implausible,
     )
-    say_cost(
-        refine_cost(chosen, request.engine_speeds, request.workers), request.limits, FEWER_REFINED
-    )
+    cost = refine_cost(chosen, request.engine_speeds, request.workers)
+    refuse_cost(cost, request.limits, fewer=FEWER_REFINED)
     study, stopped = _refined(request)
     outcome = _saved_outcome(request, study, stopped)
     if not stopped:

@@ -25,13 +25,14 @@ def register_run(app: typer.Typer) -> None:
 def run(request: StudyRequest) -> None:
     """Run a case at all its engine speeds: answer, data files and a report page."""
     from valvetrain.cli.progress import announce_runs
-    from valvetrain.cli.run_answer import refuse_beyond
+    from valvetrain.runs.cost import refuse_cost
+    from valvetrain.runs.request_cost import request_cost
     from valvetrain.runs.run import run_study
 
     if request.spring_models == (SOLID,) and request.case.train is None:
         request = replace(request, spring_models=SOLID_AND_OTHERS)
         tell("the rod and the modal model run next to the solid")
-    refuse_beyond(request)
+    refuse_cost(request_cost(request), request.limits)
     case = request.case
     if case.train is None and not (request.engine_speeds or case.operation.engine_speeds):
         more = (
@@ -100,17 +101,17 @@ def sweep(
     where contact is lost.
     """
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.cli.run_answer import refuse_beyond, say_sweep_time
+    from valvetrain.runs.cost import refuse_cost
     from valvetrain.runs.critical_speeds import read_options
+    from valvetrain.runs.request_cost import request_cost
     from valvetrain.runs.run import sweep_speeds, sweep_study
 
     critical = read_options(resolution, float_lift, bounce_height)
     engine_speeds = request.engine_speeds or sweep_speeds(request.case)
     request = replace(request, engine_speeds=engine_speeds)
-    refuse_beyond(request, whole=False, searches=not no_critical_speeds)
+    cost = request_cost(request, whole=False, searches=not no_critical_speeds)
+    refuse_cost(cost, request.limits)
     announce_compilation("statics", "transient", "train")
-    if not no_critical_speeds:
-        say_sweep_time(request)
     answer_study(
         request,
         lambda report, finished: sweep_study(
@@ -134,10 +135,11 @@ def compare(request: StudyRequest) -> None:
     too.
     """
     from valvetrain.cli.progress import announce_runs
-    from valvetrain.cli.run_answer import refuse_beyond
     from valvetrain.runs.compare import compare_study
+    from valvetrain.runs.cost import refuse_cost
+    from valvetrain.runs.request_cost import request_cost
 
-    refuse_beyond(request)
+    refuse_cost(request_cost(request), request.limits)
     announce_runs(request.case)
     answer_study(
         request,
@@ -178,9 +180,8 @@ def run_up(
     engine speed.
     """
     from valvetrain.cli.options import read_engine_speeds
-    from valvetrain.cli.outcome import say_cost
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.runs.cost import FEWER
+    from valvetrain.runs.cost import refuse_cost
     from valvetrain.runs.request_cost import run_up_cost
     from valvetrain.runs.run_up import run_up_study
     from valvetrain.units import parse_quantity
@@ -200,7 +201,7 @@ def run_up(
             f"the run-up must take a positive time; it takes {seconds:g} s", "--duration"
         )
     request = replace(request, command="run-up")
-    say_cost(run_up_cost(request, (begin, end, seconds)), request.limits, FEWER)
+    refuse_cost(run_up_cost(request, (begin, end, seconds)), request.limits)
     announce_compilation("train")
     answer_study(
         request,

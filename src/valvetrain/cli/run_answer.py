@@ -48,7 +48,7 @@ from valvetrain.cli.options import (
     take_folder,
     take_units,
 )
-from valvetrain.cli.outcome import complain, say_cost, tell
+from valvetrain.cli.outcome import complain
 from valvetrain.errors import InputError
 from valvetrain.runs.run_folders import ANSWER
 
@@ -492,47 +492,3 @@ def saved_result(
         show_page(Path(page))
     failed = (*failures, *gaps.sentences)
     return Outcome(data, lambda console: console.print(screen(show(folder), page)), failed)
-
-
-def refuse_beyond(request: StudyRequest, whole: bool = True, searches: bool = False) -> None:
-    """Print the estimated cost of a long request; raise :class:`InputError` with the numbers for
-    one beyond its limits.
-
-    ``whole``: whether every run is saved with its channels; ``searches``: whether a train's
-    critical speeds are searched as well.
-    """
-    from valvetrain.runs.cost import FEWER, refuse_cost
-    from valvetrain.runs.measured_cost import REPEATED
-    from valvetrain.runs.request_cost import request_cost
-
-    cost = request_cost(request, whole, searches)
-    if searches and request.case.train is not None:
-        refuse_cost(cost, request.limits, fewer=FEWER)  # say_sweep_time gives the time, measured
-    else:
-        solid = "solid" in request.spring_models  # whose coarser mesh is in its cost
-        say_cost(cost, request.limits, FEWER, REPEATED if whole and not solid else 1.0)
-
-
-def say_sweep_time(request: StudyRequest) -> None:
-    """Print how long a sweep of a train that searches its critical speeds will take, where that is
-    long, by two runs of each of its springs.
-    """
-    from valvetrain.cli.outcome import WORTH_SAYING
-    from valvetrain.cli.progress import busy
-    from valvetrain.runs.cost import duration_text
-    from valvetrain.runs.measured_cost import sweep_seconds
-
-    if request.case.train is None or not request.engine_speeds:
-        return
-    with busy("estimating the time"):
-        seconds = sweep_seconds(
-            request.case,
-            request.engine_speeds,
-            spring_models=request.spring_models,
-            spring_sets=request.spring_sets,
-            workers=request.workers,
-        )
-    if seconds is not None and seconds > WORTH_SAYING:
-        tell(
-            f"this will take about {duration_text(seconds)}, on an idle machine, by a run at the middle and at the highest speed"
-        )

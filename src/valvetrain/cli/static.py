@@ -60,9 +60,8 @@ def static(
     """Force, stiffness and stress over compression, coils closing, of every spring of a case, and
     at heights and loads requested.
     """
-    from valvetrain.cli.outcome import say_cost
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.runs.cost import FEWER_AT_REST
+    from valvetrain.runs.cost import FEWER_AT_REST, refuse_cost
     from valvetrain.runs.request_cost import static_cost
     from valvetrain.runs.statics import static_study
 
@@ -70,11 +69,11 @@ def static(
     read_count(steps, 2, MAX_COUNTED, "--steps")
     heights = read_amounts(height, "length", "--height")
     loads = read_amounts(load, "force", "--load")
-    points = {"heights": len(heights), "loads": len(loads)}
-    cost = static_cost(
-        request.case, request.spring_models, spring_sets=request.spring_sets, steps=steps, **points
-    )
-    say_cost(cost, request.limits, FEWER_AT_REST)
+    models, sets = request.spring_models, request.spring_sets
+    # a load takes some dozen heights to find
+    points = steps + len(heights) + 12 * len(loads)
+    cost = static_cost(request.case, models, spring_sets=sets, heights=points)
+    refuse_cost(cost, request.limits, fewer=FEWER_AT_REST)
     announce_compilation("statics")
     answer_study(
         request,
@@ -126,9 +125,8 @@ def modes(
     """Natural frequencies of springs, both ends fixed or one with a mass; of a train also with its
     springs, as one.
     """
-    from valvetrain.cli.outcome import say_cost
     from valvetrain.cli.progress import announce_compilation
-    from valvetrain.runs.cost import FEWER_AT_REST
+    from valvetrain.runs.cost import FEWER_AT_REST, refuse_cost
     from valvetrain.runs.request_cost import static_cost
     from valvetrain.runs.statics import CURVE_OF_MODES, static_study
     from valvetrain.runs.train_runs import train_modes
@@ -136,8 +134,8 @@ def modes(
     case, models, sets = request.case, request.spring_models, request.spring_sets
     read_count(count, 1, MAX_COUNTED, "--count")
     mass, state = _mass(attached_mass, free_end), read_length(compression, "--compression")
-    cost = static_cost(case, models, spring_sets=sets, steps=CURVE_OF_MODES, modes=count)
-    say_cost(cost, request.limits, FEWER_AT_REST)
+    cost = static_cost(case, models, spring_sets=sets, heights=CURVE_OF_MODES, modes=count)
+    refuse_cost(cost, request.limits, fewer=FEWER_AT_REST)
     announce_compilation("statics")
 
     def compute(report: Report, _: object) -> Study:

@@ -34,7 +34,7 @@ from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import LimitEnd, StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
-from valvetrain.runs.request_cost import REST, RunRequest, request_cost
+from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
@@ -312,12 +312,10 @@ def seconds_of(plan: Evaluation, run: Run) -> float:
         models, sets = ((word,) if word else () for word in words)
         single = RunRequest("run", plan.case, (engine_speed,), models, sets, 1)
         seconds = request_cost(single, whole=not request.light).seconds
-        if plan.case.train is None and request.light:
-            seconds -= REST * springs
     by_rod = request.rest and not request.rest_model and not request.sizes_alone
     if by_rod and (engine_speed is None or request.light):
         seconds += 0.6 * springs
-    return max(seconds, 0.0) + AROUND
+    return seconds + AROUND
 
 
 #: What is computed from the points in addition to their own numbers.

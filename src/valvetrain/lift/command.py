@@ -29,7 +29,7 @@ from valvetrain.cli.options import (
     take_folder,
     take_units,
 )
-from valvetrain.cli.outcome import deliver, say_cost
+from valvetrain.cli.outcome import deliver
 from valvetrain.cli.run_answer import SavedRequest, saved_result
 from valvetrain.errors import InputError
 
@@ -306,6 +306,7 @@ def _carried(
     from valvetrain.lift.band import FEWER_LAWS, band_cost, lift_band_study
     from valvetrain.lift.files import case_with
     from valvetrain.parameters.loading import load_case
+    from valvetrain.runs.cost import refuse_cost
     from valvetrain.runs.request_cost import RunRequest
 
     case = load_case(name)
@@ -318,7 +319,7 @@ def _carried(
     carried, draws = case_with(case, law), options["draws"]
     run = (options[key] for key in ("engine_speeds", "spring_models", "spring_set", "workers"))
     cost = band_cost(RunRequest("run", carried, *run), draws, options["search"])
-    say_cost(cost, limits, FEWER_LAWS)
+    refuse_cost(cost, limits, fewer=FEWER_LAWS)
     announce_compilation("train")
     with progress_bar(f"{case.name} with {draws} laws") as report:
         return lift_band_study(carried, progress=report, **options)

@@ -1,4 +1,4 @@
-"""Time and memory of a request: estimate, limits and their texts."""
+"""Time and memory that a request may take, and the refusal of one beyond them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,6 @@ from valvetrain.errors import InputError
 
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 BYTES = {"MB": 1e6, "GB": 1e9, "TB": 1e12}
-#: Seconds of overhead of a run (statics, records, quantities), and bytes of a run without its
-#: channels.
-RUN, REDUCED = 0.03, 40_000.0
-#: Copies of a channel while a run is recorded, evaluated and written.
-COPIES = 2.0
 #: What to reduce in a run, in curves and modes, and in a refinement.
 FEWER, FEWER_AT_REST, FEWER_REFINED = (
     "speeds, cycles or unknowns",
@@ -33,34 +28,6 @@ class Cost:
 
     def __add__(self, other: Cost) -> Cost:
         return Cost(self.seconds + other.seconds, self.bytes + other.bytes)
-
-
-def estimate(
-    *,
-    runs: int,
-    simulated_time: float,
-    processor_time: float,
-    refinement: float = 1.0,
-    own_time: float = 0.0,
-    samples: float = 720.0,
-    channels: float = 30.0,
-    workers: int = 1,
-    whole: bool = True,
-) -> Cost:
-    """Cost of ``runs`` runs that cover ``simulated_time`` (s) in all, by ``workers`` at a time.
-
-    ``processor_time``: seconds of one core per simulated second with the default options of the
-    model; ``refinement``: unknowns over those of the default, which shorten the step too, so time
-    grows with their square. ``own_time``: ``processor_time`` of all but the springs. ``samples``
-    instants of ``channels`` numbers each are recorded per run, and released after a run that is not
-    stored ``whole``.
-    """
-    at_a_time = max(1, min(workers, runs))
-    seconds = (
-        runs * RUN + simulated_time * (own_time + processor_time * refinement**2)
-    ) / at_a_time
-    record = 8.0 * samples * channels
-    return Cost(seconds, (runs * record if whole else runs * REDUCED) + COPIES * record * at_a_time)
 
 
 @dataclass(frozen=True, slots=True)

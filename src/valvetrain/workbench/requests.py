@@ -14,6 +14,7 @@ from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.loading import parse_toml
 from valvetrain.registry import find
 from valvetrain.runs.cost import Cost, Limits, refuse_cost
+from valvetrain.runs.request_cost import RunRequest, request_cost
 from valvetrain.units import si_speeds
 from valvetrain.units.text import clipped
 from valvetrain.workbench.edits import refuse_foreign_files
@@ -101,8 +102,6 @@ def cost_of(request: JobRequest, case: Case, workers: int) -> Cost:
     """Estimated cost of a request, as the command line estimates it; of a study, nothing (its own
     process does).
     """
-    from valvetrain.runs.request_cost import RunRequest, request_cost
-
     if request.kind == "study":
         return Cost()
     sweeps = request.kind == "sweep"
