@@ -201,7 +201,6 @@ BUILT_IN["samplers"] = {
     "sobol": "valvetrain.explore.samplers:SOBOL_SPEC",
     "monte-carlo": "valvetrain.explore.samplers:MONTE_CARLO_SPEC",
     "saltelli": "valvetrain.explore.samplers:SALTELLI_SPEC",
-    "adaptive": "valvetrain.explore.samplers:ADAPTIVE_SPEC",
     "posterior": "valvetrain.explore.posterior_draws:POSTERIOR_SPEC",
 }
 BUILT_IN["sources"] = {

@@ -20,7 +20,7 @@ BLOCKS = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
 
 
 def first_point_runs(plan) -> None:
-    draws = plan.sampler.first(plan.varied, plan.options)
+    draws = plan.sampler.draw(plan.varied, plan.options)
     outcome = plan.experiment.evaluate(draws[0], plan.runs[0])
     assert outcome.status.completed, outcome.status.sentence()
     quantities = plan.experiment.outputs.quantities  # limit speeds take many runs

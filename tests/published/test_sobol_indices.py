@@ -17,7 +17,7 @@ A, B = 7.0, 0.1
 
 def design(count, seed=1, varied=ANGLES):
     spec = sampler("saltelli")
-    return spec.first(varied, spec.read_options({"count": count, "seed": seed}))
+    return spec.draw(varied, spec.read_options({"count": count, "seed": seed}))
 
 
 def ishigami(points):

@@ -208,21 +208,6 @@ def test_a_matrix_that_is_no_correlation_is_refused(matrix):
         vt.Space({"a": UNIT_NORMAL, "b": UNIT_NORMAL}, matrix)
 
 
-def test_converge_doubles_the_sample_until_its_statistics_settle():
-    """Mean and standard deviation of a uniform quantity on (0, 1)."""
-
-    def same(x):
-        return x
-
-    experiment = function_of(same, ["same"], {"x": vt.explore.Prior("uniform", 0.0, 1.0)})
-    table = experiment.converge(0.02, workers=1)
-    mean, low, middle, high, deviation = table.statistics()[0, 0]
-    assert table.converged and table.to_xarray().attrs["converged"]
-    assert (mean, low, middle, high) == pytest.approx((0.5, 0.05, 0.5, 0.95), abs=0.02)
-    assert deviation == pytest.approx(1 / math.sqrt(12), abs=0.01)
-    assert experiment.converge(1e-12, most=256, workers=1).converged is False
-
-
 def test_a_surrogate_of_a_smooth_function_predicts_it():
     pytest.importorskip("sklearn")
     wide = vt.explore.Prior("uniform", -1.0, 1.0)

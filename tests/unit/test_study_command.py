@@ -215,17 +215,3 @@ def test_a_table_knows_its_columns_and_its_frame():
     assert f"{np.count_nonzero(table.completed)} of 16 points completed" in repr(table)
     with pytest.raises(vt.InputError, match="has no 'peak'"):
         table.column("peak")
-
-
-def test_an_adaptive_study_goes_on_with_the_points_it_has(tmp_path):
-    text = """
-case = "gu2021-beehive-blind"
-spring_models = "wave-rod"
-outputs = "peak_spring_force"
-points = { sampler = "adaptive", count = 20, first = 6, per_round = 4 }
-vary = [{ key = "engine_speed", low = "4000 rpm", high = "12000 rpm" }]
-"""
-    first = vt.study(text, workers=1, output=tmp_path / "points")
-    again = vt.study(text, workers=2, output=tmp_path / "points")
-    assert len(first) == 20 and first.computed == 20 and again.computed == 0
-    assert np.array_equal(first.values, again.values) and np.array_equal(first.inputs, again.inputs)

@@ -146,7 +146,7 @@ def answer(name: str) -> StudyAnswer:
 RULES = {
     "J101": ("never", "breaks"), "J112": ("ramp", "valley"), "J113": ("valley", "ramp"), "J120": ("still", "draws"),
     "J121": ("noise", "draws"), "J122": ("draws", "noise"), "J130": ("breaks", "map"), "J131": ("without", "map"),
-    "J132": ("doubtful", "sound"), "J134": ("narrow", "wide"), "J135": ("rough", "smooth"), "J136": ("ramp", "map"),
+    "J132": ("doubtful", "sound"), "J134": ("narrow", "wide"), "J135": ("rough", "smooth"),
     "J140": ("smooth", "rough"),
 }  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Samplers: strata, levels, design, refinement."""
+"""Samplers: strata, levels, design."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ UNIT = tuple(Varied(name, distribution=Uniform(0.0, 1.0)) for name in "abc")
 
 def drawn(word, varied=UNIT, **options):
     spec = sampler(word)
-    return spec.first(varied, spec.read_options(options))
+    return spec.draw(varied, spec.read_options(options))
 
 
 @pytest.mark.parametrize(
@@ -25,7 +25,7 @@ def test_the_same_options_give_the_same_points_within_the_bounds(word):
     points = drawn(word, **options)
     assert points.shape[1] == 3 and np.array_equal(points, drawn(word, **options))
     assert np.all((points >= 0) & (points <= 1)) and len(points) <= max(40, 27)
-    if word not in ("grid", "adaptive"):
+    if word != "grid":
         assert not np.array_equal(points, drawn(word, **options, seed=2))
 
 
@@ -102,31 +102,6 @@ def test_saltellis_design_changes_one_column_at_a_time():
         assert np.array_equal(np.delete(part, place, 1), np.delete(a, place, 1))
 
 
-def test_refinement_gathers_where_the_output_jumps_and_stops_at_its_bound():
-    spec = sampler("adaptive")
-    varied, options = UNIT[:1], spec.read_options({"count": 40, "first": 9, "per_round": 4})
-    points = spec.first(varied, options)
-    while len(new := spec.more(varied, options, points, np.tanh(60 * (points[:, 0] - 0.37)))):
-        points = np.concatenate([points, new])
-    assert len(points) == 40 and len(np.unique(points)) == 40
-    near = np.abs(points[:, 0] - 0.37)
-    assert np.count_nonzero(near < 0.07) > 25 and np.min(near) < 2e-3
-    flat = spec.first(varied, options)
-    assert not len(spec.more(varied, options, flat, np.ones(len(flat))))
-    assert not len(spec.more(varied, options, flat, np.full(len(flat), np.nan)))
-
-
-def test_refinement_in_two_quantities_gathers_along_the_front():
-    spec = sampler("adaptive")
-    varied, options = UNIT[:2], spec.read_options({"count": 120, "first": 24, "per_round": 12})
-    points = spec.first(varied, options)
-    start = len(points)
-    while len(new := spec.more(varied, options, points, (points.sum(axis=1) > 1.1).astype(float))):
-        points = np.concatenate([points, new])
-    away = np.abs(points.sum(axis=1) - 1.1)
-    assert len(points) == 120 and np.median(away[start:]) < 0.3 * np.median(away[:start])
-
-
 @pytest.mark.parametrize(
     ("word", "options", "words"),
     [
@@ -146,7 +121,7 @@ def test_options_that_a_sampler_does_not_have_are_refused(word, options, words):
 #: Whether its points are draws from the distributions, so that their scatter and percentiles are
 #: those of the outputs.
 DRAWN = {
-    "monte-carlo": True, "latin-hypercube": True, "sobol": True, "saltelli": True, "grid": False, "list": False, "adaptive": False, "posterior": True,
+    "monte-carlo": True, "latin-hypercube": True, "sobol": True, "saltelli": True, "grid": False, "list": False, "posterior": True,
 }  # fmt: skip
 
 
@@ -156,7 +131,7 @@ def test_points_count_as_draws_where_they_follow_their_distribution(word):
     do not.
     """
     assert sampler(word).independent == DRAWN[word]
-    if word in ("list", "adaptive", "posterior"):
+    if word in ("list", "posterior"):
         return
     normal = (
         Varied("a", distribution=Normal(0.0, 1.0, -3.0, 3.0)),

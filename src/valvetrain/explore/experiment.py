@@ -1,18 +1,17 @@
 """The experiment: a case or a function, a space and outputs, with sampling, sensitivity, surrogates,
-optimisation, calibration, propagation and convergence as verbs.
+optimisation, calibration and propagation as verbs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from valvetrain.errors import InputError
-from valvetrain.explore.engine import Array, Evaluation
+from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.samplers import listed
 from valvetrain.explore.samplers import sampler as find_sampler
 from valvetrain.explore.study import run_experiment
@@ -142,28 +141,3 @@ class Experiment(Evaluation):
         columns = [posterior.names.index(name) for name in self.space.names]
         rows = np.repeat(posterior.values[index][:, columns], counts, axis=0)
         return self.run(rows, **execution)
-
-    def converge(
-        self,
-        tolerance: float = 0.01,
-        sampler: str = "sobol",
-        count: int = 64,
-        most: int = 4096,
-        seed: int = 1,
-        **execution: Any,
-    ) -> StudyTable:
-        """A sample that doubles from ``count`` points until mean and 5, 50 and 95 % of every output
-        move by less than ``tolerance`` of its standard deviation; ``converged`` says whether it did
-        within ``most`` points.
-        """
-        before: Array | None = None
-        while True:
-            table = self.sample(sampler, {"count": count, "seed": seed}, **execution)
-            now = table.statistics()
-            if before is not None and now.shape == before.shape:
-                moved = np.abs(now[..., :4] - before[..., :4])
-                if np.all(moved <= tolerance * now[..., 4:] + 1e-300):
-                    return replace(table, converged=True)
-            if 2 * count > most:
-                return replace(table, converged=False)
-            before, count = now, 2 * count

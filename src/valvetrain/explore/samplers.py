@@ -1,4 +1,4 @@
-"""Samplers: the first points of a study, and the next ones once the outputs of those are there."""
+"""Samplers: the points of a study."""
 
 from __future__ import annotations
 
@@ -39,22 +39,19 @@ class CountedOptions(SamplerOptions):
     )
 
 
-First = Callable[[Sequence[Varied], SamplerOptions], Array]
-More = Callable[[Sequence[Varied], SamplerOptions, Array, Array], Array]
+Draw = Callable[[Sequence[Varied], SamplerOptions], Array]
 
 
 @dataclass(frozen=True, slots=True)
 class SamplerSpec:
-    """A sampler: ``first`` gives points (n, d) in SI; ``more`` those that follow, from all points
-    and the first output of each (nan where it failed), none at the end. ``independent``: its points
-    are draws from the distributions, so that their percentiles mean something.
+    """A sampler: ``draw`` gives points (n, d) in SI. ``independent``: they are draws from the distributions, so that their
+    percentiles mean something.
     """
 
     word: str
     shown_name: str
     options: type[SamplerOptions]
-    first: First
-    more: More | None = None
+    draw: Draw
     independent: bool = False
 
     def read_options(self, given: Mapping[str, object]) -> SamplerOptions:
@@ -79,14 +76,14 @@ def spread(varied: Sequence[Varied], shares: Array) -> Array:
     return (varied if isinstance(varied, Space) else Space(varied)).points(shares)
 
 
-def _drawn(cube: Callable[[int, int, int], Array]) -> First:
+def _drawn(cube: Callable[[int, int, int], Array]) -> Draw:
     """The points of a design ``cube(quantities, count, seed)`` in the unit cube."""
 
-    def first(varied: Sequence[Varied], options: SamplerOptions) -> Array:
+    def draw(varied: Sequence[Varied], options: SamplerOptions) -> Array:
         assert isinstance(options, CountedOptions)
         return spread(varied, cube(len(varied), options.count, options.seed))
 
-    return first
+    return draw
 
 
 class GridOptions(SamplerOptions):
@@ -221,68 +218,4 @@ SALTELLI_SPEC = SamplerSpec(
     SaltelliOptions,
     _drawn(saltelli),
     independent=True,
-)
-
-
-class AdaptiveOptions(CountedOptions):
-    """Options of the refinement."""
-
-    first: int = Field(default=16, ge=2, le=10_000, description="points of the first round")
-    per_round: int = Field(default=8, ge=1, le=1000, description="points added in each round")
-
-
-def _first_adaptive(varied: Sequence[Varied], options: SamplerOptions) -> Array:
-    """Corners, so that every location is between points, and Sobol's sequence inside."""
-    assert isinstance(options, AdaptiveOptions)
-    for one in varied:
-        if one.distribution.kind != "uniform":
-            raise InputError(
-                "is refined where an output changes, so it needs a range; give low and high",
-                one.name,
-            )
-    size = len(varied)
-    if size == 1:
-        return spread(varied, np.linspace(0.0, 1.0, min(options.first, options.count))[:, None])
-    corners = list(itertools.product((0.0, 1.0), repeat=size)) if size <= 4 else []
-    inner = sequence(size, max(1, options.first - len(corners)), options.seed)
-    return spread(varied, np.array([*corners, *inner])[: options.count])
-
-
-def _more(varied: Sequence[Varied], options: SamplerOptions, points: Array, values: Array) -> Array:
-    """Middles between neighbours, the largest change over distance weighed by the distance first;
-    none at the bound or without change.
-    """
-    assert isinstance(options, AdaptiveOptions)
-    from scipy.spatial import cKDTree
-
-    left = min(options.per_round, options.count - len(points))
-    computed = np.isfinite(values)
-    if left < 1 or np.count_nonzero(computed) < 2:
-        return np.zeros((0, len(varied)))
-    low, high = (
-        np.array([getattr(one.distribution, end) for one in varied]) for end in ("low", "high")
-    )
-    cube, outputs = ((points - low) / (high - low))[computed], values[computed]
-    if len(varied) == 1:  # the neighbours on either side, however far
-        pairs = {*itertools.pairwise(np.argsort(cube[:, 0], kind="stable").tolist())}
-    else:
-        near = min(2 * len(varied), len(cube) - 1)
-        rows = cKDTree(cube).query(cube, k=near + 1)[1].tolist()
-        pairs = {(min(i, j), max(i, j)) for i, row in enumerate(rows) for j in row[1:]}
-    changes = [
-        (float(abs(outputs[b] - outputs[a]) * np.linalg.norm(cube[b] - cube[a])), a, b)
-        for a, b in pairs
-    ]
-    chosen: list[Array] = []
-    for change, a, b in sorted(changes, key=lambda one: (-one[0], *one[1:])):
-        middle = 0.5 * (cube[a] + cube[b])
-        if len(chosen) == left or not change:
-            break
-        if all(np.max(np.abs(middle - other)) > 5e-7 for other in (*chosen, *cube)):
-            chosen.append(middle)
-    return np.asarray(low + (high - low) * np.reshape(chosen, (-1, len(varied))))
-
-
-ADAPTIVE_SPEC = SamplerSpec(
-    "adaptive", "refined where an output changes most", AdaptiveOptions, _first_adaptive, _more
 )

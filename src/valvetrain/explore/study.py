@@ -180,18 +180,11 @@ def run_plan(
             stopped = False
             try:
                 refuse_missing(engine, searches)
-                new = draws
-                while len(new):
-                    engine.compute(
-                        job
-                        for row, run in plan.experiment.rows(new)
-                        for job in _jobs(plan, searches, row, run)
-                    )
-                    new = new[:0]
-                    if plan.sampler.more is not None:
-                        first = _table(plan, engine, searches, draws).values[:: len(plan.runs), 0]
-                        new = plan.sampler.more(plan.varied, plan.options, draws, first)
-                        draws = np.concatenate([draws, new])
+                engine.compute(
+                    job
+                    for row, run in plan.experiment.rows(draws)
+                    for job in _jobs(plan, searches, row, run)
+                )
             except KeyboardInterrupt:
                 stopped = True
             table = _table(plan, engine, searches, draws)
@@ -275,12 +268,10 @@ def analysed(table: StudyTable) -> StudyTable:
 
 
 def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
-    """Estimated cost of a plan, from its request alone; of an adaptive one at its bound, of a limit
-    speed with its whole grid and the speeds between.
+    """Estimated cost of a plan, from its request alone; of a limit speed with its whole grid and
+    the speeds between.
     """
     draws, experiment = len(plan.draws()), plan.experiment
-    if plan.sampler.more is not None:
-        draws = max(draws, int(getattr(plan.options, "count", draws)))
     refuse_outputs(experiment)
     refuse_limits(experiment)
     seconds = [seconds_of(experiment, run) for run in plan.runs if experiment.outputs.quantities]

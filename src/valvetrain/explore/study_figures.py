@@ -1,4 +1,4 @@
-"""Figures of a study of points: an output over what is varied, what moves it, how it spreads, and its surrogate."""
+"""Figures of a study of points: an output over what is varied, and what moves it."""
 
 from __future__ import annotations
 
@@ -10,39 +10,38 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from valvetrain.explore.space import Varied
-from valvetrain.explore.study_facts import PERCENTILES, StudyFacts
-from valvetrain.explore.surrogate import Surrogate
+from valvetrain.explore.study_facts import StudyFacts
 from valvetrain.explore.table import run_label
-from valvetrain.findings.words import digits_text, speed_text
+from valvetrain.findings.words import speed_text
 from valvetrain.solution.definition import definition_of, label_of, shown
-from valvetrain.views.style import BAD, LEAD, OK, OTHER, SPEEDS, FigureSpec, styled
+from valvetrain.views.style import LEAD, OK, OTHER, SPEEDS, FigureSpec, styled
 
 Array = NDArray[np.float64]
-#: Dots of a cloud, lines of a figure, bars of a histogram, points of a list and letters of a name.
-DOTS, LINES, BARS, POINTS, LETTERS = 1500, 6, 30, 40, 42
+#: Dots of a cloud, lines of a figure, points of a list and letters of a name.
+DOTS, LINES, POINTS, LETTERS = 1500, 6, 40, 42
 
 
 def figures_of_study(facts: StudyFacts) -> dict[str, FigureSpec]:
-    """Every figure of a study, the one that shows the verdict first: of draws what moves an output and how it spreads, of
-    chosen points the output over what is varied.
+    """Two figures of each output, the one that shows the verdict first: of draws what moves it, of chosen points the output
+    over what is varied.
     """
     several = len(facts.changing) > 1 and not facts.listed
-    found: dict[str, FigureSpec] = {}
+    specs: dict[str, FigureSpec] = {}
     for name in facts.outputs:
         label = label_of(name)
-        made = {
-            f"{name}-effects": FigureSpec(f"What moves {label}", "shares of the variance with their 95 % intervals", partial(_effects, name=name)),
-            f"{name}-spread": FigureSpec(f"Spread of {label}", "5, 50 and 95 % of the points are below the lines", partial(_spread, name=name)),
-            name: FigureSpec(f"{label[:1].upper()}{label[1:]}", "dashed: the first point" if facts.listed else "", partial(_over, name=name)),
-        }  # fmt: skip
-        order = list(made) if several and not facts.chosen else list(made)[::-1]
-        keep = {name, f"{name}-effects" if several else name, name if facts.chosen else f"{name}-spread"}  # fmt: skip
-        found |= {key: made[key] for key in order if key in keep}
-    for place, one in enumerate(facts.table.surrogates):
-        title = f"Surrogate of {label_of(one.output)}"
-        hint = "each point as the other points predict it"
-        found[f"surrogate-{place}"] = FigureSpec(title, hint, partial(_surrogate, made=one))
-    return found
+        over = FigureSpec(
+            f"{label[:1].upper()}{label[1:]}",
+            "dashed: the first point" if facts.listed else "",
+            partial(_over, name=name),
+        )
+        effects = FigureSpec(
+            f"What moves {label}",
+            "shares of the variance with their 95 % intervals",
+            partial(_effects, name=name),
+        )
+        both = {name: over} | ({f"{name}-effects": effects} if several else {})
+        specs |= both if facts.chosen else dict(reversed(both.items()))
+    return specs
 
 
 def _axis(name: str) -> str:
@@ -160,27 +159,3 @@ def _effects(facts: StudyFacts, name: str) -> go.Figure | None:
     ))  # fmt: skip
     fig.update_xaxes(range=[-3, max(103.0, float(high.max()) + 3)])
     return _named_rows(fig, "share of the variance, %", len(effects))
-
-
-def _spread(facts: StudyFacts, name: str) -> go.Figure | None:
-    """How many draws have which value of an output, with their percentiles."""
-    values = np.asarray(shown(name, facts.finite(name, facts.run))[0])
-    if len(values) < 3 or not np.ptp(values) > 0:
-        return None
-    counts, edges = np.histogram(values, bins=min(BARS, max(5, int(np.sqrt(len(values))))))
-    fig = go.Figure(go.Bar(x=(edges[1:] + edges[:-1]) / 2, y=counts, marker={"color": LEAD}))
-    for at in np.percentile(values, PERCENTILES):
-        line = {"color": BAD, "width": 1.5, "dash": "dash"}
-        fig.add_vline(float(at), line=line, annotation_text=digits_text(float(at), 0, 4))
-    return styled(fig, _axis(name), ("points",), 380)
-
-
-def _surrogate(facts: StudyFacts, made: Surrogate) -> go.Figure:
-    """Each point as the surrogate predicts it from the other points, over the run."""
-    x, y = (np.asarray(shown(made.output, one)[0]) for one in (made.computed, made.predicted))
-    ends = [min(x.min(), y.min()), max(x.max(), y.max())]
-    fig = go.Figure([
-        go.Scatter(x=ends, y=ends, mode="lines", line={"color": OTHER, "dash": "dash"}, name="agreement"),
-        go.Scatter(x=x, y=y, mode="markers", marker={"color": LEAD, "size": 6}, name="points"),
-    ])  # fmt: skip
-    return styled(fig, _axis(made.output), ("predicted",), 380).update_layout(hovermode="closest")

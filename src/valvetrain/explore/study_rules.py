@@ -144,16 +144,6 @@ def at_end_of_range(facts: StudyFacts, best: int) -> str:
     return ""
 
 
-def price(facts: StudyFacts) -> Iterator[Hit]:
-    """An output that is worse at the best point than at the one it is compared with."""
-    for name in facts.outputs[1:] if facts.ends else ():
-        best, other = list(facts.ends.values())[:2]
-        one, two = facts.judged(name)[[best, other]]
-        size = max(abs(one), abs(two))
-        if facts.sign(name) * (two - one) > ALIKE * size and facts.amount(name, one).resolved:
-            yield Hit(facts.amount(name, one), None, None, _chosen(facts, name, best, other), abs(two - one) / size)  # fmt: skip
-
-
 def wide_bar(facts: StudyFacts) -> Iterator[Hit]:
     """The error bar of the output is as large as its change between the points."""
     if facts.within_bar:
@@ -233,6 +223,5 @@ RULES = (
     Rule("J133", "warns", "{name} of {share} is {side} the speeds searched", at_an_end, (), "it is given as {value:4}",
          "search over more engine speeds"),
     Rule("J135", "warns", "the surrogate of {name} cannot replace a run", poor_surrogate, (), "it errs by {share} of the scatter", guide=GUIDE),
-    Rule("J136", "warns", "{name} is worse there: {value:4}, {reference:4} with {other}", price, unless=("J111", "J134")),
     Rule("J140", "notes", "the surrogate of {name} errs by {share} of its scatter", good_surrogate),
 )  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -77,7 +76,7 @@ class StudyPlan:
         return (*outputs.quantities, *(one.name for one in outputs.limit_speeds))
 
     def draws(self) -> Array:
-        """The first points (n, d). Raises :class:`InputError` where there is none and for a design
+        """The points (n, d). Raises :class:`InputError` where there is none and for a design
         of independent quantities over correlated ones.
         """
         if self.varied.correlation is not None and (
@@ -87,7 +86,7 @@ class StudyPlan:
                 f"sampler {self.sampler.word} knows no correlation; choose latin-hypercube, sobol or monte-carlo",
                 "points.sampler",
             )
-        draws = self.sampler.first(self.varied, self.options)
+        draws = self.sampler.draw(self.varied, self.options)
         if not len(draws):
             raise InputError("the sampler gives no point; request more", "points")
         return draws
@@ -114,7 +113,7 @@ class StudyTable(Reported):
     ``sensitivities`` and ``surrogates``: those of its kind; ``computed``: points that this call
     computed, the others were in the store; ``seconds``: wall time of this call. A limit speed is that
     of the point by the model and set of a row, at any speed of it; ``limit_ends``: how many points keep or
-    leave their bound over all speeds. ``converged``: see :meth:`Experiment.converge`.
+    leave their bound over all speeds.
 
     >>> import valvetrain as vt
     >>> table = vt.study('''
@@ -141,7 +140,6 @@ class StudyTable(Reported):
     computed: int = 0
     seconds: float = 0.0
     limit_ends: tuple[LimitEnd, ...] = ()
-    converged: bool | None = None
 
     def __len__(self) -> int:
         return len(self.inputs)
@@ -224,14 +222,6 @@ class StudyTable(Reported):
         """Rows of one run, in the order of the draws."""
         return np.flatnonzero([one == run for one in self.runs])
 
-    def statistics(self) -> Array:
-        """Mean, 5, 50 and 95 % and standard deviation (runs, outputs, 5) of completed points."""
-        whole = np.where(self.completed[:, None], self.values, np.nan)
-        whole = whole.reshape(-1, len(self.plan.runs), len(self.outputs))
-        with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # none completed
-            ends = np.nanpercentile(whole, (5, 50, 95), axis=0)
-            return np.stack([np.nanmean(whole, 0), *ends, np.nanstd(whole, 0)], axis=-1)
-
     def to_xarray(self) -> xarray.Dataset:
         """A Dataset over point, speed (rad/s of the crank), model, and spring set where there are
         several: outputs in SI, the status of every run of every point, and the varied quantities as
@@ -261,8 +251,6 @@ class StudyTable(Reported):
         }  # fmt: skip
         dataset = xarray.Dataset({**data, "status": (dims, status)}, coordinates)
         dataset.attrs["title"] = self.plan.title
-        if self.converged is not None:
-            dataset.attrs["converged"] = self.converged
         dropped = {"spring_set": 0} if axes[2] == [""] else {}
         dropped |= {"speed": 0, "model": 0} if self.plan.case is None else {}
         return dataset.isel(dropped, drop=True)
