@@ -16,7 +16,6 @@ from valvetrain.explore.measure import measure_designs
 from valvetrain.explore.objective import read_optimum
 from valvetrain.explore.optimise import case_of_plan, estimate_search
 from valvetrain.explore.optimum_file import (
-    ConfirmModel,
     ConstraintModel,
     ObjectiveModel,
     OptimumModel,
@@ -71,7 +70,6 @@ def test_the_guide_names_every_key():
         ConstraintModel,
         LimitSpeedModel,
         SearchModel,
-        ConfirmModel,
     )
     assert not {name for model in models for name in model.model_fields} - named
     assert {"tpe", "nsga2"} <= named

@@ -181,8 +181,6 @@ def test_optimise_finds_the_minimum_of_a_function_within_a_constraint():
     trials = found.to_xarray()
     assert trials.sizes["trial"] == len(found.trials)
     assert float(trials.objective_1.where(trials.feasible).min()) == pytest.approx(0.08, abs=0.002)
-    study = found.to_optuna()
-    assert study.directions[0].name == "MINIMIZE" and len(study.trials) == len(found.trials)
 
 
 def test_correlated_draws_have_the_stated_correlation():

@@ -272,7 +272,7 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
     (tmp_path / "light.toml").write_text(LIGHT)
     answer = call("optimise", str(tmp_path / "light.toml"), "--output", str(tmp_path / "out"))
     assert answer.exit_code == 130 and "start the command again to continue" in answer.stderr
-    assert {"trials.csv", "optuna.db", "report.html", "optimise.json"} <= {
+    assert {"trials.csv", "report.html", "optimise.json"} <= {
         path.name for path in (tmp_path / "out").iterdir()
     }
 

@@ -224,17 +224,8 @@ class Engine:
         try:
             self.store.close()
         finally:
-            self._end_pool()
-
-    def include(self, computation: Computation) -> None:
-        """Add a computation."""
-        self.computations = (*self.computations, computation)
-        self._end_pool()  # its processes do not have the new one
-
-    def _end_pool(self) -> None:
-        pool, self._pool = self._pool, None
-        if pool is not None:
-            pool.__exit__()
+            if self._pool is not None:
+                self._pool.__exit__()
 
     @property
     def computed(self) -> int:

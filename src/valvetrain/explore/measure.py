@@ -12,15 +12,12 @@ import numpy as np
 from valvetrain.explore.engine import Engine, Evaluation, PointJob
 from valvetrain.explore.limit_speed import LimitFound, limit_of
 from valvetrain.explore.outputs import LimitSearch, Outcome, Run, has_pair
-from valvetrain.explore.space import Varied
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.definition import definition_of, not_given, of_pair, shown
 
 #: Where a number comes from: springs at rest, runs at the speeds of the file, runs of a search for
 #: a limit speed.
 REST, RUNS, LIMIT = "rest", "runs", "limit"
-#: The value of what is varied, which needs no point.
-VARIED = "varied"
 #: Status of a design whose points lack a number that was requested.
 INCOMPLETE = "incomplete"
 
@@ -28,7 +25,7 @@ INCOMPLETE = "incomplete"
 @dataclass(frozen=True)
 class Measure:
     """One number of a design: ``quantity`` over ``runs``, the ``over`` (worst, mean) of several, or
-    a limit speed where ``limit`` is given, or the value of what is ``varied``.
+    a limit speed where ``limit`` is given.
 
     ``largest_is_worst`` gives which of several is the worst. ``label``: plain words. ``optional``: a
     run need not give it.
@@ -41,7 +38,6 @@ class Measure:
     largest_is_worst: bool = True
     over: str = "worst"
     limit: LimitSearch | None = None
-    varied: Varied | None = None
     optional: bool = False
 
     @property
@@ -60,21 +56,15 @@ class Measure:
     @property
     def si_unit(self) -> str:
         """SI unit of its values."""
-        if self.varied is not None:
-            return self.varied.si_unit or "1"
         return "rad/s" if self.limit is not None else definition_of(self.quantity).si_unit
 
     @property
     def unit(self) -> str:
         """Unit in which tables show it."""
-        if self.varied is not None:
-            return self.varied.unit
         return "rpm" if self.limit is not None else definition_of(self.quantity).unit_word
 
     def shown(self, value: float) -> float:
         """A value (SI) in the unit of tables."""
-        if self.varied is not None:
-            return self.varied.shown(value)
         return value / RPM if self.limit is not None else float(shown(self.quantity, value)[0])
 
     def of(self, values: Sequence[float]) -> float:

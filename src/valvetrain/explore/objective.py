@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,20 +12,18 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.engine import Array, Evaluation
-from valvetrain.explore.files import FileText, case_of_file
+from valvetrain.explore.files import FileText
 from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation
 from valvetrain.explore.measure import (
     LIMIT,
     REST,
     RUNS,
-    VARIED,
     Constraint,
     Evaluations,
     Measure,
     Objective,
 )
 from valvetrain.explore.optimum_file import (
-    ConfirmModel,
     ConstraintModel,
     GoalsModel,
     MeasureModel,
@@ -43,7 +41,6 @@ from valvetrain.explore.space import ENGINE_SPEED, Prior, Space, Values, Varied
 from valvetrain.explore.study import seconds_of
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.overrides import file_key
 from valvetrain.quantities.request import is_at_rest
 from valvetrain.registry import OWN, find
 from valvetrain.runs.request_cost import RunRequest, planned
@@ -63,9 +60,7 @@ Place = tuple[str | int, ...]
 
 @dataclass(frozen=True, eq=False)
 class Confirmation:
-    """Another model or a finer mesh that the best design is computed by: ``label``, and the plan
-    of its points.
-    """
+    """Another model that the best design is computed by: its name as ``label``, and the plan of its points."""
 
     label: str
     plan: OptimumPlan
@@ -191,19 +186,18 @@ class OptimumPlan:
                 plans[one.limit] = LimitEvaluation(of_runs, one.limit)
         return replace(self, plans=plans)
 
-    def by_another(self, case: Case | None, model: str, rest_model: str) -> OptimumPlan:
-        """The same measures of another case, or by another spring model."""
+    def by_another(self, model: str) -> OptimumPlan:
+        """The same measures by another spring model, which gives springs at rest too where it is the finest."""
 
         def moved(goal: Any) -> Any:
-            runs = ((speed, model or word, chosen) for speed, word, chosen in goal.measure.runs)
+            runs = ((speed, model, chosen) for speed, _, chosen in goal.measure.runs)
             return replace(goal, measure=replace(goal.measure, runs=tuple(dict.fromkeys(runs))))
 
         return replace(
             self,
-            case=case,
             objectives=tuple(map(moved, self.objectives)),
             constraints=tuple(map(moved, self.constraints)),
-        ).with_plans(rest_model)
+        ).with_plans("" if model == FINEST else self.rest_model)
 
 
 def read_optimum(text: FileText[OptimumModel]) -> OptimumPlan:
@@ -220,7 +214,7 @@ def read_optimum(text: FileText[OptimumModel]) -> OptimumPlan:
         text.guarded(("spring_sets",), lambda: refuse_sets(case, model.spring_sets))
     plan = _Reader(text, case, space).plan()
     confirmations = tuple(
-        text.guarded(("confirm", place), lambda one=one: _confirmation(plan, one, text))
+        text.guarded(("confirm", place), lambda one=one: Confirmation(one, plan.by_another(one)))
         for place, one in enumerate(model.confirm)
     )
     return with_finest(replace(plan, confirmations=confirmations))
@@ -269,16 +263,10 @@ def with_finest(plan: OptimumPlan) -> OptimumPlan:
     fine = models & {finest, *FULL}
     if not models or fine or models & OWN.keys() or any(find("springs", finest).why_not(one) for one in springs):  # fmt: skip
         return plan
-    made = plan.by_another(plan.case, finest, "" if finest == FINEST else plan.rest_model)
+    made = plan.by_another(finest)
     if 2 * made.seconds > plan.search.trials * plan.seconds:
         return plan
     return replace(plan, confirmations=(*plan.confirmations, Confirmation(finest, made)))
-
-
-def varied_of(name: str, space: Iterable[Varied]) -> Varied | None:
-    """The varied quantity that a key of the case means; None for any other name."""
-    key = file_key(name)
-    return next((one for one in space if name == one.name or key == file_key(one.key)), None)
 
 
 def _in_order(one: Varied) -> Varied:
@@ -332,10 +320,6 @@ class _Reader:
     def measure(self, path: Place, one: MeasureModel, largest_is_worst: bool) -> Measure:
         """The measure of a table: of a run, of springs at rest, a limit speed, or what is varied."""
         text, limit, name = self.text, one.limit_speed, one.quantity
-        varied = varied_of(name, self.space) if name else None
-        if varied is not None:
-            label = one.label or varied.shown_name
-            return Measure(VARIED, varied.name, (), label, largest_is_worst, varied=varied)
         if self.case is None:
             if limit is not None:
                 raise text.located(path, "a function has no limit speed; give a quantity")
@@ -370,20 +354,7 @@ class _Reader:
         if share is not None:
             return Constraint(measure, upper, np.nan, share)
         due = definition_of(measure.quantity).dimension or "ratio"
-        if measure.limit is not None or measure.varied is not None:
-            due = "angular speed" if measure.varied is None else measure.varied.dimension or "ratio"
+        if measure.limit is not None:
+            due = "angular speed"
         bound = self.text.guarded((*path, key), lambda: parse_quantity(raw, due))
         return Constraint(measure, upper, bound, None, abs(bound) or 1.0)
-
-
-def _confirmation(plan: OptimumPlan, one: ConfirmModel, text: FileText[Any]) -> Confirmation:
-    """The plan of a confirmation: the same measures by another model, or of the case with a finer
-    mesh.
-    """
-    case = plan.case
-    if one.changes:
-        case = case_of_file(text.model.case, {**text.model.changes, **one.changes}, text.folder)
-    # springs at rest by the finite-element rod, where that is what confirms
-    rest_model = "" if one.spring_model == FINEST else text.model.rest_model
-    made = plan.by_another(case, one.spring_model, rest_model)
-    return Confirmation(one.label or one.spring_model or "with its changes", made)

@@ -141,14 +141,7 @@ class _Search:
             )
         if measured.code == INCOMPLETE:
             raise InputError(f"{measured.failure}; no design can be judged without it")
-        values = _nominal(plan)
-        by_name = dict(zip(plan.varied.names, values.tolist(), strict=True))
-        still = {
-            one.measure: by_name[one.measure.varied.name]
-            for one in plan.constraints
-            if one.measure.varied is not None
-        }
-        return Trial(0, values, measured, plan.of_case({**measured.values, **still}))
+        return Trial(0, _nominal(plan), measured, plan.of_case(measured.values))
 
     def measure(self, values: Sequence[Array], spare: bool = False) -> list[Measured]:
         """The numbers of designs (d, SI); with ``spare`` no limit speed of one that misses a bound already."""

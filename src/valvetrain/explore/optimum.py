@@ -7,7 +7,6 @@ from __future__ import annotations
 import copy
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,13 +15,10 @@ from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import vary
 from valvetrain.explore.measure import Measure
 from valvetrain.explore.objective import OptimumPlan
-from valvetrain.explore.search import quiet_optuna
-from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.trial import Array, Trial, best_of, front_of
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.toml_text import toml_text
-from valvetrain.solution.atomic import write_bytes
 from valvetrain.solution.critical import RPM
 from valvetrain.solution.display import frame, verdict_first
 from valvetrain.solution.saveable import Reported
@@ -158,12 +154,6 @@ class Optimum(Reported):
         }
         return frame(columns, units=units)
 
-    def to_optuna(self) -> Any:
-        """The trials as an Optuna study in memory. Raises :class:`MissingExtraError` where Optuna
-        is not installed.
-        """
-        return optuna_study(self)
-
     def case_of(self, design: Design) -> Case:
         """The case with the values of a design."""
         assert self.plan.case is not None
@@ -284,67 +274,3 @@ def _as_searched(tree: dict[str, Any], plan: OptimumPlan) -> None:
                 tree["train"].pop("variants", None)
             if "" not in chosen:
                 tree["train"][key] = chosen.pop()
-
-
-def write_optuna(found: Optimum, path: Path) -> Path:
-    """The trials as an Optuna study in a SQLite file, whole or not at all, as Optuna's own tools
-    open it.
-    """
-    with quiet_optuna() as optuna:
-        storage = optuna.storages.RDBStorage("sqlite://")  # in memory
-        optuna_study(found, storage)
-        storage.remove_session()
-        connection = storage.engine.raw_connection()
-        content: bytes = connection.driver_connection.serialize()
-        connection.close()
-        storage.engine.dispose()
-        return write_bytes(path, content)
-
-
-def optuna_study(found: Optimum, storage: Any = None) -> Any:
-    """The trials as an Optuna study, in the units of tables.
-
-    Missed bounds are positive constraints; a trial that could not be computed has failed, one that
-    misses a bound before its limit speed was searched is pruned.
-    """
-    plan, objectives = found.plan, [one.measure for one in found.plan.objectives]
-    with quiet_optuna() as optuna:
-        directions = ["maximize" if one.maximise else "minimize" for one in plan.objectives]
-        study = optuna.create_study(storage=storage, study_name=plan.title, directions=directions)
-        study.set_metric_names([f"{one.label} [{one.unit or '1'}]" for one in objectives])
-        names = [f"{one.shown_name} [{one.unit or '1'}]" for one in plan.varied]
-        axes = [_axis(optuna, one) for one in plan.varied]
-        for trial in found.trials:
-            if not trial.number and plan.shares(trial.values) is None:
-                continue  # the case, outside the ranges
-            state, values = optuna.trial.TrialState.PRUNED, None
-            if trial.failure:
-                state = optuna.trial.TrialState.FAIL
-            elif np.all(np.isfinite(trial.objectives)):
-                state, numbers = optuna.trial.TrialState.COMPLETE, trial.objectives.tolist()
-                values = [one.shown(value) for one, value in zip(objectives, numbers, strict=True)]
-            rows = zip(plan.varied, axes, trial.values.tolist(), strict=True)
-            params = [_within(axis, one.shown(value)) for one, axis, value in rows]
-            study.add_trial(
-                optuna.trial.create_trial(
-                    state=state,
-                    values=values,
-                    params=dict(zip(names, params, strict=True)),
-                    distributions=dict(zip(names, axes, strict=True)),
-                    user_attrs={"number": trial.number, "failure": trial.failure},
-                    system_attrs={"constraints": trial.penalties},
-                )
-            )
-    return study
-
-
-def _axis(optuna: Any, one: Varied) -> Any:
-    levels = one.distribution
-    if isinstance(levels, Values):
-        return optuna.distributions.CategoricalDistribution([*map(one.shown, levels.values)])
-    low, high = one.shown(levels.low), one.shown(levels.high)
-    return optuna.distributions.FloatDistribution(low, high, log=levels.logarithmic)
-
-
-def _within(axis: Any, value: float) -> float:
-    return value if hasattr(axis, "choices") else min(max(value, axis.low), axis.high)

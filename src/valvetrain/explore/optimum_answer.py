@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from valvetrain.explore.measure import Measure
-from valvetrain.explore.optimum import Design, Optimum, case_text, write_optuna
+from valvetrain.explore.optimum import Design, Optimum, case_text
 from valvetrain.explore.optimum_facts import SearchFacts, card_values, range_text
 from valvetrain.explore.optimum_figures import figures
 from valvetrain.explore.optimum_rules import RULES
@@ -87,24 +87,20 @@ class OptimumAnswer(ExploreAnswer):
     def _objectives(self, trial: Trial) -> Iterator[Line]:
         for place, goal in enumerate(self.found.plan.objectives):
             before, after = (float(one.objectives[place]) for one in (self.found.case, trial))
-            bar, same = self.facts.bar(goal.measure, after, trial), self.facts.same_as_varied(place)
+            bar = self.facts.bar(goal.measure, after, trial)
             remarks = [f"{100 * (after / before - 1):+.2g} %".replace("-", "−")] if before and np.isfinite(after / before) else []  # fmt: skip
             remarks += [f"error bar {self.words.said(self.facts.said(goal.measure, bar), 2)}"] if bar else []  # fmt: skip
             reach = "most" if goal.maximise else "least"
-            if same is not None:
-                reach = range_text(self.found.plan.varied[same])
             yield Line(goal.measure.label, (*self._cells(goal.measure, before, after, trial), reach), "", ", ".join(remarks))  # fmt: skip
 
     def _varied(self, trial: Trial) -> Iterator[Line]:
         plan, facts = self.found.plan, self.facts
-        goals = [facts.same_as_varied(place) for place in range(len(plan.objectives))]
         for place, one in enumerate(plan.varied):
-            if place not in goals:
-                values = (float(each.values[place]) for each in (self.found.case, trial))
-                cells = (one.value_text(value, 4) if np.isfinite(value) else "" for value in values)
-                mark: Mark = "warn" if place in facts.ends else ""
-                remark = "end of its range" if mark else f"{alike} as good" if (alike := facts.alike(place)) else ""  # fmt: skip
-                yield Line(one.shown_name, (*cells, range_text(one)), mark, remark)
+            values = (float(each.values[place]) for each in (self.found.case, trial))
+            cells = (one.value_text(value, 4) if np.isfinite(value) else "" for value in values)
+            mark: Mark = "warn" if place in facts.ends else ""
+            remark = "end of its range" if mark else f"{alike} as good" if (alike := facts.alike(place)) else ""  # fmt: skip
+            yield Line(one.shown_name, (*cells, range_text(one)), mark, remark)
         for label, name, *pair in card_values(self.found, trial):
             yield Line(label, (*(self.words.amount(Amount(name, value), 4) for value in pair), ""))
 
@@ -164,12 +160,9 @@ class OptimumAnswer(ExploreAnswer):
         }  # fmt: skip
 
     def files(self) -> Mapping[str, Write]:
-        """Every trial as CSV and as an Optuna study, and case files of the designs, the best first."""
+        """Every trial as CSV, and case files of the designs, the best first."""
         found = self.found
-        made: dict[str, Write] = {
-            "trials.csv": csv_writer(found.to_pandas()),
-            "optuna.db": partial(write_optuna, found),
-        }
+        made: dict[str, Write] = {"trials.csv": csv_writer(found.to_pandas())}
         for place, design in enumerate(found.designs if found.plan.case is not None else ()):
             name = BEST if place == 0 else f"design-{place + 1}.toml"
             made[name] = partial(_write_case, found, design)

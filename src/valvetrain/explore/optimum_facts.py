@@ -107,8 +107,6 @@ class SearchFacts(Subject):
         """
         if not np.isfinite(value):
             return ""
-        if one.varied is not None:
-            return one.varied.value_text(value, 4)
         if self.found.plan.case is None:
             return digits_text(value, 0.0, 4)
         amount = Amount("engine_speed" if one.limit else one.quantity, value, self.bar(one, value, trial))  # fmt: skip
@@ -125,21 +123,10 @@ class SearchFacts(Subject):
         rows = [row for row in self.found.error_bars if row.quantity == one.quantity and np.isfinite(row.numerical)]  # fmt: skip
         return min(rows, key=lambda row: abs(row.value - value)).numerical if rows else 0.0
 
-    def same_as_varied(self, index: int) -> int | None:
-        """Place of the varied quantity that an objective is, by its values in the case and the design; None for any other."""
-        trial, plan = self.trial, self.found.plan
-        if trial is None or plan.objectives[index].measure.limit is not None:
-            return None
-        both = (self.found.case, trial)
-        return next((
-            place for place, one in enumerate(plan.varied)
-            if one.operation == "value" and all(np.isclose(each.objectives[index], each.values[place], 1e-9, 0.0) for each in both)
-        ), None)  # fmt: skip
-
     def alike(self, place: int) -> str:
         """``180 to 200 N``: how far a varied quantity may go with designs as good; empty where the search settles it."""
         one = self.found.plan.varied[place]
-        if self.best is None or place == self.same_as_varied(0):
+        if self.best is None:
             return ""
         cost = float(self.best.trial.costs[0])
         good = [

@@ -5,9 +5,9 @@ table out, or one sentence.
 from __future__ import annotations
 
 import os
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from valvetrain.explore.files import (
     MAX_VARIED,
@@ -15,7 +15,7 @@ from valvetrain.explore.files import (
     CaseModel,
     FileText,
     Limit,
-    ModelName,
+    ModelNames,
     RunsModel,
     Speeds,
     VaryModel,
@@ -24,16 +24,6 @@ from valvetrain.parameters.schema_types import Line, StrictModel, problem
 
 #: Most objectives and constraints of a file and trials of a search: more are taken for a mistake.
 MAX_OBJECTIVES, MAX_CONSTRAINTS, MAX_TRIALS, MAX_PER_ROUND = 4, 32, 20_000, 256
-
-
-def _confirmations(raw: Any) -> Any:
-    if isinstance(raw, str):
-        raw = [word.strip() for word in raw.split(",")]
-    if not isinstance(raw, list):
-        raise problem(
-            "is no row of models; write such as confirm = ['wave-rod-clash'], or [[confirm]] tables"
-        )
-    return [{"spring_model": one} if isinstance(one, str) else one for one in raw]
 
 
 class MeasureModel(StrictModel):
@@ -102,22 +92,6 @@ class SearchModel(StrictModel):
         return self
 
 
-class ConfirmModel(StrictModel):
-    """One ``[[confirm]]`` table: another spring model, or the case with ``changes`` such as a finer
-    mesh, for the best design.
-    """
-
-    spring_model: ModelName = ""
-    changes: dict[str, Any] = Field(default_factory=dict)
-    label: Line = ""
-
-    @model_validator(mode="after")
-    def _something(self) -> Self:
-        if not self.spring_model and not self.changes:
-            raise problem("confirms nothing; name a spring_model, or changes such as a finer mesh")
-        return self
-
-
 class GoalsModel(RunsModel):
     """What a search looks for: objectives within constraints."""
 
@@ -133,9 +107,7 @@ class OptimumModel(GoalsModel, CaseModel):
 
     what = "optimisation file"
     vary: list[VaryModel] = Field(min_length=1, max_length=MAX_VARIED)
-    confirm: Annotated[list[ConfirmModel], BeforeValidator(_confirmations)] = Field(
-        default_factory=list, max_length=8
-    )
+    confirm: ModelNames = Field(default_factory=list, max_length=8)
 
 
 def read_optimum_file(source: str | os.PathLike[str]) -> FileText[OptimumModel]:

@@ -24,14 +24,14 @@ from valvetrain.explore.files import (
     RunsModel,
     VaryModel,
 )
-from valvetrain.explore.limit_speed import BELOW, BEYOND, CLOSER, LimitEvaluation, limit_of
+from valvetrain.explore.limit_speed import CLOSER, LimitEvaluation
 from valvetrain.explore.outputs import Outcome, Outputs, Run
 from valvetrain.explore.refusals import refuse_limits, refuse_missing, refuse_outputs
 from valvetrain.explore.samplers import SamplerSpec, sampler
 from valvetrain.explore.sensitivity import sensitivity_of
 from valvetrain.explore.space import ENGINE_SPEED, Space, Values
 from valvetrain.explore.surrogate import surrogate_of
-from valvetrain.explore.table import LimitEnd, StudyPlan, StudyTable
+from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.request_cost import RunRequest, request_cost
@@ -208,7 +208,6 @@ def _table(
 ) -> StudyTable:
     values = np.full((len(draws) * len(plan.runs), len(plan.outputs)), np.nan)
     statuses: list[Status] = []
-    ends: dict[tuple[LimitEvaluation, bytes], str] = {}
     for place, (row, run) in enumerate(plan.experiment.rows(draws)):
         status = COMPLETED
         for evaluation, point, at in _jobs(plan, searches, row, run):
@@ -217,35 +216,16 @@ def _table(
             status = outcome.status if status.completed else status
             for name in outcome.values.keys() & set(plan.outputs):
                 values[place, plan.outputs.index(name)] = outcome.values[name]
-            if isinstance(evaluation, LimitEvaluation):
-                ends[evaluation, key] = limit_of(outcome).kind if outcome.values else ""
         statuses.append(status)
     inputs = np.repeat(draws, len(plan.runs), axis=0)
     return StudyTable(
-        plan, inputs, plan.runs * len(draws), values, tuple(statuses), computed=engine.computed,
-        limit_ends=ends_of(ends),
-    )  # fmt: skip
+        plan, inputs, plan.runs * len(draws), values, tuple(statuses), computed=engine.computed
+    )
 
 
 def searches_of(experiment: Evaluation) -> tuple[LimitEvaluation, ...]:
     """The searches for the limit speeds of an experiment."""
     return tuple(LimitEvaluation(experiment, one) for one in experiment.outputs.limit_speeds)
-
-
-def ends_of(kinds: Mapping[tuple[LimitEvaluation, bytes], str]) -> tuple[LimitEnd, ...]:
-    """How many searches, by evaluation and point, end at an end of the speeds, which then replaces
-    the limit.
-    """
-    ends = []
-    for search in dict.fromkeys(search for search, _ in kinds):
-        words = [word for (one, _), word in kinds.items() if one is search]
-        speeds = search.limit.engine_speeds
-        ends += [
-            LimitEnd(search.limit.name, word == BEYOND, words.count(word), len(words), speed)
-            for word, speed in ((BEYOND, speeds[-1]), (BELOW, speeds[0]))
-            if word in words
-        ]
-    return tuple(ends)
 
 
 def analysed(table: StudyTable) -> StudyTable:

@@ -161,7 +161,7 @@ class StudyAnswer(ExploreAnswer):
             "case": plan.case_name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
             "completed_points": int(np.count_nonzero(table.completed)), "computed": table.computed, "varied": varied_of(plan.varied),
             "sensitivities": fields_of(table.sensitivities), "surrogates": fields_of(table.surrogates), "uncertainties": bars,
-            "limit_ends": fields_of(table.limit_ends), "failures": list(table.failures[:MAX_ROWS]),
+            "failures": list(table.failures[:MAX_ROWS]),
             "completed": bool(table.completed.all()), **rows_of(table.to_pandas()),
         }  # fmt: skip
 

@@ -60,10 +60,16 @@ def doubtful(facts: StudyFacts) -> Iterator[Hit]:
 
 def at_an_end(facts: StudyFacts) -> Iterator[Hit]:
     """Limit speeds that are an end of the speeds searched."""
-    for one in facts.table.limit_ends:
-        share, side = f"{one.count} of {one.total} points", "above" if one.beyond else "below"
-        fields = {"share": share, "side": side, "name": label_of(one.name)}
-        yield Hit(Amount(one.name, one.engine_speed), fields=fields, severity=one.count)
+    for name, speeds in facts.limits.items():
+        limits = facts.column(name)[np.isfinite(facts.column(name))]
+        for side, end in (("above", speeds[-1]), ("below", speeds[0])):
+            if count := int(np.count_nonzero(limits == end)):
+                share = f"{count} of {len(limits)} points"
+                yield Hit(
+                    Amount(name, end),
+                    fields={"share": share, "side": side, "name": label_of(name)},
+                    severity=count,
+                )
 
 
 # -- chosen points ---------------------------------------------------------------------------------

@@ -92,19 +92,6 @@ class StudyPlan:
         return draws
 
 
-@dataclass(frozen=True)
-class LimitEnd:
-    """How many of the searches for a limit speed (``count`` of ``total``) end at an end of the speeds: ``beyond`` the last,
-    else below the first. That ``engine_speed`` (rad/s) is given as their limit.
-    """
-
-    name: str
-    beyond: bool
-    count: int
-    total: int
-    engine_speed: float
-
-
 @dataclass(frozen=True, eq=False)
 class StudyTable(Reported):
     """``inputs`` (n, d) and ``values`` (n, m), both SI, nan for what a point does not have;
@@ -112,8 +99,7 @@ class StudyTable(Reported):
 
     ``sensitivities`` and ``surrogates``: those of its kind; ``computed``: points that this call
     computed, the others were in the store; ``seconds``: wall time of this call. A limit speed is that
-    of the point by the model and set of a row, at any speed of it; ``limit_ends``: how many points keep or
-    leave their bound over all speeds.
+    of the point by the model and set of a row, at any speed of it.
 
     >>> import valvetrain as vt
     >>> table = vt.study('''
@@ -139,7 +125,6 @@ class StudyTable(Reported):
     surrogates: tuple[Surrogate, ...] = ()
     computed: int = 0
     seconds: float = 0.0
-    limit_ends: tuple[LimitEnd, ...] = ()
 
     def __len__(self) -> int:
         return len(self.inputs)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.explore.limit_speed import BELOW
-from valvetrain.explore.measure import Measure, Measured
+from valvetrain.explore.measure import Measured
 from valvetrain.explore.objective import OptimumPlan
 
 Array = NDArray[np.float64]
@@ -53,7 +53,9 @@ class Trial:
     @cached_property
     def objectives(self) -> Array:
         """Objectives (m,) in SI, nan where they were not computed."""
-        return np.array([self._number(one.measure) for one in self.plan.objectives])
+        return np.array(
+            [self.measured.values.get(one.measure, np.nan) for one in self.plan.objectives]
+        )
 
     @cached_property
     def costs(self) -> Array:
@@ -63,13 +65,9 @@ class Trial:
     @cached_property
     def constraints(self) -> Array:
         """Values (c,) in SI of what is bounded."""
-        return np.array([self._number(one.measure) for one in self.plan.constraints])
-
-    def _number(self, measure: Measure) -> float:
-        """The number (SI) of a measure, nan where it was not computed."""
-        if measure.varied is None:
-            return self.measured.values.get(measure, np.nan)
-        return float(self.values[tuple(self.plan.varied).index(measure.varied)])
+        return np.array(
+            [self.measured.values.get(one.measure, np.nan) for one in self.plan.constraints]
+        )
 
     @cached_property
     def missed(self) -> Array:
