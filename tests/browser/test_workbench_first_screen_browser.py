@@ -1,5 +1,5 @@
 """The first screen of the workbench in a real browser: pictures to scale, Run at once, live numbers of
-control, two different runs to compare.
+control, tables and laws without TOML.
 
 Evidence: what the page draws and says, against the parts of the case and the search of its worker.
 """
@@ -37,6 +37,31 @@ def case(bench) -> None:
 def number_of(page: Any, label: str) -> float:
     told = page.locator(".live .numbers div", has_text=label).first.locator("dd").inner_text()
     return float(re.match(r"[-−\d.]+", told)[0])
+
+
+def test_a_table_is_added_the_law_changed_and_both_are_taken_back(bench):
+    """Without TOML: a spring inside the first, another kind of lift law; the file says so each time."""
+    with watched(bench) as page:
+        open_case(bench, page, CASE)
+        before = bench.case(CASE)
+        page.select_option("#field-lift_law-kind", "polynomial")
+        page.wait_for_function("document.getElementById('field-lift_law-maximum_lift')?.value")
+        made = bench.case(CASE)
+        assert made["lift_law"]["maximum_lift"]["status"] == "assumed"
+        ratio = before["lift_law"]["rocker_ratio"]
+        assert "ratio" not in before["train"]["lever"] and made["train"]["lever"]["ratio"] == ratio
+        page.locator("summary", has_text="Add to the case").click()
+        page.get_by_role("button", name="Add: Second spring card").click()
+        page.wait_for_function("document.activeElement.id === 'field-train-springs-card-1-name'")
+        assert len(bench.case(CASE)["train"]["springs"]["card"]) == 2
+        page.get_by_role("button", name="Undo the last change").click()
+        page.locator("#field-train-springs-card-1-name").wait_for(state="detached")
+        page.get_by_role("button", name="Undo the last change").click()
+        page.wait_for_function(
+            "document.getElementById('field-lift_law-kind').value === 'cam-card'"
+        )
+        assert bench.case(CASE) == before
+        page.get_by_role("button", name="Undo the last change").wait_for(state="hidden")
 
 
 def test_float_cam_force_and_margin_follow_the_slider(bench):

@@ -13,13 +13,14 @@ import numpy as np
 import pytest
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.loading import LIBRARY, library_names, parse_case
+from valvetrain.parameters.overrides import REMOVED
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.runs.api import simulate
-from valvetrain.workbench.edits import with_value
-from valvetrain.workbench.form import fields
-from valvetrain.workbench.lift_laws import with_law
-from valvetrain.workbench.starts import additions, removable, with_addition
+from valvetrain.workbench.edits import with_law, with_table, with_value
+from valvetrain.workbench.form import CaseForm
+from valvetrain.workbench.starts import first_values
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL
 
@@ -41,31 +42,29 @@ def at(tree, key):
     return tree
 
 
+def with_addition(text, key):
+    tree = split_notes(tomllib.loads(text))[0]
+    return with_table(text, key, first_values(read(text), tree, key))
+
+
 @pytest.mark.parametrize("name", TEXTS)
 def test_every_table_that_is_offered_is_taken_shown_and_removed_again(name):
     text = TEXTS[name]
-    case, before = read(text), tomllib.loads(text)
-    offered = additions(case, text)
-    assert len({one.key for one in offered}) == len(offered)
-    for one in offered:
-        made = with_addition(case, text, one.key)
-        found = read(made)
-        assert one.key in removable(found, made) and one.key not in [
-            other.key for other in additions(found, made)
-        ]
-        assert any(group.key == one.key for group in fields(made)), "the form has it"
-        shown = [
-            field
-            for group in fields(made)
-            for field in group.fields
-            if group.key == one.key and field.value_text
-        ]
-        assert shown and all(field.source.startswith("assumed") for field in shown)
-        assert [
-            line for line in text.splitlines() if "#" in line and line not in made.splitlines()
-        ] == [], "comments stay"
-        back = tomllib.loads(with_value(made, one.key, ""))
-        whole, _, last = one.key.rpartition(".")
+    before = tomllib.loads(text)
+    keys = [one.key for one in CaseForm(text).additions]
+    assert len(set(keys)) == len(keys)
+    for key in keys:
+        made = with_addition(text, key)
+        assert read(made)
+        form = CaseForm(made)
+        group = next(group for group in form.groups if group.key == key)
+        assert group.removable and key not in [one.key for one in form.additions]
+        given = [field for field in group.fields if field.text]
+        assert given and all(field.source.startswith("assumed") for field in given)
+        lines = made.splitlines()
+        assert [line for line in text.splitlines() if "#" in line and line not in lines] == []
+        back = tomllib.loads(with_value(made, key, REMOVED))
+        whole, _, last = key.rpartition(".")
         if last == "1" and isinstance(at(before, whole), dict):
             assert at(back, whole) == [at(before, whole)]
         else:
@@ -73,8 +72,8 @@ def test_every_table_that_is_offered_is_taken_shown_and_removed_again(name):
 
 
 def test_a_gas_load_that_was_just_added_changes_nothing():
-    case, text = read(TEXTS["direct"]), TEXTS["direct"]
-    pair = (case, read(with_addition(case, text, "train.gas")))
+    text = TEXTS["direct"]
+    pair = (read(text), read(with_addition(text, "train.gas")))
     runs = [simulate(one, ["3000 rpm"], spring_models=["massless"]).solutions[0] for one in pair]
     assert runs[0].quantities and dict(runs[0].quantities) == pytest.approx(
         dict(runs[1].quantities), rel=0, abs=0, nan_ok=True
@@ -125,8 +124,7 @@ def test_a_table_beside_the_case_becomes_its_lift_law(tmp_path, kind):
     ("kind", "words"),
     [
         ("stations", "'cam_angles' is missing"),
-        ("ramped", "'ramp_lift' is missing"),
-        ("three-arc", "'base_radius' is missing"),
+        ("table", "below 'Files of this case'"),
         ("nonsense", "unknown"),
         ("", "unknown"),
     ],
@@ -139,4 +137,4 @@ def test_a_kind_whose_values_cannot_be_told_is_refused_and_changes_nothing(tmp_p
     assert refused.value.where == "lift_law.kind"
     assert workspace.text(name) == SMALL
     with pytest.raises(InputError):
-        with_law(TEXTS["uniform-spring"], "polynomial", [])
+        with_law(TEXTS["uniform-spring"], "polynomial")

@@ -15,7 +15,7 @@ from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import SIDE_FILES_VARIABLE
 from valvetrain.parameters.loading import LIBRARY, parse_case
 from valvetrain.runs.saved_runs import collect_inputs, find_run
-from valvetrain.workbench.form import read_change
+from valvetrain.workbench.edits import read_change
 from valvetrain.workbench.jobs import JobRequest, Jobs
 from valvetrain.workbench.workspace import MAX_CASES, Workspace
 from workbench_parts import SMALL, kept

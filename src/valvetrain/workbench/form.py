@@ -1,280 +1,216 @@
-"""Forms of a case, generated from the typed tables that read it: fields with unit, limits, help and
-source, and the refusal in place.
+"""Forms of a case, generated from the typed tables that read it: groups of fields with what is
+written, and the tables that the case may get.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from typing import Any, get_origin
+
+from pydantic.fields import FieldInfo
 
 from valvetrain import registry
-from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
-from valvetrain.parameters.case import Case, Note
-from valvetrain.parameters.installed_spring import DampingParameters, Guide, Rubbing
-from valvetrain.parameters.loading import parse_case, parse_toml
-from valvetrain.parameters.overrides import REMOVED, read_assignment
-from valvetrain.parameters.schema_blocks import is_card
-from valvetrain.parameters.schema_case import CaseModel, OperationModel
-from valvetrain.parameters.schema_contact import STEEL
-from valvetrain.parameters.schema_installed import (
-    CardBlock,
-    CoilContactModel,
-    WireBlock,
-)
+from valvetrain.parameters.installed_spring import InstalledSpring
+from valvetrain.parameters.loading import parse_toml
+from valvetrain.parameters.schema_blocks import SpringBlocks, is_card
+from valvetrain.parameters.schema_case import CaseModel
+from valvetrain.parameters.schema_contact import STEEL, ContactParameters, ContactTable
+from valvetrain.parameters.schema_curves import FormulaForm, HeightForm, KnotsForm
+from valvetrain.parameters.schema_installed import CardBlock, CoilContactModel, WireBlock
+from valvetrain.parameters.schema_lift import LiftModel
 from valvetrain.parameters.schema_pair import PairedCard
 from valvetrain.parameters.schema_types import StrictModel, Table
+from valvetrain.parameters.spring import EndCoil
 from valvetrain.parameters.spring_options import options_table
-from valvetrain.parameters.train import PARTS, TrainParameters
-from valvetrain.workbench.edits import refuse_foreign_files
-from valvetrain.workbench.form_fields import Field, field_of, text_of
+from valvetrain.springs.spec import spring_model
+from valvetrain.workbench.form_fields import Field, field_of, parts_of, words_of
+from valvetrain.workbench.starts import STARTS
 
-#: Spring models whose options a form shows even where the file gives none: the fast one, the rod and, of
-#: a wire, the one reduced from it.
-_DEFAULT_OPTIONS, _OF_A_WIRE = ("multi-mass", "finite-element"), ("reduced-rod",)
-#: Tables of a case that a form leaves to its text.
-_LEFT = ("published", "points", "name", "sources", "remarks", "study")
+Model = type[StrictModel | Table]
+#: Keys of a case that a form leaves to its text.
+LEFT = ("published", "points", "name", "sources", "remarks", "study")
+#: Tables that a form has as one value, and types of springs.
+VALUES, SPRINGS = (EndCoil, FormulaForm, HeightForm, KnotsForm), (SpringBlocks, InstalledSpring)
+#: Table that another one of the registry reads -> key whose word names that one, its kind there, and the
+#: table for any other word.
+NAMED: dict[Any, tuple[str, str, Model]] = {
+    LiftModel: ("kind", "lifts", LiftModel),
+    ContactParameters: ("law", "contacts", ContactTable),
+    CoilContactModel: ("law", "coil_contacts", CoilContactModel),
+}
+#: Spring models whose options a form shows even where the file gives none; the last is of a wire alone.
+SHOWN_OPTIONS = ("multi-mass", "finite-element", "reduced-rod")
 #: Angles of a cam card, in the degrees that its ``angle_of`` names.
 CARD_ANGLES = ("duration", "advertised_duration", "upper_duration", "lobe_centre")
-_TITLES = {"multi-mass": "chain of masses", "finite-element": "finite-element rod"}
 
 
 @dataclass(frozen=True, slots=True)
-class FieldGroup:
+class Group:
     """Fields of one table of the case file.
 
     Parameters
     ----------
     key : key path of the table, empty for the head of the file
     title : words for people
-    fields : the fields in the order of the tables that read them
+    fields : the fields in the order of the table that reads them
+    removable : the case may lose the table again
     """
 
     key: str
     title: str
     fields: tuple[Field, ...]
+    removable: bool = False
 
 
-def fields(case: Case | str) -> list[FieldGroup]:
-    """The form of a case, or of the text of one (TOML): a group for each table that it has.
+@dataclass(frozen=True, slots=True)
+class Addition:
+    """A table that a case may get: its key path, words for a button, and what it is."""
 
-    Raises :class:`InputError` for a text that is no TOML.
-
-    >>> groups = fields("[spring]\\nwire_diameter = '4 mm'")
-    >>> next(one for one in groups[1].fields if one.key == "spring.wire_diameter").number
-    4.0
-    """
-    text = case.text if isinstance(case, Case) else case
-    bare, notes, _ = split_notes(parse_toml(text, "case"))
-    form = _Form(bare, notes)
-    return [group for group in form.groups() if group.fields]
+    key: str
+    label: str
+    help: str
 
 
-def check(case_text: str, key: str, value_text: str, folder: Path = Path()) -> str | None:
-    """The refusal of ``value_text`` at ``key`` as one sentence, None where it is accepted.
+class CaseForm:
+    """The form of a case: ``groups``, a :class:`Group` for each table that it has, and ``additions``, an
+    :class:`Addition` for each that it may get.
 
     Parameters
     ----------
-    case_text : the case (TOML)
-    key : key path
-    value_text : the value as ``--set`` takes it, empty to remove the key
-    folder : of the files that the case names
+    text : the case (TOML); raises :class:`InputError` for what is none
+    files : names that a field for a file suggests
 
-    >>> check("[lift_law]\\nkind = 'zero'", "operation.cycles", "0")
-    'cycles must be a whole number from 1 to 10000'
+    >>> form = CaseForm("[spring]\\nwire_diameter = '4 mm'")
+    >>> next(field for field in form.groups[1].fields if field.key == "spring.wire_diameter").number
+    4.0
     """
-    try:
-        read_change(case_text, key, value_text, folder)
-    except InputError as error:
-        place = error.where.rpartition(", ")[2]
-        return (
-            error.reason
-            if place in ("", "case") or place == key or key.startswith(f"{place}.")
-            else f"{place}: {error.reason}"
-        )
-    return None
 
+    def __init__(self, text: str, files: Sequence[str] = ()) -> None:
+        self.groups: list[Group] = []
+        self.additions: list[Addition] = []
+        self._tree, self._notes, _ = split_notes(parse_toml(text, "case"))
+        self._files = tuple(files)
+        self._add("", "Case", CaseModel, self._tree)
 
-def read_change(
-    case_text: str, key: str, value_text: str, folder: Path = Path(), where: str = "case"
-) -> tuple[str, Any, Case]:
-    """The change as the reader takes it: key path, value, and the changed case.
-
-    A value that only reads as text, such as the title ``24``, is taken as text. Raises
-    :class:`InputError` with the reader's sentence.
-    """
-    path, value = read_assignment(f"{key}={value_text}", key)
-    refuse_foreign_files(case_text, {path: value})
-    try:
-        return path, value, parse_case(case_text, where, folder, where, {path: value})
-    except InputError:
-        if value is REMOVED or isinstance(value, str):
-            raise
-        with_text = None
-        try:
-            with_text = parse_case(case_text, where, folder, where, {path: value_text.strip()})
-        except InputError:
-            pass
-        if with_text is None:
-            raise
-        return path, value_text.strip(), with_text
-
-
-class _Form:
-    """Walks the bare tree of a case and the tables that read it."""
-
-    def __init__(self, tree: Mapping[str, Any], notes: Mapping[str, Note]) -> None:
-        self.tree, self.notes = tree, notes
-
-    def groups(self) -> Iterator[FieldGroup]:
-        """Every group, in the order of a file."""
-        yield self.group("", "Case", CaseModel, self.tree, ("title", "description"))
-        if "spring" in self.tree:
-            yield from self.springs("spring", self.tree["spring"], "Spring")
-        if isinstance(self.tree.get("spring"), list):
-            yield self.group(
-                "rubbing",
-                "Friction between the springs",
-                Rubbing,
-                self.tree.get("rubbing", {}),
-            )
-        law = self.tree.get("lift_law")
-        if isinstance(law, dict) and law.get("kind") in registry.names("lifts"):
-            yield self.group("lift_law", "Lift law", registry.find("lifts", law["kind"]).table, law)
-        yield self.group("operation", "Operation", OperationModel, self.tree.get("operation", {}))
-        if isinstance(self.tree.get("train"), dict):
-            yield from self.train(self.tree["train"])
-
-    def train(self, table: Mapping[str, Any]) -> Iterator[FieldGroup]:
-        """Groups of a train: its own values, its parts, contacts, springs and variants."""
-        yield self.group("train", "Train", TrainParameters, table)
-        for name, model in PARTS.items():
-            if name != "variants" and (name in table or name == "follower"):
-                yield self.group(
-                    f"train.{name}", text_of(name).capitalize(), model, table.get(name, {})
-                )
-        contacts = table.get("contacts")
-        named = (
-            {"": contacts}
-            if isinstance(contacts, str)
-            else contacts
-            if isinstance(contacts, dict)
-            else {}
-        )
-        yield FieldGroup(
-            "train.contacts",
-            "Contacts",
-            tuple(_steel(place, word) for place, word in named.items() if isinstance(word, str)),
-        )
-        for place, one in contacts.items() if isinstance(contacts, dict) else ():
-            if isinstance(one, dict) and one.get("law") in registry.names("contacts"):
-                law = registry.find("contacts", one["law"]).table
-                yield self.group(
-                    f"train.contacts.{place}", f"Contact at the {text_of(place)}", law, one
-                )
-        sets = table.get("springs")
-        for name, springs in sets.items() if isinstance(sets, dict) else ():
-            yield from self.springs(f"train.springs.{name}", springs, f"Spring set {name}")
-        if isinstance(sets, dict) and any(
-            isinstance(one, list) and len(one) > 1 for one in sets.values()
-        ):
-            yield self.group(
-                "train.rubbing",
-                "Friction between the springs",
-                Rubbing,
-                table.get("rubbing", {}),
-            )
-        for number, variant in enumerate(
-            table.get("variants", ()) if isinstance(table.get("variants"), list) else ()
-        ):
-            yield self.group(
-                f"train.variants.{number}", f"Variant {number + 1}", PARTS["variants"], variant
-            )
-
-    def springs(self, key: str, raw: Any, title: str) -> Iterator[FieldGroup]:
-        """Groups of one spring, or of each of two."""
-        if isinstance(raw, dict):
-            yield from self.spring(key, raw, title)
-            return
-        entries = (
-            [entry for entry in raw if isinstance(entry, dict)] if isinstance(raw, list) else []
-        )
-        for place, entry in enumerate(entries):
-            whose = f", {('outer', 'inner')[place]}" if len(entries) == 2 else ""
-            yield from self.spring(f"{key}.{place}", entry, f"{title}{whose}")
-
-    def spring(self, key: str, raw: Mapping[str, Any], title: str) -> Iterator[FieldGroup]:
-        """The block of a spring, its damping, contact, guide and options."""
-        by_card = is_card(raw)
-        card = PairedCard if "loads_of" in raw else CardBlock
-        yield self.group(key, title, card if by_card else WireBlock, raw)
-        yield self.group(
-            f"{key}.damping", f"{title}: damping", DampingParameters, raw.get("damping", {})
-        )
-        yield self.group(
-            f"{key}.contact",
-            f"{title}: contact of its coils",
-            CoilContactModel,
-            raw.get("contact", {}),
-        )
-        if not by_card and isinstance(raw.get("guide"), dict):
-            yield self.group(f"{key}.guide", f"{title}: guide", Guide, raw["guide"])
-        given = raw.get("options")
-        options: Mapping[str, Any] = given if isinstance(given, dict) else {}
-        own = (word for word in options if word in registry.names("springs"))
-        for word in dict.fromkeys((*own, *_DEFAULT_OPTIONS, *(() if by_card else _OF_A_WIRE))):
-            table = options_table(word)
-            useless = table.wire_only if by_card else table.card_only
-            name = _TITLES.get(word, word.replace("-", " "))
-            yield self.group(
-                f"{key}.options.{word}",
-                f"{title}: {name}",
-                table,
-                options.get(word, {}),
-                without=useless,
-            )
-
-    def group(
-        self,
-        key: str,
-        title: str,
-        model: type[StrictModel | Table],
-        raw: Any,
-        only: tuple[str, ...] = (),
-        without: tuple[str, ...] = (),
-    ) -> FieldGroup:
-        """The plain values of one table."""
-        table: Mapping[str, Any] = raw if isinstance(raw, dict) else {}
-        found = []
+    def _add(
+        self, key: str, title: str, model: Model, raw: Any, without: Sequence[str] = ()
+    ) -> None:
+        """The group of one table, then those of the tables in it; ``without``: keys that do nothing here."""
+        given: Mapping[str, Any] = raw if isinstance(raw, Mapping) else {}
+        fields, tables = [], []
         for name, info in model.model_fields.items():
-            if (only and name not in only) or name in without or (not key and name in _LEFT):
+            path = f"{key}.{name}".lstrip(".")
+            if path in LEFT or name in without:
                 continue
-            path = f"{key}.{name}" if key else name
-            if (made := field_of(path, name, info, table.get(name))) is not None:
-                if name in CARD_ANGLES and table.get("angle_of") in ("cam", "crank"):
-                    made = replace(made, label=f"{made.label} in {table['angle_of']} degrees")
-                sets = self.tree.get("train", {}).get("springs", {}) if name == "spring_set" else {}
-                source = self.source(path) if made.value_text else ""
-                found.append(replace(made, choices=tuple(sets) or made.choices, source=source))
-        return FieldGroup(key, title, tuple(found))
+            if (kind := _table_in(info)) is None:
+                fields.append(self._field(path, info, given))
+            else:
+                tables.append((path, info, kind))
+        if fields:
+            is_second = key.endswith(".1") and issubclass(model, (WireBlock, CardBlock))
+            optional = is_second or key.rpartition(".")[2] in (*STARTS, "rubbing")
+            self.groups.append(Group(key, title, tuple(fields), raw is not None and optional))
+        whose = "" if key in ("", "train") else f"{title}: "
+        for path, info, kind in tables:
+            name = path.rpartition(".")[2]
+            value = given.get(name)
+            if name == "options":
+                self._add_options(path, whose, issubclass(model, CardBlock), value or {})
+            elif isinstance(value, Mapping) and _is_mapping(info):
+                for word, entry in value.items():
+                    heading = f"{name.removesuffix('s')} {words_of(word)}"
+                    self._add_entry(f"{path}.{word}", heading, kind, entry)
+            elif value is None and not isinstance(info.default, (StrictModel, Table)):
+                if name in STARTS and (name != "spring" or "train" not in given):
+                    self._offer(path, f"{whose}{STARTS[name].label}", STARTS[name].help)
+            elif name != "rubbing" or value is not None or _has_two_springs(given):
+                self._add_entry(path, f"{whose}{words_of(name)}", kind, value)
 
-    def source(self, path: str) -> str:
+    def _add_entry(self, key: str, title: str, kind: Any, raw: Any) -> None:
+        """The groups of what stands at ``key``: a table, a list of tables, or a word in place of one."""
+        title = _capitalized(title)
+        if isinstance(raw, str):
+            hint = "default steel values; or a table for each contact"
+            field = Field(key, title, "text", raw, help=hint, choices=(STEEL,))
+            self.groups.append(Group(key, title, (field,)))
+            return
+        rows = raw if isinstance(raw, list) else [raw]
+        for place, row in enumerate(rows):
+            which = ("outer", "inner")[place] if kind in SPRINGS else place + 1
+            self._add(
+                f"{key}.{place}" if isinstance(raw, list) else key,
+                f"{title}, {which}" if len(rows) > 1 else title,
+                _model_of(kind, row if isinstance(row, Mapping) else {}),
+                row,
+            )
+        if kind in SPRINGS and len(rows) == 1:
+            self._offer(f"{key}.1", f"Second {title.lower()}", "a spring inside the first")
+
+    def _add_options(self, key: str, whose: str, by_card: bool, given: Mapping[str, Any]) -> None:
+        """The groups of the options of spring models, of a spring known ``by_card`` or by its wire."""
+        shown = SHOWN_OPTIONS[:-1] if by_card else SHOWN_OPTIONS
+        for word in dict.fromkeys((*given, *shown)):
+            if word in registry.names("springs"):
+                table = options_table(word)
+                title = f"{whose}{spring_model(word).label}"
+                useless = table.wire_only if by_card else table.card_only
+                self._add(f"{key}.{word}", title, table, given.get(word), useless)
+
+    def _offer(self, key: str, label: str, hint: str) -> None:
+        self.additions.append(Addition(key, _capitalized(label), hint))
+
+    def _field(self, key: str, info: FieldInfo, given: Mapping[str, Any]) -> Field:
+        """One field, with the words that only this case knows."""
+        name = key.rpartition(".")[2]
+        made = field_of(key, info, given.get(name), self._source(key))
+        if name in CARD_ANGLES and given.get("angle_of") in ("cam", "crank"):
+            made = replace(made, label=f"{made.label} in {given['angle_of']} degrees")
+        if name == "spring_set":
+            made = replace(made, choices=tuple(self._tree["train"].get("springs", ())))
+        return replace(made, choices=self._files) if name == "file" else made
+
+    def _source(self, key: str) -> str:
         """Status and source of a value: its own note, else that of its table."""
-        parts = path.split(".")
+        parts = key.split(".")
         for length in range(len(parts), 0, -1):
-            note = self.notes.get(".".join(parts[:length]))
+            note = self._notes.get(".".join(parts[:length]))
             if note is not None:
                 return ": ".join(part for part in (str(note.status or ""), note.source) if part)
         return ""
 
 
-def _steel(place: str, word: str) -> Field:
-    """A contact, or all of them, given by one word."""
-    key = f"train.contacts.{place}".rstrip(".")
-    label, hint = (
-        f"contact at the {text_of(place)}" if place else "all contacts",
-        "contact stiffness: default steel values; or a table for each contact",
-    )
-    return Field(key, label, "text", word, help=hint, choices=(STEEL,))
+def _table_in(info: FieldInfo) -> Any:
+    """The type of the table that a field holds, one or several; None for a value."""
+    for part in parts_of(info.annotation):
+        if part in (*SPRINGS, ContactParameters):
+            return part
+        if isinstance(part, type) and issubclass(part, (StrictModel, Table)) and part not in VALUES:
+            return part
+    return None
+
+
+def _is_mapping(info: FieldInfo) -> bool:
+    """Whether a field holds tables by their names."""
+    return any(get_origin(part) in (dict, Mapping) for part in parts_of(info.annotation))
+
+
+def _model_of(kind: Any, given: Mapping[str, Any]) -> Any:
+    """The table that reads what is ``given``, of a spring and a law by what it says."""
+    if kind in SPRINGS:
+        return PairedCard if "loads_of" in given else CardBlock if is_card(given) else WireBlock
+    key, group, model = NAMED.get(kind, ("", "", kind))
+    if group and given.get(key) in registry.names(group):
+        return getattr(registry.find(group, given[key]), "table", model)
+    return model
+
+
+def _has_two_springs(given: Mapping[str, Any]) -> bool:
+    """Whether a case or a train has springs of which one is inside the other."""
+    sets = (given.get("spring"), *dict(given.get("springs", {})).values())
+    return any(isinstance(springs, list) and len(springs) > 1 for springs in sets)
+
+
+def _capitalized(words: str) -> str:
+    return words[:1].upper() + words[1:]

@@ -19,8 +19,10 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from valvetrain.errors import InputError
+from valvetrain.parameters.annotations import split_notes
 from valvetrain.parameters.bounded_file import MAX_BYTES
 from valvetrain.parameters.case import Case
+from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.loading import (
     LIBRARY,
     library_names,
@@ -33,9 +35,15 @@ from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.solution.atomic import lock, write_bytes, write_text
 from valvetrain.system.build import build
 from valvetrain.units.text import clipped
-from valvetrain.workbench.edits import refuse_foreign_files, with_change, with_name
-from valvetrain.workbench.form import read_change
-from valvetrain.workbench.lift_laws import STORE, CachedLaws, kind_of
+from valvetrain.workbench.edits import (
+    read_change,
+    refuse_foreign_files,
+    with_law,
+    with_name,
+    with_table,
+    with_value,
+)
+from valvetrain.workbench.form import CaseForm
 from valvetrain.workbench.saved_runs import (
     Run,
     RunFiles,
@@ -57,13 +65,18 @@ from valvetrain.workbench.side_files import (
     remove_passing,
     side_by_side,
 )
-from valvetrain.workbench.starts import with_addition
+from valvetrain.workbench.starts import first_values
 from valvetrain.workbench.store import Store, case_name, checked_name, inside, writing
 
 #: Name of a case in its workspace: that of its folder, and of the case itself.
 CaseId = str
-#: Most cases of one workspace.
-MAX_CASES = 500
+#: Most cases of one workspace, and changes of each that can be taken back.
+MAX_CASES, MAX_CHANGES = 500, 50
+_LAST_CHANGE = "SELECT id, before FROM changes WHERE name = ? AND after = ? ORDER BY id DESC"
+_FORGET_CHANGES = (
+    "DELETE FROM changes WHERE name = ? AND id NOT IN "
+    "(SELECT id FROM changes WHERE name = ? ORDER BY id DESC LIMIT ?)"
+)
 _Given = ParamSpec("_Given")
 _Result = TypeVar("_Result")
 
@@ -300,53 +313,76 @@ class Workspace:
         is refused.
         """
         before = self.text(case)
-        path, value, _ = read_change(before, key, text_value, self.case_folder(case), case)
-        text = with_change(before, path, value)
-        changed = self.parse(case, text)
+        path, value, changed = read_change(before, key, text_value, self.case_folder(case), case)
         if (sentence := binding(changed)) and not binding(self.parse(case, before)):
             raise InputError(sentence, path)
-        self._write(case, text)
+        self._write(case, with_value(before, path, value))
 
     @_in_turn
     def add_table(self, case: CaseId, key: str) -> None:
-        """Give a case a table it does not have, with values to begin with
-        (:func:`valvetrain.workbench.starts.additions`).
+        """Give a case a table that its form offers, with values to begin with.
 
         Raises :class:`InputError`, and changes nothing, for a table that it may not get.
         """
-        self.replace_text(case, with_addition(self.read(case), self.text(case), key))
+        text = self.text(case)
+        keys = [one.key for one in CaseForm(text).additions]
+        if key not in keys:
+            reason = f"'{clipped(key, 60)}' is no table that this case may get"
+            raise InputError(f"{reason}; {nearest(key, keys)}", "table")
+        start = first_values(self.read(case), split_notes(parse_toml(text, case))[0], key)
+        self.replace_text(case, with_table(text, key, start))
 
     @_in_turn
     def change_law(self, case: CaseId, kind: str) -> None:
-        """Give a case a lift law of another kind: the last values of that kind here, else what both
-        kinds know with the rest assumed.
+        """Give a case a lift law of another kind: what both kinds know stays, the rest is assumed.
 
         Raises :class:`InputError`, and changes nothing, for a kind whose values cannot be given for
         it.
         """
-        text, laws = self.text(case), CachedLaws(self.case_folder(case))
-        if kind_of(text) == kind:
+        text, refused = self.text(case), None
+        for file in [one.name for one in self.side_files(case)] or [""]:
+            made = with_law(text, kind, file)
+            try:
+                self.parse(case, made)
+            except InputError as error:
+                refused = error
+                continue
+            self._write(case, made)
             return
-        made = laws.changed(
-            text,
-            kind,
-            [one.name for one in self.side_files(case)],
-            lambda toml: self.parse(case, toml),
+        reason = refused.reason if refused is not None else ""
+        raise InputError(
+            f"kind '{kind}' needs more than this lift law gives ({reason}); a file that it reads is added below 'Files of this case', "
+            "other values are written in the downloaded case",
+            "lift_law.kind",
         )
-        laws.keep(text, made)
-        self._write(case, made)
+
+    def last_change(self, case: CaseId) -> tuple[int, str] | None:
+        """Number of the last change of a case that was made here, and its text before it; None where there
+        is none, or the file was changed otherwise since.
+        """
+        with self.store.connected() as base:
+            row = base.execute(_LAST_CHANGE, (case, self.text(case))).fetchone()
+        return None if row is None else (row["id"], row["before"])
+
+    @_in_turn
+    def undo(self, case: CaseId) -> None:
+        """Take back the last change of a case. Raises :class:`InputError` where there is none, and where a
+        file is gone that the case then named.
+        """
+        change = self.last_change(case)
+        if change is None:
+            raise InputError("there is no change of this case to take back", case)
+        number, before = change
+        self.parse(case, before)
+        with self.store.connected() as base:
+            base.execute("DELETE FROM changes WHERE name = ? AND id >= ?", (case, number))
+            write_text(self._file(case), before)
 
     @_in_turn
     def duplicate(self, case: CaseId) -> CaseId:
         """A copy of a case; its id."""
-        path = self._file(case)
-        ours = self._free(case, numbered=True)
-        self._put(
-            ours, with_name(self.text(case), ours), f"copy of {case}", self.files(path.parent.name)
-        )
-        if (path.parent / STORE).is_file() and not (path.parent / STORE).is_symlink():
-            write_bytes(self.case_folder(ours) / STORE, (path.parent / STORE).read_bytes())
-        return ours
+        text, ours = self.text(case), self._free(case, numbered=True)
+        return self._put(ours, with_name(text, ours), f"copy of {case}", self.files(case))
 
     def files(self, case: CaseId) -> dict[str, bytes]:
         """Files next to a case, by name."""
@@ -468,7 +504,16 @@ class Workspace:
         return ours
 
     def _write(self, case: CaseId, text: str) -> None:
-        write_text(self._file(case), text)
+        """Write a case, and what it was before, so that the change can be taken back."""
+        before = self.text(case)
+        if text == before:
+            return
+        with self.store.connected() as base:
+            base.execute(
+                "INSERT INTO changes (name, before, after) VALUES (?, ?, ?)", (case, before, text)
+            )
+            base.execute(_FORGET_CHANGES, (case, case, MAX_CHANGES))
+            write_text(self._file(case), text)
 
     def _put(self, ours: CaseId, text: str, origin: str, sides: Mapping[str, bytes]) -> CaseId:
         refuse_foreign_files(text)

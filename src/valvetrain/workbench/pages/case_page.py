@@ -16,8 +16,7 @@ from nicegui import events, ui
 
 from valvetrain.errors import ValvetrainError
 from valvetrain.parameters.case import Case
-from valvetrain.workbench import form
-from valvetrain.workbench.form import FieldGroup
+from valvetrain.workbench.form import CaseForm
 from valvetrain.workbench.jobs import JobStatus
 from valvetrain.workbench.live import LiveResult
 from valvetrain.workbench.pages.case_files import CaseFiles
@@ -35,7 +34,6 @@ from valvetrain.workbench.pages.elements import (
 from valvetrain.workbench.pages.forms import (
     ENGINE_SPEED,
     engine_speed,
-    shown_groups,
     sliding,
 )
 from valvetrain.workbench.pages.frame import frame
@@ -45,7 +43,6 @@ from valvetrain.workbench.pages.orders import choices_for, models_for, request_o
 from valvetrain.workbench.pages.pictures import has_picture, of_case, prepare
 from valvetrain.workbench.pages.runs import earlier, run_head, run_table
 from valvetrain.workbench.saved_runs import Run
-from valvetrain.workbench.starts import additions, removable
 from valvetrain.workbench.workspace import CaseId
 
 #: Time between two looks at a job (s), and how many of them are one where no job is running.
@@ -98,11 +95,11 @@ class CasePage:
 
     def build(self) -> None:
         """Make the page."""
-        groups = form.fields(self.text)
+        case_form = self.case_form()
         remembered = self.desk.workspace.remembered(self.case)
         with frame(self.read.title or self.case):
             tag("h1", self.read.title or self.case)
-            quantities = sliding(groups)
+            quantities = sliding(case_form.groups)
             self.order = Order(
                 {"estimate": self.estimate, "run": self.start},
                 **choices_for(self.read, quantities, remembered),
@@ -119,13 +116,13 @@ class CasePage:
                         download="",
                     )
                     button("Copy of the case", self.copy, "button small")
+                    self.undoing = button("Undo the last change", self.undo, "button small")
             with tag("div", classes="bench"):
                 with tag("section", classes="inputs", aria_labelledby="inputs-title"):
                     tag("h2", "Case", id="inputs-title")
-                    shown = self.shown(groups)
-                    opened = [one["key"] for one in shown["groups"] if one["key"]][:OPEN_GROUPS]
+                    opened = [group.key for group in case_form.groups if group.key][:OPEN_GROUPS]
                     changes = {"change": self.change, "add": self.add, "remove": self.remove}
-                    self.form = Form(changes, open=opened, **shown)
+                    self.form = Form(changes, open=opened, **self.shown(case_form))
                     self.side_files = CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     with tag("figure", classes="drawn case-drawn") as self.figure:
@@ -137,6 +134,7 @@ class CasePage:
                     self.head = tag("div", classes="run-head", id="results")
                     self.results = Results()
                     self.list = tag("div", classes="run-list")
+        self.undoing.set_visibility(self.desk.workspace.last_change(self.case) is not None)
         self.figure.set_visibility(has_picture(self.read))
         self.picture.props["src"] = of_case(self.desk, self.case)
         ui.timer(LOOK, self.look)
@@ -203,12 +201,22 @@ class CasePage:
             key, await self.done(lambda: self.desk.workspace.set_value(self.case, key, ""), key)
         )
 
-    def shown(self, groups: list[FieldGroup]) -> dict[str, list[dict[str, Any]]]:
+    async def undo(self) -> None:
+        """The last change is to be taken back."""
+        if refusal := await self.done(lambda: self.desk.workspace.undo(self.case), ""):
+            ui.notify(refusal)
+
+    def case_form(self) -> CaseForm:
+        """The form of the case as it is."""
+        return CaseForm(self.text, [one.name for one in self.desk.workspace.side_files(self.case)])
+
+    @staticmethod
+    def shown(case_form: CaseForm) -> dict[str, list[dict[str, Any]]]:
         """Groups of the form, and tables that may be added, as its script takes them."""
-        files = [one.name for one in self.desk.workspace.side_files(self.case)]
-        more = [asdict(one) for one in additions(self.read, self.text)]
-        goes = removable(self.read, self.text)
-        return {"groups": shown_groups(groups, files, goes), "additions": more}
+        return {
+            "groups": [asdict(one) for one in case_form.groups],
+            "additions": [asdict(one) for one in case_form.additions],
+        }
 
     async def after_changes(self, ask: Callable[[], str]) -> str:
         """Request something once the changes that were requested before are made; it runs next to
@@ -226,14 +234,16 @@ class CasePage:
         """Show the case as it is; it is read in a thread."""
         self.text, self.read = await asyncio.to_thread(current_text, self.desk, self.case)
         self.moved = None
-        groups = form.fields(self.text)
-        self.form.tell(**self.shown(groups))
+        case_form = self.case_form()
+        quantities = sliding(case_form.groups)
+        self.form.tell(**self.shown(case_form))
+        self.undoing.set_visibility(self.desk.workspace.last_change(self.case) is not None)
         self.side_files.show()
         self.own_float = None
-        self.slide(sliding(groups))
+        self.slide(quantities)
         self.figure.set_visibility(has_picture(self.read))
         await self.draw()
-        self.order.tell(quantities=sliding(groups), models=models_for(self.read))
+        self.order.tell(quantities=quantities, models=models_for(self.read))
 
     async def copy(self) -> None:
         """A copy of the case, and its page."""

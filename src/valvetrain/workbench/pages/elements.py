@@ -61,7 +61,7 @@ class Theme(Scripted, component="theme.js"):
 
 class Form(Scripted, component="form.js"):
     """The form of a case: ``groups`` of fields, those ``open`` at first, and ``additions``, as
-    :mod:`valvetrain.workbench.pages.forms` gives them.
+    :class:`valvetrain.workbench.form.CaseForm` has them.
     """
 
     def answer(self, key: str, sentence: str) -> None:

@@ -96,8 +96,8 @@ export default {
       <p v-if="field.help || field.limits" class="help" :id="place(field.key) + '-help'">{{ [field.help, field.limits].filter(Boolean).join("; ") }}</p>
       <p v-if="field.source" class="source">Source: {{ field.source }}</p>
     </div>
-    <button v-if="group.goes" type="button" class="button small" :aria-label="'Remove ' + group.title" @click="remove(group)">Remove this table</button>
-    <p v-if="group.goes && refused[group.key]" class="refusal" role="alert">{{ refused[group.key] }}</p></div>
+    <button v-if="group.removable" type="button" class="button small" :aria-label="'Remove ' + group.title" @click="remove(group)">Remove this table</button>
+    <p v-if="group.removable && refused[group.key]" class="refusal" role="alert">{{ refused[group.key] }}</p></div>
   </details>
   <details v-if="additions.length && !wanted" class="group add">
     <summary><span>Add to the case</span><span class="count">{{ additions.length }}</span></summary>

@@ -1,82 +1,24 @@
-"""The form of a case as the page shows it, and the quantities a slider may move."""
+"""Quantities of a case that a slider may move."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from valvetrain.findings.words import RPM
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.summary import number
-from valvetrain.workbench.form import FieldGroup
-from valvetrain.workbench.form_fields import Field
+from valvetrain.workbench.form import Group
 
 #: Key of the engine speed among the quantities of a slider.
 ENGINE_SPEED = "engine_speed"
 
 
-def shown_groups(
-    groups: Sequence[FieldGroup], files: Sequence[str] = (), removed: Collection[str] = ()
-) -> list[dict[str, Any]]:
-    """Groups of fields with words, for the script of the form.
-
-    ``files``: names that a field for a file suggests; ``removed``: keys of the tables that may be
-    taken away.
-    """
-    return [
-        {
-            "key": group.key,
-            "title": group.title,
-            "fields": [_shown(field, files) for field in group.fields],
-            "goes": group.key in removed,
-        }
-        for group in groups
-        if group.fields
-    ]
-
-
-def _shown(field: Field, files: Sequence[str]) -> dict[str, Any]:
-    choices = files if field.key.endswith(".file") else field.choices
-    return {
-        "key": field.key,
-        "label": _capitalized(field.label),
-        "kind": field.kind,
-        "text": field.value_text,
-        "unit": field.unit,
-        "limits": limit_text(field),
-        "help": field.help,
-        "source": field.source,
-        "required": field.required,
-        "usual": field.default_text,
-        "choices": list(choices),
-    }
-
-
-def _capitalized(label: str) -> str:
-    return label[:1].upper() + label[1:]
-
-
-def limit_text(field: Field) -> str:
-    """Limits of a field in words: "0.1 to 20 mm", "at least 0"; empty without any."""
-    low, high = field.limits
-    unit = f" {field.unit}" if field.unit else ""
-    if low is None and high is None:
-        return ""
-    if low is None or high is None:
-        return (
-            f"{number(low)}{unit if low else ''} or more"
-            if low is not None
-            else f"at most {number(high)}{unit}"
-        )
-    return f"{number(low)} to {number(high)}{unit}"
-
-
-def sliding(groups: Sequence[FieldGroup]) -> list[dict[str, Any]]:
+def sliding(groups: Sequence[Group]) -> list[dict[str, Any]]:
     """Quantities that a slider may move: place, words, unit, value, ends and step."""
     return [
         {
             "key": field.key,
-            "label": _capitalized(field.label),
+            "label": field.label,
             "group": group.title,
             "unit": field.unit,
             "value": field.number,

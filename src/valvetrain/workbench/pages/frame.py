@@ -69,11 +69,11 @@ async def warm() -> None:
 
 def _prepare() -> None:
     from valvetrain.parameters.loading import load_case
-    from valvetrain.workbench.form import fields
+    from valvetrain.workbench.form import CaseForm
     from valvetrain.workbench.pages.orders import choices_for
 
     case = load_case("job-c")
-    fields(case)
+    CaseForm(case.text)
     choices_for(case, (), {})
     for name in ("page.css", "parts.css", "workbench.css", "page.js", "plotly.js", "motion.js"):
         address(name)
