@@ -18,7 +18,7 @@ from train_parts import direct
 from valvetrain.cam.closed_form import SinePower
 from valvetrain.integrate.contract import Orbit
 from valvetrain.integrate.train_run import TrainOptions, runner
-from valvetrain.integrate.train_steady import steady_train
+from valvetrain.integrate.train_steady import steady_train, train_multipliers
 from valvetrain.mechanism.build import build_mechanism
 from valvetrain.parameters.loading import load_case
 from valvetrain.runs.critical_scan import Scan, SpeedSample
@@ -31,7 +31,9 @@ from valvetrain.runs.prepared import (
     with_quantities,
 )
 from valvetrain.runs.train_runs import member_statics
+from valvetrain.springs.contract import SpringModel
 from valvetrain.springs.massless import MasslessSpring
+from valvetrain.springs.multi_mass import MultiMassSpring
 from valvetrain.system.build import build
 from valvetrain.system.train_system import TrainSystem
 
@@ -114,7 +116,11 @@ MASS, CONTACT, DAMPING, LIFT = 0.1, 1e6, 18.0, 1e-4
 KIND = "contact-loss"
 
 
-def oscillator() -> TrainSystem:
+def oscillator(
+    contact_damping: float = DAMPING,
+    mass_damping: float = 0.0,
+    spring: SpringModel = MasslessSpring(RATE, PRELOAD, 0.0),
+) -> TrainSystem:
     """The mass alone, without a seat: its whole motion is one harmonic of the cam while it keeps
     contact.
     """
@@ -123,10 +129,14 @@ def oscillator() -> TrainSystem:
         direct(model="single-mass", lash=0.0, gravity=(0.0, 0.0)), law, "valve"
     )
     cam = mechanism.interactions[mechanism.interaction_index("cam")]
-    contact = vt.contact.build_contact_law("linear", contact_stiffness=CONTACT, damping=DAMPING)
-    body = replace(mechanism.coordinates[0], mass=MASS, force=0.0, damping=0.0, friction=0.0)
+    contact = vt.contact.build_contact_law(
+        "linear", contact_stiffness=CONTACT, damping=contact_damping
+    )
+    body = replace(
+        mechanism.coordinates[0], mass=MASS, force=0.0, damping=mass_damping * MASS, friction=0.0
+    )
     mechanism = replace(mechanism, coordinates=(body,), interactions=(replace(cam, law=contact),))
-    return TrainSystem(mechanism, (MasslessSpring(RATE, PRELOAD, 0.0),), name="oscillator")
+    return TrainSystem(mechanism, (spring,), name="oscillator")
 
 
 def run_at(cam_speed: float, orbit: Orbit | None, precise: bool) -> SpeedSample:
@@ -141,6 +151,36 @@ def run_at(cam_speed: float, orbit: Orbit | None, precise: bool) -> SpeedSample:
 
 
 OSCILLATOR = oscillator()
+
+
+def test_a_mass_on_its_contact_has_the_multipliers_of_a_linear_mode() -> None:
+    """exp((-damping ± i frequency) T)."""
+    ready = runner(OSCILLATOR, 300.0, TrainOptions(360))
+    settled = steady_train(ready, cycles=200)
+    assert settled.record.least_forces[0] > 0
+    decay = DAMPING / (2 * MASS)
+    frequency = math.sqrt((CONTACT + RATE) / MASS - decay**2)
+    exact = np.exp((-decay + 1j * frequency) * 2 * math.pi / 300.0)
+    found = train_multipliers(settled)
+    assert abs(found[0]) == pytest.approx(abs(exact), rel=2e-3)
+
+
+@pytest.mark.parametrize(("cam_speed", "leaves"), [(1000.0, False), (3300.0, True)])
+def test_damping_proportional_to_mass_gives_the_product_of_all_multipliers(
+    cam_speed: float, leaves: bool
+) -> None:
+    """Each of the masses shrinks areas by exp(-alpha t) whatever forces act, so also where the contact opens. A tenth of
+    the spring's mass, half an element, moves with the body.
+    """
+    alpha, moving = 300.0, 0.04
+    spring = MultiMassSpring.from_card(RATE, PRELOAD, moving, elements=5, mass_damping=alpha)
+    train = oscillator(0.0, alpha * (1 + 0.1 * moving / MASS), spring)
+    ready = runner(train, cam_speed, TrainOptions(360))
+    settled = steady_train(ready, tolerance=1e-8, cycles=400)
+    assert settled.search.converged and bool(settled.record.least_forces[0] > 0) is not leaves
+    found = train_multipliers(settled)
+    exact = -alpha * len(found) / 2 * 2 * math.pi / cam_speed
+    assert np.log(np.prod(found).real) == pytest.approx(exact, rel=1e-4)
 
 
 def linear_loss() -> float:

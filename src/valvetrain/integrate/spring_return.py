@@ -125,6 +125,34 @@ def spring_return(runner: TrainRunner, weights: Array) -> SpringReturn:
     return SpringReturn(runner, tuple(parts))
 
 
+def spring_basis(runner: TrainRunner, weights: Array) -> Array:
+    """Columns in which the springs' own return is nearly normal, for the scaled packed state: the eigenvectors of a
+    step of each spring with its retainer held, unit vectors elsewhere.
+    """
+    basis = np.eye(len(weights))
+    place = len(weights) - sum(2 * one.unknowns for one in runner.springs)
+    for spring, arrays in zip(runner.springs, runner.spring_arrays, strict=True):
+        entries = slice(place, place + 2 * spring.unknowns)
+        place = entries.stop
+        if not 0 < 2 * spring.unknowns <= LARGEST:
+            continue
+        (step,) = _one_steps(spring, arrays, weights[entries], runner.time_step, np.zeros(1))
+        values, vectors = np.linalg.eig(step)
+        kept = vectors[:, values.imag >= 0] * np.exp(
+            -0.5j * np.angle(np.sum(vectors[:, values.imag >= 0] ** 2, axis=0))
+        )
+        paired = values[values.imag >= 0].imag > 0
+        sizes = np.where(
+            paired,
+            np.sqrt(np.linalg.norm(kept.real, axis=0) * np.linalg.norm(kept.imag, axis=0)),
+            1.0,
+        )
+        columns = np.hstack([kept.real / sizes, kept.imag[:, paired] / sizes[paired]])
+        if columns.shape[1] == len(columns) and np.all(np.isfinite(columns)):
+            basis[entries, entries] = columns
+    return basis
+
+
 def rigid_motion(runner: TrainRunner) -> Array:
     """Lift (m) of the rigid valve and its derivative by the cam angle over a turn, (2, S); zeros of a train without
     one.

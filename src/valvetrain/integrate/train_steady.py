@@ -5,13 +5,15 @@ Anderson acceleration.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.integrate.contract import Orbit
-from valvetrain.integrate.spring_return import rigid_motion, spring_return
+from valvetrain.integrate.multipliers import ComplexArray, multipliers
+from valvetrain.integrate.spring_return import rigid_motion, spring_basis, spring_return
 from valvetrain.integrate.steady import (
     FAST,
     SteadyState,
@@ -224,6 +226,39 @@ def steady_train(
         _, record = runner.cycle(first)
     typical = float(np.median(cycle.times))
     return SteadyTrain(runner, search, first, record, typical, tolerance, scatter)
+
+
+def scaled_cycle(
+    runner: TrainRunner, template: TrainState
+) -> tuple[Callable[[Array], Array], Array, Array]:
+    """The cycle map of a train on scaled states: lengths over the lift, velocities over lift times cam speed.
+
+    Parameters
+    ----------
+    runner : the train at one speed
+    template : gives what is no part of the motion, and the state in which the map starts
+
+    Returns
+    -------
+    (map, ``template`` as scaled state (n,), weights (n,) that scale a packed state). The image of a state from
+    which the train leaves its range is NaN.
+    """
+    weights = _weights(template, runner)
+    weights = np.where(weights > 0, weights, 1.0)
+
+    def cycle(scaled: Array) -> Array:
+        end, status = runner.after(_unpack(scaled / weights, template, runner))
+        if not (status.completed and runner.travel_status(end.q[None]).completed):
+            return np.full_like(scaled, np.nan)
+        return _pack(end, runner) * weights
+
+    return cycle, _pack(template, runner) * weights, weights
+
+
+def train_multipliers(settled: SteadyTrain) -> ComplexArray:
+    """The largest multipliers of the orbit of a train, the largest first; see :func:`multipliers`."""
+    cycle, orbit, weights = scaled_cycle(settled.runner, settled.start)
+    return multipliers(cycle, orbit, spring_basis(settled.runner, weights))
 
 
 def _split(state: TrainState, runner: TrainRunner) -> list[tuple[Array, int]]:
