@@ -24,18 +24,18 @@ def linear(points: np.ndarray) -> list[dict[str, float]]:
     return [{f"load {k}": rate * x for k, x in enumerate(TRAVEL)} for (rate,) in points]
 
 
-def data_of(loads: np.ndarray, scatter: float = SCATTER, **law: object) -> list[vt.explore.Datum]:
-    return [vt.explore.Datum(f"load {k}", one, scatter, **law) for k, one in enumerate(loads)]
+def data_of(loads: np.ndarray, scatter: float = SCATTER) -> list[vt.explore.Datum]:
+    return [vt.explore.Datum(f"load {k}", one, scatter) for k, one in enumerate(loads)]
 
 
 def fitted(
-    loads: np.ndarray, priors: dict = FLAT, scatter: float = SCATTER, **law: object
+    loads: np.ndarray, priors: dict = FLAT, scatter: float = SCATTER
 ) -> vt.explore.Identified:
     search = vt.explore.Search(draws=2)
-    return vt.identify(priors, data_of(loads, scatter, **law), linear, search=search)
+    return vt.identify(priors, data_of(loads, scatter), linear, search=search)
 
 
-@pytest.mark.parametrize("kind", ["flat", "normal", "student"])
+@pytest.mark.parametrize("kind", ["flat", "normal"])
 def test_p_values_of_a_correct_model_are_even(kind: str) -> None:
     """Closed form: the chi-square of a linear model has a degree for each datum and each normal prior
     less one for each quantity; of a flat prior none.
@@ -44,9 +44,8 @@ def test_p_values_of_a_correct_model_are_even(kind: str) -> None:
     normal = {"rate": vt.explore.Prior("normal", centre=RATE, spread=50.0)}
     for _ in range(120):
         rate = random.normal(RATE, 50.0) if kind == "normal" else RATE
-        noise = random.standard_t(4, 12) if kind == "student" else random.standard_normal(12)
-        law = {"law": "student"} if kind == "student" else {}
-        found.append(fitted(rate * TRAVEL + noise, normal if kind == "normal" else FLAT, **law).fit)
+        noise = random.standard_normal(12)
+        found.append(fitted(rate * TRAVEL + noise, normal if kind == "normal" else FLAT).fit)
     assert all(
         one.freedom == pytest.approx(12 if kind == "normal" else 11, abs=0.01) for one in found
     )

@@ -102,8 +102,7 @@ def fit_of(posterior: Posterior, work: Array, outcome: Numbers, jacobian: Array)
     """The fit at the likeliest point ``work`` (quantities) by the slopes there (data, quantities).
 
     Every datum and every normal prior counts one degree of freedom; every quantity takes one, a flat
-    one as far as the data determine it, one on its bound none. Student errors enter by the normal
-    score of their probability.
+    one as far as the data determine it, one on its bound none.
 
     >>> from valvetrain.explore.posterior import Datum, Unknown
     >>> from valvetrain.explore.space import Prior
@@ -113,8 +112,8 @@ def fit_of(posterior: Posterior, work: Array, outcome: Numbers, jacobian: Array)
     >>> round(found.chi_square), round(found.freedom), round(found.p_value, 5)
     (14, 2, 0.00091)
     """
-    scores = posterior.scores(posterior.computed([outcome]))
-    chi_square = float(np.sum(scores**2) + np.sum(posterior.pulls(work[None, :]) ** 2))
+    misses = posterior.residuals([outcome])
+    chi_square = float(np.sum(misses**2) + np.sum(posterior.pulls(work[None, :]) ** 2))
     low, high = posterior.bounds
     near = ON_BOUND * posterior.spread
     free = (work > low + near) & (work < high - near)

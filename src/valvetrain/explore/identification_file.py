@@ -14,16 +14,14 @@ from valvetrain.explore.evaluator import PointEvaluator
 from valvetrain.explore.files import (
     MAX_VARIED,
     CaseModel,
-    CorrelationModel,
     FileText,
     VaryModel,
-    correlation_of,
     text_of_file,
     varied_of_table,
 )
 from valvetrain.explore.measurements import PredictionModel, Target, read_measurement
-from valvetrain.explore.posterior import Array, Datum, Unknown
-from valvetrain.explore.space import Prior, Space, Varied
+from valvetrain.explore.posterior import Datum, Unknown
+from valvetrain.explore.space import Prior, Varied
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.schema_types import Line, StrictModel, first_problem, problem
 from valvetrain.registry import find
@@ -117,7 +115,6 @@ class IdentificationModel(CaseModel):
     evaluator: str = ""
     options: dict[str, float] = Field(default_factory=dict)
     vary: list[UnknownModel] = Field(min_length=1, max_length=MAX_VARIED)
-    correlation: list[CorrelationModel] = Field(default_factory=list)
     measurements: dict[Line, Any] = Field(min_length=1)
     predictions: dict[Line, PredictionModel] = Field(default_factory=dict)
     search: dict[str, Any] = Field(default_factory=dict)
@@ -141,7 +138,6 @@ class Request:
     evaluator: str
     options: tuple[tuple[str, float], ...]
     text: str
-    correlation: Array | None = None
 
     @property
     def parts(self) -> tuple[tuple[Target, ...], tuple[Target, ...]]:
@@ -201,12 +197,6 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         file.guarded(("predictions", one), lambda table=table: table.target)
         for one, table in model.predictions.items()
     ]
-    pairs = [(one.between, one.coefficient) for one in model.correlation]
-    correlation = file.guarded(("correlation",), lambda: correlation_of(names, pairs))
-    if correlation is not None:  # refuses what is no correlation
-        file.guarded(
-            ("correlation",), lambda: Space({one.name: one.prior for one in unknowns}, correlation)
-        )
     search = file.guarded(("search",), lambda: _search(model.search))
     return Request(
         title=model.title or name.removesuffix(".toml").replace("_", " "),
@@ -219,7 +209,6 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         evaluator=model.evaluator,
         options=options,
         text=text,
-        correlation=correlation,
     )
 
 

@@ -204,6 +204,8 @@ def calibrate(
     :meth:`valvetrain.Experiment.calibrate`.
     """
     search, space, runs = search or Search(), experiment.space, experiment.runs
+    if space.correlation is not None:
+        raise InputError("the priors of a calibration are independent; leave it out", "correlation")
     names = experiment.outputs.quantities
     keys = tuple(experiment.key_of_output(name, run) for run in runs for name in names)
     for one in measurements:
@@ -212,14 +214,11 @@ def calibrate(
     unknowns = tuple(Unknown(one.name, _prior_of(one), one.unit) for one in space)
     points = search.evaluations_of(len(unknowns))
     seconds = points * sum(seconds_of(experiment, run) for run in runs)
-    correlation = None if space.correlation is None else np.array(space.correlation)
     with on_cluster(dask, workers) as count:
         cost = Cost(seconds / count, points * (POINT_BYTES + NUMBER_BYTES * len(keys)))
         refuse_cost(cost, limits_of(limit), "limit=")
         with Engine((experiment,), count, None if output is None else Path(output)) as engine:
-            posterior = Posterior(
-                unknowns, measurements, numbers_by(engine, experiment), correlation
-            )
+            posterior = Posterior(unknowns, measurements, numbers_by(engine, experiment))
             try:
                 return solve(posterior, search, engine.store, report=progress or silent)
             except InputError as error:
@@ -260,9 +259,7 @@ def identify_request(
     fitted, compared = computations_of(request)
     every = (fitted,) if compared is None else (fitted, compared)
     with Engine(every, count, folder) as engine:
-        posterior = Posterior(
-            request.unknowns, request.data, numbers_by(engine, fitted), request.correlation
-        )
+        posterior = Posterior(request.unknowns, request.data, numbers_by(engine, fitted))
         start = posterior.middle
         try:
             start = np.array(values_of_case(request))

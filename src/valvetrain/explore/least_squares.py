@@ -53,6 +53,7 @@ def least_squares(
     spread, count = posterior.spread, len(posterior.used)
     start = np.clip(begin, low, high)
     steps = np.full(len(start), step or FIRST_STEP)
+    normal = [0.0 if one.prior.flat else 1.0 for one in posterior.unknowns]
 
     def place(moved: Array) -> Array:
         """The point (1, quantities) that has ``moved`` by standard deviations."""
@@ -78,7 +79,7 @@ def least_squares(
         if not step:
             open_share = 1.0 / np.sqrt(np.sum(found**2, axis=0) + 1.0)
             steps[:] = np.clip(LATER_STEP * open_share, MIN_STEP, FIRST_STEP)
-        return np.asarray(np.vstack([found, posterior.prior_rows]))
+        return np.asarray(np.vstack([found, np.diag(normal)]))
 
     if not np.all(np.isfinite(posterior.misses(start[None, :]))):
         raise InputError(

@@ -15,7 +15,7 @@ from pydantic import Field
 
 from valvetrain.errors import InputError
 from valvetrain.explore.files import Amount, Amounts, Names
-from valvetrain.explore.posterior import Datum, Law
+from valvetrain.explore.posterior import Datum
 from valvetrain.measured.force_height import column_meaning, column_scale
 from valvetrain.measured.tables import TextTable, read_content, read_text_table, text_of
 from valvetrain.parameters.bounded_file import MAX_BYTES
@@ -138,12 +138,10 @@ class PredictionModel(StationModel):
 
 class _Measurement(StationModel):
     """What all ``[measurements.NAME]`` tables share: ``scatter``, the standard deviation of the
-    ``errors`` (an amount, or a share of the value in per cent), and whether they ``fit``.
+    errors (an amount, or a share of the value in per cent), and whether they ``fit``.
     """
 
     scatter: Amount | None = None
-    errors: Law = "normal"
-    freedom: float = 4.0
     fit: bool = True
     source: Line = ""
 
@@ -301,7 +299,7 @@ class _Trace(_Table):
             angles, values, unit = guarded(self._of_file, folder, path=("file",))
         else:
             angles, values = self.amounts("cam_angles", "angle"), self.amounts("values", None)
-            last = self.values[-1] if isinstance(self.values, list) else str(self.values)
+            last = self.values[-1] if isinstance(self.values, list) and self.values else self.values
             unit = split_quantity(str(last).split(",")[-1].strip(), None, "values")[1]
         return self.paired(
             [Target(station, "channel", self.channel, at) for at in angles], values, unit
@@ -393,6 +391,6 @@ def read_measurement(name: str, table: Any, folder: Path, any_name: bool = False
     if not 0 < len(rows) <= MAX_DATA:
         raise problem(f"holds {len(rows)} numbers; give 1 to {MAX_DATA}")
     return [
-        (one, guarded(Datum, one.key, value, scatter, name, model.errors, model.freedom, model.fit, model.source, one.unit))
+        (one, guarded(Datum, one.key, value, scatter, name, model.fit, model.source, one.unit))
         for one, value, scatter in rows
     ]  # fmt: skip

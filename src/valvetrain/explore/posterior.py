@@ -8,17 +8,15 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln, ndtr, ndtri, stdtr
+from scipy.special import ndtr
 
 from valvetrain.errors import InputError
 from valvetrain.explore.space import Prior
 
 Array = NDArray[np.float64]
-Law = Literal["normal", "student"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +24,8 @@ class Datum:
     """A measured ``value`` (SI) of what the computation calls ``key``, with the standard deviation
     ``scatter`` (SI) of its errors.
 
-    ``measurement``: the entry of the file that it belongs to, such as a curve of many data. ``law``
-    of the errors: ``normal``, or
-    ``student`` with ``freedom`` degrees, of which outliers are part. ``used``: whether it is
-    fitted, else it is only compared. ``unit`` it
-    is shown in. Raises :class:`InputError` for a scatter that is not positive.
+    ``measurement``: the entry of the file that it belongs to, such as a curve of many data. ``used``: whether it is
+    fitted, else it is only compared. ``unit`` it is shown in. Raises :class:`InputError` for a scatter that is not positive.
 
     >>> Datum("preload", 289.0, 1.5).deviation(292.0)
     np.float64(2.0)
@@ -40,8 +35,6 @@ class Datum:
     value: float
     scatter: float
     measurement: str = ""
-    law: Law = "normal"
-    freedom: float = 4.0
     used: bool = True
     source: str = ""
     unit: str = ""
@@ -50,10 +43,6 @@ class Datum:
         if not (math.isfinite(self.value) and math.isfinite(self.scatter) and self.scatter > 0):
             raise InputError(
                 f"measurement '{self.name[:60]}' needs a finite value and a positive scatter"
-            )
-        if self.law not in ("normal", "student") or not self.freedom > 0:
-            raise InputError(
-                f"the errors of '{self.name[:60]}' are normal, or student with positive freedom; it says '{str(self.law)[:40]}'"
             )
 
     @property
@@ -65,36 +54,10 @@ class Datum:
         """Computed less measured in units of the scatter."""
         return (np.asarray(computed, dtype=float) - self.value) / self.scatter
 
-    def residual(self, computed: Array | float) -> Array:
-        """Signed number whose square is minus twice the log likelihood above its peak: the
-        deviation where errors are normal.
-        """
-        off = self.deviation(computed)
-        if self.law == "normal":
-            return off
-        return np.sign(off) * np.sqrt((self.freedom + 1) * np.log1p(off**2 / self.freedom))
-
-    def score(self, computed: Array | float) -> Array:
-        """Normal score of the probability of such a deviation or less: the deviation where errors are
-        normal.
-        """
-        off = self.deviation(computed)
-        if self.law == "normal":
-            return off
-        return np.asarray(-np.sign(off) * ndtri(stdtr(self.freedom, -np.abs(off))))
-
     @property
     def log_peak(self) -> float:
         """Logarithm of the likelihood where computed and measured agree."""
-        if self.law == "normal":
-            return -math.log(self.scatter * math.sqrt(2 * math.pi))
-        half = 0.5 * self.freedom
-        return float(
-            gammaln(half + 0.5)
-            - gammaln(half)
-            - 0.5 * math.log(self.freedom * math.pi)
-            - math.log(self.scatter)
-        )
+        return -math.log(self.scatter * math.sqrt(2 * math.pi))
 
     def percentile(self, computed: Array, weights: Array) -> float:
         """Position of the measured value in its own prediction, 0 to 100: over the draws
@@ -103,8 +66,7 @@ class Datum:
         known = np.isfinite(computed)
         if not known.any() or weights[known].sum() <= 0:
             return math.nan
-        below = -self.deviation(computed[known])
-        share = ndtr(below) if self.law == "normal" else stdtr(self.freedom, below)
+        share = ndtr(-self.deviation(computed[known]))
         return float(100.0 * np.average(share, weights=weights[known]))
 
 
@@ -127,8 +89,7 @@ class Unknown:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """``unknowns`` with their priors, ``data`` and the computation ``evaluate`` between them;
-    ``correlation`` (quantities, quantities) of normal and lognormal priors, None without any.
+    """``unknowns`` with their independent priors, ``data`` and the computation ``evaluate`` between them.
 
     Raises :class:`InputError` for none of either and for names that occur twice.
     """
@@ -136,7 +97,6 @@ class Posterior:
     unknowns: tuple[Unknown, ...]
     data: tuple[Datum, ...]
     evaluate: Evaluate
-    correlation: Array | None = None
 
     def __post_init__(self) -> None:
         names = [one.name for one in self.unknowns]
@@ -146,14 +106,6 @@ class Posterior:
             )
         if twice := next((name for name in names if names.count(name) > 1), None):
             raise InputError(f"quantity '{twice[:60]}' is there twice; remove one")
-        if self.correlation is not None:
-            tied = np.any(self.correlation != np.eye(len(names)), axis=0)
-            for one, correlated in zip(self.unknowns, tied, strict=True):
-                if correlated and (one.prior.flat or one.prior.truncated):
-                    raise InputError(
-                        f"'{one.name[:60]}' is correlated, so its prior is normal or lognormal without bounds; change one of the two",
-                        "correlation",
-                    )
 
     @cached_property
     def used(self) -> tuple[Datum, ...]:
@@ -202,49 +154,24 @@ class Posterior:
         low, high = np.array([(one.prior.low, one.prior.high) for one in self.unknowns]).T
         return self.each("work", np.clip(values, low, high))
 
-    @cached_property
-    def root(self) -> Array:
-        """Lower root (quantities, quantities) of the correlation."""
-        size = len(self.unknowns)
-        matrix = np.eye(size) if self.correlation is None else self.correlation
-        return np.asarray(np.linalg.cholesky(matrix), dtype=float)
-
-    @cached_property
-    def precision(self) -> Array:
-        """Prior information (quantities, quantities) in standard deviations of the priors."""
-        inverse = np.linalg.inv(self.root)
-        return np.asarray(inverse.T @ inverse, dtype=float)
-
     def remaining(self, jacobian: Array, scatter: float = 1.0) -> Array:
         """Covariance (quantities, quantities), in standard deviations of the priors, that data of
         the slopes ``jacobian`` (data, quantities) leave once each scatters ``scatter`` times as far.
         """
-        information = self.precision + jacobian.T @ jacobian / scatter**2
+        information = np.eye(len(self.unknowns)) + jacobian.T @ jacobian / scatter**2
         return np.asarray(np.linalg.inv(information), dtype=float)
-
-    @cached_property
-    def prior_rows(self) -> Array:
-        """Slopes of :meth:`pulls` by quantities in standard deviations of their priors."""
-        normal = [not one.prior.flat for one in self.unknowns]
-        return np.asarray(np.linalg.inv(self.root) * normal, dtype=float)
 
     def from_shares(self, shares: Array) -> Array:
         """Working coordinates of points of the unit cube, over which the prior is even."""
-        if self.correlation is not None:
-            inside = np.clip(shares, 2.0**-53, 1 - 2.0**-53)
-            shares = ndtr(ndtri(inside) @ self.root.T)
         return self.each("from_share", shares)
 
     def log_prior(self, work: Array) -> Array:
-        """Logarithm of the prior density (n) over working coordinates, by a Gaussian copula."""
-        scores, pulls = self.each("pull", work), self.pulls(work)
-        independent = np.sum(self.each("log_density", work), axis=1)
-        copula = 0.5 * np.sum(pulls**2 - scores**2, axis=1) + np.sum(np.log(np.diag(self.root)))
-        return np.asarray(independent - copula)
+        """Logarithm of the prior density (n) over working coordinates."""
+        return np.asarray(np.sum(self.each("log_density", work), axis=1))
 
     def pulls(self, work: Array) -> Array:
         """Scaled deviations (n, quantities) of points from the priors, which least squares add."""
-        return np.asarray(self.each("pull", work) @ self.prior_rows.T)
+        return self.each("pull", work)
 
     def outcomes(self, work: Array) -> list[Numbers]:
         """What is computed at points (n, quantities); None of those outside the bounds, which are
@@ -265,14 +192,9 @@ class Posterior:
     def residuals(self, outcomes: Sequence[Numbers]) -> Array:
         """Scaled misses (n, data) of the used data, all NaN where a point lacks a number."""
         columns = zip(self.used, self.computed(outcomes).T, strict=True)
-        found = np.column_stack([one.residual(column) for one, column in columns])
+        found = np.column_stack([one.deviation(column) for one, column in columns])
         found[~np.all(np.isfinite(found), axis=1)] = np.nan
         return found
-
-    def scores(self, computed: Array) -> Array:
-        """Misses (n, data) of numbers of the used data as normal scores; NaN where one is missing."""
-        columns = zip(self.used, computed.T, strict=True)
-        return np.column_stack([one.score(column) for one, column in columns])
 
     def misses(self, work: Array) -> Array:
         """Scaled misses (n, data and quantities) of the used data and from the priors."""

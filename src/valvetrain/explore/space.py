@@ -82,11 +82,6 @@ class Prior:
         return self.kind in ("uniform", "log-uniform")
 
     @property
-    def truncated(self) -> bool:
-        """Whether a bound cuts off more than the tails beyond :data:`FAR` deviations."""
-        return self.inside < 1.0 - 1e-12
-
-    @property
     def logarithmic(self) -> bool:
         """Whether the working coordinate is the logarithm of the value."""
         return self.kind in ("log-uniform", "lognormal")
