@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import valvetrain as vt
+from valvetrain.explore.engine import Interrupted
 from valvetrain.explore.files import FileText
 from valvetrain.explore.identification_file import parse_request
-from valvetrain.explore.study import PointsInterrupted, StudyModel, read_plan
+from valvetrain.explore.study import StudyModel, read_plan
 
 RPM = math.pi / 30
 PRECOMPRESSION = vt.Space({"spring.precompression": vt.explore.Prior("uniform", 6e-3, 8e-3)})
@@ -135,8 +136,6 @@ def test_a_calibration_of_a_case_finds_the_value_that_made_the_measurements():
     assert found.best["spring.precompression"] == pytest.approx(6.6e-3, rel=1e-4)
     draws = found.to_xarray()
     assert draws["spring.precompression"].dims == ("draw",)
-    spread = experiment.propagate(found, 20, workers=1)
-    assert float(spread.peak_spring_force.std()) == pytest.approx(0.5, rel=0.25)
     with pytest.raises(vt.InputError, match="did you mean peak_spring_force"):
         experiment.calibrate([vt.explore.Datum("peak_spring_forces", truth, 0.5)], workers=1)
 
@@ -153,9 +152,9 @@ def test_an_interrupted_sample_continues_without_computing_a_point_again(tmp_pat
 
     experiment = function_of(square, ["square"], {"x": vt.explore.Prior("uniform", 0.0, 1.0)})
     options = {"count": 20, "seed": 3}
-    with pytest.raises(PointsInterrupted) as stopped:
+    with pytest.raises(Interrupted) as stopped:
         experiment.sample(options=options, workers=1, output=tmp_path)
-    codes = [one.code for one in stopped.value.table.statuses]
+    codes = [one.code for one in stopped.value.result.statuses]
     done = codes.count("completed")
     assert done + codes.count("interrupted") == 20 and done < stop_at
     stop_at, calls = 0, []

@@ -17,7 +17,7 @@ import pytest
 
 import valvetrain as vt
 from unit.cli_parts import MODULE, call, process_environment, sentence, wait_until
-from valvetrain.explore.optimise import SearchInterrupted
+from valvetrain.explore.engine import Interrupted
 from valvetrain.explore.optimum import case_text
 from valvetrain.views.page import data_of
 from valvetrain.views.results import answer_of
@@ -249,9 +249,9 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
         if "of 40 trials" in words and int(words.split()[0]) >= 25:
             raise KeyboardInterrupt
 
-    with pytest.raises(SearchInterrupted) as cut:
+    with pytest.raises(Interrupted) as cut:
         vt.optimise(LIGHT, workers=1, output=tmp_path / "out" / "points", progress=stop)
-    held = cut.value.optimum
+    held = cut.value.result
     assert (
         not held.finished
         and 25 <= len(held.trials) < len(light().trials)
@@ -266,7 +266,7 @@ def test_a_search_that_is_stopped_keeps_what_it_has_and_goes_on(tmp_path, monkey
     same(again, light().to_pandas().to_dict("records"))
 
     def interrupted(*_: object, **__: object) -> None:
-        raise SearchInterrupted(held)
+        raise Interrupted(held)
 
     monkeypatch.setattr("valvetrain.explore.optimise.run_search", interrupted)
     (tmp_path / "light.toml").write_text(LIGHT)

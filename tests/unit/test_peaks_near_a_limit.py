@@ -7,7 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from valvetrain.explore.limit_speed import CAUTION, _nearing, _rise
+from valvetrain.explore.limit_speed import CAUTION, _nearing
+from valvetrain.runs.critical_scan import parabola_depth
 
 
 @pytest.mark.parametrize(
@@ -22,14 +23,14 @@ from valvetrain.explore.limit_speed import CAUTION, _nearing, _rise
 )
 def test_the_top_of_a_parabola_by_numpy(x, y):
     bend, slope, base = np.polyfit(x, y, 2)
-    assert _rise(np.array(x, dtype=float), np.array(y, dtype=float)) == pytest.approx(
+    assert parabola_depth(x, -np.array(y, dtype=float)) == pytest.approx(
         base - slope**2 / (4 * bend) - y[1], abs=1e-9
     )
 
 
 @pytest.mark.parametrize("y", [(0.0, 1.0, 2.0), (1.0, 0.0, 1.0), (3.0, 3.0, 3.0)])
 def test_what_is_no_peak_rises_nowhere(y):
-    assert _rise(np.arange(3.0), np.array(y)) == 0.0
+    assert parabola_depth(np.arange(3.0), -np.array(y)) == 0.0
 
 
 SPEEDS = [1000.0, 1400.0, 1800.0, 2200.0]
@@ -41,7 +42,7 @@ SPEEDS = [1000.0, 1400.0, 1800.0, 2200.0]
 def test_a_peak_is_looked_into_where_a_rise_times_the_caution_reaches_the_bound(share, near):
     """The peak at 1400 lies at -1 / share of what the caution adds to it."""
     shape = np.array([-0.4, 0.0, -0.1, -9.0])
-    rise = _rise(np.array(SPEEDS[:3]), shape[:3])
+    rise = parabola_depth(SPEEDS[:3], -shape[:3])
     assert (
         rise
         == pytest.approx(

@@ -67,16 +67,10 @@ def study(
     quiet: QuietOption = False,
 ) -> None:
     """Parameter study: grid, list or random draws over any quantities of a case; tolerances with
-    Sobol indices, surrogates.
+    Sobol indices.
     """
     from valvetrain.explore.files import case_words
-    from valvetrain.explore.study import (
-        PointsInterrupted,
-        estimate_study,
-        read_plan,
-        read_study_file,
-        run_plan,
-    )
+    from valvetrain.explore.study import estimate_study, read_plan, read_study_file, run_plan
     from valvetrain.explore.study_answer import StudyAnswer
     from valvetrain.runs.cost import read_limits
     from valvetrain.session import call_case
@@ -90,19 +84,8 @@ def study(
     estimate = estimate_study(plan, count)
     _announce(estimate.cost, limits, folder, f"{estimate.points} points, {{}}; finished ones")
     _compile("statics", "transient", *(["train"] if plan.case and plan.case.train else []))
-    try:
-        table = _computed(plan.title, folder, partial(run_plan, plan, count, limits=limits))
-    except PointsInterrupted as cut:
-        done = sum(one.code != "interrupted" for one in cut.table.statuses)
-        text_of_cut = f"{done} of {len(cut.table)} points are stored in '{folder / POINTS}'"
-        raise _interrupted(text_of_cut) from None
-    # that some points of a study cannot be built is part of its answer
-    failures = table.failures[:1]
-    if table.completed.any():
-        statuses = [one for one in table.statuses if not one.completed]
-        pairs = zip(table.failures, statuses, strict=True)
-        failures = tuple(text for text, one in pairs if one.code == "worker-lost")[:5]
-    _deliver("study", StudyAnswer(table, folder), open_page, failures)
+    compute = partial(run_plan, plan, count, limits=limits)
+    _answer("study", plan.title, folder, compute, StudyAnswer, open_page)
 
 
 def optimise(
@@ -141,15 +124,8 @@ def optimise(
     if moves or not all(one.sizes_alone for one in requests):
         train = ["train"] if plan.case and plan.case.train else []
         _compile("statics", *(["transient"] if moves else []), *train)
-    try:
-        found = _computed(plan.title, folder, partial(search.run_search, plan, count, limits=limits))  # fmt: skip
-    except search.SearchInterrupted as cut:
-        _deliver("optimise", answer_of_search(cut.optimum, folder), stopped=True)
-        count = len(cut.optimum.trials) - 1
-        raise _interrupted(f"{count} trials are in '{folder}'") from None
-    answer = answer_of_search(found, folder)
-    nothing = (str(answer.verdict),) if found.best is None else ()
-    _deliver("optimise", answer, open_page, nothing)
+    compute = partial(search.run_search, plan, count, limits=limits)
+    _answer("optimise", plan.title, folder, compute, answer_of_search, open_page)
 
 
 def identify(
@@ -199,13 +175,7 @@ def identify(
             request, folder=folder, workers=count, report=progress, limits=limits, tell=reported
         )
 
-    try:
-        found = _computed(request.title, folder, compute)
-    except KeyboardInterrupt:
-        raise _interrupted(f"the points computed so far are stored in '{folder / POINTS}'") from None  # fmt: skip
-    _deliver("identify", IdentificationAnswer(found, folder), open_page, stopped=not found.whole)
-    if not found.whole:
-        raise _interrupted(f"the points computed so far are stored in '{folder / POINTS}'")
+    _answer("identify", request.title, folder, compute, IdentificationAnswer, open_page)
 
 
 def _folder(kind: str, file: Path, output: Path | None) -> Path:
@@ -230,27 +200,37 @@ def _compile(*kernels: str) -> None:
     announce_compilation(*kernels)
 
 
-def _computed(title: str, folder: Path, compute: Callable[..., Any]) -> Any:
-    from valvetrain.cli.progress import progress_bar
-
-    with progress_bar(title) as report:
-        return compute(folder=folder / POINTS, progress=report)
-
-
-def _interrupted(text: str) -> typer.Exit:
-    from valvetrain.cli.guard import interrupted
-
-    return typer.Exit(interrupted(f"interrupted: {text}; {AGAIN}"))
-
-
-def _deliver(
+def _answer(
     command: str,
-    answer: ExploreAnswer,
-    open_page: bool = False,
-    failures: tuple[str, ...] = (),
-    stopped: bool = False,
+    title: str,
+    folder: Path,
+    compute: Callable[..., Any],
+    answer: Callable[[Any, Path], ExploreAnswer],
+    open_page: bool,
 ) -> None:
-    """Write files and page of an answer, and print it; of a ``stopped`` command whose exit code comes later."""
+    """Compute a result and deliver its answer; what is there of one that is stopped, with the exit code of Ctrl-C."""
+    from valvetrain.cli.guard import interrupted
+    from valvetrain.cli.progress import progress_bar
+    from valvetrain.explore.engine import Interrupted
+
+    made: ExploreAnswer | None = None
+    try:
+        with progress_bar(title) as report:
+            made = answer(compute(folder=folder / POINTS, progress=report), folder)
+    except Interrupted as cut:
+        made = answer(cut.result, folder)
+    except KeyboardInterrupt:
+        pass
+    if made is not None:
+        with suppress(*([typer.Exit] if made.stopped else [])):
+            _deliver(command, made, open_page and not made.stopped)
+    if made is None or made.stopped:
+        text = f"interrupted: the finished points are stored in '{folder / POINTS}'; {AGAIN}"
+        raise typer.Exit(interrupted(text))
+
+
+def _deliver(command: str, answer: ExploreAnswer, open_page: bool) -> None:
+    """Write files and page of an answer, and print it."""
     from valvetrain.cli.outcome import Outcome, plain, to_json
     from valvetrain.cli.progress import busy
     from valvetrain.explore.results import answer_json, write_files
@@ -273,5 +253,4 @@ def _deliver(
     def show(console: Any) -> None:
         console.print(screen(answer, str(page or ""), str(folder)))
 
-    with suppress(*([typer.Exit] if stopped else [])):
-        deliver(Outcome(data, show, (*failures, *gaps.sentences)))
+    deliver(Outcome(data, show, (*answer.failures, *gaps.sentences)))

@@ -28,6 +28,7 @@ from valvetrain.parameters.case import Case
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.identity import content, function_text
 from valvetrain.parameters.loading import load_case
+from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.workers import LOST, LOST_REMEDY, Lost, StandingPool
 from valvetrain.solution.status import Status
 from valvetrain.units import format_quantity
@@ -78,6 +79,14 @@ class Computation(ABC):
         exact = [float(one).hex() if isinstance(one, (int, float)) else one for one in run]
         text = json.dumps([[float(value).hex() for value in values], exact])
         return hashlib.blake2b(self._base + text.encode(), digest_size=16).digest()
+
+
+class Interrupted(Stopped):
+    """A study or a search was stopped; ``result`` holds what was finished."""
+
+    def __init__(self, result: Any) -> None:
+        super().__init__("stopped")
+        self.result = result
 
 
 #: A place to be computed, behind its computation; the same for a worker, the computation by its index.

@@ -1,5 +1,5 @@
 """The experiment: a case or a function, a space and outputs, with sampling, sensitivity, surrogates,
-optimisation, calibration and propagation as verbs.
+optimisation and calibration as verbs.
 """
 
 from __future__ import annotations
@@ -123,21 +123,3 @@ class Experiment(Evaluation):
         from valvetrain.explore.identify import calibrate
 
         return calibrate(self, tuple(measurements), search, **execution)
-
-    def propagate(
-        self, posterior: Identified, draws: int = 200, seed: int = 1, **execution: Any
-    ) -> xarray.Dataset:
-        """Outputs at about ``draws`` points of a posterior over the same quantities, each weighted
-        alike.
-        """
-        from valvetrain.explore.draws import even_draws
-
-        missing = [name for name in self.space.names if name not in posterior.names]
-        if missing:
-            raise InputError(
-                f"the posterior has no '{missing[0][:60]}'; it has {', '.join(posterior.names)}"
-            )
-        index, counts = even_draws(posterior.weights, draws, seed)
-        columns = [posterior.names.index(name) for name in self.space.names]
-        rows = np.repeat(posterior.values[index][:, columns], counts, axis=0)
-        return self.run(rows, **execution)

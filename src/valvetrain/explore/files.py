@@ -26,7 +26,6 @@ from valvetrain.explore.outputs import LimitSearch, limit_search
 from valvetrain.explore.samplers import MAX_POINTS
 from valvetrain.explore.space import (
     ENGINE_SPEED,
-    KINDS,
     SIGMAS,
     Distribution,
     LogNormal,
@@ -58,8 +57,6 @@ from valvetrain.units import dimension_of, parse_quantities, parse_quantity, si_
 MAX_VARIED = 64
 #: Other name of a key -> the standard one, in all three kinds of file.
 ALIASES = {"set": "changes", "prior": "distribution", "quantities": "vary"}
-#: Names of distributions in files: those of :class:`Prior`, and a normal one that has bounds.
-DISTRIBUTIONS = (*KINDS, "truncated-normal")
 #: Key that says in which way values are given -> the key that it needs with it, and the names of the
 #: distributions that this makes.
 WAYS: dict[str, tuple[str, tuple[str, ...]]] = {

@@ -138,6 +138,11 @@ class IdentificationAnswer(ExploreAnswer):
             "used" if datum.used else "compared",
         )  # fmt: skip
 
+    @property
+    def stopped(self) -> bool:
+        """Whether it was stopped before its end."""
+        return not self.result.whole
+
     def data(self) -> dict[str, Any]:
         """Method, branches, and data with their predictions."""
         result = self.result

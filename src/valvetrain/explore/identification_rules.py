@@ -12,10 +12,9 @@ import numpy as np
 from valvetrain.explore.fit import MET, ON_BOUND
 from valvetrain.explore.identified import Branch, Identified, Predicted
 from valvetrain.explore.posterior import Datum, Unknown
-from valvetrain.findings.engine import Hit, Rule
+from valvetrain.findings.engine import Hit, Rule, Subject
 from valvetrain.findings.words import digits_text, joined
 from valvetrain.parameters.summary import unit_text
-from valvetrain.solution.result import Solution
 from valvetrain.units import unit_factor
 from valvetrain.units.reader import reader_factor, reader_unit
 
@@ -58,7 +57,7 @@ def value_text(unit: str, *values: float, bar: float = 0.0, digits: int = 4) -> 
 
 
 @dataclass(frozen=True)
-class IdentificationFacts:
+class IdentificationFacts(Subject):
     """An identification as rules, rows and figures read it; ``name``: path of the case file with its values."""
 
     result: Identified
@@ -68,14 +67,6 @@ class IdentificationFacts:
     def case(self) -> str:
         """Path of the case file with the values that were identified."""
         return self.name or "identified.toml"
-
-    def at(self, run: Solution) -> str:
-        """Nothing: an identification has no runs."""
-        return ""
-
-    def where(self, runs: Sequence[Solution]) -> str:
-        """Nothing: an identification has no runs."""
-        return ""
 
     @cached_property
     def first(self) -> Branch:

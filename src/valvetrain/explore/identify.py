@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,6 @@ from valvetrain.explore.posterior import Datum, Evaluate, Numbers, Posterior, Un
 from valvetrain.explore.solve import solve
 from valvetrain.explore.space import Prior, Varied
 from valvetrain.explore.store import versions_digest
-from valvetrain.explore.study import seconds_of
 from valvetrain.parameters.case_changes import tables_of
 from valvetrain.parameters.changes import nearest
 from valvetrain.parameters.toml_text import toml_text
@@ -203,34 +202,15 @@ def calibrate(
     """The quantities of an experiment that agree with measurements; see
     :meth:`valvetrain.Experiment.calibrate`.
     """
-    search, space, runs = search or Search(), experiment.space, experiment.runs
+    space = experiment.space
     if space.correlation is not None:
         raise InputError("the priors of a calibration are independent; leave it out", "correlation")
-    names = experiment.outputs.quantities
-    keys = tuple(experiment.key_of_output(name, run) for run in runs for name in names)
-    for one in measurements:
-        if one.key not in keys:
-            raise InputError(f"no output is called '{one.key[:80]}'; {nearest(one.key, keys)}")
     unknowns = tuple(Unknown(one.name, _prior_of(one), one.unit) for one in space)
-    points = search.evaluations_of(len(unknowns))
-    seconds = points * sum(seconds_of(experiment, run) for run in runs)
+    place = None if output is None else Path(output)
     with on_cluster(dask, workers) as count:
-        cost = Cost(seconds / count, points * (POINT_BYTES + NUMBER_BYTES * len(keys)))
-        refuse_cost(cost, limits_of(limit), "limit=")
-        with Engine((experiment,), count, None if output is None else Path(output)) as engine:
-            posterior = Posterior(unknowns, measurements, numbers_by(engine, experiment))
-            try:
-                return solve(posterior, search, engine.store, report=progress or silent)
-            except InputError as error:
-                if reason := refusal_at_middle(experiment, posterior):
-                    raise InputError(f"{error.reason}; at their middle: {reason}") from error
-                raise
-
-
-def refusal_at_middle(computation: Computation, posterior: Posterior) -> str:
-    """Why the middle of the priors cannot be computed; empty where it can."""
-    outcomes = (computation.evaluate(posterior.middle.tolist(), run) for run in computation.runs)
-    return next((one.status.message for one in outcomes if not one.status.completed), "")
+        return _identified(
+            Sought(unknowns, measurements, experiment), search or Search(), place, count, progress or silent, limits_of(limit), "limit=",
+        )  # fmt: skip
 
 
 def _prior_of(one: Varied) -> Prior:
@@ -255,37 +235,63 @@ def identify_request(
     Raises :class:`InputError` where the estimate is beyond ``limits`` (the message names
     ``option``) and where nothing can be computed.
     """
-    count, search = worker_count(workers), request.search
     fitted, compared = computations_of(request)
-    every = (fitted,) if compared is None else (fitted, compared)
-    with Engine(every, count, folder) as engine:
-        posterior = Posterior(request.unknowns, request.data, numbers_by(engine, fitted))
-        start = posterior.middle
-        try:
-            start = np.array(values_of_case(request))
-        except InputError:  # it has no single ones
-            if search.from_case:
-                raise
-        seconds = _seconds(fitted, possible_point(request, posterior, fitted))
-        points = search.evaluations_of(len(request.unknowns))
+    start = None
+    try:
+        start = np.array(values_of_case(request))
+    except InputError:  # it has no single ones
+        if request.search.from_case:
+            raise
+    units = {one.key: one.unit for one in request.targets}
+    sought = Sought(request.unknowns, request.data, fitted, compared, start, units)
+    result = _identified(
+        sought, request.search, folder, worker_count(workers), report, limits, option, tell
+    )
+    result = replace(result, text=request.text, name=request.title)
+    return replace(result, case_file=identified_case(request, result.best))
+
+
+@dataclass(frozen=True, eq=False)
+class Sought:
+    """What is identified: ``unknowns``, ``data``, what computes points of both and, for the draws alone, what is
+    ``compared``; values ``start`` (SI) of the case, and ``units`` of computed numbers.
+    """
+
+    unknowns: tuple[Unknown, ...]
+    data: tuple[Datum, ...]
+    fitted: Computation
+    compared: Computation | None = None
+    start: Array | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
+
+
+def _identified(
+    sought: Sought,
+    search: Search,
+    folder: Path | None,
+    workers: int,
+    report: Report,
+    limits: Limits,
+    option: str,
+    tell: TellCost = lambda phrase, seconds: None,
+) -> Identified:
+    """The answer of a search whose cost, by the time of one point, is within the limits."""
+    fitted, compared = sought.fitted, sought.compared
+    with Engine((fitted, *filter(None, [compared])), workers, folder) as engine:
+        posterior = Posterior(sought.unknowns, sought.data, numbers_by(engine, fitted))
+        seconds = _seconds(fitted, possible_point(fitted, posterior, search.seed))
+        points = search.evaluations_of(len(sought.unknowns))
         left = max(points - engine.store.before // len(fitted.runs), 0)
         total = left * seconds
         if compared is not None:
             total += (search.draws + 2) * _seconds(compared, posterior.middle)
-        size = points * (POINT_BYTES + NUMBER_BYTES * len(request.targets))
-        phrase = refuse_cost(Cost(total / count, size), limits, option)
-        tell(f"{phrase} ({left} points of {1e3 * seconds:.3g} ms)", total / count)
-        result = solve(
-            posterior,
-            search,
-            engine.store,
-            start=start,
-            report=report,
-            compare=None if compared is None else numbers_by(engine, compared),
-            units={one.key: one.unit for one in request.targets},
-        )
-    result = replace(result, text=request.text, name=request.title)
-    return replace(result, case_file=identified_case(request, result.best))
+        size = points * (POINT_BYTES + NUMBER_BYTES * len(sought.data))
+        phrase = refuse_cost(Cost(total / workers, size), limits, option)
+        tell(f"{phrase} ({left} points of {1e3 * seconds:.3g} ms)", total / workers)
+        others = None if compared is None else numbers_by(engine, compared)
+        return solve(
+            posterior, search, engine.store, start=sought.start, report=report, compare=others, units=sought.units
+        )  # fmt: skip
 
 
 def computations_of(request: Request) -> tuple[Computation, Computation | None]:
@@ -330,14 +336,13 @@ def values_of_case(request: Request) -> tuple[float, ...]:
         raise InputError(f"{error.where} {error.reason}", "search.from_case") from None
 
 
-def possible_point(request: Request, posterior: Posterior, computation: Computation) -> Array:
+def possible_point(computation: Computation, posterior: Posterior, seed: int) -> Array:
     """Values (SI) of a point that gives every measured number: the middle of the priors or one drawn
     from them. Raises :class:`InputError` where none of several does.
     """
-    random = np.random.default_rng(request.search.seed)
-    drawn = posterior.from_shares(random.random((TRIED, len(posterior.unknowns))))
+    shares = np.random.default_rng(seed).random((TRIED, len(posterior.unknowns)))
     lacking = ""
-    for work in np.vstack([posterior.centre, drawn])[:, None, :]:
+    for work in np.vstack([posterior.centre, posterior.from_shares(shares)])[:, None, :]:
         (numbers,) = posterior.outcomes(work)
         if numbers is None:
             continue
@@ -348,9 +353,13 @@ def possible_point(request: Request, posterior: Posterior, computation: Computat
         lacking = lacking or f"no point gives '{missing[:80]}'; {nearest(missing, given)}"
     if lacking:
         raise InputError(lacking, "measurements")
-    why = "" if request.evaluator else refusal_at_middle(computation, posterior)
-    reason = f", at their middle because: {why}" if why else "; narrow the priors to what is possible"  # fmt: skip
-    raise InputError(f"none of {TRIED + 1} points of the priors can be computed{reason}")
+    outcomes = (computation.evaluate(posterior.middle.tolist(), run) for run in computation.runs)
+    why = next(
+        (one.status.message for one in outcomes if not one.status.completed), "a number is missing"
+    )
+    raise InputError(
+        f"none of {TRIED + 1} points of the priors can be computed, at their middle because: {why}"
+    )
 
 
 def _seconds(computation: Computation, values: Array) -> float:

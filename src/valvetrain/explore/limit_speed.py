@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -12,6 +12,7 @@ import numpy as np
 from valvetrain.explore.engine import Evaluation
 from valvetrain.explore.evaluate import Point, evaluate
 from valvetrain.explore.outputs import LimitSearch, Outcome, Run
+from valvetrain.runs.critical_scan import parabola_depth
 from valvetrain.solution.critical import RPM
 
 #: How a search ended: a bracket was found; the bound is left at the lowest speed already; it is
@@ -102,22 +103,15 @@ def _nearing(engine_speeds: list[float], excess: list[float], resolution: float)
         before, top, after = excess[place - 1 : place + 2]
         left, here, right = engine_speeds[place - 1 : place + 2]
         is_peak = top >= before and top >= after and (top > before or top > after)
-        if is_peak and top + CAUTION * _rise((left, here, right), (before, top, after)) > 0:
+        if (
+            is_peak
+            and top + CAUTION * parabola_depth((left, here, right), (-before, -top, -after)) > 0
+        ):
             pairs = ((left, here), (here, right))
             middles = [0.5 * (one + two) for one, two in pairs if two - one > 2 * resolution]
             if middles:
                 return middles
     return []
-
-
-def _rise(x: Sequence[float], y: Sequence[float]) -> float:
-    """How far the top of the parabola through three points is above the middle one."""
-    first, second = np.diff(y) / np.diff(x)
-    curvature = (second - first) / (x[2] - x[0])
-    if curvature >= 0:
-        return 0.0
-    slope = first + curvature * (x[1] - x[0])
-    return float(-(slope**2) / (4 * curvature))
 
 
 class LimitEvaluation(Evaluation):

@@ -15,7 +15,7 @@ import numpy as np
 
 from valvetrain.errors import InputError
 from valvetrain.explore.case_paths import nominal
-from valvetrain.explore.engine import Engine
+from valvetrain.explore.engine import Engine, Interrupted
 from valvetrain.explore.limit_speed import CLOSER
 from valvetrain.explore.measure import (
     INCOMPLETE,
@@ -32,7 +32,6 @@ from valvetrain.explore.search import quiet_optuna, search_from
 from valvetrain.explore.trial import Array, Trial, best_of
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
-from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.uncertainty import Uncertainty
@@ -42,14 +41,6 @@ from valvetrain.units import known_arguments
 AROUND, TRIAL_BYTES = 0.03, 2e4
 #: What makes a search large.
 FEWER = "trials, speeds or models"
-
-
-class SearchInterrupted(Stopped):
-    """A search was stopped; ``optimum`` holds the trials that were finished."""
-
-    def __init__(self, optimum: Optimum) -> None:
-        super().__init__("stopped")
-        self.optimum = optimum
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +71,7 @@ def run_search(
 ) -> Optimum:
     """The search of a plan; points that the stores below ``folder`` hold are not computed again.
 
-    Raises :class:`InputError` for a request beyond ``limits``, and :class:`SearchInterrupted` with
+    Raises :class:`InputError` for a request beyond ``limits``, and :class:`Interrupted` with
     what was finished when it is stopped.
     """
     every = [plan, *(one.plan for one in plan.confirmations)]
@@ -128,7 +119,7 @@ class _Search:
         except KeyboardInterrupt:
             if not self.trials:
                 raise
-            raise SearchInterrupted(replace(self.optimum(), finished=False)) from None
+            raise Interrupted(replace(self.optimum(), finished=False)) from None
 
     def case(self, plan: OptimumPlan) -> Trial:
         """The case as given, trial 0, with the bounds that are shares of its numbers."""

@@ -146,6 +146,16 @@ class OptimumAnswer(ExploreAnswer):
             rows += [(one.label,), *((each.label, *each.cells, each.remark) for each in lines)]
         return TextTable("By other models", ("", *self.headings, ""), tuple(rows))
 
+    @property
+    def stopped(self) -> bool:
+        """Whether it was stopped before its end."""
+        return not self.found.finished
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """The verdict where no design meets every bound."""
+        return () if self.stopped or self.found.best is not None else (str(self.verdict),)
+
     def data(self) -> dict[str, Any]:
         """Plan, designs and trials."""
         found, plan = self.found, self.found.plan

@@ -32,6 +32,16 @@ class ExploreAnswer(ShownByRules):
     result: Any
     folder: Path | None = None
 
+    @property
+    def stopped(self) -> bool:
+        """Whether it was stopped before its end."""
+        return False
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What makes its command fail."""
+        return ()
+
     def data(self) -> dict[str, Any]:
         """What the JSON answer holds besides the findings, SI."""
         return {}

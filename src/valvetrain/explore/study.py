@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from valvetrain.explore.engine import Array, Engine, Evaluation, PointJob
+from valvetrain.explore.engine import Array, Engine, Evaluation, Interrupted, PointJob
 from valvetrain.explore.files import (
     MAX_VARIED,
     CaseModel,
@@ -35,7 +35,6 @@ from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
 from valvetrain.runs.request_cost import RunRequest, request_cost
-from valvetrain.runs.stopping import Stopped
 from valvetrain.runs.watch import shows_progress
 from valvetrain.runs.workers import Progress, workers_here
 from valvetrain.solution.status import COMPLETED, Status
@@ -54,14 +53,6 @@ INTERRUPTED = Status(
     "the study was stopped before this point was finished",
     remedy="start it again to continue",
 )
-
-
-class PointsInterrupted(Stopped):
-    """A study was stopped; ``table`` holds all rows, unfinished ones as ``interrupted``."""
-
-    def __init__(self, table: StudyTable) -> None:
-        super().__init__("stopped")
-        self.table = table
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +151,7 @@ def run_plan(
     """The table of a plan with what its kind adds: Sobol indices, surrogates. Points that the store in
     ``folder`` holds are not computed again.
 
-    Raises :class:`InputError` for a request beyond ``limits``, :class:`PointsInterrupted` with the
+    Raises :class:`InputError` for a request beyond ``limits``, :class:`Interrupted` with the
     table when it is stopped.
     """
     begun = time.perf_counter()
@@ -190,7 +181,7 @@ def run_plan(
             table = _table(plan, engine, searches, draws)
     table = replace(table, seconds=time.perf_counter() - begun)
     if stopped:
-        raise PointsInterrupted(table)
+        raise Interrupted(table)
     return analysed(table)
 
 

@@ -149,12 +149,28 @@ class StudyAnswer(ExploreAnswer):
             "varied": TextTable("What was varied", ("quantity", "key of the case", "as", "over"), varied),
         }  # fmt: skip
 
+    @property
+    def stopped(self) -> bool:
+        """Whether it was stopped before its end."""
+        return any(one.code == "interrupted" for one in self.result.statuses)
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """Points that were lost with their worker, or why none completed: that some cannot be built is part of the answer."""
+        table = self.result
+        if not table.completed.any():
+            return table.failures[:1]
+        lost = (row for row, one in enumerate(table.statuses) if one.code == "worker-lost")
+        return tuple(f"{table.row_label(row)}: {table.statuses[row].sentence()}" for row in lost)[
+            :5
+        ]
+
     def data(self) -> dict[str, Any]:
         """Plan, indices, surrogates, error bars and rows."""
         table, plan = self.result, self.result.plan
         bars = [
             {"row": row, **uncertainty_object(one)}
-            for row, each in table.error_bars.items()
+            for row, each in ({} if self.stopped else table.error_bars).items()
             for one in each.values()
         ]
         return {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,10 +14,10 @@ from valvetrain.explore.case_paths import nominal, setting
 from valvetrain.explore.outputs import Run
 from valvetrain.explore.space import ENGINE_SPEED, Varied
 from valvetrain.explore.table import StudyTable
+from valvetrain.findings.engine import Subject
 from valvetrain.findings.words import RPM, Amount
 from valvetrain.quantities.request import BY_SIZE
 from valvetrain.solution.definition import definition_of
-from valvetrain.solution.result import Solution
 
 Array = NDArray[np.float64]
 #: Outputs by which springs are judged before all others, for by them they break.
@@ -44,7 +43,7 @@ class Effect:
 
 
 @dataclass(frozen=True)
-class StudyFacts:
+class StudyFacts(Subject):
     """A study of points as rules read it. A design is a point, or all points that differ in engine speed alone."""
 
     table: StudyTable
@@ -54,14 +53,6 @@ class StudyFacts:
     def case(self) -> str:
         """What a command takes for its case."""
         return self.called or self.table.plan.case_name
-
-    def at(self, run: Solution) -> str:
-        """Nothing: findings name their points."""
-        return ""
-
-    def where(self, runs: Sequence[Solution]) -> str:
-        """Nothing: findings name their points."""
-        return ""
 
     @property
     def chosen(self) -> bool:
@@ -237,7 +228,8 @@ class StudyFacts:
         sobol = [one for one in table.sensitivities if (one.output, one.run) == (name, self.run)]
         for k in self.changing:
             ranks = [np.unique(one, return_inverse=True)[1].ravel() for one in (table.inputs[rows][there, k], y)]  # fmt: skip
-            r = float(np.nan_to_num(np.atleast_2d(np.corrcoef(ranks))[0, 1]))
+            with np.errstate(invalid="ignore"):  # of a stopped study a quantity may not have moved yet
+                r = float(np.nan_to_num(np.atleast_2d(np.corrcoef(ranks))[0, 1]))
             half = SIGMAS / np.sqrt(len(y) - 3)
             ends = np.tanh(np.arctanh(np.clip(r, -0.999999, 0.999999)) + np.array([-half, half]))
             rises = int(np.sign(r)) if ends[0] * ends[1] > 0 else 0
