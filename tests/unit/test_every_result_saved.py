@@ -162,12 +162,6 @@ def test_what_no_file_holds_is_refused_and_nothing_is_written(tmp_path):
         InputError, match=r"a function \(\[0\]\) cannot be stored in a file; save its"
     ):
         vt.save((len, lambda: 1)[1:], tmp_path / "a.nc")
-    process = vt.Experiment(
-        "job-t", vt.Space({"spring.wire_diameter": vt.Uniform("4 mm", "4.1 mm")}),
-        vt.Outputs(["solid_height"]),
-    ).surrogate(15, workers=1)  # fmt: skip
-    with pytest.raises(InputError, match=r"GaussianProcessRegressor .*process.* fit it again"):
-        vt.save(process, tmp_path / "a.nc")
     with pytest.raises(InputError, match=r"a StaticCurve is saved to a file that ends in \.nc"):
         JOB.static(spring_model="massless").save(tmp_path / "a.csv")
     assert not list(tmp_path.iterdir())

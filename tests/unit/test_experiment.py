@@ -202,15 +202,6 @@ def test_a_matrix_that_is_no_correlation_is_refused(matrix):
         vt.Space({"a": UNIT_NORMAL, "b": UNIT_NORMAL}, matrix)
 
 
-def test_a_surrogate_of_a_smooth_function_predicts_it():
-    pytest.importorskip("sklearn")
-    wide = vt.explore.Prior("uniform", -1.0, 1.0)
-    experiment = function_of(paraboloid, ["height"], {"x": wide, "y": wide})
-    (found,) = experiment.surrogate(60, workers=1)
-    mean, _ = found.predict([[0.3, -0.2]])
-    assert mean[0] == pytest.approx(0.0, abs=0.02) and found.share < 0.05
-
-
 def test_limit_speeds_are_outputs_beside_quantities():
     """A falling bound: spring force grows with precompression, so its limit speed falls."""
     outputs = vt.Outputs(

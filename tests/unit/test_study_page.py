@@ -1,4 +1,4 @@
-"""The files of a study, and its surrogate beside a function that is known."""
+"""The files of a study."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import valvetrain as vt
 from valvetrain.explore.files import FileText
 from valvetrain.explore.results import answer_json
 from valvetrain.explore.study import StudyModel, analysed, read_plan
 from valvetrain.explore.study_answer import StudyAnswer
-from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyTable
 from valvetrain.solution.status import COMPLETED, Status
 from valvetrain.views.page import page_of
@@ -31,7 +29,6 @@ vary = [
   {{ key = "lift_law.maximum_lift", as = "factor", low = 0.9, high = 1.1 }},
 ]
 """
-RUN = (6000 * np.pi / 30, "massless", "")
 
 
 def made(kind="points", sampler="latin-hypercube", function=None, failed=()) -> StudyTable:
@@ -66,32 +63,6 @@ def test_the_json_answer_holds_the_indices_and_the_findings():
     assert data["units"]["peak_spring_force"] == "N"
     assert [one["code"] for one in data["findings"]] == ["J122", "J130"]
     assert data["findings"][0]["value"]["unit"] == "N"
-
-
-def test_a_surrogate_of_a_smooth_function_predicts_each_point_from_the_others():
-    pytest.importorskip("sklearn")
-    table = made("surrogate", function=lambda c: 800 + 30 * np.sin(3 * c[:, 0]) * (1 + c[:, 1]))
-    (one,) = table.surrogates  # the other output never changes
-    assert one.fitted == len(table) and one.share < 0.01 and one.error < 0.1
-    where = table.inputs[:5]
-    mean, deviation = one.predict(where)
-    assert mean == pytest.approx(table.values[:5, 0], abs=0.2) and np.all(deviation < 1)
-    with pytest.raises(vt.InputError, match="takes 2 inputs"):
-        one.predict([1.0])
-
-
-def test_a_surrogate_of_few_points_is_not_made():
-    pytest.importorskip("sklearn")
-    assert (
-        surrogate_of(
-            "peak_spring_force",
-            RUN,
-            ("a", "b"),
-            np.random.default_rng(1).random((11, 2)),
-            np.arange(11.0),
-        )
-        is None
-    )
 
 
 LIST = """

@@ -1,4 +1,4 @@
-"""The experiment: a case or a function, a space and outputs, with sampling, sensitivity, surrogates,
+"""The experiment: a case or a function, a space and outputs, with sampling, sensitivity,
 optimisation and calibration as verbs.
 """
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from valvetrain.explore.optimum import Optimum
     from valvetrain.explore.posterior import Datum
     from valvetrain.explore.sensitivity import Sensitivity
-    from valvetrain.explore.surrogate import Surrogate
 
 
 class Experiment(Evaluation):
@@ -85,14 +84,6 @@ class Experiment(Evaluation):
         return run_experiment(
             self, find_sampler("saltelli"), "tolerance", options, **execution
         ).sensitivities
-
-    def surrogate(self, count: int = 256, seed: int = 1, **execution: Any) -> tuple[Surrogate, ...]:
-        """A Gaussian process for every output at every run, fitted to Sobol's sequence."""
-
-        options = {"count": count, "seed": seed}
-        return run_experiment(
-            self, find_sampler("sobol"), "surrogate", options, **execution
-        ).surrogates
 
     def optimise(
         self,

@@ -30,7 +30,6 @@ from valvetrain.explore.refusals import refuse_limits, refuse_missing, refuse_ou
 from valvetrain.explore.samplers import SamplerSpec, sampler
 from valvetrain.explore.sensitivity import sensitivity_of
 from valvetrain.explore.space import ENGINE_SPEED, Space, Values
-from valvetrain.explore.surrogate import surrogate_of
 from valvetrain.explore.table import StudyPlan, StudyTable
 from valvetrain.runs.cluster import on_cluster
 from valvetrain.runs.cost import Cost, Limits, limits_of, refuse_cost
@@ -78,7 +77,7 @@ def study(
     progress: Progress | None = None,
 ) -> StudyTable:
     """Points of a study over any quantities of a case: how outputs scatter, what makes them
-    scatter, what values between the points are.
+    scatter.
 
     Parameters
     ----------
@@ -94,13 +93,13 @@ def study(
     Returns
     -------
     StudyTable with a row per point: inputs (n, d) and outputs (n, m) in SI, their status, Sobol
-    indices and surrogates where requested
+    indices where requested
 
     Raises
     ------
     InputError : one sentence on what is wrong in the file and where, or on a request that is too
         large
-    MissingExtraError : Dask or scikit-learn is needed and not installed
+    MissingExtraError : Dask or SALib is needed and not installed
 
     Examples
     --------
@@ -148,7 +147,7 @@ def run_plan(
     limits: Limits = Limits(),
     progress: Progress | None = None,
 ) -> StudyTable:
-    """The table of a plan with what its kind adds: Sobol indices, surrogates. Points that the store in
+    """The table of a plan with what its kind adds: Sobol indices. Points that the store in
     ``folder`` holds are not computed again.
 
     Raises :class:`InputError` for a request beyond ``limits``, :class:`Interrupted` with the
@@ -220,22 +219,16 @@ def searches_of(experiment: Evaluation) -> tuple[LimitEvaluation, ...]:
 
 
 def analysed(table: StudyTable) -> StudyTable:
-    """The table with what its kind adds: Sobol indices, surrogates."""
+    """The table with what its kind adds: Sobol indices."""
     plan = table.plan
+    if plan.kind != "tolerance":
+        return table
     names = [one.shown_name for one in plan.varied]
-    indices, surrogates = [], []
-    for run, name in itertools.product(plan.runs, table.outputs):
-        rows = table.rows_of(run)
-        values = np.where(table.completed, table.column(name), np.nan)[rows]
-        if plan.kind == "tolerance":
-            indices.append(sensitivity_of(name, run, names, values))
-        elif plan.kind == "surrogate":
-            surrogates.append(surrogate_of(name, run, names, table.inputs[rows], values))
-    return replace(
-        table,
-        sensitivities=tuple(filter(None, indices)),
-        surrogates=tuple(filter(None, surrogates)),
-    )
+    indices = [
+        sensitivity_of(name, run, names, np.where(table.completed, table.column(name), np.nan)[table.rows_of(run)])
+        for run, name in itertools.product(plan.runs, table.outputs)
+    ]  # fmt: skip
+    return replace(table, sensitivities=tuple(filter(None, indices)))
 
 
 def estimate_study(plan: StudyPlan, workers: int) -> Estimate:
@@ -281,7 +274,7 @@ def seconds_of(plan: Evaluation, run: Run) -> float:
 
 
 #: What is computed from the points in addition to their own numbers.
-Kind = Literal["points", "tolerance", "surrogate"]
+Kind = Literal["points", "tolerance"]
 
 
 class StudyModel(CaseModel, RunsModel):

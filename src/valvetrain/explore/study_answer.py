@@ -65,7 +65,7 @@ class StudyAnswer(ExploreAnswer):
         return StudyFacts(self.result, self.words.case)
 
     def figures(self) -> Mapping[str, FigureSpec]:
-        """Each output over what is varied, what moves it, how it spreads, and its surrogate."""
+        """Each output over what is varied, and what moves it."""
         return figures_of_study(self.facts)
 
     @property
@@ -166,7 +166,7 @@ class StudyAnswer(ExploreAnswer):
         ]
 
     def data(self) -> dict[str, Any]:
-        """Plan, indices, surrogates, error bars and rows."""
+        """Plan, indices, error bars and rows."""
         table, plan = self.result, self.result.plan
         bars = [
             {"row": row, **uncertainty_object(one)}
@@ -176,7 +176,7 @@ class StudyAnswer(ExploreAnswer):
         return {
             "case": plan.case_name, "title": plan.title, "kind": plan.kind, "sampler": plan.sampler.word, "points": len(table),
             "completed_points": int(np.count_nonzero(table.completed)), "computed": table.computed, "varied": varied_of(plan.varied),
-            "sensitivities": fields_of(table.sensitivities), "surrogates": fields_of(table.surrogates), "uncertainties": bars,
+            "sensitivities": fields_of(table.sensitivities), "uncertainties": bars,
             "failures": list(table.failures[:MAX_ROWS]),
             "completed": bool(table.completed.all()), **rows_of(table.to_pandas()),
         }  # fmt: skip

@@ -10,7 +10,6 @@ import numpy as np
 from valvetrain.explore.point_bars import MAX_POINTS
 from valvetrain.explore.sensitivity import ENOUGH_ROWS
 from valvetrain.explore.study_facts import PERCENTILES, StudyFacts
-from valvetrain.explore.surrogate import POOR
 from valvetrain.explore.table import run_label
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.words import Amount, digits_text
@@ -177,11 +176,12 @@ def moves(facts: StudyFacts, sure: bool = True) -> Iterator[Hit]:
     near = [one for one in effects if one is effects[0] or one.high >= effects[0].low]
     if not near or (len(near) == 1 and near[0].low > 0) != sure:
         return
-    ends = (0.0, 100.0) if plan.kind == "surrogate" else PERCENTILES[::2]
-    low, high = (facts.amount(name, one) for one in np.percentile(facts.finite(name, run), ends))
+    low, high = (
+        facts.amount(name, one) for one in np.percentile(facts.finite(name, run), PERCENTILES[::2])
+    )
     enough = ENOUGH_ROWS * (len(plan.varied) + 2) if facts.table.sensitivities else 0
     yield Hit(high, fields={
-        "name": label_of(name), "low": low, "among": "over the ranges" if ends[0] == 0 else "in nine of ten draws",
+        "name": label_of(name), "low": low,
         "place": run_label(run) if len(plan.runs) > 1 else "", "count": str(enough if rows < enough else 4 * rows),
         "leader": near[0].varied.shown_name, "share": per_cent(min(1.0, near[0].share)),
         "verb": {1: "rises", -1: "falls", 0: "varies"}[near[0].rises],
@@ -192,19 +192,6 @@ def moves(facts: StudyFacts, sure: bool = True) -> Iterator[Hit]:
 def too_few(facts: StudyFacts) -> Iterator[Hit]:
     """Draws too few to say which quantity moves the output most."""
     return moves(facts, False)
-
-
-def poor_surrogate(facts: StudyFacts, poor: bool = True) -> Iterator[Hit]:
-    """The error of a surrogate at points that are left out of it is a large share of their scatter."""
-    for one in facts.table.surrogates:
-        if (one.share >= POOR) == poor:
-            fields = {"name": label_of(one.output), "share": per_cent(one.share)}
-            yield Hit(Amount(one.output, one.error), fields=fields, severity=one.share)
-
-
-def good_surrogate(facts: StudyFacts) -> Iterator[Hit]:
-    """The error of a surrogate at points that are left out of it is a small share of their scatter."""
-    return poor_surrogate(facts, False)
 
 
 GUIDE, AGAIN = "studies.md", "set count = {count} in the study file and run it again"
@@ -219,15 +206,14 @@ RULES = (
     Rule("J113", "decides", "best is {point}, by {name}", best_point, (),
          "[{value:4}][, {end}][, {reference:4} with {other}][; {near} within 1 %][; {worst_of}]", "[{step}]", mark="ok", unless=("J11", "J134")),
     Rule("J120", "decides", "no varied quantity moves {name}", still, (), "[{value:4} at every point]", "vary something else", mark="warn"),
-    Rule("J121", "decides", "too few draws to say what moves {name} most", too_few, (), "[{rivals}; ]{low..value:4} {among}[, {place}]", AGAIN,
-         mark="warn"),
-    Rule("J122", "decides", "{name} {verb} most with {leader}", moves, (), "{share} of its variance; {low..value:4} {among}[, {place}]",
+    Rule("J121", "decides", "too few draws to say what moves {name} most", too_few, (),
+         "[{rivals}; ]{low..value:4} in nine of ten draws[, {place}]", AGAIN, mark="warn"),
+    Rule("J122", "decides", "{name} {verb} most with {leader}", moves, (),
+         "{share} of its variance; {low..value:4} in nine of ten draws[, {place}]",
          "narrow the range of {leader} first", mark="ok"),
     Rule("J130", "warns", "{share} failed", failed, (), "{code}[: {told}]", guide=GUIDE, unless=("J101",)),
     Rule("J131", "warns", "{told}", lacking, guide=GUIDE, unless=("J101",)),
     Rule("J132", "warns", "{share} are doubtful", doubtful, (), "{told}"),
     Rule("J133", "warns", "{name} of {share} is {side} the speeds searched", at_an_end, (), "it is given as {value:4}",
          "search over more engine speeds"),
-    Rule("J135", "warns", "the surrogate of {name} cannot replace a run", poor_surrogate, (), "it errs by {share} of the scatter", guide=GUIDE),
-    Rule("J140", "notes", "the surrogate of {name} errs by {share} of its scatter", good_surrogate),
 )  # fmt: skip

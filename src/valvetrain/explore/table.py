@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     import xarray
 
     from valvetrain.explore.sensitivity import Sensitivity
-    from valvetrain.explore.surrogate import Surrogate
     from valvetrain.solution.uncertainty import Uncertainty
 
 Array = NDArray[np.float64]
@@ -36,7 +35,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class StudyPlan:
     """Every draw of the ``sampler`` over the space of an ``experiment``; ``kind``: what is computed
-    from the points (``points``, ``tolerance``, ``surrogate``).
+    from the points (``points``, ``tolerance``).
     """
 
     experiment: Evaluation
@@ -97,7 +96,7 @@ class StudyTable(Reported):
     """``inputs`` (n, d) and ``values`` (n, m), both SI, nan for what a point does not have;
     ``runs`` and ``statuses`` (n).
 
-    ``sensitivities`` and ``surrogates``: those of its kind; ``computed``: points that this call
+    ``sensitivities``: Sobol indices, where its kind asks for them; ``computed``: points that this call
     computed, the others were in the store; ``seconds``: wall time of this call. A limit speed is that
     of the point by the model and set of a row, at any speed of it.
 
@@ -122,7 +121,6 @@ class StudyTable(Reported):
     values: Array
     statuses: tuple[Status, ...]
     sensitivities: tuple[Sensitivity, ...] = ()
-    surrogates: tuple[Surrogate, ...] = ()
     computed: int = 0
     seconds: float = 0.0
 
