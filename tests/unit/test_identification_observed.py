@@ -38,7 +38,8 @@ def test_peaks_events_and_traces_are_those_of_the_run(tmp_path) -> None:
     moving = {"engine_speed": "4136 rpm", "spring_model": "modal-uniform", "scatter": "1 %"}
     request = request_of(
         {
-            "peak": {**moving, "peak": "peak_spring_force", "value": "500 N", "cam_angle": "90 deg", "angle_scatter": "1 deg"},
+            "peak": {**moving, "quantity": "peak_spring_force", "value": "500 N"},
+            "angle": {**moving, "quantity": "peak_spring_force_cam_angle", "value": "90 deg", "scatter": "1 deg"},
             "seating": {**moving, "event": "seating", "cam_angle": "180 deg"},
             "trace": {**moving, "channel": "valve_lift", "cam_angles": "60, 91, 359.9 deg", "values": "1, 2, 3 mm"},
         },

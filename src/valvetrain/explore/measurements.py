@@ -1,4 +1,4 @@
-"""Measurements of an identification file: tables of values, curves, frequencies, peaks, events and
+"""Measurements of an identification file: tables of values, curves, frequencies, events and
 traces -> data and the targets that are computed for them.
 """
 
@@ -20,7 +20,7 @@ from valvetrain.measured.force_height import column_meaning, column_scale
 from valvetrain.measured.tables import TextTable, read_content, read_text_table, text_of
 from valvetrain.parameters.bounded_file import MAX_BYTES
 from valvetrain.parameters.schema_types import Line, StrictModel, guarded, problem, validate_as
-from valvetrain.solution.definition import angle_name, definition_of, no_quantity
+from valvetrain.solution.definition import definition_of, no_quantity
 from valvetrain.units import format_quantity, parse_quantities, parse_quantity, unit_factor
 from valvetrain.units.text import split_quantity
 
@@ -151,9 +151,9 @@ class _Measurement(StationModel):
         """
         raise NotImplementedError
 
-    def spread(self, value: float, dimension: str | None, key: str = "scatter") -> float:
+    def spread(self, value: float, dimension: str | None) -> float:
         """Standard deviation (SI) of a measured value (SI)."""
-        given = getattr(self, key)
+        key, given = "scatter", self.scatter
         if given is None:
             raise problem(
                 "is missing; give the standard deviation of the errors, such as '2 N' or '1 %'",
@@ -192,32 +192,14 @@ class _Quantity(_Measurement):
     value: Amount
 
     def rows(self, folder: Path, any_name: bool) -> Rows:
-        return [self.row(self.quantity, any_name)]
-
-    def row(self, name: str, any_name: bool) -> tuple[Target, float, float]:
-        """The row of the quantity ``name``; that of an evaluator has the dimension of its unit."""
-        dimension = definition_of(name).dimension or None
+        dimension = definition_of(self.quantity).dimension or None
         if dimension is None and not any_name:
-            raise problem(no_quantity(name))
+            raise problem(no_quantity(self.quantity))
         value = self.amount("value", dimension)
-        if dimension is None:
+        if dimension is None:  # that of an evaluator has the dimension of its unit
             dimension = split_quantity(str(self.value), None, "value")[1]
-        return Target(self.station, "quantity", name), value, self.spread(value, dimension)
-
-
-class _Peak(_Quantity):
-    """A peak and its cam angle."""
-
-    quantity: str = ""
-    peak: str
-    cam_angle: Amount
-    angle_scatter: Amount | None = None
-
-    def rows(self, folder: Path, any_name: bool) -> Rows:
-        angle = self.amount("cam_angle", "angle")
-        place = Target(self.station, "quantity", guarded(angle_name, self.peak, path=("peak",)))
-        spread = self.spread(angle, "angle", "angle_scatter")
-        return [self.row(self.peak, any_name), (place, angle, spread)]
+        target = Target(self.station, "quantity", self.quantity)
+        return [(target, value, self.spread(value, dimension))]
 
 
 class _Frequencies(_Measurement):
@@ -371,7 +353,7 @@ class _Curve(_Table):
 
 #: What a measurement is known by: the key of its table that says so.
 FORMS: dict[str, type[_Measurement]] = {
-    "quantity": _Quantity, "frequencies": _Frequencies, "peak": _Peak, "event": _Event, "channel": _Trace,
+    "quantity": _Quantity, "frequencies": _Frequencies, "event": _Event, "channel": _Trace,
     "compressions": _Curve, "heights": _Curve, "file": _Curve,
 }  # fmt: skip
 

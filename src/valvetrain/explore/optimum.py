@@ -200,20 +200,8 @@ class Optimum(Reported):
 
     def __repr__(self) -> str:
         cut = "" if self.finished else ", stopped before its end"
-        lines = [
-            f"search '{self.plan.title}': {len(self.trials)} trials, {self.feasible} feasible{cut}"
-        ]
-        if self.best is not None:
-            for goal, value, before in zip(
-                self.plan.objectives, self.best.trial.objectives, self.case.objectives, strict=True
-            ):
-                one = goal.measure
-                lines.append(
-                    f"  {one.label}: {one.shown(float(value)):.5g} {one.unit}, the case {one.shown(float(before)):.5g} {one.unit}"
-                )
-            for varied, value in zip(self.plan.varied, self.best.trial.values, strict=True):
-                lines.append(f"  {varied.shown_name}: {varied.value_text(value)}")
-        return verdict_first(self, [line.strip() for line in lines])
+        done = f"{len(self.trials)} trials, {self.feasible} feasible{cut}"
+        return verdict_first(self, [f"search '{self.plan.title}': {done}"])
 
 
 def chosen_designs(found: Optimum) -> tuple[Design, ...]:

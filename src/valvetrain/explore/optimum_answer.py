@@ -12,7 +12,7 @@ import numpy as np
 
 from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Design, Optimum, case_text
-from valvetrain.explore.optimum_facts import SearchFacts, card_values, range_text
+from valvetrain.explore.optimum_facts import SearchFacts, card_values
 from valvetrain.explore.optimum_figures import figures
 from valvetrain.explore.optimum_rules import RULES
 from valvetrain.explore.results import (
@@ -20,12 +20,13 @@ from valvetrain.explore.results import (
     Write,
     csv_writer,
     fields_of,
+    range_text,
     rows_of,
     varied_of,
 )
 from valvetrain.explore.trial import Trial
 from valvetrain.findings.engine import Mark
-from valvetrain.findings.words import Amount, Words, digits_text, speeds_text
+from valvetrain.findings.words import Amount, Words, digits_text
 from valvetrain.solution.atomic import write_text
 from valvetrain.units.reader import shown_system
 from valvetrain.views.json import uncertainty_object
@@ -183,11 +184,8 @@ class OptimumAnswer(ExploreAnswer):
         found, search = self.found, self.found.plan.search
         yield f"{found.computed} runs in {found.seconds:.0f} s by {search.method}, seed {search.seed}."
         for one in found.plan.measures:
-            speeds = list(dict.fromkeys(run[0] for run in one.runs if run[0] is not None))
             if one.limit is not None:
                 yield f"The limit is {self.words.said(Amount(one.quantity, found.bound_of_limit(one)), 4)} of {one.quantity}."
-            elif speeds and not one.optional:
-                yield f"{one.label}: the {one.over} at {speeds_text(speeds)}."
         failures = [one.failure for one in found.trials if one.failure]
         if failures:
             yield f"{len(failures)} designs could not be computed (trials.csv), such as: {failures[0]}"

@@ -10,13 +10,12 @@ import numpy as np
 from valvetrain.explore.limit_speed import BELOW, BEYOND, FOUND
 from valvetrain.explore.measure import Measure
 from valvetrain.explore.optimum import Design, Optimum
-from valvetrain.explore.space import Values, Varied
+from valvetrain.explore.results import span_text
 from valvetrain.explore.trial import Trial
 from valvetrain.findings.engine import Subject
 from valvetrain.findings.words import Amount, Phrase, Said, digits_text
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.summary import unit_text
 from valvetrain.quantities.statics import card_quantities
 
 #: Values of the card of a design in addition to the varied ones: quantity -> name.
@@ -175,17 +174,3 @@ def card_values(found: Optimum, trial: Trial) -> Iterator[tuple[str, str, float,
 def _springs(case: Case) -> list[InstalledSpring]:
     sets = (case.springs,) if case.train is None else case.train.springs.values()
     return [one for springs in sets for one in springs]
-
-
-def range_text(one: Varied) -> str:
-    """Over what a quantity is varied, in its unit."""
-    levels = one.distribution
-    if not isinstance(levels, Values):
-        return span_text(one, levels.low, levels.high)
-    return f"{len(levels.values)} values, {span_text(one, min(levels.values), max(levels.values))}"
-
-
-def span_text(one: Varied, low: float, high: float) -> str:
-    """``120 to 200 N``."""
-    ends = " to ".join(digits_text(one.shown(end), 0.0, 3) for end in (low, high))
-    return f"{ends} {unit_text(one.unit)}".strip()

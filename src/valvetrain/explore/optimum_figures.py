@@ -29,7 +29,7 @@ def _designs(facts: SearchFacts) -> go.Figure | None:
         for k, each in enumerate(plan.objectives)
     ]
     axes = [
-        (each.axis_label.replace(" (", ", ").rstrip(")"), [each.shown(float(one.values[k])) for one in trials])
+        (each.axis_label, [each.shown(float(one.values[k])) for one in trials])
         for k, each in enumerate(plan.varied)
     ]  # fmt: skip
     if len(trials) < 2 or (len(axes) > 2 and not several):

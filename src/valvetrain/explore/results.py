@@ -7,7 +7,9 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from valvetrain.findings.words import Words
+from valvetrain.explore.space import Space, Values, Varied
+from valvetrain.findings.words import Words, digits_text
+from valvetrain.parameters.summary import unit_text
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.views.results import answer_of, write_page
@@ -17,7 +19,6 @@ from valvetrain.views.study_files import StudyFiles, files_of
 if TYPE_CHECKING:
     import pandas
 
-    from valvetrain.explore.space import Space
 
 #: Rows that a JSON answer holds; a larger table is in its CSV file alone.
 MAX_ROWS = 2000
@@ -79,6 +80,25 @@ def varied_of(space: Space) -> list[dict[str, str]]:
         {"name": one.name, "key": one.key, "as": one.operation, "label": one.shown_name}
         for one in space
     ]
+
+
+def span_text(one: Varied, low: float, high: float) -> str:
+    """Two values (SI) of a varied quantity: ``120 to 200 N``."""
+    ends = " to ".join(digits_text(one.shown(end), 0.0, 4) for end in (low, high))
+    return f"{ends} {unit_text(one.unit)}".strip()
+
+
+def range_text(one: Varied) -> str:
+    """Over what a quantity is varied, in its unit; of a normal one what holds 95 % of it.
+
+    >>> range_text(Varied("spring.wire_diameter", "mm", distribution=Values((3e-3, 4e-3))))
+    '2 values, 3 to 4 mm'
+    """
+    kind = one.distribution
+    if isinstance(kind, Values):
+        return f"{len(kind.values)} values, {span_text(one, min(kind.values), max(kind.values))}"
+    low, high = kind.at([0, 1] if kind.flat else [0.025, 0.975]).tolist()
+    return span_text(one, low, high) + ("" if kind.flat else f", {kind.kind}")
 
 
 def csv_writer(frame: pandas.DataFrame) -> Write:

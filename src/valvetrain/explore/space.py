@@ -392,15 +392,13 @@ class Varied:
 
     @property
     def axis_label(self) -> str:
-        """The shown name with the unit, or with what a factor or an offset is of.
+        """The shown name with the unit, or with what a factor is of.
 
         >>> Varied("spring.pitch.clearances", operation="factor", label="gaps").axis_label
-        'gaps (× case)'
+        'gaps, × case'
         """
-        unit = unit_text(self.unit)
-        if self.label and self.operation != "value":
-            unit = "× case" if self.operation == "factor" else f"{unit} from the case".lstrip()
-        return f"{self.shown_name} ({unit})" if unit else self.shown_name
+        unit = "× case" if self.operation == "factor" else unit_text(self.unit)
+        return ", ".join(filter(None, (self.shown_name, unit)))
 
     def text(self, value: float, digits: int = 5) -> str:
         """Shown name and value (SI) with its unit; a factor after its sign of times, an offset with

@@ -15,15 +15,15 @@ from valvetrain.explore.results import (
     Write,
     csv_writer,
     fields_of,
+    range_text,
     rows_of,
     varied_of,
 )
-from valvetrain.explore.space import Values, Varied
 from valvetrain.explore.study_facts import PERCENTILES, Effect, StudyFacts
 from valvetrain.explore.study_figures import figures_of_study
 from valvetrain.explore.study_rules import RULES, per_cent
 from valvetrain.explore.table import StudyTable, run_label
-from valvetrain.findings.words import Amount, digits_text
+from valvetrain.findings.words import Amount
 from valvetrain.solution.definition import label_of
 from valvetrain.views.json import uncertainty_object
 from valvetrain.views.style import FigureSpec
@@ -140,7 +140,7 @@ class StudyAnswer(ExploreAnswer):
             (label_of(name), run_label(run), *(self._cell(name, one) for one in np.percentile(values, (0, *PERCENTILES, 100))))
             for run in plan.runs for name in self.facts.outputs if len(values := self.facts.finite(name, run))
         )  # fmt: skip
-        varied = tuple((one.shown_name, one.key, one.operation, distribution_text(one)) for one in plan.varied)  # fmt: skip
+        varied = tuple((one.shown_name, one.key, one.operation, range_text(one)) for one in plan.varied)  # fmt: skip
         heads = ("point", "run", *(one.shown_name for one in plan.varied), *map(label_of, table.outputs), "status")  # fmt: skip
         of = "" if len(table) <= LISTED else f" of {len(table)}, which points.csv has"
         return {
@@ -211,20 +211,3 @@ def _effect(one: Effect | None) -> str:
     low, high = (f"{100 * min(max(0.0, end), 1.0):.0f}" for end in (one.low, one.high))
     sign = {1: ", rises with it", -1: ", falls with it", 0: ""}[one.rises]
     return f"{per_cent(min(1.0, one.share))} of the variance ({low} to {high} %){sign}"
-
-
-def distribution_text(one: Varied) -> str:
-    """Over what a quantity is varied, in its unit.
-
-    >>> distribution_text(Varied("spring.wire_diameter", "mm", distribution=Values((0.003, 0.004))))
-    '3 mm, 4 mm'
-    """
-
-    def told(value: float) -> str:
-        return f"{digits_text(one.shown(float(value)), 0, 6)} {one.unit}".strip()
-
-    kind = one.distribution
-    if isinstance(kind, Values):
-        return ", ".join(map(told, kind.values)) if len(kind.values) <= NAMED else f"{len(kind.values)} values"  # fmt: skip
-    low, high = map(told, kind.at([0, 1] if kind.flat else [0.025, 0.975]))
-    return f"{kind.kind}, {low} to {high}{'' if kind.flat else ' in 95 %'}"

@@ -9,7 +9,6 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from valvetrain.explore.space import Varied
 from valvetrain.explore.study_facts import StudyFacts
 from valvetrain.explore.table import run_label
 from valvetrain.findings.words import speed_text
@@ -49,10 +48,6 @@ def _axis(name: str) -> str:
     return f"{row.label}, {row.unit_word}" if row.shown_unit else row.label
 
 
-def _varied_axis(one: Varied) -> str:
-    return ", ".join(filter(None, (one.shown_name, "× case" if one.operation == "factor" else one.unit)))  # fmt: skip
-
-
 def _values(facts: StudyFacts, name: str) -> Array:
     return np.asarray(shown(name, facts.column(name))[0])
 
@@ -79,7 +74,7 @@ def _over(facts: StudyFacts, name: str) -> go.Figure | None:
             marker={"color": SPEEDS[place % len(SPEEDS)], "size": 7 if lines else 4}, showlegend=bool(label), hovertemplate="%{y:.4~g}",
         ))  # fmt: skip
     _mark(fig, facts, name, x, y)
-    return styled(fig, _varied_axis(varied), (_axis(name),), 400)
+    return styled(fig, varied.axis_label, (_axis(name),), 400)
 
 
 def _mark(fig: go.Figure, facts: StudyFacts, name: str, x: NDArray[Any], y: NDArray[Any]) -> None:
@@ -144,7 +139,7 @@ def _map(facts: StudyFacts, name: str) -> go.Figure:
     z = _values(facts, name)[rows]
     fig = go.Figure(go.Heatmap(x=x[rows], y=y[rows], z=z, colorscale="Viridis", colorbar=bar, hovertemplate="%{z:.4~g}"))  # fmt: skip
     _mark(fig, facts, name, x, y)
-    return styled(fig, _varied_axis(varied[0]), (_varied_axis(varied[1]),), 420)
+    return styled(fig, varied[0].axis_label, (varied[1].axis_label,), 420)
 
 
 def _effects(facts: StudyFacts, name: str) -> go.Figure | None:

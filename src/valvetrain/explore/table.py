@@ -258,9 +258,8 @@ class StudyTable(Reported):
     def __repr__(self) -> str:
         first: str = find("displays", "verdict")(self)
         done = int(np.count_nonzero(self.completed))
-        lines = [first, f"study '{self.plan.title}': {done} of {len(self)} points completed"]
-        lines += [f"  over {one.shown_name} ({one.name})" for one in self.plan.varied]
-        return "\n".join(filter(None, lines))
+        told = f"study '{self.plan.title}': {done} of {len(self)} points completed"
+        return "\n".join(filter(None, (first, told)))
 
 
 def run_label(run: Run) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -25,8 +24,6 @@ from valvetrain.views.csv_table import Table, comparison_table, table
 from valvetrain.views.files import FreeNames, remove_earlier
 from valvetrain.views.text import rpm
 
-#: Name of the size of a cam order.
-_ORDER = re.compile(r"surge_order_(\d+)_force")
 #: Wire points of the CSV files, in turns; the NetCDF files hold every one.
 CSV_SPACING = 0.5
 
@@ -136,22 +133,7 @@ def _tables(study: Study, names: FreeNames) -> dict[str, Callable[[], Table]]:
         tables["comparison"] = partial(comparison_table, study.comparisons)
     for label in study.labels if study.over_speed else ():
         tables[names.free(f"sweep-{label}")] = partial(sweep_table, study, label)
-        tables[names.free(f"orders-{label}")] = partial(orders_table, study, label)
     return tables
-
-
-def orders_table(study: Study, label: str) -> Table:
-    """Sizes (N) of the cam orders of one label over the engine speed (rpm); no rows without orders."""
-    runs = study.runs(label)
-    names = (_ORDER.fullmatch(name) for run in runs for name in run.quantities)
-    orders = sorted({int(found[1]) for found in names if found})
-    columns = [
-        (f"order {order}", "N", study.series(label, f"surge_order_{order}_force")[1])
-        for order in orders
-    ]
-    return table(
-        ("engine speed", "rpm", [rpm(run.engine_speed) for run in runs] if orders else []), *columns
-    )
 
 
 def at_wire_points(solution: Solution, spacing: float) -> Solution:
@@ -264,15 +246,9 @@ def event_table(study: Study) -> Table:
 
 
 def sweep_table(study: Study, label: str) -> Table:
-    """All quantities of one label over the engine speed in the units shown; cam orders are in a
-    table of their own.
-    """
+    """All quantities of one label over the engine speed in the units shown."""
     runs = study.runs(label)
-    names = [
-        name
-        for name in dict.fromkeys(name for run in runs for name in run.quantities)
-        if not name.startswith("surge_order_")
-    ]
+    names = dict.fromkeys(name for run in runs for name in run.quantities)
     columns = [("engine speed", "rpm", np.array([rpm(run.engine_speed) for run in runs]))]
     columns.append(("status", "", np.array([run.status.code for run in runs], dtype=object)))
     for name in names:
