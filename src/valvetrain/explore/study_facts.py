@@ -228,7 +228,9 @@ class StudyFacts(Subject):
         sobol = [one for one in table.sensitivities if (one.output, one.run) == (name, self.run)]
         for k in self.changing:
             ranks = [np.unique(one, return_inverse=True)[1].ravel() for one in (table.inputs[rows][there, k], y)]  # fmt: skip
-            with np.errstate(invalid="ignore"):  # of a stopped study a quantity may not have moved yet
+            with np.errstate(
+                invalid="ignore"
+            ):  # of a stopped study a quantity may not have moved yet
                 r = float(np.nan_to_num(np.atleast_2d(np.corrcoef(ranks))[0, 1]))
             half = SIGMAS / np.sqrt(len(y) - 3)
             ends = np.tanh(np.arctanh(np.clip(r, -0.999999, 0.999999)) + np.array([-half, half]))
