@@ -12,11 +12,10 @@ import pytest
 
 import valvetrain as vt
 from valvetrain.errors import InputError
-from valvetrain.explore.files import text_of_file
 from valvetrain.explore.identification_file import read_request
 from valvetrain.film.frames import open_film
 from valvetrain.measured.tables import read_content
-from valvetrain.parameters.loading import load_case
+from valvetrain.parameters.loading import load_case, read_text
 from valvetrain.rig.reader import read_recording
 from valvetrain.scan.clouds import open_cloud
 from valvetrain.solution.atomic import checked_content
@@ -53,7 +52,7 @@ READERS = {
     ),
     "identification": (read_request, "(bad path)", "there is no file", "is a folder", "case"),
     "plan": (
-        lambda path: text_of_file(path, "plan"),
+        lambda path: read_text(path, "plan"),
         "(bad path)",
         "there is no file",
         "is a folder",

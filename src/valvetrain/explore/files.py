@@ -37,9 +37,8 @@ from valvetrain.explore.space import (
     Values,
     Varied,
 )
-from valvetrain.parameters.bounded_file import bounded_bytes
 from valvetrain.parameters.case import Case
-from valvetrain.parameters.loading import library_names, load_case, parse_toml
+from valvetrain.parameters.loading import library_names, load_case, parse_toml, read_text
 from valvetrain.parameters.overrides import REMOVED
 from valvetrain.parameters.schema_types import (
     Line,
@@ -282,7 +281,7 @@ class FileText(Generic[FileModel]):
         if isinstance(source, str) and "=" in source and "\n" in source:
             return cls(source, what.removesuffix(" file"), Path(), model)
         path = Path(source)
-        return cls(text_of_file(path, what), path.name[:60], path.parent, model)
+        return cls(read_text(path, what), path.name[:60], path.parent, model)
 
     @cached_property
     def case(self) -> Case:
@@ -329,28 +328,6 @@ class FileText(Generic[FileModel]):
             raise self.located(
                 (*path, *context.get("path", ())), str(context.get("reason", error))
             ) from None
-
-
-def text_of_file(path: Path, what: str) -> str:
-    """Text of the TOML file at ``path``, which messages call ``what``. Raises :class:`InputError`,
-    one sentence.
-    """
-    article = "an" if what[0] in "aeiou" else "a"
-    try:
-        return bounded_bytes(path, what).decode("utf-8-sig")
-    except InputError as error:
-        raise InputError(error.reason, path.name[:60]) from None
-    except UnicodeDecodeError:
-        raise InputError("is no text file; it is TOML in UTF-8", path.name[:60]) from None
-    except FileNotFoundError:
-        raise InputError(
-            f"there is no file '{str(path)[:120]}'; check the path (the name of {article} {what} ends in .toml)"
-        ) from None
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"the file cannot be read ({getattr(error, 'strerror', None) or 'bad path'}); check it",
-            path.name[:60],
-        ) from None
 
 
 def case_of_file(name: str, changes: Mapping[str, Any], folder: Path) -> Case:

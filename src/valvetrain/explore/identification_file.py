@@ -16,7 +16,6 @@ from valvetrain.explore.files import (
     CaseModel,
     FileText,
     VaryModel,
-    text_of_file,
     varied_of_table,
 )
 from valvetrain.explore.measurements import PredictionModel, Target, read_measurement
@@ -160,17 +159,19 @@ class Request:
         return digest(repr((*subject, self.evaluator, self.options)).encode())
 
 
-def read_request(path: str | os.PathLike[str]) -> Request:
-    """The identification in a TOML file. Raises :class:`InputError`: one sentence with the place."""
-    file = Path(path)
-    return parse_request(text_of_file(file, "identification file"), file.name, file.parent)
+def read_request(source: str | os.PathLike[str]) -> Request:
+    """The identification in the file at a path, or its text. Raises :class:`InputError`: one sentence with the place."""
+    return _request(FileText.read(source, IdentificationModel))
 
 
 def parse_request(text: str, name: str, folder: Path) -> Request:
     """The identification written in ``text`` of the file ``name``; ``folder`` is where the files it
     names are looked for. Errors as :func:`read_request`.
     """
-    file = FileText(text, name[:60], folder, IdentificationModel)
+    return _request(FileText(text, name[:60], folder, IdentificationModel))
+
+
+def _request(file: FileText[IdentificationModel]) -> Request:
     model, case = file.model, file.case
     evaluator: PointEvaluator | None = None
     if model.evaluator:
@@ -189,7 +190,7 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         for pair in file.guarded(
             ("measurements", one),
             lambda one=one, table=table: read_measurement(
-                one, table, folder, bool(model.evaluator)
+                one, table, file.folder, bool(model.evaluator)
             ),
         )
     ]
@@ -199,7 +200,7 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
     ]
     search = file.guarded(("search",), lambda: _search(model.search))
     return Request(
-        title=model.title or name.removesuffix(".toml").replace("_", " "),
+        title=model.title or file.where.removesuffix(".toml").replace("_", " "),
         case=case,
         unknowns=unknowns,
         varied=varied,
@@ -208,7 +209,7 @@ def parse_request(text: str, name: str, folder: Path) -> Request:
         search=search,
         evaluator=model.evaluator,
         options=options,
-        text=text,
+        text=file.text,
     )
 
 

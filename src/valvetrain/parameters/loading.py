@@ -229,19 +229,20 @@ def list_cases() -> tuple[CaseSummary, ...]:
     return tuple(summaries)
 
 
-def read_text(path: Path) -> str:
-    """The text of the case file ``path``; errors as :func:`load_case`."""
+def read_text(path: Path, what: str = "case") -> str:
+    """The text of the TOML file ``path``, which messages call ``what``; errors as :func:`load_case`."""
     try:
-        return bounded_bytes(path, "case").decode("utf-8-sig")
+        return bounded_bytes(path, what).decode("utf-8-sig")
     except InputError as error:
         raise InputError(error.reason, _one_line(path.name or str(path), 60)) from None
     except UnicodeDecodeError:
-        raise InputError("is no text file; a case is TOML in UTF-8", path.name) from None
+        raise InputError("is no text file; it is TOML in UTF-8", path.name[:60]) from None
     except FileNotFoundError:
         name = _one_line(str(path), 120)
-        raise InputError(
-            f"there is no file '{name}'; check the path, or list the library with 'valvetrain cases'"
-        ) from None
+        other = (
+            ", or list the library with 'valvetrain cases'" if what == "case" else f" of the {what}"
+        )
+        raise InputError(f"there is no file '{name}'; check the path{other}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "bad path"
         raise InputError(
