@@ -105,15 +105,16 @@ def test_a_table_is_sent_named_handed_out_and_removed(workspace, client):
         "attachment"
     )
     assert answer.headers["content-type"] == "application/octet-stream"
-    workspace.replace_text(case, SPRING + TABLE)
+    path = workspace.case_folder(case) / "case.toml"
+    path.write_text(SPRING + TABLE)
     assert workspace.side_files(case)[0].is_named
     with pytest.raises(InputError, match="names this file, so it stays"):
         workspace.detach(case, "lift.txt")
     assert workspace.read(case).lift_law is not None
-    workspace.replace_text(case, SMALL)
+    path.write_text(SMALL)
     workspace.detach(case, "lift.txt")
     assert (
-        workspace.side_files(case) == []
+        workspace.side_files(case) == ()
         and client.get(f"/case-file/{case}/lift.txt").status_code == 404
     )
 
@@ -181,7 +182,7 @@ def test_nothing_but_a_file_beside_the_case_is_handed_out_or_removed(workspace, 
     assert client.get(f"/case-file/{name}/case.toml").status_code in (403, 404)
     with pytest.raises(InputError):
         workspace.detach(case, name)
-    assert workspace.text(case) == SMALL and workspace.side_files(case) == []
+    assert workspace.text(case) == SMALL and workspace.side_files(case) == ()
 
 
 @pytest.mark.parametrize(

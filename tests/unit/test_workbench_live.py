@@ -22,7 +22,8 @@ from valvetrain.parameters.loading import LIBRARY, parse_case
 from valvetrain.parameters.templates import template_text
 from valvetrain.quantities.cycle import reported_cycle
 from valvetrain.workbench import live, live_worker
-from valvetrain.workbench.live import LiveChain, LiveResult
+from valvetrain.workbench.live import LiveChain
+from valvetrain.workbench.live_messages import LiveResult
 from valvetrain.workbench.live_worker import LiveCase
 from valvetrain.workbench.pages.orders import models_for
 from workbench_parts import SMALL, lives, wait_for
@@ -33,18 +34,18 @@ def test_a_curve_is_that_of_a_run_of_the_changed_case():
     found = LiveCase(SMALL, Path(), "multi-mass").answer({"spring.mass": "50 g"}, "5000 rpm")
     case = parse_case(SMALL, "case", changes={"spring.mass": "50 g"})
     cycle = reported_cycle(vt.simulate(case, "5000 rpm", spring_models=["multi-mass"]).solutions[0])
-    assert found["sentence"] == "" and found["engine_speed"] == pytest.approx(5000)
-    assert np.array_equal(found["force_N"], np.round(cycle.channel("retainer_force"), 4))
-    assert found["angle_deg"][0] == 0 and found["angle_deg"] == sorted(found["angle_deg"])
-    assert found["quantities"]["largest force"][0] == pytest.approx(max(found["force_N"]), abs=1e-4)
+    assert found.sentence == "" and found.engine_speed == pytest.approx(5000)
+    assert np.array_equal(found.force_N, np.round(cycle.channel("retainer_force"), 4))
+    assert found.angle_deg[0] == 0 and list(found.angle_deg) == sorted(found.angle_deg)
+    assert found.quantities["largest force"][0] == pytest.approx(max(found.force_N), abs=1e-4)
 
 
 def test_a_massless_spring_is_hookes_law():
     found = LiveCase(SMALL, Path(), "massless").answer({"spring.rate": "40 N/mm"}, "")
     lift = vt.simulate(parse_case(SMALL), spring_models=["massless"]).solutions[0]
-    assert found["engine_speed"] == pytest.approx(4000)
+    assert found.engine_speed == pytest.approx(4000)
     expected = 250 + 40e3 * reported_cycle(lift).channel("valve_lift")
-    assert np.allclose(found["force_N"], expected, atol=1e-3)
+    assert np.allclose(found.force_N, expected, atol=1e-3)
 
 
 def test_the_float_speed_of_rigid_parts_is_that_of_a_run():
@@ -53,7 +54,7 @@ def test_the_float_speed_of_rigid_parts_is_that_of_a_run():
     found = LiveCase(template_text("direct"), Path(), "").answer(changes, "5000 rpm")
     case = vt.Case(parse_case(template_text("direct"), "case", changes=changes))
     (still,) = case.compare("5000 rpm").still.values()
-    live_rpm = found["quantities"]["contact-loss speed, rigid parts"][0]
+    live_rpm = found.quantities["contact-loss speed, rigid parts"][0]
     assert live_rpm == pytest.approx(still["rigid_contact_loss_engine_speed"] * 30 / np.pi)
 
 
@@ -70,8 +71,8 @@ def test_the_float_speed_of_rigid_parts_is_that_of_a_run():
 )
 def test_a_refusal_is_a_sentence_and_the_next_curve_comes(changes, speed, words):
     case = LiveCase(SMALL, Path(), "multi-mass")
-    assert words in case.answer(changes, speed)["sentence"]
-    assert case.answer({}, "")["sentence"] == ""
+    assert words in case.answer(changes, speed).sentence
+    assert case.answer({}, "").sentence == ""
 
 
 def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
@@ -83,7 +84,7 @@ def test_a_chain_curve_of_the_beehive_takes_less_than_a_tenth_of_a_second():
     said = []
 
     def one():
-        said.append(case.answer({"spring.precompression": next(heights)}, "")["sentence"])
+        said.append(case.answer({"spring.precompression": next(heights)}, "").sentence)
 
     assert quickest(one, 60) < 0.1 and not any(said)
 
@@ -130,8 +131,8 @@ def test_a_train_of_cards_has_the_numbers_of_its_run():
     answer = LiveCase(text, LIBRARY, "").answer({}, "6000 rpm")
     run = vt.Case(text).run("6000 rpm")
     force = reported_cycle(run).channel("retainer_force")
-    assert answer["model"] == run.model == "modal-uniform"
-    assert answer["quantities"]["largest force"][0] == pytest.approx(force.max(), rel=1e-3)
+    assert answer.model == run.model == "modal-uniform"
+    assert answer.quantities["largest force"][0] == pytest.approx(force.max(), rel=1e-3)
     (first,) = (one for one in models_for(parse_case(text)) if one["chosen"])
     assert first["word"] == run.model
 
@@ -187,13 +188,13 @@ def test_the_float_speed_is_where_a_run_begins_to_float():
     text = template_text("direct")
     live_case = LiveCase(text, Path(), "massless")
     found = live_case.float_speed({})
-    engine_speed, unit = found["quantities"]["float speed"]
-    assert unit == "rpm" and not found["sentence"]
+    engine_speed, unit = found.quantities["float speed"]
+    assert unit == "rpm" and not found.sentence
     speeds = f"{0.975 * engine_speed}, {1.025 * engine_speed} rpm"
     runs = vt.simulate(parse_case(text, "direct"), speeds, spring_models="massless").solutions
     below, above = (run.quantities["float_excess_lift"] for run in runs)
     assert below <= 50e-6 < above
-    told = live_case.answer({}, f"{0.975 * engine_speed} rpm")["quantities"]
+    told = live_case.answer({}, f"{0.975 * engine_speed} rpm").quantities
     for label, name in (
         ("minimum cam contact force while open", "minimum_cam_contact_force"),
         ("minimum spring margin", "minimum_spring_margin_force"),
@@ -202,4 +203,4 @@ def test_the_float_speed_is_where_a_run_begins_to_float():
 
 
 def test_a_spring_alone_has_no_float_speed():
-    assert "no float speed" in LiveCase(SMALL, Path(), "massless").float_speed({})["sentence"]
+    assert "no float speed" in LiveCase(SMALL, Path(), "massless").float_speed({}).sentence

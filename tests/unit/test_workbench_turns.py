@@ -18,6 +18,7 @@ import pytest
 from valvetrain.errors import InputError
 from valvetrain.workbench import saved_runs as saved_tests
 from valvetrain.workbench import side_files as passing
+from valvetrain.workbench.edits import read_change
 from valvetrain.workbench.saved_runs import MAX_TESTS, keep_test
 from valvetrain.workbench.workspace import Workspace
 from workbench_parts import SMALL, SPRING, TABLE, kept, lifts
@@ -61,10 +62,10 @@ def test_a_file_goes_or_is_named_never_both(workspace, table, monkeypatch):
     refused, and the case reads.
     """
     workspace.attach(table, "other.txt", lifts(8.0))
-    reading, parse = threading.Event(), Workspace.parse
+    reading = threading.Event()
 
-    def slow(self, case, toml, changes=None):
-        found = parse(self, case, toml, changes)
+    def slow(*given):
+        found = read_change(*given)
         reading.set()
         time.sleep(0.1)
         return found
@@ -73,7 +74,7 @@ def test_a_file_goes_or_is_named_never_both(workspace, table, monkeypatch):
         reading.wait(10)
         workspace.detach(table, "other.txt")
 
-    monkeypatch.setattr(Workspace, "parse", slow)
+    monkeypatch.setattr("valvetrain.workbench.workspace.read_change", slow)
     named, removed = at_once(lambda: workspace.set_value(table, "lift_law.file", "other.txt"), gone)
     monkeypatch.undo()
     assert named is None and isinstance(removed, InputError) and "so it stays" in str(removed)

@@ -101,7 +101,7 @@ def test_what_is_no_case_is_refused_with_the_readers_sentence(workspace):
     assert not workspace.cases() and not list(workspace.jobs_folder.iterdir())
     name = workspace.upload("small.toml", SMALL.encode())
     with pytest.raises(InputError, match="not valid TOML"):
-        workspace.replace_text(name, "x = [")
+        workspace.parse(name, "x = [")
     assert workspace.text(name) == SMALL
 
 
@@ -122,7 +122,7 @@ def test_a_case_names_no_file_elsewhere(workspace, file):
     study = f"outputs = ['preload']\nchanges = {{ 'lift_law.file' = {json.dumps(file)} }}\n[[vary]]\nkey = 'spring.mass'\nvalues = '1, 2 g'\n"
     with Jobs(workspace) as jobs:
         for change in (
-            lambda: workspace.replace_text(name, table),
+            lambda: workspace.parse(name, table),
             lambda: workspace.set_value(name, "lift_law.file", file),
             lambda: workspace.set_value(name, "lift_law", law),
             lambda: read_change(SMALL, "lift_law.file", file),
@@ -257,6 +257,7 @@ def test_a_solid_height_above_what_the_lift_needs_is_refused_as_by_the_command(t
     assert workspace.text(case) == before
     workspace.set_value(case, key, "1.0 in")
     assert '"1.0 in"' in workspace.text(case)
-    workspace.replace_text(case, workspace.text(case).replace('"1.0 in"', '"1.245 in"'))
+    path = workspace.case_folder(case) / "case.toml"
+    path.write_text(workspace.text(case).replace('"1.0 in"', '"1.245 in"'), "utf-8")
     workspace.set_value(case, key, "1.24 in")
     assert '"1.24 in"' in workspace.text(case)

@@ -11,6 +11,7 @@ import logging
 import os
 import secrets
 import shutil
+import sqlite3
 import threading
 import time
 from contextlib import suppress
@@ -141,15 +142,7 @@ class Jobs:
 
     def status(self, job_id: str) -> JobStatus:
         """The state of a job. Raises :class:`InputError` for an unknown id."""
-        with self.workspace.store.connected() as base:
-            row = base.execute(
-                f"SELECT {_COLUMNS} FROM jobs WHERE id = ?", (str(job_id),)
-            ).fetchone()
-        if row is None:
-            raise InputError(
-                f"there is no job '{clipped(str(job_id), 40)}'; it may have been forgotten", "job"
-            )
-        return self._with_progress(JobStatus(*row))
+        return self._with_progress(JobStatus(*self._row(job_id, _COLUMNS)))
 
     def jobs(self, case: str | None = None, most: int = 50) -> list[JobStatus]:
         """Jobs, newest first; of one case where given."""
@@ -163,13 +156,18 @@ class Jobs:
 
     def request(self, job_id: str) -> JobRequest:
         """The request of a job. Raises :class:`InputError` for an unknown id."""
+        return request_of(self._row(job_id, "request")["request"])
+
+    def _row(self, job_id: str, columns: str) -> sqlite3.Row:
         with self.workspace.store.connected() as base:
-            row = base.execute("SELECT request FROM jobs WHERE id = ?", (str(job_id),)).fetchone()
+            row: sqlite3.Row | None = base.execute(
+                f"SELECT {columns} FROM jobs WHERE id = ?", (str(job_id),)
+            ).fetchone()
         if row is None:
             raise InputError(
                 f"there is no job '{clipped(str(job_id), 40)}'; it may have been forgotten", "job"
             )
-        return request_of(row["request"])
+        return row
 
     def cancel(self, job_id: str) -> None:
         """Stop a job; what was finished is saved. Nothing where it has ended."""

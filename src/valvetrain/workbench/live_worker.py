@@ -1,23 +1,19 @@
 """The process behind :class:`valvetrain.workbench.live.LiveChain`: it holds the case read and
-built, and answers line by line.
-
-A line on standard input is a JSON object with ``changes`` (key path -> text) and ``engine_speed``;
-a line on standard output the answer.
-It ends when its standard input does.
+built, and answers one request after the other.
 """
 
 from __future__ import annotations
 
-import json
 import math
+import multiprocessing
 import os
-import queue
-import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +39,7 @@ from valvetrain.solution.result import Solution
 from valvetrain.system.build import build
 from valvetrain.system.problem import Problem
 from valvetrain.units import si_speeds
+from valvetrain.workbench.live_messages import LiveRequest, LiveResult
 
 #: The model of a spring alone: a curve in milliseconds.
 CHAIN = "multi-mass"
@@ -53,9 +50,6 @@ MAX_BUILT = 8
 #: the other until the valve floats, and its resolution (rad/s).
 FLOAT_SHARES, FLOAT_RESOLUTION = (0.6, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5), 20 * np.pi / 30
 RIGID = "rigid_contact_loss_engine_speed"
-#: The line that ends a search.
-STOP = "stop\n"
-_stop = threading.Event()
 
 
 class LiveCase:
@@ -77,20 +71,13 @@ class LiveCase:
     def _tree(self) -> dict[str, Any]:
         return parse_toml(self.case_text, "case")
 
-    def answer(self, changes: Mapping[str, str], engine_speed: str) -> dict[str, Any]:
+    def answer(self, changes: Mapping[str, str], engine_speed: str) -> LiveResult:
         """The curve of the case with ``changes`` at a crank speed (text; empty: the highest of the
         case), or a sentence.
         """
-        begun = time.perf_counter()
-        try:
-            found = self._curve(changes, engine_speed)
-        except ValvetrainError as error:
-            found = {"sentence": str(error)}
-        except Exception as error:  # whatever goes wrong in one curve, the next is still computed
-            found = {"sentence": reason(error)}
-        return found | {"seconds": time.perf_counter() - begun}
+        return _timed(lambda: self._curve(changes, engine_speed))
 
-    def _curve(self, changes: Mapping[str, str], engine_speed: str) -> dict[str, Any]:
+    def _curve(self, changes: Mapping[str, str], engine_speed: str) -> LiveResult:
         problem, ready, rigid = self._ready(changes)
         if ready.refusal:
             raise InputError(ready.refusal)
@@ -106,7 +93,7 @@ class LiveCase:
         plan = Plan("ends", None, True, problem.cycles, problem.cycles_to_settle)
         run = integrate_point(ready, speed, plan, origin)
         if run.status.code not in ("completed", "not-converged"):
-            return {"sentence": run.status.sentence()}
+            return LiveResult(sentence=run.status.sentence())
         cycle = reported_cycle(run)
         force, lift = (
             np.asarray(cycle.channel(name), dtype=float)
@@ -115,39 +102,30 @@ class LiveCase:
         peak = int(np.argmax(force))
         numbers = {} if ready.motion is None else train_numbers(ready, run, rigid)
         degrees = np.degrees(cycle.cam_angle)
-        return {
-            "model": run.model,
-            "angle_deg": np.round(degrees, 4).tolist(),
-            "force_N": np.round(force, 4).tolist(),
-            "engine_speed": speed * 30 / np.pi,
-            "sentence": "" if run.status.code == "completed" else run.status.sentence(),
-            "quantities": {
+        return LiveResult(
+            angle_deg=tuple(np.round(degrees, 4).tolist()),
+            force_N=tuple(np.round(force, 4).tolist()),
+            sentence="" if run.status.code == "completed" else run.status.sentence(),
+            quantities={
                 **numbers,
                 "largest force": (float(force[peak]), "N"),
                 "at": (float(degrees[peak]), "deg"),
                 "smallest force": (float(force.min()), "N"),
                 "largest lift": (float(lift.max()) * 1e3, "mm"),
             },
-        }
+            engine_speed=speed * 30 / np.pi,
+            model=run.model,
+        )
 
     def float_speed(
         self, changes: Mapping[str, str], stopped: Callable[[], bool] = lambda: False
-    ) -> dict[str, Any]:
+    ) -> LiveResult:
         """The float speed of a train with ``changes`` by a search of few runs, in ``quantities``;
         ``skipped`` once ``stopped`` says so, a sentence where it is refused.
         """
-        begun = time.perf_counter()
-        try:
-            found = self._float_speed(changes, stopped)
-        except ValvetrainError as error:
-            found = {"sentence": str(error)}
-        except Exception as error:  # as for a curve
-            found = {"sentence": reason(error)}
-        return {"sentence": "", **found, "seconds": time.perf_counter() - begun}
+        return _timed(lambda: self._float_speed(changes, stopped))
 
-    def _float_speed(
-        self, changes: Mapping[str, str], stopped: Callable[[], bool]
-    ) -> dict[str, Any]:
+    def _float_speed(self, changes: Mapping[str, str], stopped: Callable[[], bool]) -> LiveResult:
         problem, ready, rigid = self._ready(changes)
         if ready.refusal or ready.motion is None:
             raise InputError(ready.refusal or "a spring alone has no float speed")
@@ -156,13 +134,13 @@ class LiveCase:
         options = CriticalOptions(resolution=FLOAT_RESOLUTION, ranges=False)
         found = first_loss("float", problem, ready, speeds, options, stopped)
         if found is None:
-            return {"skipped": True}
+            return LiveResult(skipped=True)
         if not found or not np.isfinite(found):
             low, high = speeds[0] * 30 / np.pi, speeds[-1] * 30 / np.pi
-            return {
-                "sentence": f"no float up to {high:.0f} rpm" if found else f"below {low:.0f} rpm"
-            }
-        return {"quantities": {"float speed": (found * 30 / np.pi, "rpm")}}
+            return LiveResult(
+                sentence=f"no float up to {high:.0f} rpm" if found else f"below {low:.0f} rpm"
+            )
+        return LiveResult(quantities={"float speed": (found * 30 / np.pi, "rpm")})
 
     def _ready(self, changes: Mapping[str, str]) -> tuple[Problem, PreparedRun, float]:
         """The built case, its run, and the engine speed (rad/s) at which rigid parts lose contact,
@@ -190,6 +168,18 @@ class LiveCase:
         return self._built[key]
 
 
+def _timed(compute: Callable[[], LiveResult]) -> LiveResult:
+    """What ``compute`` gives, with its time; whatever goes wrong is a sentence, and the next curve is computed."""
+    begun = time.perf_counter()
+    try:
+        result = compute()
+    except ValvetrainError as error:
+        result = LiveResult(sentence=str(error))
+    except Exception as error:
+        result = LiveResult(sentence=reason(error))
+    return replace(result, seconds=time.perf_counter() - begun)
+
+
 def train_numbers(ready: PreparedRun, run: Solution, rigid: float) -> dict[str, tuple[float, str]]:
     """What decides whether a train keeps control at the speed of a run: least cam force while the
     valve is open, least margin of the spring and float speed of ``rigid`` parts, by their labels.
@@ -209,46 +199,27 @@ def train_numbers(ready: PreparedRun, run: Solution, rigid: float) -> dict[str, 
     }
 
 
-def main() -> None:
-    """Read the case from the first line, then answer each line that follows."""
-    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-    first = json.loads(sys.stdin.readline())
-    _bound(float(first["memory"]))
-    threading.Thread(target=_listen, args=(lines,), daemon=True).start()
-    case = LiveCase(first["case_text"], Path(first["folder"]), first["spring_model"])
-    if first["warm"]:
+def serve(pipe: Connection, case: LiveCase, warm: bool) -> None:
+    """Answer each request that comes over the ``pipe``, and end with the process at its other end, whatever
+    is computed; ``warm``: a first curve is computed before.
+    """
+    threading.Thread(target=_end_with_server, daemon=True).start()
+    if warm:
         case.answer({}, "")
-    while True:
-        request = json.loads(lines.get())
-        if request.get("float"):
-            _stop.clear()
-            answer = case.float_speed(request["changes"], _stop.is_set)
-        else:
-            answer = case.answer(request["changes"], request["engine_speed"])
-        sys.stdout.write(json.dumps(answer, allow_nan=False) + "\n")
-        sys.stdout.flush()
+    with suppress(EOFError):
+        while True:
+            request: LiveRequest | None = pipe.recv()
+            if request is None:
+                continue  # its search has ended by itself
+            if request.searches_float:
+                answer = case.float_speed(request.changes, pipe.poll)
+            else:
+                answer = case.answer(request.changes, request.engine_speed)
+            pipe.send(answer)
 
 
-def _listen(lines: queue.SimpleQueue[str]) -> None:
-    """Pass requests on; end the process, whatever it computes, once there are no more."""
-    for line in sys.stdin:
-        if line == STOP:
-            _stop.set()
-        else:
-            lines.put(line)
-    os._exit(0)
-
-
-def _bound(memory: float) -> None:
-    """No more address space than that, and no core dumps."""
-    with suppress(ImportError, ValueError, OSError):
-        import resource
-
-        for kind, most in ((resource.RLIMIT_AS, int(memory)), (resource.RLIMIT_CORE, 0)):
-            hard = resource.getrlimit(kind)[1]
-            least = most if hard == resource.RLIM_INFINITY else min(most, hard)
-            resource.setrlimit(kind, (least, least))
-
-
-if __name__ == "__main__":
-    main()
+def _end_with_server() -> None:
+    server = multiprocessing.parent_process()
+    if server is not None:
+        server.join()
+        os._exit(0)

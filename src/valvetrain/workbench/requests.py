@@ -4,9 +4,10 @@ shell.
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
+
+from pydantic import TypeAdapter
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.case import Case
@@ -47,6 +48,9 @@ class JobRequest:
     engine_speeds: str = ""
     spring_sets: tuple[str, ...] = ()
     study: str = ""
+
+
+_ADAPTER = TypeAdapter(JobRequest)
 
 
 def check_request(request: JobRequest, case: Case) -> None:
@@ -143,12 +147,9 @@ def _study_tree(text: str) -> dict[str, Any]:
 
 def request_json(request: JobRequest) -> str:
     """The request as text, for the database."""
-    return json.dumps(asdict(request))
+    return _ADAPTER.dump_json(request).decode()
 
 
 def request_of(text: str) -> JobRequest:
     """The request of :func:`request_json`."""
-    given = json.loads(text)
-    values = {one.name: given[one.name] for one in fields(JobRequest) if one.name in given}
-    listed = {name: tuple(given[name]) for name in ("spring_models", "spring_sets")}
-    return JobRequest(**{**values, **listed})
+    return _ADAPTER.validate_json(text)

@@ -22,6 +22,7 @@ from valvetrain.runs.run_folders import ANSWER, CASE_FILE, homes, refuse_living,
 from valvetrain.runs.saved_runs import SavedRun, read_answer
 from valvetrain.solution.atomic import atomic_path, write_bytes
 from valvetrain.units.text import clipped
+from valvetrain.workbench.side_files import StoredFile, stored_files
 from valvetrain.workbench.store import checked_name, inside, writing
 
 RunFiles = Literal["case", "data", "report", "csv"]
@@ -201,40 +202,27 @@ def _card(root: Path, folder: Path, path: Path, changed: int) -> Run:
     return Run(run_id, folder, case, "", "", False, verdict=f"damaged: {reason}")
 
 
-def _written_at(folder: Path) -> str:
-    """Time at which the answer of a study was written, ISO 8601 in UTC."""
-    with suppress(OSError):
-        return datetime.fromtimestamp(int((folder / STUDY_ANSWER).stat().st_mtime), UTC).isoformat()
-    return ""
-
-
 def _run(root: Path, folder: Path, answer: Mapping[str, Any]) -> Run:
     saved = SavedRun(folder, answer)
-
-    def text(key: str, most: int) -> str:
-        return clipped(str(answer.get(key, "")), most)
-
+    verdict = str(saved.verdict.get("text", ""))
+    created_at = clipped(saved.created_at, 40)
+    if not created_at:  # a study says no time
+        with suppress(OSError):
+            changed = int((folder / STUDY_ANSWER).stat().st_mtime)
+            created_at = datetime.fromtimestamp(changed, UTC).isoformat()
     return Run(
         folder.relative_to(root).as_posix(),
         folder,
-        text("case", 200),
-        text("command", 40),
-        text("created_at", 40) or _written_at(folder),
+        clipped(saved.case, 200),
+        clipped(saved.command, 40),
+        created_at,
         bool(answer.get("completed", True)),
         tuple(clipped(one, 1000) for one in saved.failures),
-        text("title", 200),
+        clipped(str(answer.get("title", "")), 200),
         tuple(map(clipped, saved.spring_models)),
         saved.engine_speeds,
-        clipped(_verdict(answer), 1000),
+        clipped(verdict[:1].upper() + verdict[1:], 1000),
     )
-
-
-def _verdict(answer: Mapping[str, Any]) -> str:
-    """The fact of the first finding, as a sentence begins; empty without any."""
-    findings = answer.get("findings")
-    first = findings[0] if isinstance(findings, list) and findings else {}
-    text = str(first.get("text", "")) if isinstance(first, Mapping) else ""
-    return text[:1].upper() + text[1:]
 
 
 #: Bounds of the tests of one run: files, and bytes together.
@@ -245,40 +233,12 @@ _STEM, _ENDING = 50, 10
 _turn = threading.RLock()
 
 
-@dataclass(frozen=True, slots=True)
-class SavedTest:
-    """A file of a test that was laid over a run.
-
-    Parameters
-    ----------
-    name : its name
-    size : bytes
-    changed : time at which it was saved (ns since the epoch)
-    path : where it is
-    """
-
-    name: str
-    size: int
-    changed: int
-    path: Path
-
-
-def saved_tests(run: Run) -> list[SavedTest]:
+def saved_tests(run: Run) -> list[StoredFile]:
     """Tests laid over a run, the newest first."""
-    folder = run.folder / TESTS
-    if folder.is_symlink() or not folder.is_dir():
-        return []
-    found = []
-    with suppress(OSError):  # its last test was removed meanwhile
-        for path in folder.iterdir():
-            if path.is_file() and not path.is_symlink() and not path.name.startswith("."):
-                with suppress(OSError):
-                    status = path.stat()
-                    found.append(SavedTest(path.name, status.st_size, status.st_mtime_ns, path))
-    return sorted(found, key=lambda one: (-one.changed, one.name))
+    return sorted(stored_files(run.folder / TESTS), key=lambda one: (-one.changed, one.name))
 
 
-def saved_test(run: Run, name: str) -> SavedTest:
+def saved_test(run: Run, name: str) -> StoredFile:
     """The test of that name. Raises :class:`InputError` where there is none."""
     checked_name(name)
     for one in saved_tests(run):
@@ -287,7 +247,7 @@ def saved_test(run: Run, name: str) -> SavedTest:
     raise _gone(name)
 
 
-def read_test(run: Run, name: str) -> tuple[SavedTest, bytes]:
+def read_test(run: Run, name: str) -> tuple[StoredFile, bytes]:
     """The test of that name with its content. Raises :class:`InputError` where there is none, or
     none any more.
     """
@@ -320,7 +280,7 @@ def saved_name(sent: str) -> str:
     return checked_name(f"{stem}{ending}")
 
 
-def keep_test(run: Run, name: str, content: bytes) -> SavedTest:
+def keep_test(run: Run, name: str, content: bytes) -> StoredFile:
     """Store the file of a test with a run, in place of one that was sent under the same name.
 
     Parameters

@@ -26,49 +26,44 @@ _OF_JOBS = ("answer.json", "complaints.txt", "lock")
 
 
 @dataclass(frozen=True, slots=True)
-class SideFile:
-    """A file next to a case.
+class StoredFile:
+    """A file of a case or a run that a visitor put there.
 
     Parameters
     ----------
-    name : its name, by which a case names it
+    path : where it is
     size : bytes
+    changed : time at which it was written (ns since the epoch)
     is_named : the case names it, so it cannot be removed
     """
 
-    name: str
+    path: Path
     size: int
-    is_named: bool
+    changed: int
+    is_named: bool = False
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.path.name
 
 
-def list_files(folder: Path, text: str) -> list[SideFile]:
-    """Files in the folder of the case ``text``, by name."""
-    named = names_in(text)
-    return [SideFile(name, size, name in named) for name, _, size in file_stamps(folder)]
-
-
-def file_stamps(folder: Path) -> tuple[tuple[str, int, int], ...]:
-    """Name, time of the last change (ns) and bytes of each file next to the case in ``folder``, by
-    name.
+def stored_files(folder: Path, named: Collection[str] = ()) -> tuple[StoredFile, ...]:
+    """The files in a ``folder``, by name: no links, nothing hidden or half written, and no case; those
+    ``named`` by one say so.
     """
-    found = []
-    for path in sorted(plain_files(folder)):
-        with suppress(OSError):  # removed meanwhile
-            status = path.stat()
-            found.append((path.name, status.st_mtime_ns, status.st_size))
-    return tuple(found)
-
-
-def plain_files(folder: Path) -> list[Path]:
-    """Paths of the files next to the case in ``folder``: no links, and nothing that is half written."""
-    return [
-        path
-        for path in folder.iterdir()
-        if path.name != CASE_FILE
-        and not path.name.startswith(".")
-        and path.is_file()
-        and not path.is_symlink()
-    ]
+    files = []
+    with suppress(OSError):  # the folder, or one of them, was removed meanwhile
+        for path in sorted(folder.iterdir()) if not folder.is_symlink() else ():
+            if path.name == CASE_FILE or path.name.startswith("."):
+                continue
+            if path.is_file() and not path.is_symlink():
+                with suppress(OSError):
+                    status = path.stat()
+                    files.append(
+                        StoredFile(path, status.st_size, status.st_mtime_ns, path.name in named)
+                    )
+    return tuple(files)
 
 
 def names_in(text: str) -> frozenset[str]:

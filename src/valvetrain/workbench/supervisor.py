@@ -89,19 +89,23 @@ def _ended(lifeline: int) -> bool:
 
 
 def _bound(memory: float) -> None:
-    """In the new process, before it begins: no more memory than that, no core dumps, and an end
-    with this process.
-    """
-    import resource
-
-    for kind, most in ((resource.RLIMIT_AS, int(memory + RESERVED)), (resource.RLIMIT_CORE, 0)):
-        hard = resource.getrlimit(kind)[1]
-        least = most if hard == resource.RLIM_INFINITY else min(most, hard)
-        with suppress(ValueError, OSError):
-            resource.setrlimit(kind, (least, least))
+    """In the new process, before it begins: bounded memory, and an end with this process."""
+    bound_memory(memory + RESERVED)
     if sys.platform == "linux":
         with suppress(AttributeError, OSError):
             ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def bound_memory(most: float) -> None:
+    """Give this process no more address space than ``most`` (bytes), and no core dumps."""
+    with suppress(ImportError):
+        import resource
+
+        for kind, bound in ((resource.RLIMIT_AS, int(most)), (resource.RLIMIT_CORE, 0)):
+            hard = resource.getrlimit(kind)[1]
+            least = bound if hard == resource.RLIM_INFINITY else min(bound, hard)
+            with suppress(ValueError, OSError):
+                resource.setrlimit(kind, (least, least))
 
 
 def _kill_group(job: subprocess.Popen[bytes]) -> None:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import lru_cache, wraps
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Concatenate, ParamSpec, TypeVar
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.annotations import split_notes
@@ -53,17 +53,15 @@ from valvetrain.workbench.saved_runs import (
 )
 from valvetrain.workbench.side_files import (
     CASE_FILE,
-    SideFile,
+    StoredFile,
     check_bounds,
-    file_stamps,
     found_file,
-    list_files,
     names_in,
     new_folder,
     not_sent,
-    plain_files,
     remove_passing,
     side_by_side,
+    stored_files,
 )
 from valvetrain.workbench.starts import first_values
 from valvetrain.workbench.store import Store, case_name, checked_name, inside, writing
@@ -287,22 +285,10 @@ class Workspace:
         """The case, read. Raises :class:`InputError` with the reader's sentence."""
         return self.parse(case, self.text(case))
 
-    def parse(self, case: CaseId, toml: str, changes: Mapping[str, Any] | None = None) -> Case:
-        """``toml`` as the case would be read, with the files next to it and ``changes``;
-        :class:`InputError` otherwise.
-        """
-        refuse_foreign_files(toml, changes, case)
-        return parse_case(toml, case, self._file(case).parent, case, changes)
-
-    @_in_turn
-    def replace_text(self, case: CaseId, toml: str) -> None:
-        """Put another text in the place of the case's. Raises :class:`InputError`, and changes
-        nothing, for what is no case.
-        """
-        if len(toml.encode("utf-8", "replace")) > MAX_BYTES:
-            raise InputError(f"the text is larger than {MAX_BYTES / 1e6:.3g} MB; shorten it", case)
-        self.parse(case, toml)
-        self._write(case, with_name(toml, case))
+    def parse(self, case: CaseId, toml: str) -> Case:
+        """``toml`` as the case would be read, with the files next to it. Raises :class:`InputError` otherwise."""
+        refuse_foreign_files(toml, where=case)
+        return parse_case(toml, case, self._file(case).parent, case)
 
     @_in_turn
     def set_value(self, case: CaseId, key: str, text_value: str) -> None:
@@ -330,7 +316,9 @@ class Workspace:
             reason = f"'{clipped(key, 60)}' is no table that this case may get"
             raise InputError(f"{reason}; {nearest(key, keys)}", "table")
         start = first_values(self.read(case), split_notes(parse_toml(text, case))[0], key)
-        self.replace_text(case, with_table(text, key, start))
+        made = with_table(text, key, start)
+        self.parse(case, made)
+        self._write(case, made)
 
     @_in_turn
     def change_law(self, case: CaseId, kind: str) -> None:
@@ -386,17 +374,11 @@ class Workspace:
 
     def files(self, case: CaseId) -> dict[str, bytes]:
         """Files next to a case, by name."""
-        return {path.name: path.read_bytes() for path in plain_files(self._file(case).parent)}
+        return {one.name: one.path.read_bytes() for one in stored_files(self.case_folder(case))}
 
-    def side_files(self, case: CaseId) -> list[SideFile]:
-        """The files next to a case. Raises :class:`InputError` for an unknown case."""
-        return list_files(self._file(case).parent, self.text(case))
-
-    def stamps(self, case: CaseId) -> tuple[tuple[str, int, int], ...]:
-        """Name, time of the last change (ns) and bytes of each file next to a case: another content
-        is another stamp.
-        """
-        return file_stamps(self._file(case).parent)
+    def side_files(self, case: CaseId) -> tuple[StoredFile, ...]:
+        """The files next to a case, by name. Raises :class:`InputError` for an unknown case."""
+        return stored_files(self.case_folder(case), names_in(self.text(case)))
 
     def side_file(self, case: CaseId, name: str) -> Path:
         """The path of a file next to a case. Raises :class:`InputError` where there is none."""
@@ -409,7 +391,7 @@ class Workspace:
         Raises :class:`InputError` beyond the bounds, and for another content of a file that the
         case names, with which it cannot be read.
         """
-        sizes = {one: size for one, _, size in self.stamps(case)}
+        sizes = {one.name: one.size for one in stored_files(self.case_folder(case))}
         check_bounds({**sizes, checked_name(name): len(content)}, name, new=(name,))
         if name in (named := names_in(text := self.text(case))):
             others = {one: held for one, held in self.files(case).items() if one in named}

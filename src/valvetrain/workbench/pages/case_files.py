@@ -10,7 +10,7 @@ from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import Upload, button, link, tag
 from valvetrain.workbench.pages.html import sentence_of, size_text
-from valvetrain.workbench.side_files import SideFile
+from valvetrain.workbench.side_files import StoredFile
 from valvetrain.workbench.workspace import CaseId
 
 
@@ -26,7 +26,7 @@ class CaseFiles:
 
     def __init__(self, desk: Desk, case: CaseId, on_change: Callable[[], Awaitable[None]]) -> None:
         self.desk, self.case, self.on_change = desk, case, on_change
-        self.shown: list[SideFile] = []
+        self.shown: tuple[StoredFile, ...] = ()
         files = desk.workspace.side_files(case)
         with tag("details", classes="group", id="case-files", open="" if files else None):
             with tag("summary"):
@@ -48,7 +48,7 @@ class CaseFiles:
         if files != self.shown:
             self.fill(files)
 
-    def fill(self, files: list[SideFile], refusal: str = "") -> None:
+    def fill(self, files: tuple[StoredFile, ...], refusal: str = "") -> None:
         """List files, and why one was not removed."""
         self.shown = files
         for place in (self.count, self.list, self.refusal):
@@ -64,7 +64,7 @@ class CaseFiles:
             if refusal:
                 tag("p", refusal, "refusal", role="alert")
 
-    def row(self, file: SideFile) -> None:
+    def row(self, file: StoredFile) -> None:
         """One file: what it is called, how large it is, and what may be done with it."""
         with tag("li"):
             link(file.name, f"/case-file/{quote(self.case)}/{quote(file.name)}", download="")

@@ -5,7 +5,6 @@ as they are there.
 from __future__ import annotations
 
 import asyncio
-import json
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict
@@ -18,7 +17,8 @@ from valvetrain.errors import ValvetrainError
 from valvetrain.parameters.case import Case
 from valvetrain.workbench.form import CaseForm
 from valvetrain.workbench.jobs import JobStatus
-from valvetrain.workbench.live import LiveResult
+from valvetrain.workbench.live import LiveChain
+from valvetrain.workbench.live_messages import LiveResult
 from valvetrain.workbench.pages.case_files import CaseFiles
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.elements import (
@@ -39,7 +39,7 @@ from valvetrain.workbench.pages.forms import (
 from valvetrain.workbench.pages.frame import frame
 from valvetrain.workbench.pages.html import job_shown, sentence_of
 from valvetrain.workbench.pages.live_curve import float_text, live_lines, live_numbers
-from valvetrain.workbench.pages.orders import choices_for, models_for, request_of
+from valvetrain.workbench.pages.orders import choices_for, models_for, request_of, to_remember
 from valvetrain.workbench.pages.pictures import has_picture, of_case, prepare
 from valvetrain.workbench.pages.runs import earlier, run_head, run_table
 from valvetrain.workbench.saved_runs import Run
@@ -73,6 +73,17 @@ def missing_page(title: str, sentence: str) -> None:
         tag("h1", title)
         tag("p", sentence, "refusal", role="alert")
         link("Back to the start", "/", "button")
+
+
+def _shown(case_form: CaseForm) -> dict[str, list[dict[str, Any]]]:
+    """Groups of the form, and tables that may be added, as its script takes them."""
+    groups, more = case_form.groups, case_form.additions
+    return {"groups": [asdict(one) for one in groups], "additions": [asdict(one) for one in more]}
+
+
+def _place(event: events.GenericEventArguments) -> tuple[str, str]:
+    """Key and value that the script of a form or of a slider sent."""
+    return str(event.args["key"]), str(event.args["value"])
 
 
 class CasePage:
@@ -121,8 +132,8 @@ class CasePage:
                 with tag("section", classes="inputs", aria_labelledby="inputs-title"):
                     tag("h2", "Case", id="inputs-title")
                     opened = [group.key for group in case_form.groups if group.key][:OPEN_GROUPS]
-                    changes = {"change": self.change, "add": self.add, "remove": self.remove}
-                    self.form = Form(changes, open=opened, **self.shown(case_form))
+                    changes = {"change": self.change, "add": self.add}
+                    self.form = Form(changes, open=opened, **_shown(case_form))
                     self.side_files = CaseFiles(self.desk, self.case, self.refresh)
                 with tag("div", classes="outputs"):
                     with tag("figure", classes="drawn case-drawn") as self.figure:
@@ -165,8 +176,8 @@ class CasePage:
     # --------------------------------------------------------------------------------------------------------
 
     async def change(self, event: events.GenericEventArguments) -> None:
-        """A field was changed: taken, or refused in its place."""
-        key, value = str(event.args["key"]), str(event.args["value"])
+        """A field was changed, or a table is to be removed: taken, or refused in its place."""
+        key, value = _place(event)
         self.form.answer(key, await self.put(key, value))
 
     async def put(self, key: str, value: str) -> str:
@@ -190,16 +201,8 @@ class CasePage:
     async def add(self, event: events.GenericEventArguments) -> None:
         """A table is to be added."""
         key = str(event.args["key"])
-        self.form.answer(
-            key, await self.done(lambda: self.desk.workspace.add_table(self.case, key), key)
-        )
-
-    async def remove(self, event: events.GenericEventArguments) -> None:
-        """A table is to be removed."""
-        key = str(event.args["key"])
-        self.form.answer(
-            key, await self.done(lambda: self.desk.workspace.set_value(self.case, key, ""), key)
-        )
+        refusal = await self.done(lambda: self.desk.workspace.add_table(self.case, key), key)
+        self.form.answer(key, refusal)
 
     async def undo(self) -> None:
         """The last change is to be taken back."""
@@ -209,14 +212,6 @@ class CasePage:
     def case_form(self) -> CaseForm:
         """The form of the case as it is."""
         return CaseForm(self.text, [one.name for one in self.desk.workspace.side_files(self.case)])
-
-    @staticmethod
-    def shown(case_form: CaseForm) -> dict[str, list[dict[str, Any]]]:
-        """Groups of the form, and tables that may be added, as its script takes them."""
-        return {
-            "groups": [asdict(one) for one in case_form.groups],
-            "additions": [asdict(one) for one in case_form.additions],
-        }
 
     async def after_changes(self, ask: Callable[[], str]) -> str:
         """Request something once the changes that were requested before are made; it runs next to
@@ -236,7 +231,7 @@ class CasePage:
         self.moved = None
         case_form = self.case_form()
         quantities = sliding(case_form.groups)
-        self.form.tell(**self.shown(case_form))
+        self.form.tell(**_shown(case_form))
         self.undoing.set_visibility(self.desk.workspace.last_change(self.case) is not None)
         self.side_files.show()
         self.own_float = None
@@ -264,51 +259,38 @@ class CasePage:
 
     async def move(self, event: events.GenericEventArguments) -> None:
         """The slider moved: the curve by the chain."""
-        key, value = str(event.args["key"]), str(event.args["value"])
-        try:
-            base, found = await self.desk.moved(self.case, key, value)
-        except ValvetrainError as error:
-            self.slider.answer([], [], sentence_of(error))
+        key, value = _place(event)
+        base, moved = await self.desk.ask(self.case, key, value)
+        if not base.angle_deg or not moved.angle_deg:
+            self.slider.answer([], [], moved.sentence or base.sentence)
             return
-        if not base.angle_deg or not found.angle_deg:
-            self.slider.answer([], [], found.sentence or base.sentence)
-            return
-        self.moved = (value, found)
+        self.moved = (value, moved)
         self.slider.answer(
-            live_lines(base, found, None, value), live_numbers(base, found), found.sentence
+            live_lines(base, moved, None, value), live_numbers(base, moved), moved.sentence
         )
         await self.draw(key, value)
 
     async def settle(self, event: events.GenericEventArguments) -> None:
         """The slider rests: the float speed is searched for."""
-        key, value = str(event.args["key"]), str(event.args["value"])
-        try:
-            found = await self.desk.float_speed(self.case, key, value)
-        except ValvetrainError as error:
-            self.slider.float_answer(sentence_of(error))
-            return
-        speed = found.quantities.get("float speed", (None, ""))[0]
+        _, result = await self.desk.ask(
+            self.case, *_place(event), lambda chain, changes, _: chain.float_speed(changes)
+        )
+        speed = result.quantities.get("float speed", (None, ""))[0]
         if not event.args.get("asked"):
             self.own_float = speed
-        if not found.skipped:
-            self.slider.float_answer(float_text(speed, self.own_float, found.sentence))
+        if not result.skipped:
+            self.slider.float_answer(float_text(speed, self.own_float, result.sentence))
 
     async def rest(self, event: events.GenericEventArguments) -> None:
         """The slider rests: the curve by the rod too."""
-        key, value = str(event.args["key"]), str(event.args["value"])
-        try:
-            base, found = await self.desk.by_rod(self.case, key, value)
-        except ValvetrainError as error:
-            self.slider.rod_answer([], sentence_of(error))
-            return
+        key, value = _place(event)
+        base, rod = await self.desk.ask(self.case, key, value, LiveChain.rod)
         moved = self.moved[1] if self.moved is not None and self.moved[0] == value else None
-        if moved is None or not base.angle_deg or not found.angle_deg:
-            self.slider.rod_answer([], "" if found.skipped else found.sentence)
+        if moved is None or not base.angle_deg or not rod.angle_deg:
+            self.slider.rod_answer([], "" if rod.skipped else rod.sentence)
             return
-        self.slider.rod_answer(
-            live_lines(base, moved, found, value),
-            f"The rod took {found.seconds:.1f} s. {found.sentence}".strip(),
-        )
+        sentence = f"The rod took {rod.seconds:.1f} s. {rod.sentence}".strip()
+        self.slider.rod_answer(live_lines(base, moved, rod, value), sentence)
 
     def moving(self) -> None:
         """The slider moves again: a rod that runs is ended."""
@@ -318,10 +300,9 @@ class CasePage:
 
     async def keep(self, event: events.GenericEventArguments) -> None:
         """Put the value of the slider into the case."""
-        key, value = str(event.args["key"]), str(event.args["value"])
-        if refusal := await self.put(
-            "operation.engine_speeds" if key == ENGINE_SPEED else key, value
-        ):
+        key, value = _place(event)
+        key = "operation.engine_speeds" if key == ENGINE_SPEED else key
+        if refusal := await self.put(key, value):
             self.slider.answer([], [], refusal)
 
     # -- jobs
@@ -349,16 +330,9 @@ class CasePage:
         except ValvetrainError as error:
             self.order.tell(estimate="", refusal=sentence_of(error))
             return
-        place = "sweep" if wish.get("kind") == "sweep" else "speeds"
         with suppress(ValvetrainError):
-            self.desk.workspace.remember(self.case, place, str(wish.get("speeds", "")))
-            self.desk.workspace.remember(
-                self.case, "models", ",".join(map(str, wish.get("models", ())))
-            )
-            if wish.get("sets"):
-                self.desk.workspace.remember(
-                    self.case, "sets", json.dumps(list(map(str, wish["sets"])))
-                )
+            for key, value in to_remember(wish).items():
+                self.desk.workspace.remember(self.case, key, value)
         self.looks = -1
 
     def cancel(self) -> None:

@@ -4,30 +4,36 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from valvetrain.errors import ValvetrainError
 from valvetrain.workbench.jobs import Jobs
-from valvetrain.workbench.live import LiveChain, LiveResult
+from valvetrain.workbench.live import LiveChain
+from valvetrain.workbench.live_messages import LiveResult
 from valvetrain.workbench.pages.forms import ENGINE_SPEED
+from valvetrain.workbench.pages.html import sentence_of
 from valvetrain.workbench.settings import ServeSettings
+from valvetrain.workbench.side_files import StoredFile, stored_files
 from valvetrain.workbench.workspace import CaseId, Workspace
 
 #: Number of cases whose chains stay running.
 MAX_CHAINS = 3
 #: Times that the curve of a case is requested where other questions come between.
 MAX_TRIES = 3
+#: A question to a chain: a method of it that takes changes and an engine speed.
+Question = Callable[[LiveChain, dict[str, str], str], LiveResult]
 
 
 @dataclass
 class OpenChain:
-    """A chain, the text of the case as it is now, stamps of the files next to it, what was
-    changed since the chain was built, and the
-    curve of the case."""
+    """A chain, the text of the case as it is now, the files next to it, what was changed since the
+    chain was built, and the curve of the case.
+    """
 
     chain: LiveChain
     text: str
-    stamps: tuple[tuple[str, int, int], ...]
+    files: tuple[StoredFile, ...]
     changes: dict[str, str] = field(default_factory=dict)
     base: LiveResult | None = None
 
@@ -62,15 +68,15 @@ class Desk:
         seconds then.
         """
         with self._lock:
-            text, stamps = self.workspace.text(case), self.workspace.stamps(case)
+            text, files = self.workspace.text(case), stored_files(self.workspace.case_folder(case))
             found = self.chains.pop(case, None)
-            if found is not None and (found.text, found.stamps) != (text, stamps):
+            if found is not None and (found.text, found.files) != (text, files):
                 found.chain.close()
                 found = None
             if found is None:
                 self._close_oldest()
                 found = OpenChain(
-                    LiveChain(text, folder=self.workspace.case_folder(case)), text, stamps
+                    LiveChain(text, folder=self.workspace.case_folder(case)), text, files
                 )
             self.chains[case] = found
             for _ in range(MAX_TRIES):
@@ -84,25 +90,19 @@ class Desk:
         while len(self.chains) >= MAX_CHAINS:
             self.chains.pop(next(iter(self.chains))).chain.close()
 
-    async def moved(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
-        """The curve of a case, and that by the chain with ``value`` at ``key``."""
-        opened, base = await asyncio.to_thread(self.chain, case)
-        return base, await asyncio.to_thread(
-            opened.chain.curve, *moved_to(opened.changes, key, value)
-        )
-
-    async def by_rod(self, case: CaseId, key: str, value: str) -> tuple[LiveResult, LiveResult]:
-        """The curve of a case by the chain, and that by the rod with ``value`` at ``key``."""
-        opened, base = await asyncio.to_thread(self.chain, case)
-        return base, await asyncio.to_thread(
-            opened.chain.rod, *moved_to(opened.changes, key, value)
-        )
-
-    async def float_speed(self, case: CaseId, key: str, value: str) -> LiveResult:
-        """The float speed of a case with ``value`` at ``key``; an engine speed changes nothing."""
-        opened, _ = await asyncio.to_thread(self.chain, case)
-        changes = moved_to(opened.changes, key, value)[0]
-        return await asyncio.to_thread(opened.chain.float_speed, changes)
+    async def ask(
+        self, case: CaseId, key: str, value: str, question: Question = LiveChain.curve
+    ) -> tuple[LiveResult, LiveResult]:
+        """The curve of a case, and what its chain answers to ``question`` with ``value`` at ``key``; a
+        refusal is the sentence of both.
+        """
+        try:
+            opened, base = await asyncio.to_thread(self.chain, case)
+            changes = moved_to(opened.changes, key, value)
+            return base, await asyncio.to_thread(question, opened.chain, *changes)
+        except ValvetrainError as error:
+            refused = LiveResult(sentence=sentence_of(error))
+            return refused, refused
 
     def close(self) -> None:
         """End all chains."""

@@ -21,8 +21,8 @@ from valvetrain.workbench.answers import against
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.parts import Part, comparison_part, run_part, test_part
 from valvetrain.workbench.pages.pictures import FAULTS
-from valvetrain.workbench.saved_runs import Run, SavedTest, keep_test, read_test
-from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES
+from valvetrain.workbench.saved_runs import Run, keep_test, read_test
+from valvetrain.workbench.side_files import CASE_FILE, MAX_FILES, StoredFile
 from valvetrain.workbench.store import writing
 
 #: Comparisons with a test that are cached while the server runs.
@@ -41,7 +41,7 @@ class Overlays:
         self._made: dict[tuple[Path, bytes], Part] = {}
         self._turn = threading.Lock()
 
-    def lay(self, run: Run, name: str, content: bytes) -> SavedTest:
+    def lay(self, run: Run, name: str, content: bytes) -> StoredFile:
         """Lay a test over a run and store it with the run. Raises :class:`InputError` with the
         reason why it cannot be.
         """
@@ -69,7 +69,7 @@ class Overlays:
             self._keep(test, content, found)
         return found
 
-    def _keep(self, test: SavedTest, content: bytes, part: Part) -> None:
+    def _keep(self, test: StoredFile, content: bytes, part: Part) -> None:
         with self._turn:
             self._made[test.path, sha256(content).digest()] = part
             while len(self._made) > MAX_OVERLAYS:

@@ -1,6 +1,6 @@
 // The form of a case: groups of fields; a change is sent at once, a refusal stands below its field, the last valid value is kept.
 export default {
-  emits: ["change", "add", "remove"],
+  emits: ["change", "add"],
   props: { groups: Array, additions: Array, open: Array },
   data() { return { texts: {}, refused: {}, typing: {}, wanted: "", opened: {}, awaited: "" }; },
   created() { this.groups.forEach((group) => { this.opened[group.key] = (this.open || []).includes(group.key) && window.innerWidth > 900; }); this.take(); },
@@ -42,7 +42,7 @@ export default {
       if (this.awaited === key) { this.awaited = ""; }
     },
     add(one) { delete this.refused[one.key]; this.awaited = one.key; this.$emit("add", { key: one.key }); },
-    remove(group) { delete this.refused[group.key]; this.$emit("remove", { key: group.key }); },
+    remove(group) { delete this.refused[group.key]; this.$emit("change", { key: group.key, value: "" }); },
     // A table that was added is opened, and its first value is ready to be typed.
     reveal() {
       const group = this.groups.find((one) => one.key === this.awaited);

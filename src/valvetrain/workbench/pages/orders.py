@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from typing import Any
 
 from valvetrain import registry
@@ -13,7 +11,7 @@ from valvetrain.errors import InputError
 from valvetrain.findings.words import RPM
 from valvetrain.parameters.case import Case
 from valvetrain.parameters.installed_spring import InstalledSpring
-from valvetrain.parameters.summary import number
+from valvetrain.parameters.toml_text import toml_text
 from valvetrain.solution.definition import definition_of, label_of, names_for
 from valvetrain.springs.spec import SpringModelSpec, spring_model
 from valvetrain.system.build import default_models
@@ -63,18 +61,20 @@ def _fits(spec: SpringModelSpec, case: Case) -> bool:
 
 def sets_for(case: Case, remembered: str = "") -> list[dict[str, Any]]:
     """Spring sets to choose from, where a train has more than one: word and whether it is ticked;
-    ``remembered``: those chosen last (JSON).
+    ``remembered``: those chosen last, a name on each line.
     """
-    names = [] if case.train is None else list(case.train.springs)
-    if case.train is None or len(names) < 2:
+    if case.train is None or len(case.train.springs) < 2:
         return []
-    last: Any = None
-    with suppress(ValueError, RecursionError):
-        last = json.loads(remembered)
-    ticked = [name for name in names if isinstance(last, list) and name in last] or [
-        case.train.spring_set or names[0]
-    ]
+    names, last = list(case.train.springs), remembered.split("\n")
+    ticked = set(last) & set(names) or {case.train.spring_set or names[0]}
     return [{"word": name, "chosen": name in ticked} for name in names]
+
+
+def to_remember(wish: Mapping[str, Any]) -> dict[str, str]:
+    """What of a choice is remembered for the next one of the case."""
+    speeds = {"sweep" if wish.get("kind") == "sweep" else "speeds": str(wish.get("speeds", ""))}
+    sets = {"sets": "\n".join(map(str, wish["sets"]))} if wish.get("sets") else {}
+    return speeds | {"models": ",".join(map(str, wish.get("models", ())))} | sets
 
 
 def outputs_for(case: Case) -> list[dict[str, str]]:
@@ -121,26 +121,25 @@ def request_of(case: str, wish: Mapping[str, Any]) -> JobRequest:
 def _study(
     case: str, models: tuple[str, ...], sets: tuple[str, ...], speeds: str, wish: Mapping[str, Any]
 ) -> str:
-    key, points = str(wish.get("key", "")), wish.get("points")
-    if not key:
+    points = wish.get("points")
+    if not wish.get("key"):
         raise InputError("no quantity to vary is chosen; choose one", "quantity varied")
     if not isinstance(points, (int, float)) or not MIN_POINTS <= points <= MAX_POINTS:
         raise InputError(
             f"the number of points is to be from {MIN_POINTS} to {MAX_POINTS}", "points"
         )
-    ends = {"low": str(wish.get("low", "")).strip(), "high": str(wish.get("high", "")).strip()}
-    vary = "".join(f"{name} = {_quoted(value)}\n" for name, value in ends.items())
-    label = str(wish.get("label", "")).strip()[:MAX_LABEL]
-    vary += f"label = {json.dumps(label, ensure_ascii=False)}\n" if label else ""
-    header = f"engine_speeds = {json.dumps(speeds)}\n" if speeds else ""
-    header += f"spring_sets = {json.dumps(list(sets), ensure_ascii=False)}\n" if sets else ""
-    return (
-        f"case = {json.dumps(case)}\n{header}spring_models = {json.dumps(list(models))}\n"
-        f"outputs = {json.dumps([str(wish.get('output', ''))])}\n"
-        f'points = {{ sampler = "grid", levels = {int(points)} }}\n\n[[vary]]\nkey = {json.dumps(key)}\n{vary}'
-    )
+    vary = {name: str(wish.get(name, "")).strip() for name in ("key", "low", "high", "label")}
+    study = {
+        "case": case,
+        "engine_speeds": speeds,
+        "spring_sets": list(sets),
+        "spring_models": list(models),
+        "outputs": [str(wish.get("output", ""))],
+        "points": {"sampler": "grid", "levels": int(points)},
+        "vary": [{name: _number_or_text(text[:MAX_LABEL]) for name, text in vary.items() if text}],
+    }
+    return toml_text({name: value for name, value in study.items() if value})
 
 
-def _quoted(value: str) -> str:
-    """A number as it is, anything else as text."""
-    return number(float(value)) if re.fullmatch(r"[-+]?\d+(\.\d+)?", value) else json.dumps(value)
+def _number_or_text(value: str) -> float | str:
+    return float(value) if re.fullmatch(r"[-+]?\d+(\.\d+)?", value) else value

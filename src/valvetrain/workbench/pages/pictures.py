@@ -18,6 +18,7 @@ from valvetrain.parameters.overrides import read_assignment
 from valvetrain.parameters.templates import KINDS, template_text
 from valvetrain.workbench.pages.desk import Desk
 from valvetrain.workbench.pages.forms import ENGINE_SPEED
+from valvetrain.workbench.side_files import stored_files
 from valvetrain.workbench.workspace import CaseId
 
 #: Pictures that stay in the cache.
@@ -39,7 +40,10 @@ def of_case(desk: Desk, case: CaseId, key: str = "", value: str = "", small: boo
     """Address of the picture of a case with ``value`` at ``key``; another case unchanged is
     another address.
     """
-    stamp = hash((desk.workspace.text(case), desk.workspace.stamps(case))) & 0xFFFFFFFF
+    stamp = (
+        hash((desk.workspace.text(case), stored_files(desk.workspace.case_folder(case))))
+        & 0xFFFFFFFF
+    )
     changed = "" if not key or key == ENGINE_SPEED else f"&key={quote(key)}&value={quote(value)}"
     return f"/picture/case/{quote(case)}.svg?at={stamp:x}{'&small=1' if small else ''}{changed}"
 
@@ -70,7 +74,7 @@ def register(app: FastAPI, desk: Desk) -> None:
 
 
 def _of_workspace(desk: Desk, case: CaseId, key: str, value: str, small: bool) -> str:
-    text, stamps = desk.workspace.text(case), desk.workspace.stamps(case)
+    text, stamps = desk.workspace.text(case), stored_files(desk.workspace.case_folder(case))
     return _of_case(text, str(desk.workspace.case_folder(case)), stamps, key, value, small)
 
 
