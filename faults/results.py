@@ -73,8 +73,7 @@ def ask(content: bytes) -> str:
 def _load(kind: str, path: Path) -> Any:
     from valvetrain.solution import netcdf
 
-    load = {"static": netcdf.load_static_curve, "modes": netcdf.load_modal_result}
-    return load.get(kind.partition("-")[0], netcdf.load_netcdf)(path)
+    return netcdf.load_result(path)
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -20,7 +20,7 @@ from synthetic_study import (
     train_study,
 )
 from valvetrain.errors import InputError
-from valvetrain.solution.netcdf import load_modal_result, load_netcdf, load_static_curve
+from valvetrain.solution.netcdf import load_netcdf, load_result
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.quantity import Quantity
 from valvetrain.solution.status import Status
@@ -58,8 +58,8 @@ def test_files_are_read_back(tmp_path):
     assert load_netcdf(tmp_path / "finite-element-5600rpm.nc").identical(rod_run())
     few = np.genfromtxt(tmp_path / "finite-element-5600rpm.csv", delimiter=",", names=True)
     np.testing.assert_array_equal(few["seat_force_N"], rod_run().channel("seat_force"))
-    assert len(load_static_curve(tmp_path / "static-spring-finite-element.nc").force) == 40
-    assert load_modal_result(tmp_path / "modes-spring-finite-element.nc").axial_modes == (1, 2, 4)
+    assert len(load_result(tmp_path / "static-spring-finite-element.nc").force) == 40
+    assert load_result(tmp_path / "modes-spring-finite-element.nc").axial_modes == (1, 2, 4)
     rows = (tmp_path / "quantities.csv").read_text().splitlines()
     assert (
         len(rows) == 1 + len(own_study().quantities)

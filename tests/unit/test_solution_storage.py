@@ -16,11 +16,11 @@ RUN, (REST, *_) = rod_run(samples=24), at_rest()
 
 
 def test_a_static_curve_and_modes_are_read_as_they_were_written(tmp_path):
-    netcdf.save_static_curve(REST.curve, tmp_path / "static.nc")
-    netcdf.save_modal_result(REST.modes, tmp_path / "modes.nc")
+    netcdf.save_netcdf(REST.curve, tmp_path / "static.nc")
+    netcdf.save_netcdf(REST.modes, tmp_path / "modes.nc")
     again = (
-        netcdf.load_static_curve(tmp_path / "static.nc"),
-        netcdf.load_modal_result(tmp_path / "modes.nc"),
+        netcdf.load_result(tmp_path / "static.nc"),
+        netcdf.load_result(tmp_path / "modes.nc"),
     )
     for found, given in zip(again, (REST.curve, REST.modes), strict=True):
         for name, value in vars(given).items():
@@ -28,8 +28,8 @@ def test_a_static_curve_and_modes_are_read_as_they_were_written(tmp_path):
 
 
 def test_one_kind_is_not_taken_for_another(tmp_path):
-    netcdf.save_static_curve(REST.curve, tmp_path / "a.nc")
-    with pytest.raises(InputError, match="static-curve"):
+    netcdf.save_netcdf(REST.curve, tmp_path / "a.nc")
+    with pytest.raises(InputError, match="StaticCurve"):
         netcdf.load_netcdf(tmp_path / "a.nc")
 
 
@@ -37,7 +37,7 @@ def test_any_netcdf_of_others_is_refused(tmp_path):
     import xarray
 
     xarray.Dataset({"a": ("sample", [1.0])}).to_netcdf(tmp_path / "b.nc", engine="h5netcdf")
-    with pytest.raises(InputError, match="not a valvetrain"):
+    with pytest.raises(InputError, match="no result of valvetrain"):
         netcdf.load_netcdf(tmp_path / "b.nc")
 
 

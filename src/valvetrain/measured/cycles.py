@@ -22,8 +22,7 @@ from valvetrain.measured.tables import comments_in, read_content, read_text_tabl
 from valvetrain.solution.atomic import checked_content, closing_line, write_bytes, write_text
 from valvetrain.solution.channels import ChannelArrays, Variable
 from valvetrain.solution.display import Shown
-from valvetrain.solution.metadata import refuse_claims
-from valvetrain.solution.netcdf import write_arrays
+from valvetrain.solution.netcdf import refuse_claims, write_arrays
 from valvetrain.solution.read_apart import tried_apart
 from valvetrain.units import DIMENSIONS, dimension_of, parse_quantity, unit_factor
 

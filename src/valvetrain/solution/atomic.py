@@ -187,8 +187,7 @@ def checked_content(path: Path) -> tuple[bytes, bool]:
     """Bytes of a result file without its closing line, and whether it had one.
 
     Raises :class:`InputError` where there is no such file, or where its bytes are not those that
-    were written. A file without the line passes: its content says whether it should have one
-    (:func:`valvetrain.solution.metadata.unpack`).
+    were written. A file without the line passes.
     """
     try:
         if not path.is_file():

@@ -41,29 +41,17 @@ def tried_apart(reader: str, path: Path, where: str, unreadable: str, seconds: i
     end = _in_a_new_process(reader, path, seconds)
     if isinstance(end, str):
         raise InputError(
-            f"is not read, for files of others are tried in a process of their own, and {no_interpreter(end)}",
+            f"is not read, for files of others are tried in a process of their own, and '{str(sys.executable)[-80:]}' "
+            f"(sys.executable) does not start as a Python that finds the reader ({end}); set it to one, or use the command line",
             where,
         )
-    if end == _TOO_LARGE:
-        raise InputError(
-            f"is damaged: reading it needs more than {MAX_MEMORY / 1e9:g} GB; write it again",
-            where,
-        )
-    if end == _UNREADABLE:
-        raise InputError(unreadable, where)
+    sentences = {
+        _TOO_LARGE: f"is damaged: reading it needs more than {MAX_MEMORY / 1e9:g} GB; write it again",
+        _UNREADABLE: unreadable,
+    }
     if end != _READ:
-        raise InputError(
-            "is damaged: the library of the format does not come back from reading it; write it again",
-            where,
-        )
-
-
-def no_interpreter(reason: str = "") -> str:
-    """Message that no process of Python can be started here; ``reason``: how the one that was tried
-    ended.
-    """
-    python, ended = str(sys.executable)[-80:], f" ({reason})" if reason else ""
-    return f"'{python}' (sys.executable) does not start as a Python that finds the reader{ended}; set it to one, or use the command line"
+        lost = "is damaged: the library of the format does not come back from reading it; write it again"
+        raise InputError(sentences.get(end, lost), where)
 
 
 def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
@@ -71,47 +59,33 @@ def _in_a_new_process(reader: str, path: Path, seconds: int) -> int | str:
     the reader. What a full machine did not start, or ended before it began, is tried again.
     """
     code = f"from {__name__} import serve; serve()"
-    command = [sys.executable, "-P", "-c", code, reader, str(path.absolute()), str(seconds)]
-    said = "there is none"
+    command = [str(sys.executable), "-P", "-c", code, reader, str(path.absolute()), str(seconds)]
+    paths = os.pathsep.join(os.path.abspath(part or ".") for part in sys.path)
+    threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    # import paths of the caller, no plugins of HDF5
+    environment = os.environ | threads | {"PYTHONPATH": paths, "HDF5_PLUGIN_PRELOAD": "::"}
+    reason = "there is none"
     for pause in (*_PAUSES, 0.0):
         try:
             done = subprocess.run(
-                command,
-                timeout=_PATIENCE * seconds,
-                env=apart_environment(),
-                check=False,
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-            )
+                command, timeout=_PATIENCE * seconds, env=environment, check=False, stdin=subprocess.DEVNULL, capture_output=True
+            )  # fmt: skip
         except subprocess.TimeoutExpired as late:
             return _ENDED if late.stdout == _BEGUN else f"not ready after {_PATIENCE * seconds} s"
         except OSError as error:
-            said = error.strerror or "the system does not start it"
+            reason = error.strerror or "the system does not start it"
             if error.errno not in (errno.EAGAIN, errno.ENOMEM):
-                return said
-        except TypeError:
-            return said
+                return reason
         else:
             if done.stdout == _BEGUN:
                 return int(done.returncode)
             if done.returncode >= 0:
                 last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
-                said = last[0][:120] if last else f"ended with status {done.returncode}"
-                return "".join(char if char.isprintable() else " " for char in said)
-            said = f"ended by signal {-done.returncode} before it began"
+                reason = last[0][:120] if last else f"ended with status {done.returncode}"
+                return "".join(char if char.isprintable() else " " for char in reason)
+            reason = f"ended by signal {-done.returncode} before it began"
         time.sleep(pause)
-    return said
-
-
-def apart_environment() -> dict[str, str]:
-    """Environment of such a process: import paths of the caller, no plugins of HDF5, one thread."""
-    paths = os.pathsep.join(os.path.abspath(part or ".") for part in sys.path)
-    return os.environ | {
-        "PYTHONPATH": paths,
-        "HDF5_PLUGIN_PRELOAD": "::",
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMP_NUM_THREADS": "1",
-    }
+    return reason
 
 
 def serve() -> None:

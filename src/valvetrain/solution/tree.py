@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.registry import find
+from valvetrain.solution.channels import Variable
 from valvetrain.solution.quantity import Quantities
 from valvetrain.solution.result import Solution
 
@@ -40,11 +41,14 @@ class UnsavedFunction:
 
 
 class Trunk:
-    """A tree being written: the ``arrays`` that it has so far, each once."""
+    """A tree being written: the ``arrays`` that it has so far, each once, but for those of the ``labelled`` variables,
+    which the file holds by their names.
+    """
 
-    def __init__(self) -> None:
+    def __init__(self, labelled: Mapping[str, Variable] = {}) -> None:
         self.arrays: list[NDArray[Any]] = []
         self._places: dict[int, int] = {}
+        self._labels = {id(one.values): name for name, one in labelled.items()}
 
     def of(self, item: Any, path: str = "") -> Any:
         """JSON of ``item``. Raises :class:`InputError` for a part that no file holds."""
@@ -53,6 +57,8 @@ class Trunk:
         if isinstance(item, (int, float)) and not hasattr(item, "_fields"):
             return float(item) if isinstance(item, float) else int(item)
         if isinstance(item, np.ndarray) and item.dtype.kind in "biufc":
+            if label := self._labels.get(id(item)):
+                return {"variable": label, "dtype": item.dtype.str}
             return {"array": self._place(item)}
         if isinstance(item, np.generic) and item.dtype.kind in "biuf":
             return item.item()
@@ -113,14 +119,21 @@ def _parts(item: Any) -> dict[str, Any]:
     return {}
 
 
-def grown(tree: Any, arrays: list[NDArray[Any]]) -> Any:
-    """The item of a tree. Raises :class:`InputError`, KeyError, TypeError or ValueError for a tree
-    that this version did not write.
+def grown(tree: Any, arrays: list[NDArray[Any]], variables: Mapping[str, NDArray[Any]] = {}) -> Any:
+    """The item of a tree, with its ``arrays`` by number and its ``variables`` by name.
+
+    Raises :class:`InputError`, KeyError, TypeError or ValueError for a tree that this version did not write.
     """
+
+    def of(part: Any) -> Any:
+        return grown(part, arrays, variables)
+
     if isinstance(tree, list):
-        return tuple(grown(one, arrays) for one in tree)
+        return tuple(map(of, tree))
     if not isinstance(tree, dict):
         return tree
+    if "variable" in tree:
+        return variables[tree["variable"]].astype(tree["dtype"], copy=False)
     if "array" in tree:
         return arrays[tree["array"]]
     if "texts" in tree:
@@ -128,17 +141,17 @@ def grown(tree: Any, arrays: list[NDArray[Any]]) -> Any:
     if "path" in tree:
         return Path(tree["path"])
     if "list" in tree:
-        return [grown(one, arrays) for one in tree["list"]]
+        return list(map(of, tree["list"]))
     if "quantities" in tree:
-        return Quantities(grown(tree["quantities"], arrays))
+        return Quantities(of(tree["quantities"]))
     if "function" in tree:
         return UnsavedFunction(tree["function"])
     if "sampler" in tree:
         return find("samplers", tree["sampler"])
     if "mapping" in tree:
-        pairs = {grown(key, arrays): grown(one, arrays) for key, one in tree["pairs"]}
+        pairs = {of(key): of(one) for key, one in tree["pairs"]}
         return _MAPPINGS[tree["mapping"]](pairs)
-    return _made(tree["type"], {name: grown(one, arrays) for name, one in tree["fields"].items()})
+    return _made(tree["type"], {name: of(one) for name, one in tree["fields"].items()})
 
 
 def _made(reference: str, parts: dict[str, Any]) -> Any:

@@ -14,7 +14,7 @@ from valvetrain.errors import InputError, RunFailedError
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import definition_of, label_of, shown
 from valvetrain.solution.modes import ModalResult
-from valvetrain.solution.netcdf import save_modal_result, save_netcdf, save_static_curve
+from valvetrain.solution.netcdf import save_netcdf
 from valvetrain.solution.partial_failures import PartialFailures
 from valvetrain.solution.result import Solution
 from valvetrain.solution.static import SpringAtRest, StaticCurve
@@ -98,11 +98,11 @@ def write_parts(
         whose = f"{one.spring}-{one.model}"
         if one.curve is not None:
             stem = names.free(f"static-{whose}")
-            write(f"{stem}.nc", partial(save_static_curve, one.curve, provenance=study.provenance))
+            write(f"{stem}.nc", partial(save_netcdf, one.curve))
             write(f"{stem}.csv", lambda path, one=one: write_text(path, static_table(one, one.curve).csv()))  # fmt: skip
         if one.modes is not None:
             stem = names.free(f"modes-{whose}")
-            write(f"{stem}.nc", partial(save_modal_result, one.modes, provenance=study.provenance))
+            write(f"{stem}.nc", partial(save_netcdf, one.modes))
             write(f"{stem}.csv", lambda path, one=one: write_text(path, frequency_table(one.modes).csv()))  # fmt: skip
     for name, build in _tables(study, names).items():
         content = gaps.part(f"table '{name}'", None, build)
