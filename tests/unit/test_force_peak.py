@@ -17,10 +17,10 @@ from valvetrain.integrate.run import run
 from valvetrain.integrate.train_run import TrainOptions, runner
 from valvetrain.parameters.loading import load_case
 from valvetrain.quantities.evaluate import evaluate
-from valvetrain.runs.differences import DEFINITIONS, definitions, result_differences
+from valvetrain.runs.differences import result_differences
 from valvetrain.runs.prepared import prepare
 from valvetrain.runs.run import run_study
-from valvetrain.runs.saved_runs import SavedRun
+from valvetrain.runs.saved_runs import DEFINITIONS, SavedRun, definitions
 from valvetrain.solution.force_peak import filtered_cycle, force_peak
 from valvetrain.system.build import build
 

@@ -400,9 +400,14 @@ def keep_run(
     """
     from valvetrain.cli.outcome import plain
     from valvetrain.parameters.case import Case
-    from valvetrain.runs.differences import DEFINITIONS, definitions
     from valvetrain.runs.run_folders import finish_folder, link_latest, new_folder
-    from valvetrain.runs.saved_runs import Inputs, collect_inputs, save_run
+    from valvetrain.runs.saved_runs import (
+        DEFINITIONS,
+        Inputs,
+        collect_inputs,
+        definitions,
+        save_run,
+    )
     from valvetrain.solution.partial_failures import PartialFailures
     from valvetrain.solution.provenance import collect_provenance
     from valvetrain.views.files import UnfinishedRun

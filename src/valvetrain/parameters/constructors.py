@@ -11,7 +11,7 @@ import numpy as np
 from valvetrain.errors import InputError
 from valvetrain.parameters.curves import Constant, Curve, PiecewiseLinear
 from valvetrain.parameters.material import OTEVA_90_SC, Material
-from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition
+from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition, is_closed
 from valvetrain.units import Given, si
 
 #: Kind -> inactive and ground turns of the table: half a ground turn of closed wire brings the seat
@@ -57,11 +57,6 @@ def pitch_with_closed_turns(
             f"{total_coils:g} turns leave no space between the closed ends; add turns or shorten the ramps"
         )
     return PiecewiseLinear(tuple(knots), tuple(values))
-
-
-def is_closed(end: EndCoil | EndKind) -> bool:
-    """Whether the last turn touches its neighbour."""
-    return (end.kind if isinstance(end, EndCoil) else end).startswith("closed")
 
 
 def wind(

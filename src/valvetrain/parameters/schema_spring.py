@@ -10,7 +10,7 @@ from pydantic import Field, PlainValidator, ValidatorFunctionWrapHandler, WrapVa
 
 from valvetrain.errors import InputError, UnusualValueWarning
 from valvetrain.parameters.card_doubts import doubtful_turns
-from valvetrain.parameters.constructors import is_closed, pitch_with_closed_ends, wind
+from valvetrain.parameters.constructors import pitch_with_closed_ends, wind
 from valvetrain.parameters.curves import Constant, Curve, add_curves
 from valvetrain.parameters.installed_spring import SpringCard
 from valvetrain.parameters.material import Material, material_by_name
@@ -29,7 +29,7 @@ from valvetrain.parameters.schema_types import (
     quantity,
     validate_as,
 )
-from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition
+from valvetrain.parameters.spring import EndCoil, EndKind, SpringDefinition, is_closed
 
 #: A spring of more turns than this is taken for a mistake, and would cost minutes to check.
 MAX_COILS = 200.0

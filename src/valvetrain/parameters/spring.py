@@ -190,6 +190,11 @@ class EndCoil(Table):
 OPEN_END = EndCoil("open")
 
 
+def is_closed(end: EndCoil | EndKind) -> bool:
+    """Whether the last turn touches its neighbour."""
+    return (end.kind if isinstance(end, EndCoil) else end).startswith("closed")
+
+
 @dataclass(frozen=True)
 class SpringDefinition:
     """A coil spring: laws over the coil number ``u`` in [0, total_coils], counted from the lower

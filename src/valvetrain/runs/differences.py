@@ -8,7 +8,7 @@ from typing import Any
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.loading import parse_toml, read_text
-from valvetrain.runs.saved_runs import SavedRun, check_inputs, is_number
+from valvetrain.runs.saved_runs import DEFINITIONS, FORCE, SavedRun, check_inputs, is_number
 from valvetrain.solution.definition import definition_of, is_defined, label_cut_off
 from valvetrain.solution.force_peak import FORCE_BANDWIDTH, band_text
 
@@ -18,8 +18,6 @@ NO_RESULT = (
     "page", "units", "cite", "kept_from_before", "known_before", "quantities", "quantities_by_label", "springs_at_rest", "comparisons",
     "findings", "source_findings", "definitions",
 )  # fmt: skip
-#: Entry of an answer with what its names mean where that has changed, and the name that it is about.
-DEFINITIONS, FORCE = "definitions", "peak_spring_force"
 #: Entries of an answer, at any level, that are of the computation and not of the valvetrain.
 NUMERICS = ("runs_count", "resolution", "statistics", "options", "uncertainties")
 #: Levels of an answer that are compared, more than twice those of any that is written.
@@ -131,11 +129,6 @@ def _bar_of(run: SavedRun, quantity: str, name: str) -> float:
             if name.endswith(place) and is_number(bar):
                 return float(bar)
     return 0.0
-
-
-def definitions(force_bandwidth: float) -> dict[str, Any]:
-    """What an answer says of its peak spring forces: their cut-off (Hz)."""
-    return {FORCE: {"below": {"value": force_bandwidth, "unit": "Hz"}}}
 
 
 def cut_off_of(run: SavedRun) -> float | None:

@@ -12,10 +12,12 @@ import hashlib
 import json
 import shlex
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+
+from pydantic import BaseModel, ValidationError
 
 from valvetrain.errors import InputError
 from valvetrain.parameters.bounded_file import named_file
@@ -31,9 +33,48 @@ from valvetrain.runs.run_folders import (
 from valvetrain.solution.atomic import digest, write_bytes, write_text
 
 _CHECKSUM = "checksum"
+#: Entry of ``run.json`` with what its names mean where that has changed, and the name that it is about.
+DEFINITIONS, FORCE = "definitions", "peak_spring_force"
 #: Quantities that represent a run in a list: the first that it has, the largest value where it has
 #: several.
 HEADLINES = ("peak_spring_force", "peak_retainer_force", "float_engine_speed", "preload")
+
+
+class Measured(BaseModel):
+    """A number of ``run.json`` (SI) with its unit."""
+
+    value: float | None = None
+    unit: str = ""
+
+
+class AnsweredRun(BaseModel):
+    """A run of ``run.json``, as far as it is read back."""
+
+    label: str | None = None
+    model: str | None = None
+    engine_speed: Measured | None = None
+    quantities: dict[str, Measured] = {}
+
+
+class Choices(BaseModel):
+    """The options of ``run.json``, as far as they are read back: crank speeds in rpm, names of models."""
+
+    engine_speeds: list[float] = []
+    spring_models: list[str] = []
+
+
+class Answer(BaseModel):
+    """The entries of ``run.json`` that are read back."""
+
+    created_at: str = ""
+    digest: str = ""
+    case: str = ""
+    command: str = ""
+    files: list[str] = []
+    choices: Choices = Choices()
+    quantities: dict[str, Measured] = {}
+    quantities_by_label: dict[str, dict[str, Measured]] = {}
+    runs: list[AnsweredRun] = []
 
 
 @dataclass(frozen=True)
@@ -127,7 +168,9 @@ class SavedRun:
         """The stored finding that decides, with ``code`` and ``text``; empty where none was stored."""
         found = self.answer.get("findings")
         first = found[0] if isinstance(found, list) and found else None
-        if isinstance(first, dict) and _is_text(first.get("code")) and _is_text(first.get("text")):
+        if isinstance(first, dict) and all(
+            isinstance(first.get(key), str) for key in ("code", "text")
+        ):
             return first
         return {}
 
@@ -226,6 +269,11 @@ def save_run(folder: Path, inputs: Inputs, answer: Mapping[str, Any]) -> SavedRu
     remove_files(folder, set(map(str, earlier.get("files", ()))) - set(map(str, files)))
     write_text(folder / ANSWER, answer_text(whole))
     return SavedRun(folder, whole)
+
+
+def definitions(force_bandwidth: float) -> dict[str, Any]:
+    """What an answer says of its peak spring forces: their cut-off (Hz)."""
+    return {FORCE: {"below": {"value": force_bandwidth, "unit": "Hz"}}}
 
 
 def check_inputs(run: SavedRun) -> None:
@@ -376,12 +424,13 @@ def read_answer(folder: Path) -> dict[str, Any]:
             "is damaged: its numbers are not those that were written (checksum); repeat the run",
             str(path),
         )
-    if wrong := next(
-        (name for name, fits in _SHAPE.items() if name in found and not fits(found[name])), ""
-    ):
+    try:
+        Answer.model_validate(found, strict=True)
+    except ValidationError as error:
         raise InputError(
-            f"is damaged: '{wrong}' is not what a run writes; repeat the run", str(path)
-        )
+            f"is damaged: '{error.errors()[0]['loc'][0]}' is not what a run writes; repeat the run",
+            str(path),
+        ) from None
     return found
 
 
@@ -392,43 +441,3 @@ def _sum(answer: Mapping[str, Any]) -> str:
 def is_number(item: Any) -> bool:
     """Whether a value of JSON is a number."""
     return isinstance(item, (int, float)) and not isinstance(item, bool)
-
-
-def _is_text(item: Any) -> bool:
-    return isinstance(item, str)
-
-
-def _are(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
-    return lambda item: isinstance(item, list) and all(map(fits, item))
-
-
-def _table_of(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
-    return lambda item: isinstance(item, dict) and all(map(fits, item.values()))
-
-
-def _is_measured(item: Any) -> bool:
-    if not isinstance(item, dict) or not _is_text(item.get("unit", "")):
-        return False
-    return item.get("value") is None or is_number(item["value"])
-
-
-def _is_run(item: Any) -> bool:
-    if not isinstance(item, dict):
-        return False
-    speed, names = item.get("engine_speed"), (item.get(name) or "" for name in ("label", "model"))
-    named = all(map(_is_text, names)) and (speed is None or _is_measured(speed))
-    return named and _table_of(_is_measured)(item.get("quantities", {}))
-
-
-def _are_choices(item: Any) -> bool:
-    if not isinstance(item, dict):
-        return False
-    speeds, models = item.get("engine_speeds", []), item.get("spring_models", [])
-    return _are(is_number)(speeds) and _are(_is_text)(models)
-
-
-#: Entry of ``run.json`` -> whether a value is of its type.
-_SHAPE: dict[str, Callable[[Any], bool]] = {
-    **dict.fromkeys(("created_at", "digest", "case", "command"), _is_text), "files": _are(_is_text), "choices": _are_choices,
-    "quantities": _table_of(_is_measured), "quantities_by_label": _table_of(_table_of(_is_measured)), "runs": _are(_is_run),
-}  # fmt: skip

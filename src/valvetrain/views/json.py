@@ -148,7 +148,7 @@ def study_json(study: Study) -> dict[str, Any]:
             else {}
         ),
         "runs": [_run_object(run) for run in study.solutions],
-        "critical_speeds": [_critical_object(one) for one in study.critical_speeds],
+        "critical_speeds": [_critical_object(one) for one in study.critical_speeds.rows],
         "comparisons": [_comparison_object(row) for row in study.comparisons],
         "findings": [
             {name: getattr(one, name) for name in ("place", "statement", "computed", "verdict")}
