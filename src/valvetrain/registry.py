@@ -110,7 +110,6 @@ BUILT_IN["answers"] = {
 BUILT_IN["displays"] = {
     "verdict": "valvetrain.views.results:sentence_of",
     "html": "valvetrain.views.results:html_for_notebook",
-    "picture": "valvetrain.views.results:picture_for_notebook",
     "figure": "valvetrain.views.results:figure_for_user",
     "progress": "valvetrain.cli.progress:session_bar",
 }

@@ -57,7 +57,7 @@ def from_tester():
 DATA = {
     "StaticCurve": (lambda: at_rest()[0].curve, "compression", "stiffness, N/mm"),
     "ModalResult": (lambda: at_rest()[0].modes, "natural frequency", "axial displacement"),
-    "TrainModes": (train_modes, "moving", "share of kinetic energy, %"),
+    "TrainModes": (train_modes, "natural frequency", "share of kinetic energy, %"),
     "CriticalSpeeds": (critical_speeds, "contact-loss", "engine speed, rpm"),
     "Comparison": (lambda: published_study().comparisons[0], "published", ", N"),
     "MeasuredCycles": (cycles, "largest", "valve lift, mm"),

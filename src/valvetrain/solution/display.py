@@ -135,10 +135,3 @@ def heading(result: object) -> str:
     """The first line of the text of a result that is not its verdict."""
     sentence: str = registry.find("displays", "verdict")(result)
     return repr(result).removeprefix(sentence).strip().partition("\n")[0]
-
-
-def table_and_picture(result: object, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Verdict and picture of a result as on its page, below them its text and a table."""
-    first: str = registry.find("displays", "picture")(result)
-    sentence: str = registry.find("displays", "verdict")(result)
-    return first + table(repr(result).removeprefix(sentence).strip(), head, rows)

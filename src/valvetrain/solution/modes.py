@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import frame, table, table_and_picture, value_text
+from valvetrain.solution.display import frame, table, value_text
 from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.status import COMPLETED, Status
 
@@ -79,20 +79,6 @@ class ModalResult(Saveable):
         ]
         return "\n  ".join(
             [*lines, f"{len(self.axial_modes)} axial: {first}{more} Hz"] if first else lines
-        )
-
-    def _repr_html_(self) -> str:
-        kinds = [
-            "axial" if index in self.axial_modes else ""
-            for index in range(len(self.natural_frequency))
-        ]
-        numbers = zip(self.natural_frequency, self.axial_transmission, kinds, strict=True)
-        rows = [
-            (str(number), value_text(one, "Hz"), f"{share:.3g}", kind)
-            for number, (one, share, kind) in enumerate(numbers, start=1)
-        ]
-        return table_and_picture(
-            self, ("mode", "natural frequency", "axial transmission", ""), rows
         )
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -231,13 +217,6 @@ class TrainModes(Saveable):
         first = ", ".join(f"{one:.5g}" for one in self.natural_frequency[:6])
         more = ", ..." if len(self.natural_frequency) > 6 else ""
         return f"TrainModes of {self.label}, {self.state}, {value_text(self.valve_lift, 'm')} of lift\n  {first}{more} Hz"
-
-    def _repr_html_(self) -> str:
-        rows = [
-            (str(mode + 1), value_text(one, "Hz"), self.moving(mode))
-            for mode, one in enumerate(self.natural_frequency)
-        ]
-        return table_and_picture(self, ("mode", "natural frequency", "moving"), rows)
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row per mode: natural frequency (Hz), and the share of every part in the kinetic

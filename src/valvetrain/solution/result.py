@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from valvetrain.errors import InputError, NamedNumbers
 from valvetrain.solution.channels import ChannelArrays, DatasetField, Variable, empty_channels
-from valvetrain.solution.display import frame, span, table_and_picture, value_text, verdict_first
+from valvetrain.solution.display import frame, span, value_text, verdict_first
 from valvetrain.solution.facts import Fact
 from valvetrain.solution.provenance import Provenance
 from valvetrain.solution.quantity import unit_of
@@ -227,10 +227,6 @@ class Solution(Saveable):
         if self.gaps:
             lines.append(f"{len(self.gaps)} not found: {self.gaps[0]}")
         return verdict_first(self, lines)
-
-    def _repr_html_(self) -> str:
-        rows = [(name, value_text(value, unit_of(name))) for name, value in self.quantities.items()]
-        return table_and_picture(self, ("quantity", "value"), rows)
 
     def _head(self) -> str:
         speed = f", {value_text(self.engine_speed, 'rad/s')}" if self.engine_speed else ""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from valvetrain.errors import InputError
-from valvetrain.solution.display import frame, span, table_and_picture, value_text
+from valvetrain.solution.display import frame, span, value_text
 from valvetrain.solution.modes import ModalResult, check_shapes
 from valvetrain.solution.saveable import Saveable
 from valvetrain.solution.status import COMPLETED, Status
@@ -140,18 +140,6 @@ class StaticCurve(Saveable):
                 f"stiffness {value_text(self.stiffness[0], 'N/m')} first, {value_text(self.stiffness[-1], 'N/m')} last{pairs}"
             )
         return "\n  ".join(lines)
-
-    def _repr_html_(self) -> str:
-        count = len(self.compression)
-        chosen = np.unique(np.linspace(0, count - 1, min(count, 12)).astype(int))
-        numbers = zip(
-            self.compression[chosen], self.force[chosen], self.stiffness[chosen], strict=True
-        )
-        rows = [
-            (value_text(one, "m"), value_text(force, "N"), value_text(rate, "N/m"))
-            for one, force, rate in numbers
-        ]
-        return table_and_picture(self, ("compression", "force", "stiffness"), rows)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Force, stiffness, gaps and contact forces of the coils (SI) by compression (m);

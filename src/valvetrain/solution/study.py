@@ -15,7 +15,7 @@ from valvetrain.errors import InputError, UnknownNameError
 from valvetrain.solution.comparison import Comparison, Finding
 from valvetrain.solution.critical import CriticalSpeeds
 from valvetrain.solution.definition import is_defined
-from valvetrain.solution.display import table_and_picture, value_text, verdict_first
+from valvetrain.solution.display import value_text, verdict_first
 from valvetrain.solution.facts import Fact
 from valvetrain.solution.modes import TrainModes
 from valvetrain.solution.provenance import CaseRecord, Provenance
@@ -25,7 +25,6 @@ from valvetrain.solution.quantity import (
     known_speed,
     named,
     same_speed,
-    unit_of,
 )
 from valvetrain.solution.result import Solution
 from valvetrain.solution.saveable import Reported
@@ -147,28 +146,6 @@ class Study(Reported):
             f"{label}: motion does not repeat at {', '.join(speeds)} rpm"
             for label, speeds in found.items()
         ]
-
-    def _repr_html_(self) -> str:
-        names = list(dict.fromkeys(name for run in self.solutions for name in run.quantities))[:5]
-        rows = [
-            (
-                run.label,
-                value_text(run.engine_speed, "rad/s"),
-                run.status.code,
-                *(
-                    value_text(run.quantities[name], unit_of(name))
-                    if name in run.quantities
-                    else ""
-                    for name in names
-                ),
-            )
-            for run in self.solutions
-        ]
-        return table_and_picture(
-            self,
-            ("run", "engine speed", "status", *(name.replace("_", " ") for name in names)),
-            rows,
-        )
 
     def to_pandas(self) -> pandas.DataFrame:
         """All named numbers (SI), one row each: quantity, label, engine_speed (rad/s), value, unit."""

@@ -14,7 +14,7 @@ from valvetrain import registry
 from valvetrain.errors import InputError, MissingExtraError, RunFailedError, UnknownNameError
 from valvetrain.solution.atomic import write_text
 from valvetrain.solution.definition import label_cut_off
-from valvetrain.solution.display import table
+from valvetrain.solution.display import MAX_ROWS, table
 from valvetrain.solution.force_peak import bandwidth_of
 from valvetrain.solution.partial_failures import TRACEBACK_VARIABLE, PartialFailures
 from valvetrain.solution.provenance import CaseRecord
@@ -232,7 +232,7 @@ def figure_for_user(result: object, name: str = "") -> go.Figure:
     raise UnknownNameError(name, figures_of(answer), "figure")
 
 
-def picture_for_notebook(result: object) -> str:
+def _picture_for_notebook(result: object) -> str:
     """Verdict and rows of a result as HTML; empty where they cannot be made, which must never cost the result."""
     try:
         answer = answer_of(result)
@@ -245,12 +245,13 @@ def picture_for_notebook(result: object) -> str:
         return ""
 
 
-def html_for_notebook(result: object) -> str:
-    """The same, the text of the result, and its first table where it has no rows."""
-    head, first = picture_for_notebook(result), None
+def html_for_notebook(result: Any) -> str:
+    """The same, the text of the result, and its first table or its data where it has no rows."""
+    head, first, data = _picture_for_notebook(result), None, ""
     with suppress(Exception):  # as there
         answer = answer_of(result)
         if answer is not None and not answer.lines:
             first = next(iter(answer.tables().values()), None)
+            data = "" if first else result.to_pandas().to_html(max_rows=MAX_ROWS)
     text = repr(result).removeprefix(sentence_of(result)).strip()
-    return head + table(text, first.columns if first else (), first.rows if first else ())
+    return head + table(text, first.columns if first else (), first.rows if first else ()) + data
