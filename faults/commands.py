@@ -70,6 +70,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "sweep": ("sweep", *TRAIN, "--engine-speed", "1000:4000:500 rpm", "--no-critical-speeds", "--workers", "2"),
     "compare-springs": ("compare-springs", "job-c", "job-t", "--train", "tdi-pushrod", "--engine-speed", "2000 rpm", "--spring", "massless"),
     "run-up": ("run-up", *TRAIN, "--from", "1000 rpm", "--to", "1500 rpm", "--duration", "0.2 s"),
+    "branches": ("branches", "tdi-pushrod", "--spring", "massless", "--engine-speed", "1000:1500:500 rpm"),
     "static": ("static", "small.toml", "--spring", "massless,multi-mass"),
     "modes": ("modes", "small.toml", "--spring", "multi-mass"),
     "refine": ("refine", "small.toml", "--set", "spring.options.finite-element.elements_per_coil=8", "--workers", "1"),

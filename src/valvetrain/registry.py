@@ -50,6 +50,7 @@ BUILT_IN["commands"] = {
     "study": "valvetrain.explore.command:register",
     "optimise": "valvetrain.explore.command:register_optimise",
     "run-up": "valvetrain.cli.run:register_run_up",
+    "branches": "valvetrain.cli.branches:register",
     "static": "valvetrain.cli.static:register",
     "modes": "valvetrain.cli.static:register_modes",
     "refine": "valvetrain.cli.refine:register_refine",
@@ -93,6 +94,7 @@ BUILT_IN["answers"] = {
     "ModalResult": "valvetrain.views.data:modes",
     "TrainModes": "valvetrain.views.data:train_modes",
     "CriticalSpeeds": "valvetrain.views.data:critical_speeds",
+    "Branches": "valvetrain.views.branches:BranchesAnswer",
     "Comparison": "valvetrain.views.data:comparison",
     "MeasuredCycles": "valvetrain.views.data:measured_cycles",
     "ModelAgainstTest": "valvetrain.compare_test.answer:AgainstTestAnswer",
@@ -230,6 +232,7 @@ BUILT_IN["rules"] = {
 #: Tables of rules on other results than studies; the answer of each judges by its own.
 BUILT_IN["other_rules"] = {
     "case": "valvetrain.findings.rules_case:RULES",
+    "branches": "valvetrain.findings.rules_branches:RULES",
     "scan": "valvetrain.scan.rules:RULES",
     "film": "valvetrain.film.rules:RULES",
     "refine": "valvetrain.findings.rules_refine:RULES",

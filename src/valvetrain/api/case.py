@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from valvetrain.explore.optimum import Optimum
     from valvetrain.explore.table import StudyTable
     from valvetrain.runs.error_bars import UncertaintyStudy
+    from valvetrain.solution.branches import Branches
     from valvetrain.solution.critical import CriticalSpeeds
     from valvetrain.solution.result import Solution
     from valvetrain.solution.static import StaticCurve
@@ -245,6 +246,12 @@ class Case:
         from valvetrain.runs.api import critical_speeds
 
         return critical_speeds(self.parameters, engine_speeds, model, **options)
+
+    def branches(self, engine_speeds: Any, model: Any = (), **options: Any) -> Branches:
+        """Motions of its train over engine speed, rising and falling; as :func:`valvetrain.runs.branches`."""
+        from valvetrain.runs.branch_march import branches
+
+        return branches(self.parameters, engine_speeds, model, **options)
 
     def static(self, largest_compression: Any = None, **options: Any) -> StaticCurve:
         """Force over compression of its spring; as :func:`valvetrain.static_curve`."""

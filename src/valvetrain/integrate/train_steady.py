@@ -255,6 +255,12 @@ def scaled_cycle(
     return cycle, _pack(template, runner) * weights, weights
 
 
+def unscaled(runner: TrainRunner, template: TrainState, scaled: Array) -> TrainState:
+    """The state that a scaled one (n,) of :func:`scaled_cycle` stands for; ``template`` as there."""
+    weights = _weights(template, runner)
+    return _unpack(scaled / np.where(weights > 0, weights, 1.0), template, runner)
+
+
 def train_multipliers(settled: SteadyTrain) -> ComplexArray:
     """The largest multipliers of the orbit of a train, the largest first; see :func:`multipliers`."""
     cycle, orbit, weights = scaled_cycle(settled.runner, settled.start)

@@ -1,3 +1,4 @@
+from valvetrain.solution.branches import Branches as Branches
 from valvetrain.solution.comparison import Comparison as Comparison
 from valvetrain.solution.critical import CriticalSpeeds as CriticalSpeeds
 from valvetrain.solution.modes import ModalResult as ModalResult
