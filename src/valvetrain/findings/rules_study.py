@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_train import BARELY, CONTACT, FLOAT, cause, rigid_force
+from valvetrain.findings.rules_train import BARELY, BOUNCE, CONTACT, FLOAT, cause, rigid_force
 from valvetrain.findings.words import COARSE, Amount, Phrase, Said, joined, speed_text, speeds_text
 from valvetrain.solution.definition import label_of
 from valvetrain.solution.facts import with_code
@@ -164,6 +164,21 @@ def all_lose(facts: Facts) -> Iterator[Hit]:
         yield Hit(most, None, 0.0, fields)
 
 
+def some_bounce(facts: Facts) -> Iterator[Hit]:
+    """Every model of a comparison keeps contact at one speed, and by one of them the valve bounces."""
+    held, lost = _votes(facts)
+    if facts.study.command != "compare" or lost or len(held) < 2:
+        return
+    every = {run.model: facts.amount(run, "bounce_height") for run in held}
+    over = {model: one for model, one in every.items() if one and one.value - one.bar > BOUNCE}
+    if over:
+        least, most = (way(over.values(), key=lambda one: one.value) for way in (min, max))
+        yield Hit(most, None, BOUNCE, {
+            "least": least, "most": most, "lost": joined(list(over)), "speed": speed_text(facts.speeds[-1]),
+            "kept": joined([model for model in every if model not in over]),
+        })  # fmt: skip
+
+
 def peaks(facts: Facts) -> Iterator[Hit]:
     """The range of the peak force that a spring alone has by the models of a comparison, and which one decides."""
     runs = () if facts.train else facts.models
@@ -255,10 +270,12 @@ RUN_UP = (
 MODELS = (
     Rule("M101", "decides", "control ends about here: {lost} loses contact at {speed}", disagree, CONTACT[:1],
          "{value} left by {kept}", "valvetrain sweep {case} --spring wave-rod", guide="models.md", mark="warn"),
+    Rule("M106", "decides", "the valve bounces {least..most} at {speed} by {lost}", some_bounce, ("bounce_height",),
+         "[by {kept} it stays on its seat]", RUN, guide="how-to/10-seating.md"),
     Rule("M102", "decides", "in control by {count} models: {least..most} left on the cam at {speed}", all_hold, CONTACT[:1],
-         DECIDES, SWEEP, guide="models.md", mark="ok"),
+         DECIDES, RUN, guide="models.md", mark="ok", unless=("M106",)),
     Rule("M103", "decides", "in control by {count} models, barely: {least..most} left on the cam at {speed}", all_barely,
-         CONTACT[:1], DECIDES, SWEEP, guide="models.md", mark="warn"),
+         CONTACT[:1], DECIDES, RUN, guide="models.md", mark="warn", unless=("M106",)),
     Rule("M104", "decides", "contact is lost by {count} models at {speed}: [{limit}][{least..most} open]", all_lose, CONTACT,
          "{lead} decides[: {cause}]", RUN, guide="models.md"),
 )  # fmt: skip

@@ -8,14 +8,17 @@ from collections.abc import Iterator, Sequence
 from valvetrain.findings.control import Loss
 from valvetrain.findings.engine import Fields, Hit, Rule
 from valvetrain.findings.facts import Facts
-from valvetrain.findings.rules_train import CONTACT, cause, cause_text
+from valvetrain.findings.rules_train import CONTACT, cause, cause_text, landing
 from valvetrain.findings.words import Amount, Phrase, Said, about, joined, speed_text
 from valvetrain.solution.critical import RPM, CriticalSpeed, SpeedBracket, places_text
 
 #: Kind of critical speed -> what the valve does from there.
 DOES = {"contact-loss": "loses the {place}", "float": "floats", "bounce": "bounces"}
 #: Cause of the end of a range -> what is said of it.
-ENDS = {"force": "a tenth of the force", "ends": "ends that would pull", "revolution": "revolution"}
+ENDS = {
+    "force": "a tenth of the force", "ends": "ends that would pull", "revolution": "scatter of revolutions", "model": "spring model",
+    "step": "time step",
+}  # fmt: skip
 SPEED = "contact_loss_engine_speed"
 #: Share of a critical speed from which its range is named, and within which two springs are alike.
 WIDE, ALIKE = 0.004, 0.01
@@ -29,14 +32,19 @@ def does(row: CriticalSpeed) -> Phrase:
     return Phrase(DOES[row.kind], {"place": place})
 
 
-def why(facts: Facts, loss: Loss) -> str:
-    """Why control is lost: by the search where it looked at that onset, else by the first run within."""
+def why(facts: Facts, loss: Loss) -> Said:
+    """Why control is lost: by the search where it looked at that onset, else by the first run within; of a bounce how the
+    valve lands.
+    """
     row, span = loss.row, loss.ranges[0]
     if row.cause and loss.at_onset:
         return cause_text(row.cause, row.surge_order)
     runs = (run for run in (*facts.runs, *facts.beyond) if run.label == row.label)
     low, high = span.lower_engine_speed, span.upper_engine_speed
-    within = (run for run in runs if low <= run.engine_speed <= high)
+    within = [run for run in runs if low <= run.engine_speed <= high]
+    if row.kind == "bounce":
+        fields = next((fields for run in within if (fields := landing(facts, run))), {})
+        return Phrase("it lands at {velocity}[ on {part}]", fields) if fields else ""
     return next((cause(run, lost) for run in within if (lost := facts.losses(run))), "")
 
 
@@ -51,7 +59,7 @@ def range_of(row: CriticalSpeed) -> tuple[Fields, float]:
     width = high - low if math.isfinite(high) and low > 0 else 0.0
     begin = f"below {speed_text(row.first_engine_speed, '')}" if low <= 0 else about(low)
     end = about(high) if math.isfinite(high) else f"above {speed_text(row.last_engine_speed, '')}"
-    causes = ", ".join(ENDS.get(one, one) for one in row.causes)
+    causes = joined([ENDS.get(one, one) for one in row.causes])
     return {"range": f"{begin} to {end}", "over": causes}, width / 2
 
 
@@ -285,7 +293,7 @@ def _more(found: list[tuple[str, float]], name: str) -> Hit:
 
 
 LOSS = "{does} at {speed}[, {short} short of the red line][ ({label})]"
-RANGE = "[{range}: {over}]"
+RANGE = "[limit {range} rpm, by {over}]"
 COMPARE = "[valvetrain compare {case} --engine-speed '{round} rpm']"
 KEPT = (*CONTACT, "float_excess_lift")
 LEFT = "[{most} and {least} left on the cam at {there}]"

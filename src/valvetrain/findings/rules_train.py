@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from valvetrain.findings.engine import Fields, Hit, Rule, above, below, per_run
 from valvetrain.findings.facts import LOST, TURN, Facts, cam_angles, open_mask, over_turn
 from valvetrain.findings.words import Amount, joined
-from valvetrain.quantities.loss_cause import leading_loss
+from valvetrain.quantities.loss_cause import float_and_losses, leading_loss
 from valvetrain.solution.result import Solution
 from valvetrain.solution.status import Cause, Event
 
@@ -30,7 +31,7 @@ CAUSES: dict[str, str] = {
 }
 
 
-def cause(run: Solution, events: list[Event]) -> str:
+def cause(run: Solution, events: Sequence[Event]) -> str:
     """Why contact is lost, by the loss of contact whose cause is that of all."""
     leading = leading_loss(events)
     code = "" if leading is None else str(leading.details.get("cause", ""))
@@ -44,9 +45,8 @@ def cause_text(code: str, order: float) -> str:
     )
 
 
-def loss(facts: Facts, run: Solution) -> Hit | None:
-    """The longest gap of a contact of the drive while the valve is open by more than a tenth of its lift."""
-    events = facts.losses(run)
+def loss(facts: Facts, run: Solution, events: Sequence[Event]) -> Hit | None:
+    """The largest gap of a contact of the drive among ``events``, those at the cam before others."""
     if not events:
         return None
     cam = any(one.where == "cam" for one in events)
@@ -86,7 +86,8 @@ def lobe_part(facts: Facts, run: Solution, cam_angle: float) -> str:
 @per_run
 def flight(facts: Facts, run: Solution) -> Hit | None:
     """The longest flight off the cam, and whether the motion repeats."""
-    flights = [one for one in facts.losses(run) if one.where == "cam"]
+    losses = facts.losses(run)
+    flights = [one for one in losses if one.where == "cam"]
     if not flights:
         return None
     longest = max(flights, key=lambda one: one.duration)
@@ -98,7 +99,10 @@ def flight(facts: Facts, run: Solution) -> Hit | None:
     if landing is not None:
         # to where the cam is met again, which may be after the valve of rigid parts has closed
         lasts = (float(landing) - longest.cam_angle) % TURN / (run.engine_speed / 2)
+    widest = losses[0]
     fields: Fields = {
+        "gap": Amount("loft_gap", widest.size) if widest.where != "cam" else "",
+        "place": widest.where.replace("_", " "),
         "repeats": repeats,
         "scatter": "" if repeats or scatter is None else scatter,
         "angle": Amount("loft_cam_angle", longest.cam_angle % TURN),
@@ -107,34 +111,62 @@ def flight(facts: Facts, run: Solution) -> Hit | None:
     return Hit(Amount("loft_duration", lasts), run, fields=fields)
 
 
-@per_run
-def lands(facts: Facts, run: Solution) -> Hit | None:
-    """The part of the lobe on which the valve meets its seat, of a cam whose ramp is known."""
+def landing(facts: Facts, run: Solution) -> Fields:
+    """Where and how fast the valve meets its seat, and on which part of a lobe whose ramp is known; empty where no such
+    thing was found.
+    """
     angle, ramp = (
         facts.amount(run, "seating_cam_angle"),
         facts.value(run, "closing_ramp_begin_cam_angle"),
     )
-    if angle is None or not math.isfinite(ramp):
+    velocity = facts.amount(run, "seating_velocity")
+    if angle is None or velocity is None:
+        return {}
+    part = lobe_part(facts, run, angle.value)
+    if not part and math.isfinite(ramp):
+        before = (ramp - angle.value) % TURN < TURN / 4
+        part = f"the {'closing flank' if before else 'base circle'}"
+    return {"angle": angle, "velocity": velocity, "part": part}
+
+
+@per_run
+def lands(facts: Facts, run: Solution) -> Hit | None:
+    """The part of the lobe on which the valve meets its seat, of a cam whose ramp is known."""
+    fields = landing(facts, run)
+    if not fields or not math.isfinite(facts.value(run, "closing_ramp_begin_cam_angle")):
         return None
-    before = (ramp - angle.value) % TURN < TURN / 4
-    part = (
-        lobe_part(facts, run, angle.value) or f"the {'closing flank' if before else 'base circle'}"
-    )
-    return Hit(angle, run, fields={"part": part}, severity=run.engine_speed)
+    return Hit(facts.amount(run, "seating_cam_angle"), run, None, fields, run.engine_speed)
+
+
+bounced = above("bounce_height", BOUNCE)
+
+
+def bounces(facts: Facts) -> Iterator[Hit]:
+    """The valve bounces off its seat by more than 0.1 mm."""
+    for hit in bounced(facts):
+        yield (
+            hit
+            if hit.run is None
+            else replace(hit, fields={**hit.fields, **landing(facts, hit.run)})
+        )
 
 
 @per_run
 def floats(facts: Facts, run: Solution) -> Hit | None:
     """The cam is left while the valve is open, and the valve flies above the path of rigid parts by 0.05 mm."""
-    over = run.quantities.get("float_excess_lift", 0.0)
-    hit = loss(facts, run) if over > FLOAT else None
-    return hit and Hit(facts.amount(run, "float_excess_lift"), run, FLOAT, hit.fields)
+    largest, around = float_and_losses(run)
+    if largest is None or largest.size <= FLOAT or not facts.losses(run):
+        return None
+    begins = loss(facts, run, around)
+    fields = {} if begins is None else begins.fields
+    causes = {"cause": cause(run, [largest, *around])}
+    return Hit(facts.amount(run, "float_excess_lift"), run, FLOAT, {**fields, **causes})
 
 
 @per_run
 def loses(facts: Facts, run: Solution) -> Hit | None:
     """A contact of the drive opens while the valve is open, but the valve follows its path."""
-    return loss(facts, run)
+    return loss(facts, run, facts.losses(run))
 
 
 def _kept(facts: Facts, little: bool) -> Iterator[Hit]:
@@ -219,19 +251,21 @@ RULES = (
          "how-to/09-loft.md", unless=("U", "W10", "D10")),
     Rule("C102", "decides", "contact is lost at the {place}[, {gap} open][ for {value}][ {at}]", loses, CONTACT,
          "[{cause}]", SWEEP, "[opens at {angle}][, meets at {landing}][ on {part}]", "how-to/09-loft.md", unless=("U", "W10", "D10", "C101")),
+    Rule("C105", "decides", "the valve bounces {value} off its seat[ {at}]", bounces, ("bounce_height",),
+         "[it lands at {velocity}][ on {part}]", SWEEP, "bounces", "how-to/10-seating.md", unless=("U", "W10", "D10", "M1", "C101", "C102")),
     Rule("C103", "decides", "in control, barely: {value} left on the cam[ at {angle}][ {at}]", barely, CONTACT,
          "rigid parts would leave {rigid}", SWEEP, "rigid parts {rigid}", "how-to/09-loft.md", "warn", ("U", "W10", "D10", "C10")),
     Rule("C104", "decides", "in control: {value} left on the cam[ at {angle}][ {at}]", kept, CONTACT,
          "[rigid parts would leave {rigid}]", SWEEP, mark="ok", unless=("U", "W10", "D10", "C10")),
-    Rule("C110", "warns", "the valve bounces {value} off its seat[ {at}]", above("bounce_height", BOUNCE), ("bounce_height",),
-         remark="bounces", guide="how-to/10-seating.md"),
+    Rule("C110", "warns", "the valve bounces {value} off its seat[ {at}]", bounces, ("bounce_height",),
+         remark="bounces", guide="how-to/10-seating.md", unless=("C105",)),
     Rule("P102", "warns", "{value} left to the piston[ {at}]", below(PISTON[0], NEAR_PISTON), PISTON, remark="close",
          unless=("P101",)),
     Rule("V101", "warns", "the valve lands at {value}[ {at}], above your limit of {limit}",
          above("seating_velocity", "permitted_seating_velocity"), SEAT, remark="above {limit}",
          guide="how-to/10-seating.md"),
     Rule("C122", "notes", f"the longest flight lasts {{value}}[, from {{angle}}][ to {{landing}}][ {{at}}]{AGAIN}", flight, ("loft_gap",),
-         remark=f"longest {{value}}{AGAIN}", guide="how-to/09-loft.md"),
+         remark=f"longest {{value}}[, {{gap}} at the {{place}}]{AGAIN}", guide="how-to/09-loft.md"),
     Rule("V103", "notes", "the valve meets its seat at {value}[ {at}], on {part}", lands, SEAT, remark="at {value}, {part}",
          guide="how-to/10-seating.md"),
     Rule("L101", "notes", "flex takes {value} of lift[ and {shorter} of open time][ {at}]", flex, FLEX,
@@ -240,7 +274,7 @@ RULES = (
          above("seating_velocity", SMOOTH), SEAT, step="set permitted_seating_velocity for a limit of your own",
          guide="limits.md", unless=("V101",)),
     Rule("C121", "notes", "a fifth above inertia asks for {closed} on the seat and {open} at full lift[ {at}]; you have {have} and {full}",
-         needs, NEEDED, "or {rate} at your seat load", remark="you have {have..full}",
+         needs, NEEDED, "or {rate} at your seat load", remark="by rigid parts; you have {have..full}",
          guide="how-to/01-spring-loads.md"),
     Rule("C120", "notes", "a contact opens by {value} at the {place} near the seat, which loses no control", near_seat,
          ("loss_of_contact_duration",), guide="how-to/09-loft.md", unless=("C101", "C102", "U101")),

@@ -273,7 +273,7 @@ RULES = (
     Rule("L210", "decides", "{name} is {value:4} in the case", carried, IN_CASE, "[the noise of the lift moves it by ± {spread:2}]",
          "[valvetrain run {case}]", mark=""),
     Rule("L211", "decides", "good enough to simulate, {first} {value:4}[, {second} {more:3}]", good, (),
-         "its acceleration is known within {share}", "[valvetrain check {case}]",
+         "its acceleration is known within {share}", "add --case with your train, or copy the [lift_law] of [{case}] into it",
          mark="ok", unless=("L20", "L210")),
     Rule("L212", "decides", "{first} {value:4}, {second} {more:4}", timed, (), "of the events as they were typed in",
          "write them into the [lift_law] of a case, with its lift", mark="ok"),

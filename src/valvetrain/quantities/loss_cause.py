@@ -46,29 +46,34 @@ def loss_cause(
     ``places`` (``cam``, ``valve_tip``) that has no gap yet has that of the moment at which the force there
     is least in the ``window`` (begin, end in cam rad) of the open valve. Empty where none is known.
     """
-    losses = [one for one in solution.events if one.kind in LOSSES]
-    turn = len(solution.time) * float(solution.time[1] - solution.time[0])
     if kind == "float":
-        floats = [one for one in solution.events if one.kind == "float"]
-        largest = max(floats, key=lambda one: one.size, default=None)
-        if largest is None:
-            return {}
-        around = [one for one in losses if _holds(one, largest.cam_angle, turn)]
+        largest, around = float_and_losses(solution)
         # vibration is what is left where neither inertia nor surge shows, so either of both goes before it
-        return max((largest, *around), key=_evidence).details
+        return {} if largest is None else max((largest, *around), key=_evidence).details
     if kind != "contact-loss":
         return {}
     begin, end = window
     here = [
         one
-        for one in losses
-        if one.where in places
-        and ((one.cam_angle - begin) % TURN <= end - begin or _holds(one, begin, turn))
+        for one in solution.events
+        if one.kind in LOSSES
+        and one.where in places
+        and ((one.cam_angle - begin) % TURN <= end - begin or _holds(one, begin, solution))
     ]
     if (leading := leading_loss(here)) is not None:
         return leading.details
     sample = least_force_sample(solution, places, window)
     return {} if sample is None else cause_in(solution, rigid, np.array([sample]))
+
+
+def float_and_losses(solution: Solution) -> tuple[Event | None, list[Event]]:
+    """The largest float of a run, None without any, and the losses of contact that are open as it begins."""
+    floats = [one for one in solution.events if one.kind == "float"]
+    largest = max(floats, key=lambda one: one.size, default=None)
+    if largest is None:
+        return None, []
+    losses = (one for one in solution.events if one.kind in LOSSES)
+    return largest, [one for one in losses if _holds(one, largest.cam_angle, solution)]
 
 
 def least_force_sample(
@@ -86,9 +91,9 @@ def least_force_sample(
     return int(inside[np.argmin(np.min(np.stack(forces), axis=0)[inside])])
 
 
-def _holds(loss: Event, cam_angle: float, turn: float) -> bool:
-    """Whether a contact lost in an event, of a ``turn`` in s, is open at a cam angle (rad)."""
-    return (cam_angle - loss.cam_angle) % TURN <= loss.duration / turn * TURN
+def _holds(loss: Event, cam_angle: float, solution: Solution) -> bool:
+    """Whether a contact that is lost in an event of a run is open at a cam angle (rad)."""
+    return (cam_angle - loss.cam_angle) % TURN <= loss.duration * solution.engine_speed / 2
 
 
 def _evidence(event: Event) -> tuple[int, float]:

@@ -105,7 +105,7 @@ class CaseAnswer(ShownByRules):
                 (
                     "open",
                     self.words.amount(wide),
-                    f"above 0.050 in of {'lobe' if driven else 'valve' if gear else 'spring'} lift",
+                    f"above 0.050 in of {'lobe' if driven else 'valve' if gear else 'spring' if case.springs else 'this'} lift",
                 )
             )
         speeds = case.operation.engine_speeds

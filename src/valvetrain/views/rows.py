@@ -99,7 +99,7 @@ ROWS = (
     Row("surge", ("{surge_amplitude_force}",), "0 to peak"),
     Row("coil bind", ("{coil_bind_clearance} left",), "at full lift", limit=Limit("coil_bind_clearance", NEAR, least=True)),
     Row("wire, shear", ("{minimum_shear_stress..peak_shear_stress}", "{closed_nominal_shear_stress..open_nominal_shear_stress} at rest"),
-        "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="at rest {value} of {limit} permitted")),
+        "least to most", limit=Limit("open_uncorrected_shear_stress", "permitted_shear_stress", text="uncorrected {value} of {limit} permitted")),
     Row("valve open", ("{valve_50_thou_open_crank_angle_range}",), "above 0.050 in of valve lift", "train"),
     Row("lift lost", ("[{lift_loss_displacement:2}]",), "to flex", "train"),
     Row("open time lost", ("[{valve_50_thou_lost_crank_angle_range:2}]",), "to flex", "train"),

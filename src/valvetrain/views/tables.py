@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from valvetrain.findings.facts import TURN
+from valvetrain.findings.facts import LOST, TURN
 from valvetrain.findings.words import COARSE, Amount, digits_text, speed_text
 from valvetrain.solution.definition import is_defined, label_of, topics
 from valvetrain.solution.result import Solution
@@ -18,6 +18,8 @@ from valvetrain.views.text import CAUSES
 
 #: Runs that stand side by side; more are rows. Events of a run that are listed, the largest.
 SIDE_BY_SIDE, EVENTS = 8, 12
+#: Kinds of events by which control is lost, which a table of events has first.
+CONTROL = (*LOST, "float", "bounce")
 #: Unit of the size of an event -> a quantity of its kind, which gives digits and the reader's unit.
 SIZES = {"N": "peak_clash_force", "m": "loft_gap", "m/s": "seating_velocity", "s": "loft_duration"}
 
@@ -90,7 +92,7 @@ def source(answer: ShownStudy) -> TextTable:
 
 
 def events(answer: ShownStudy) -> TextTable:
-    """The largest events of every run that decides."""
+    """What is lost of control in every run that decides, and its largest events."""
     rows = []
     for run in answer.facts.runs:
         for one in _largest(run):
@@ -106,7 +108,9 @@ def events(answer: ShownStudy) -> TextTable:
 
 def _largest(run: Solution) -> list[Event]:
     lead = [one for one in run.events if one.kind != "seating" or one.details.get("touch") == 1]
-    largest = sorted(lead, key=lambda one: -one.size)[:EVENTS]
+    largest = sorted(lead, key=lambda one: (one.kind not in CONTROL or not one.counts, -one.size))[
+        :EVENTS
+    ]
     return sorted(largest, key=lambda one: one.cam_angle)
 
 
