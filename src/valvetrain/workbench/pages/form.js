@@ -1,4 +1,4 @@
-// The form of a case: groups of fields; a change is sent at once, a refusal stands below its field, the last valid value is kept.
+// The form of a case: groups of fields; a change is sent at once, a refusal stands below its field, the last valid value stays.
 export default {
   emits: ["change", "add"],
   props: { groups: Array, additions: Array, open: Array },
